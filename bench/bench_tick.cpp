@@ -1,9 +1,9 @@
-// CPU time of the tick and of its parts, with one object in the hand.
+// Measures the CPU time of the tick and of its parts, with one object in the hand.
 //
 //   bench_tick [--benchmark_filter=Tick] [--benchmark_repetitions=5]
 //
-// The figures of the whole system, with its percentiles, are those of `wholehand experiment
-// timing`; these show which part changed, on the same machine.
+// `wholehand experiment timing` gives the figures and percentiles of the whole system. This
+// benchmark shows which part changed on the same machine.
 #include "bench/rig_files.hpp"
 #include "experiments/grasp_script.hpp"
 #include "files/text/text_file.hpp"
@@ -23,7 +23,7 @@
 namespace wholehand {
 namespace {
 
-/// Scratch space that goes when the program ends.
+/// Temporary folder that is removed when the program ends.
 class Folder {
  public:
   Folder()
@@ -48,7 +48,7 @@ const Folder& folder() {
   return folder;
 }
 
-/// A cylinder grasped, lifted and held; from there on the patient holds still.
+/// A rig whose hand has grasped and lifted a cylinder; from then on the patient holds still.
 struct Holding {
   std::unique_ptr<Rig> rig;
   TickRecord record;
@@ -94,8 +94,8 @@ class Laps final : public StageListener {
   StageClock& clock_;
 };
 
-// Collision detection and the contact solver, inside the tick they belong to: on its own the step
-// would leave the grasp.
+// Times collision detection and the contact solver inside their tick. The step alone would lose the
+// grasp.
 void physicsStep(benchmark::State& state) {
   Holding& h = holding();
   StageClock clock;
@@ -122,7 +122,7 @@ void dynamics(benchmark::State& state) {
 }
 BENCHMARK(dynamics)->Name("h, M, their reduction and its inverse");
 
-// The mean of many ticks: most only fill a buffer, some bring a chunk of rows to the disk.
+// Mean over many ticks. Most ticks only fill a buffer; some write a chunk of rows to the disk.
 void recordingAppend(benchmark::State& state) {
   const Rig& rig = *holding().rig;
   RecordingMeta meta;

@@ -1,12 +1,13 @@
-// One scene's ticks, for counting their instructions, timing them and telling whether their bits
-// have changed.
+// Runs the ticks of one scene, to count their instructions, to time them and to detect changes of
+// their results.
 //
 //   measure_tick SCENE [TICKS]
 //
-// Prints the CPU time of a tick and a digest of all that the ticks computed. Two programs that
-// print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
-// SCENE-bare is the scene without contacts of the hand with itself, armature and energy tank.
-// SCENE may be "orders": then TICKS orders to the bodies of a game are obeyed in place of ticks.
+// Prints the CPU time of a tick and a digest of all results of the ticks. Two programs that print
+// the same digest computed bit-identical results. scripts/tick_cost.py runs this program under
+// Callgrind. SCENE-bare is the scene without self contacts of the hand, armature and energy tank.
+// If SCENE is "orders", the program executes TICKS commands to the bodies of a game instead of
+// ticks.
 #include "bench/rig_files.hpp"
 #include "experiments/complexity_scenes.hpp"
 #include "experiments/exercise_script.hpp"
@@ -35,24 +36,25 @@
 
 namespace wholehand {
 
-/// What Callgrind counts: its name is passed to --toggle-collect.
+/// The function whose instructions Callgrind counts; its name is passed to --toggle-collect.
 [[gnu::noinline]] void measuredTick(HapticRenderer& renderer, TickRecord& record) {
   renderer.tick(1, record);
 }
 
-/// The same of one order.
+/// The same for one command.
 [[gnu::noinline]] void measuredOrder(BodyPool& pool, const Command& order) {
-  pool.obey(order);
+  pool.apply(order);
 }
 
-/// Where Callgrind writes the count of one tick or order: its name is passed to --dump-before.
+/// Marks the point at which Callgrind writes the count of one tick or command; its name is passed
+/// to --dump-before.
 [[gnu::noinline]] void countedOne(const void* of) {
   asm volatile("" : : "r"(of) : "memory");
 }
 
 namespace {
 
-/// A rig, and how many of its ticks pass before those that are measured.
+/// A rig, and the number of its ticks before the measured ones.
 struct Prepared {
   std::unique_ptr<Rig> rig;
   int ticks_before = 0;
@@ -60,14 +62,14 @@ struct Prepared {
 
 constexpr double kEndless_s = 3600.0;
 
-/// SCENE-bare.
+/// Changes the models for SCENE-bare.
 void strip(Models& models, RigOptions& options) {
   models.hand.self_contacts.clear();
   for (AxisRendering& axis : models.rendering.axes) axis.armature = 0.0;
   options.uncertified = true;
 }
 
-/// The rest of SCENE-bare: another renderer of the same rig.
+/// Completes SCENE-bare: replaces the renderer of the rig by one without an energy tank.
 void leaveOutTank(Rig& rig) {
   RendererConfig config = rig.renderer->config();
   config.safety.tank = {};
@@ -82,8 +84,8 @@ ModelFiles barFiles() {
   return files;
 }
 
-/// The bar with its walls: the first dispenser is squeezed again and again, as in
-/// `wholehand experiment timing`.
+/// The bar with its walls. The first dispenser is squeezed repeatedly, as in `wholehand experiment
+/// timing`.
 Prepared squeezeInBar(int ticks_before, RigOptions options, bool bare = false) {
   Models models = orThrow(loadModels(barFiles()));
   const GripTarget target = firstDispenser(models);
@@ -132,7 +134,7 @@ Prepared holdObject(const std::string& shape, const RigOptions& options) {
 }
 
 /// A scene of `wholehand experiment complexity`: a pile of balls with the hand in it, or bodies
-/// that it cannot reach.
+/// that the hand cannot reach.
 Prepared swayAmong(ComplexityKind kind, int bodies, const RigOptions& options) {
   constexpr int kDown = 500;  // ticks until the hand presses
   Models models = orThrow(loadModels(filesOf("empty.toml")));
@@ -148,7 +150,7 @@ Models gameModels() {
   return orThrow(loadModels(files));
 }
 
-/// The hand at rest beside the parked slots of a game, or without any.
+/// The hand at rest, with the parked slots of a game or without slots.
 Prepared restBesideSlots(bool slots, const RigOptions& options) {
   Models models = gameModels();
   if (!slots) models.scene.game = {};
@@ -157,7 +159,7 @@ Prepared restBesideSlots(bool slots, const RigOptions& options) {
   return {orThrow(buildRig(std::move(models), std::move(aim), options)), 100};
 }
 
-/// A hand that closes by so much of its range and opens, again and again, and touches no body.
+/// A hand that repeatedly closes by `share` of its range and opens, without touching a body.
 Prepared closeInTheAir(double share, RigOptions options, bool bare) {
   constexpr double kHalf_s = 0.6, kSway_m = 0.05;
   constexpr int kTurns = 100;
@@ -177,7 +179,7 @@ Prepared closeInTheAir(double share, RigOptions options, bool bare) {
   return {orThrow(buildRig(std::move(models), std::move(aim), options)), 0};
 }
 
-/// Whether `scene` ends in -bare, which is taken away.
+/// Removes the suffix -bare from `scene`; returns true when it had the suffix.
 bool takeBare(std::string& scene) {
   constexpr std::string_view kBare = "-bare";
   if (!scene.ends_with(kBare)) return false;
@@ -186,7 +188,8 @@ bool takeBare(std::string& scene) {
 }
 
 Prepared prepareScene(const std::string& scene, bool bare, const RigOptions& options) {
-  constexpr int kSqueezed = 4000;  // of squeezeAgainAndAgain: the walls are felt, the grip is firm
+  // Tick of squeezeAgainAndAgain with rendered walls and a firm grip.
+  constexpr int kSqueezed = 4000;
   const auto counted = [&scene](const std::string& kind) {
     return scene.starts_with(kind) ? std::stoi(scene.substr(kind.size())) : -1;
   };
@@ -201,7 +204,7 @@ Prepared prepareScene(const std::string& scene, bool bare, const RigOptions& opt
   if (scene.starts_with("hold-")) return holdObject(scene.substr(5), options);
   if (const int n = counted("pile-"); n >= 0) return swayAmong(ComplexityKind::kPile, n, options);
   if (const int n = counted("far-"); n >= 0) return swayAmong(ComplexityKind::kFar, n, options);
-  if (scene == "drawer") return play(scene, 1, 4000, options);  // its bar is grasped and pulled
+  if (scene == "drawer") return play(scene, 1, 4000, options);  // the handle is grasped and pulled
   if (scene.starts_with("play-")) {
     return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
   }
@@ -219,7 +222,7 @@ Prepared prepare(std::string scene, const RigOptions& options) {
   return prepared;
 }
 
-/// FNV-1a over all that a tick computes.
+/// FNV-1a hash of everything that a tick computes.
 class Digest {
  public:
   void add(const TickRecord& r) {
@@ -273,12 +276,13 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
   orThrow(renderer.arm());
   TickRecord record;
   Digest digest;
-  const auto see = [&] {  // a virtual patient decides by what it sees
+  // Passes the record to a virtual patient, which bases its decisions on it.
+  const auto onRecord = [&] {
     if (prepared.rig->listener) prepared.rig->listener->afterTick(record);
   };
   for (int k = 0; k < prepared.ticks_before; ++k) {
     renderer.tick(1, record);
-    see();
+    onRecord();
     digest.add(record);
   }
   std::vector<std::int64_t> cpu_ns;
@@ -288,7 +292,7 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
     measuredTick(renderer, record);
     cpu_ns.push_back(threadCpuNow_ns() - began_ns);
     countedOne(&record);
-    see();
+    onRecord();
     digest.add(record);
     touched += record.contact_count > 0 ? 1 : 0;
   }
@@ -299,7 +303,7 @@ void measure(const std::string& scene, int ticks, const RigOptions& options) {
   std::printf("digest: %016llx\n", static_cast<unsigned long long>(digest.value()));
 }
 
-/// A prism with as many vertices as the shipped game's budget allows.
+/// A prism with the largest number of vertices that the shipped game's budget allows.
 Shape prism() {
   constexpr int kPoints = 32;
   constexpr double kRadius_m = 0.025, kHalf_m = 0.02;
@@ -313,7 +317,7 @@ Shape prism() {
   return orThrow(convexMesh(hull.points, hull.triangles));
 }
 
-/// Removes, spawns and teleports twenty bodies over the hand in turn, three orders a step.
+/// Removes, spawns and teleports twenty bodies above the hand in turn, three commands per step.
 void measureOrders(int orders, const RigOptions& options) {
   constexpr int kSlots = 20;
   const Models models = gameModels();
@@ -326,19 +330,21 @@ void measureOrders(int orders, const RigOptions& options) {
   Shape cube;
   cube.half_extents_m.setConstant(0.02);
   int set = 0;
+  // Prepares two sets of shapes: a cube and a prism.
   for (const Shape& shape : {cube, prism()}) {
     const PreparedShapes shapes = orThrow(prepareShapes({shape}, models.scene.game));
-    for (const Command& c : shapeCommands(set, shapes)) pool->obey(c);
+    for (const Command& c : shapeCommands(set, shapes)) pool->apply(c);
     ++set;
   }
   const AxisMatrix inverse = AxisMatrix::Identity(axes, axes);
   HandDrive drive;
   drive.effort = AxisEffort(axes);
   drive.reduced_inertia_inverse = &inverse;
-  const auto obey = [pool](const Command& order) {
+  const auto apply = [pool](const Command& order) {
     measuredOrder(*pool, order);
     countedOne(&order);
   };
+  // Each step replaces and teleports the body of one slot.
   for (int k = 0; 3 * k < orders; ++k) {
     const int slot = k % kSlots, generation = 1 + k / kSlots;
     SpawnOrder spawn;
@@ -348,9 +354,9 @@ void measureOrders(int orders, const RigOptions& options) {
     spawn.owner = BodyOwner::kFixed;
     spawn.pose = {Vec3::from({0.02 * (slot % 5), 0.03 * (slot / 5) - 0.05, 0.0}),
                   QuatXyzw::from(Eigen::Quaterniond::Identity())};
-    obey(removeCommand(slot, generation - 1));
-    obey(spawnCommand(spawn));
-    obey(teleportCommand(slot, generation, spawn.pose));
+    apply(removeCommand(slot, generation - 1));
+    apply(spawnCommand(spawn));
+    apply(teleportCommand(slot, generation, spawn.pose));
     if (any(world->step(drive, 1e-3) & kStoppingFaults)) throw std::runtime_error("a step failed");
   }
 }

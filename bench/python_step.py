@@ -3,7 +3,8 @@
 
     ninja -C build/release wholehand_python rig_steps && /usr/bin/python3 bench/python_step.py
 
-A step is one call of Rig.step(aim, n): n ticks of the six-axis device in the scene four-shapes, steered to and fro.
+A step is one call of Rig.step(aim, n): n ticks of the six-axis device in the scene four-shapes, with an aim that moves
+to and fro.
 """
 import argparse
 import pathlib
@@ -41,7 +42,7 @@ def cpp_s(program, aims_file, ticks, folder):
 
 
 def measure(build, ticks, rounds, total_ticks=10_000):
-    """CPU seconds a tick of (C++, Python), one pair for each round; the rig in Python does the same ticks."""
+    """CPU seconds per tick of (C++, Python), one pair per round; the rig in Python runs the same ticks."""
     import numpy
     from wholehand.rig import Rig
     rig = Rig()
@@ -60,12 +61,12 @@ def measure(build, ticks, rounds, total_ticks=10_000):
 
 
 def over(pairs):
-    """How much more Python takes, as a share: by the least of each, which the machine disturbed least."""
+    """Extra time of Python as a share of C++, from the least time of each, which other load affects least."""
     return min(python for _, python in pairs) / min(cpp for cpp, _ in pairs) - 1.0
 
 
 def options_of(doc):
-    """--build and --rounds; the package of that build can be imported then."""
+    """Parse --build and --rounds, and make the Python package of that build importable."""
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/release")
     parser.add_argument("--rounds", type=int, default=9)

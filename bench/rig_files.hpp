@@ -14,7 +14,7 @@ T orThrow(Expected<T> expected) {
   return std::move(expected).value();
 }
 
-/// The paper's device and an adult's hand in a shipped scene.
+/// Model files with the paper's device and an adult's hand in a shipped scene.
 inline ModelFiles filesOf(const std::string& scene) {
   const std::string config = WHOLEHAND_SOURCE_DIR "/config/";
   return {config + "scenes/" + scene,

@@ -3,10 +3,10 @@
 
     ninja -C build/release wholehand_python && /usr/bin/python3 bench/steps_per_second.py
 
-The six-axis device plays reach-grasp-00 in the scene four-shapes: half a second in which nothing is touched, and the half
-second with most contact. A rig is device, patient, coupling, safety and physics; a step is a call of 10 ticks. With the
-lab (docs/engines.md) also `mujoco_steps`: mj_step() alone, whose hand follows what the rig's hand did. Wall time of the
-fastest round; what else runs on the machine is in it.
+The six-axis device plays reach-grasp-00 in the scene four-shapes: half a second without contact, and the half second
+with most contact. A rig is device, patient, coupling, safety and physics; a step is a call of 10 ticks. If the lab is
+built (docs/engines.md), `mujoco_steps` is timed too: mj_step() alone, whose hand follows the recorded motion of the
+rig's hand. The times are wall times of the fastest round and include other load on the machine.
 """
 import subprocess
 import tempfile
@@ -18,19 +18,19 @@ TICKS, TICKS_A_STEP, RIGS, REACH_TICKS = 500, 10, 8, 7500
 
 
 def touching(rig):
-    """Whether anything is touched, by tick of the reach."""
+    """For each tick of the reach: True if the hand touches anything."""
     rig.reset()
     return [bool(rig.contact_count) for _ in range(REACH_TICKS) if rig.step()]
 
 
 def windows(contacts):
-    """First ticks of the two half seconds."""
+    """First tick of each of the two half seconds."""
     sums = [sum(contacts[first:first + TICKS]) for first in range(0, REACH_TICKS - TICKS, 50)]
     return {"nothing touched": 50 * sums.index(0), "something gripped": 50 * sums.index(max(sums))}
 
 
 def motion(rig, first, numpy):
-    """What mujoco_steps reads."""
+    """The numbers that mujoco_steps reads: poses of the bodies, then q_s and its speeds before each tick."""
     rig.reset()
     rig.step(n=max(1, first))
     parts = [numpy.concatenate([rig.bodies["position_m"], rig.bodies["orientation_xyzw"]], axis=1).ravel()]
@@ -41,7 +41,7 @@ def motion(rig, first, numpy):
 
 
 def rigs_hz(rigs, first, rounds):
-    """Ticks a second of all rigs together."""
+    """Ticks per second of all rigs together."""
     best_s = float("inf")
     for _ in range(rounds):
         rigs.reset([0] * len(rigs))
@@ -54,7 +54,7 @@ def rigs_hz(rigs, first, rounds):
 
 
 def rounded(hz):
-    """To three digits."""
+    """The number rounded to three digits."""
     return f"{float(f'{hz:.3g}'):,.0f}"
 
 

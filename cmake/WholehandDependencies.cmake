@@ -3,10 +3,10 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(PkgConfig REQUIRED)
 
-# Bullet in double precision only: in float the articulated-body algorithm freezes light links.
-# Its CMake config has relative include paths, hence pkg-config.
+# Bullet is used in double precision: in float the articulated-body algorithm freezes light links. Its CMake config has
+# relative include paths, hence pkg-config.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
-# Modules that hold a physics engine (docs/engines.md).
+# Modules that contain a physics engine (docs/engines.md).
 set(engine_modules loop/physics/bullet)
 if(WHOLEHAND_LAB)
   list(APPEND engine_modules lab)
@@ -16,14 +16,14 @@ pkg_check_modules(qhull REQUIRED IMPORTED_TARGET qhull_r)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(zlib REQUIRED IMPORTED_TARGET zlib)
-# Of the clinic's process alone.
+# Used only by the clinic's process.
 pkg_check_modules(sqlite3 REQUIRED IMPORTED_TARGET sqlite3)
 pkg_check_modules(sodium REQUIRED IMPORTED_TARGET libsodium)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)  # SHA-256 of passports
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
-# Both are headers only here: nothing of them is linked. FlatBuffers brings flatc.
+# Only the headers of both are used; nothing of them is linked. FlatBuffers brings flatc.
 find_package(FlatBuffers CONFIG REQUIRED)
 find_package(Boost 1.81 CONFIG REQUIRED COMPONENTS headers)
 
@@ -34,22 +34,22 @@ endif()
 add_library(wholehand_options INTERFACE)
 target_compile_features(wholehand_options INTERFACE cxx_std_20)
 target_include_directories(wholehand_options INTERFACE ${PROJECT_BINARY_DIR}/protocol/inside)
-if(PROJECT_IS_TOP_LEVEL)  # a project that has us inside it chooses its own warnings
+if(PROJECT_IS_TOP_LEVEL)  # an enclosing project chooses its own warnings
   target_compile_options(wholehand_options INTERFACE
     -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
     -Woverloaded-virtual -Wdouble-promotion)
 endif()
 target_compile_options(wholehand_options INTERFACE
-  # The Python module is a shared library made of the same objects as the program. Nothing replaces
-  # their functions at run time, so calls between them stay direct and inline.
+  # The Python module is a shared library made of the same objects as the program. Their functions are never replaced at
+  # run time, so calls between them stay direct and inline.
   -fPIC -fno-semantic-interposition
-  # No fused multiply-add: the same inputs give the same bits whatever the compiler chooses to fuse.
+  # No fused multiply-add: the same inputs give the same bits, whatever the compiler chooses to fuse.
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)
 
-# Release builds: a write past a buffer ends the program (and is in its black box) before it is used,
-# tables of the linker are read-only. Addresses are random by Debian's own default (PIE). The test
-# `hardening` reads it from the program, scripts/hardening_cost.py measures what it costs.
+# Hardening of release builds: a write past a buffer ends the program before the buffer is used (the black box file
+# records it), and tables of the linker are read-only. Addresses are randomised by Debian's default (PIE). The test
+# `hardening` checks the program, and scripts/hardening_cost.py measures the cost.
 option(WHOLEHAND_HARDENED "Harden release builds; off only to measure what that costs" ON)
 if(WHOLEHAND_HARDENED)
   target_compile_options(wholehand_options INTERFACE
@@ -60,16 +60,16 @@ else()
   target_compile_options(wholehand_options INTERFACE -U_FORTIFY_SOURCE -fno-stack-protector)
 endif()
 
-# The standard library checks indices and iterators, but in what the tick runs: there a slip must not
-# end the program while a device holds its last effort.
+# The standard library checks indices and iterators, except in code of the tick: there an error must not end the program
+# while a device holds its last effort.
 set(tick_modules "^(loop|exercises|lab|devices/plugin|devices/host)(/|$)")
-# Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
-# precompiled headers, which would bring their own -O2 along.
+# These modules mostly multiply small matrices: at -O3 the products are inlined, with the same bits. They do not use
+# precompiled headers, which would require -O2.
 set(arithmetic_modules loop/dynamics)
 option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of the readers of untrusted bytes an input takes" OFF)
-# Under a sanitizer the compiler takes half as long without optimisation, and what computes little
-# runs as fast. Only what computes at length is optimised (docs/adr/0072): these modules, and the targets
-# of which wholehand_computes() says so.
+# Under a sanitizer the compiler takes half as long without optimisation, and code with little computation runs as fast.
+# Only long computations are optimised (docs/adr/0072): these modules, and targets for which wholehand_computes() is
+# called.
 set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/exercise loop/safety
     loop/physics loop/physics/analytic loop/device/simulated loop/renderer ${engine_modules} files certify
     exercises rig/registry record devices/commissioning devices/commissioning/identification station/server)
@@ -128,7 +128,8 @@ if(WHOLEHAND_PRECOMPILED)
   endif()
 endif()
 
-# wholehand_read_precompiled(<target> <headers>): of its own optimisation. After wholehand_computes().
+# wholehand_read_precompiled(<target> <headers>): uses headers precompiled with the target's optimisation. Call it after
+# wholehand_computes().
 function(wholehand_read_precompiled target headers)
   get_target_property(computes ${target} WHOLEHAND_COMPUTES)
   if(WHOLEHAND_SANITIZED AND NOT computes)

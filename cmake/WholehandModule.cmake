@@ -1,14 +1,13 @@
 # wholehand_module(<name> SOURCES a.cpp ... [USES core model ...] [VENDOR lib ...])
 #
-# One folder of src/ is one static library `wholehand_<name>` (alias wholehand::<name>); a nested
-# folder a/b is wholehand_a_b, and USES takes it as a/b.
-# Vendor libraries are linked PRIVATE: nothing of theirs shows in our headers.
+# A folder of src/ is a static library `wholehand_<name>` (alias wholehand::<name>). A nested folder a/b is
+# wholehand_a_b; USES takes it as a/b. Vendor libraries are linked PRIVATE: none of their types appears in our headers.
 function(wholehand_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
   string(REPLACE "/" "_" target ${name})
   add_library(wholehand_${target} STATIC ${arg_SOURCES})
   add_library(wholehand::${target} ALIAS wholehand_${target})
-  # Our folders and our warnings are ours: a program that finds the installed package gets neither.
+  # Include folders and warnings are for this build only; users of the installed package get neither.
   target_include_directories(wholehand_${target} PUBLIC
                              $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
   target_link_libraries(wholehand_${target} PUBLIC $<BUILD_INTERFACE:wholehand_options>
@@ -30,7 +29,7 @@ function(wholehand_module name)
   endif()
 endfunction()
 
-# wholehand_headers(<name> USES ...): a module of headers alone.
+# wholehand_headers(<name> USES ...): a module that consists only of headers.
 function(wholehand_headers name)
   cmake_parse_arguments(arg "" "" "USES" ${ARGN})
   string(REPLACE "/" "_" target ${name})
@@ -42,25 +41,24 @@ function(wholehand_headers name)
   endforeach()
 endfunction()
 
-# wholehand_precompile(<target>): it reads the headers that most sources need precompiled, and the
-# standard library checks what it does (not for what the tick runs).
+# wholehand_precompile(<target>): uses precompiled headers, with the checks of the standard library (not for code of the
+# tick).
 function(wholehand_precompile target)
   wholehand_checked(${target})
   wholehand_read_precompiled(${target} wholehand_precompiled_checked)
 endfunction()
 
-# wholehand_compile_alone(<source ...>): sources that take long to compile, or that share a private
-# name with a neighbour, are never compiled together with others (WHOLEHAND_UNITY).
+# wholehand_compile_alone(<source ...>): for sources that take long to compile, or that share a private name with a
+# neighbour. They are never compiled together with others (WHOLEHAND_UNITY).
 function(wholehand_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# wholehand_compile_together(<target> <source ...>): sources that read the same costly headers are one
-# compilation. The target's other sources form groups as usual (WHOLEHAND_UNITY). Call it after the
-# target's wholehand_compile_alone().
+# wholehand_compile_together(<target> <source ...>): compiles sources that read the same costly headers together. The
+# target's other sources form groups as usual (WHOLEHAND_UNITY). Call it after the target's wholehand_compile_alone().
 function(wholehand_compile_together target)
   list(GET ARGN 0 group)
-  string(REPLACE / _ group ${group})  # it becomes the name of a file
+  string(REPLACE / _ group ${group})  # it becomes a file name
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
   get_target_property(sources ${target} SOURCES)
   set(others "")
@@ -77,17 +75,17 @@ function(wholehand_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# wholehand_test_program(<name> [LABEL unit] [SHARDS 2] [WATCHED]): the gtest program test_<name>, to which
-# folders of tests/ add their sources with wholehand_tests(<name> ...).
+# wholehand_test_program(<name> [LABEL unit] [SHARDS 2] [WATCHED]): the gtest program test_<name>. Folders of tests/ add
+# their sources with wholehand_tests(<name> ...).
 #
-# LABEL: who runs it.
-#   unit      under AddressSanitizer and UndefinedBehaviorSanitizer; in a release build with
-#             WHOLEHAND_FULL_TESTS only, or by its name
-#   figure    release: it measures at length what other tests drive through the same code
-#   sessions  release, on the real clock, and it mostly sleeps
-#   realtime  release, on the real clock, and nothing runs beside it
-# SHARDS: so many processes share its tests.
-# WATCHED: it sees the real clock. A failure while the machine kept even a sleeper waiting is not judged
+# LABEL: when it runs.
+#   unit      under AddressSanitizer and UndefinedBehaviorSanitizer; in a release build only with
+#             WHOLEHAND_FULL_TESTS, or by its name
+#   figure    release; long measurements of code that other tests also run
+#   sessions  release, on the real clock; sleeps most of the time
+#   realtime  release, on the real clock, with nothing else running
+# SHARDS: number of processes that share its tests.
+# WATCHED: uses the real clock. A failure while the machine delayed even a sleeping process is not judged
 # (tests/support/watched_main.cpp).
 function(wholehand_test_program name)
   cmake_parse_arguments(arg "WATCHED" "LABEL;SHARDS" "" ${ARGN})
@@ -119,7 +117,7 @@ function(wholehand_test_program name)
       set(test ${name}/${number})
     endif()
     add_test(NAME ${test} COMMAND ${target} --gtest_filter=${filter})
-    # The time ends what hangs, not what is slow on a full machine.
+    # The timeout ends hanging tests; it leaves room for a busy machine.
     set_tests_properties(${test} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${WHOLEHAND_TEST_TIMEOUT_S}
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};${WHOLEHAND_TEST_ENVIRONMENT}")
     if(arg_LABEL STREQUAL realtime)
@@ -128,10 +126,10 @@ function(wholehand_test_program name)
   endforeach()
 endfunction()
 
-# wholehand_link_first(<target> <module>): of an inline function that a test (at -O0) and an optimised
-# module have, the linker takes the one that it meets first. Sixty times as fast (docs/adr/0072).
+# wholehand_link_first(<target> <module>): when a test (at -O0) and an optimised module both have an inline function,
+# the linker takes the one that it meets first. This makes the module come first: sixty times as fast (docs/adr/0072).
 function(wholehand_link_first target module)
-  if(NOT WHOLEHAND_SANITIZED OR target STREQUAL test_third_exercise) # it has a function of its own in place of ours
+  if(NOT WHOLEHAND_SANITIZED OR target STREQUAL test_third_exercise) # it replaces one of our functions
     return()
   endif()
   if(module STREQUAL rig)
@@ -148,8 +146,8 @@ function(wholehand_link_first target module)
   endforeach()
 endfunction()
 
-# wholehand_tests(<program> SOURCES a.cpp ... [USES core ...] [VENDOR lib ...]): sources of this folder, and
-# the modules that they use.
+# wholehand_tests(<program> SOURCES a.cpp ... [USES core ...] [VENDOR lib ...]): adds sources of this folder and the
+# modules that they use.
 function(wholehand_tests program)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
   target_sources(test_${program} PRIVATE ${arg_SOURCES})
@@ -161,8 +159,8 @@ function(wholehand_tests program)
   target_link_libraries(test_${program} PRIVATE ${arg_VENDOR})
 endfunction()
 
-# wholehand_script_test(<name> LABEL <label> COMMAND ... [TIMEOUT seconds] [ENVIRONMENT ...] [SERIAL]):
-# a test that is a script. 77: a tool is not installed.
+# wholehand_script_test(<name> LABEL <label> COMMAND ... [TIMEOUT seconds] [ENVIRONMENT ...] [SERIAL]): a test that is a
+# script. Exit code 77 means that a tool is not installed.
 function(wholehand_script_test name)
   cmake_parse_arguments(arg "SERIAL" "" "LABEL;COMMAND;ENVIRONMENT" ${ARGN})
   add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})

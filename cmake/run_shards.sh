@@ -1,6 +1,6 @@
 #!/bin/sh
-# run_shards.sh <count> <test program>: runs its tests in so many processes at once. For tests that
-# wait most of their time. Prints what each said, the ones that failed last; fails where one does.
+# run_shards.sh <count> <test program>: runs the program's tests in `count` parallel processes. For tests that wait most
+# of their time. Prints the output of each, failed ones last; fails if one fails.
 count=$1 program=$2 folder=$(mktemp -d) status=0 failed=
 trap 'rm -rf "$folder"' EXIT
 i=0

@@ -6,7 +6,7 @@
 
 namespace wholehand {
 
-/// Puts a text into a field of wh_identity, cut where it is too long, ended with 0.
+/// Copies a text into a field of wh_identity; cuts it if it is too long, and ends it with 0.
 template <std::size_t kSize>
 void fill(char (&field)[kSize], std::string_view text) {
   const std::size_t length = std::min(text.size(), kSize - 1);

@@ -4,9 +4,9 @@
 
 namespace wholehand {
 
-/// Takes what is open there for this opening alone, until it is closed: a line, a bus or a segment
-/// that two programs write to obeys neither. Before anything is set or written. False: somebody has
-/// it. TIOCEXCL does not stop root; this holds against every driver of this project.
+/// Locks an open line, bus or segment for this program until it is closed, because a device cannot
+/// obey two programs. Call before anything is set or written. False: another program holds it.
+/// TIOCEXCL does not stop root; this lock works against every driver of this project.
 [[nodiscard]] inline bool takeAlone(int descriptor) noexcept {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
 }

@@ -12,19 +12,20 @@
 
 namespace wholehand {
 
-/// A device in C++ behind the functions of device.h; a driver derives its wh_device from it.
-/// Exceptions end here: what throws is said to the host and fails.
+/// A device in C++ behind the functions of device.h; a driver derives its wh_device from it. No
+/// exception passes this boundary: it is reported to the host, and the call fails.
 template <class Device>
 struct OpenedDevice {
-  using Say = std::function<void(const std::string& line)>;
-  /// Opens what a locator and a settings file name; `say` lives as long as the device.
+  using Report = std::function<void(const std::string& line)>;
+  /// Opens a device from a locator and a settings file; `report` lives as long as the device.
   using Open = Expected<std::unique_ptr<Device>> (*)(const std::string& locator,
-                                                     const std::string& settings, const Say& say);
+                                                     const std::string& settings,
+                                                     const Report& report);
 
   wh_host host;
   std::unique_ptr<Device> device;
 
-  void say(const std::string& line) const { host.say(host.context, line.c_str()); }
+  void report(const std::string& line) const { host.say(host.context, line.c_str()); }
 
   template <class Function>
   [[nodiscard]] int guard(Function function) const {
@@ -39,8 +40,7 @@ struct OpenedDevice {
   }
 };
 
-/// The functions of wh_plugin that drivers share whose wh_device is `Opened`. They need a settings
-/// file.
+/// The functions of wh_plugin for drivers whose wh_device is `Opened`. They need a settings file.
 template <class Opened, typename Opened::Open open>
 struct PluginFunctions {
   [[nodiscard]] static constexpr wh_plugin table(std::uint32_t flags, const char* name) {
@@ -54,13 +54,13 @@ struct PluginFunctions {
       auto opened = std::make_unique<Opened>();
       opened->host = *host;
       if (*settings == 0) {
-        opened->say("needs a settings file: --driver-settings FILE.toml");
+        opened->report("needs a settings file: --driver-settings FILE.toml");
         return WH_FAILED;
       }
-      auto device =
-          open(locator, settings, [to = opened.get()](const std::string& line) { to->say(line); });
+      auto device = open(locator, settings,
+                         [to = opened.get()](const std::string& line) { to->report(line); });
       if (!device) {
-        for (const Diagnostic& one : device.errors()) opened->say(format(one));
+        for (const Diagnostic& one : device.errors()) opened->report(format(one));
         return WH_FAILED;
       }
       opened->device = std::move(device).value();

@@ -9,7 +9,8 @@
 
 namespace wholehand {
 
-/// Reads into a sample that may be of an older header: what that one does not have is left out.
+/// Reads into a sample that may come from an older header; members that the older one lacks are
+/// omitted.
 /// @param read fills in a whole sample and returns its result
 template <class Read>
 [[nodiscard]] int readSized(wh_sample& sample, Read read) {

@@ -1,8 +1,8 @@
-// First touch: a virtual patient lowers the hand onto a box, and the device feels it.
+// First touch: a virtual patient lowers the hand onto a box, and the device renders the contact.
 //
-// Shows the whole path in one page: files -> models -> rig -> arm -> tick -> record. Prints, every
-// tenth of a second, where the device is, where the simulated hand is held back, and what the
-// person feels; at rest the felt force is K_pm times the distance between the two.
+// Shows the whole path in one page: files -> models -> rig -> arm -> tick -> record. Prints every
+// tenth of a second the position of the device, the position of the simulated hand and the effort
+// that the person feels. At rest this effort is K_pm times the distance between the two positions.
 //
 //   01_first_touch [folder that holds config/]
 #include "wholehand/wholehand.hpp"
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   ModelFiles files;
   for (std::string* file :
        {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
-    *file = folder + "/" + *file;  // the shipped ones
+    *file = folder + "/" + *file;  // files that come with the program
   }
   files.scene = folder + "/config/scenes/empty.toml";
   Expected<Models> models = loadModels(files);
@@ -55,13 +55,13 @@ int main(int argc, char** argv) {
   std::printf("%8s %12s %12s %12s %10s\n", "time s", "device mm", "hand mm", "felt N", "contacts");
   TickRecord record;
   for (int tick = 0; tick <= 2000; ++tick) {
-    renderer.tick(1, record);  // in real time, once a millisecond: see Session
+    renderer.tick(1, record);  // a real device needs one tick per millisecond: see Session
     if (any(record.faults & kStoppingFaults)) return 3;
     if (tick % 100 != 0) continue;
     std::printf("%8.1f %12.2f %12.2f %12.3f %10d\n", tick * 1e-3, record.q_m[z] * 1e3,
                 record.q_s[z] * 1e3, record.sent[z], record.contact_count);
   }
-  renderer.requestStop();  // never let go of a loaded device: ramp to its neutral effort first
+  renderer.requestStop();  // first ramps to the device's neutral effort, which carries its weight
   while (!renderer.atNeutral()) renderer.tick(1, record);
   (*rig)->device->close();
 }

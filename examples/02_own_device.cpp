@@ -1,7 +1,7 @@
-// A device of one's own (rails.hpp): thirty lines that read positions and write efforts, and the
-// renderer drives it like any other.
+// Your own device (rails.hpp): thirty lines read positions and write efforts, and the renderer
+// drives it like any other device.
 //
-// Here the "hardware" is a handle on three rails that somebody pulls forward with a steady 3 N; a
+// Here the "hardware" is a handle on three rails that a person pulls forward with a steady 3 N. A
 // wall stands 17 mm ahead of the fingertips. At rest the wall must give back exactly these 3 N.
 //
 //   02_own_device [folder that holds config/]
@@ -30,7 +30,8 @@ int main(int argc, char** argv) {
   constexpr double kPull_n = 3.0;
   auto rig = buildRig(*models, std::make_unique<Rails>(0, kPull_n), RigOptions{});
   if (!rig) return std::fprintf(stderr, "%s\n", format(rig.errors()).c_str()), 2;
-  // What may move a person is armed by a rehearsal: its worst contacts, simulated, on this machine.
+  // A device that may move a person is armed only after a rehearsal, which simulates the worst
+  // contacts on this machine.
   auto rehearsal = rehearse(*models, AxisPosition(3), RigOptions{});
   if (!rehearsal) return std::fprintf(stderr, "%s\n", format(rehearsal.errors()).c_str()), 2;
   HapticRenderer& renderer = *(*rig)->renderer;

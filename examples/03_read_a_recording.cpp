@@ -1,4 +1,4 @@
-// From a recording to a table: the forces of every tick as CSV on standard output.
+// Prints a recording as a table: the forces of every tick as CSV on standard output.
 //
 // Without a file it first records half a second of the shipped hand at rest, so that there is
 // something to read.
@@ -31,7 +31,7 @@ Expected<RunOutcome> recordHalfASecond(const std::string& path) {
   plan.title = "Half a second, 50 mm forward";
   plan.duration_ticks = 500;
   plan.record = path;
-  plan.simulated_clock = true;  // as fast as it goes
+  plan.simulated_clock = true;  // runs as fast as possible
   return runAndRecord(**rig, plan);
 }
 
@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
                static_cast<unsigned long long>((*reader)->size()), meta.period_s,
                meta.engine.c_str(), meta.git_version.c_str());
 
+  // One column per axis, then one line per tick.
   std::printf("time_s");
   for (std::size_t a = 0; a < meta.axis_names.size(); ++a) {
     std::printf(",%s_%s", meta.axis_names[a].c_str(), meta.axis_units[a] == "m" ? "n" : "nm");

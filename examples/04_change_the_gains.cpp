@@ -1,8 +1,8 @@
-// How stiff may the coupling be? Tries stiffnesses on the axis x and asks checkGains() which of
-// them are certified: stable with any passive person and object, at every adaptive damping
-// (docs/certificate.md).
+// Finds how stiff the coupling may be: tries stiffnesses on the axis x and asks checkGains() which
+// of them are certified, that is, stable with any passive person and object, at every adaptive
+// damping (docs/certificate.md).
 //
-// The loop's period buys stiffness: the same device allows more of it at 2 kHz than at 1 kHz.
+// A shorter period allows more stiffness: the same device can be stiffer at 2 kHz than at 1 kHz.
 //
 //   04_change_the_gains [folder that holds config/]
 #include "wholehand/wholehand.hpp"
@@ -20,7 +20,8 @@ int main(int argc, char** argv) {
                   config + "patients/relaxed-adult.toml", "", "", 1});
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   const int x = models->device.axisIndex("x");
-  // As of a device that may change its effort faster: its slew limit, too, bounds the stiffness.
+  // Simulates a device that may change its effort faster, because the slew limit also bounds the
+  // stiffness.
   models->device.axes[x].effort_slew_limit = 20000.0;
 
   for (const double rate_hz : {1000.0, 2000.0}) {

@@ -1,6 +1,6 @@
-// A device of one's own (rails.hpp), run as the program runs one: the loop on a real-time thread,
-// Ctrl-C that stops it gently, a recording, a black box where a fault comes, and everything closed
-// in the one order (neutral effort, device, black box, recording).
+// Runs your own device (rails.hpp) as the program does: the loop on a real-time thread, a gentle
+// stop by Ctrl-C, a recording, a black box file when a fault occurs, and an orderly end (neutral
+// effort, device, black box file, recording).
 //
 //   05_run_and_record recording.h5 [seconds [folder that holds config/]]
 #include "rails.hpp"

@@ -1,5 +1,5 @@
-// A program of one's own that does what `wholehand run --driver` does: it drives a real device, and
-// people arm and stop it at the console in a browser. Nothing moves until somebody arms.
+// Your own program that does what `wholehand run --driver` does: it drives a real device, and
+// people arm and stop it at the console in a browser. Nothing moves until a person arms it.
 //
 //   06_serve_a_driver rails.so [settings of the driver [folder that holds config/ [and the pages]]]
 #include "wholehand/drivers.hpp"
@@ -28,9 +28,10 @@ StationConfig configOf(const std::string& config, const std::shared_ptr<PluginDr
   out.config_folder = config;
   out.make_player = makeMotionPlayer;
   out.make_device = [driver](const DeviceModel& model) {
-    // rails.so computes its device. A real one is shown to be commissioned and checked today:
-    // clearToArm(driver->identity(), model, 1.0 / kPeriod_s, placeTimeNow()).
-    return PluginDevice::make(driver, model, kPeriod_s, Clearance::withoutPassport());
+    // rails.so simulates its device. For a real device, checkArmingPermit() shows that it was
+    // commissioned and checked today: checkArmingPermit(driver->identity(), model, 1.0 / kPeriod_s,
+    // placeTimeNow()).
+    return PluginDevice::make(driver, model, kPeriod_s, ArmingPermit::withoutPassport());
   };
   out.log = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
   return out;
@@ -46,16 +47,16 @@ int main(int argc, char** argv) {
   Station station(configOf(share + "/config", *driver));
   if (auto loaded = station.load(); !loaded) return fail(loaded.errors());
 
-  ControlsArbiter controls;
+  ControlHolder controls;
   ServerOptions options;
-  options.port = 0;  // any that is free
+  options.port = 0;  // any free port
   options.web_folder = argc > 4 ? argv[4] : share + "/web/dist";
   auto server = Server::open(station, options, controls);
   if (!server) return fail(server.errors());
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
   std::printf("%sconsole\n", (*server)->url().c_str());
   auto outcome = station.run(/*arm_at_once=*/false, 0.0);
-  server->reset();  // before the station, which it asks
+  server->reset();  // before the station, which the server uses
   if (!outcome) return fail(outcome.errors());
   std::printf("%llu sessions%s\n", static_cast<unsigned long long>(outcome->sessions),
               outcome->faulted ? ", the last ended by a fault" : "");

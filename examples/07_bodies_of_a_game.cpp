@@ -1,8 +1,8 @@
 // Bodies of a game: a program puts a ball into the running world and moves it against the hand.
 //
-// The ball appears over the palm as a ghost, becomes solid beside it, and is pulled to the
-// program's targets by 5 N at most. Prints what becomes of the orders, and how hard the ball
-// presses.
+// The ball appears over the palm as a ghost (without contacts), becomes solid beside it, and is
+// pulled to the program's targets by 5 N at most. Prints the state of the orders and how hard the
+// ball presses.
 //
 //   07_bodies_of_a_game [folder that holds config/]
 #include "wholehand/wholehand.hpp"

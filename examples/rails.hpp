@@ -1,5 +1,6 @@
-// The "hardware" of 02_own_device and 05_run_and_record: a handle on three rails, which somebody
-// pulls along one of them. A driver of real hardware asks its bus where this one computes.
+// The simulated "hardware" of 02_own_device and 05_run_and_record: a handle on three rails, which a
+// person pulls along one of them. A driver of real hardware accesses its bus where this one
+// computes.
 #pragma once
 
 #include "wholehand/wholehand.hpp"
@@ -9,10 +10,10 @@ class Rails final : public wholehand::HapticDevice {
   Rails(int pulled_axis, double pull_n) : pulled_axis_(pulled_axis), pull_n_(pull_n) {}
 
   wholehand::Expected<wholehand::Done> open() override {
-    return wholehand::Done{};  // a driver: find, calibrate and power it
+    return wholehand::Done{};  // a real driver finds, calibrates and powers the device
   }
   wholehand::Expected<wholehand::Done> ready() override {
-    return wholehand::Done{};  // a driver: is it calibrated, and at rest?
+    return wholehand::Done{};  // a real driver checks that the device is calibrated and at rest
   }
   wholehand::Fault read(wholehand::DeviceReading& reading, int elapsed_periods) noexcept override {
     constexpr double kMass_kg = 0.5, kFriction_n_s_m = 20.0, kPeriod_s = 1e-3;

@@ -10,7 +10,8 @@
 
 namespace wholehand {
 
-/// Reads figures of the cocktail bar from records, by the names of the exercise's description.
+/// Reads figures of the cocktail bar from records. It finds them by their names in the exercise's
+/// description.
 class BarFigures {
  public:
   enum Figure {
@@ -32,12 +33,12 @@ class BarFigures {
 
   explicit BarFigures(const ExerciseDescription& description);
 
-  /// False when the exercise lacks these figures; then call nothing else.
+  /// False when the exercise lacks these figures; no other member may then be called.
   [[nodiscard]] bool known() const;
   [[nodiscard]] double operator()(Figure figure, const ExerciseRecord& record) const {
     return record.values[indices_[static_cast<std::size_t>(figure)]];
   }
-  /// |poured into glasses + spilt + left - at the start| [l]
+  /// |poured into glasses + spilt + left - initial volume| [l]
   [[nodiscard]] double volumeError_l(const ExerciseRecord& record) const;
   /// Type of an event by name; -1: none.
   [[nodiscard]] int event(const std::string& name) const;

@@ -3,7 +3,7 @@
 #include "experiments/bar_figures.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 
 #include <fmt/format.h>
 
@@ -45,7 +45,8 @@ class BarObserver {
     if (event.type == wrong_) ++result_.wrong_dispenser;
     if (event.type == knocked_over_) ++result_.knocked_over;
     if (event.type != step_done_) return;
-    const double error_l = std::abs(event.value - asked_l_);  // asked for until the tick before
+    // asked_l_ still holds the amount requested in the previous tick.
+    const double error_l = std::abs(event.value - asked_l_);
     ++result_.steps;
     result_.step_max_s = std::max(result_.step_max_s, now_s_ - began_s_);
     began_s_ = now_s_;
@@ -57,7 +58,7 @@ class BarObserver {
   CocktailResult& result_;
   int step_done_, wrong_, knocked_over_;
   double asked_l_ = 0.0, tolerance_l_ = 0.0;
-  double now_s_ = 0.0, began_s_ = 0.0;  ///< of this step
+  double now_s_ = 0.0, began_s_ = 0.0;  ///< current time and start time of this step
   bool done_ = false;
 };
 
@@ -110,6 +111,7 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   BarObserver observe(figures, result);
   double done_s = 0.0;
   Run* running = nullptr;
+  // Plays until the level is done, plus kAfterwards_s.
   RunPlan run;
   run.title = "Cocktail bar, level " + std::to_string(result.level);
   run.seed = plan.seed;

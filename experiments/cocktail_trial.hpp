@@ -12,11 +12,12 @@ namespace wholehand {
 
 /// One level of the cocktail bar, played by a virtual patient.
 struct CocktailPlan {
-  ModelFiles files;        ///< with exercise and level
-  std::uint64_t seed = 1;  ///< of the patient's start, aim and strength
-  double most_s = 600.0;   ///< time limit, simulated; a longer trial has failed
+  ModelFiles files;        ///< files including exercise and level
+  std::uint64_t seed = 1;  ///< seed of the patient's start pose, aim and strength
+  double most_s = 600.0;   ///< limit of the simulated time; a longer trial counts as failed
   std::string record;      ///< HDF5 file; empty: none
-  std::vector<std::pair<std::string, double>> parameters;  ///< live ones other than the file's
+  std::vector<std::pair<std::string, double>>
+      parameters;  ///< live parameters that differ from the file
   RigOptions rig;
 };
 
@@ -24,25 +25,27 @@ struct CocktailPlan {
 struct CocktailResult {
   int level = 1;
   std::uint64_t seed = 1;
-  bool ended = false;      ///< the level was played to its end, with any result
-  bool completed = false;  ///< every drink of the level served within tolerance, no fault
-  double score = 0.0;      ///< 0 .. 100
+  bool ended = false;  ///< the level was played to its end, whatever the result
+  /// Every drink of the level was served within tolerance, without a fault.
+  bool completed = false;
+  double score = 0.0;  ///< 0 .. 100
   double spilt_l = 0.0;
-  double amount_error_max_l = 0.0;  ///< largest |poured - asked| of all steps
+  double amount_error_max_l = 0.0;  ///< largest |poured - requested| of all steps
   int steps = 0;                    ///< completed steps
   int steps_in_tolerance = 0;
-  int wrong_dispenser = 0;  ///< times that a wrong dispenser was engaged
+  int wrong_dispenser = 0;  ///< number of times a wrong dispenser was engaged
   int knocked_over = 0;
-  double volume_error_l = 0.0;  ///< largest |in glasses + spilt + left - start|
+  double volume_error_l = 0.0;  ///< largest |in glasses + spilt + left - initial volume|
   double time_s = 0.0;          ///< simulated
-  double step_max_s = 0.0;      ///< longest step, from the end of the one before
+  double step_max_s = 0.0;      ///< longest step, measured from the end of the previous one
   double wall_s = 0.0;
   bool faulted = false;
   bool interrupted = false;
 };
 
-/// Plays the level on the simulated clock, without opening a port. Refused for an exercise without
-/// drinks or without a virtual patient, and for a parameter that it lacks or a value out of range.
+/// Plays the level on the simulated clock without opening a port. Returns an error for an exercise
+/// without drinks or without a virtual patient, for an unknown parameter, and for a value out of
+/// range.
 [[nodiscard]] Expected<CocktailResult> runCocktail(const CocktailPlan& plan);
 
 }  // namespace wholehand

@@ -19,23 +19,24 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kStart_z_m = 0.05;  // of the hand's base
-constexpr double kClear_m = 0.005;   // below the hand at its start
-constexpr double kPress_m = 0.02;    // beyond that
+constexpr double kStart_z_m = 0.05;  // initial height of the hand's base
+constexpr double kClear_m = 0.005;   // initial gap below the hand
+constexpr double kPress_m = 0.02;    // depth of the press beyond the gap
 constexpr double kSway_m = 0.01;
 constexpr double kDown_s = 0.3;
 constexpr double kSwayPeriod_s = 0.5;
 
 constexpr double kBall_m = 0.015;  // radius
 constexpr double kBox_m = 0.03;    // edge
-constexpr double kGap_m = 2e-4;    // between neighbours: less than what engines call near
+// Gap between neighbours, smaller than the contact distance of the engines.
+constexpr double kGap_m = 2e-4;
 constexpr int kStackHeight = 4;
-constexpr double kApart_m = 0.05;  // between the middles of bodies that rest apart
-constexpr double kFar_m = 1.5;     // from the hand to the first body that is out of reach
+constexpr double kApart_m = 0.05;  // distance between the centres of bodies that rest apart
+constexpr double kFar_m = 1.5;     // distance from the hand to the first body that is out of reach
 constexpr double kMass_kg = 0.02;
 constexpr double kMesh_m = 0.04;  // radius
 
-/// The hand's capsules at the start: ends in the world and the lowest point.
+/// The hand's capsules in the start pose: ends in the world and the lowest point.
 struct StartingHand {
   struct Placed {
     Vector3d a_m, b_m;
@@ -66,7 +67,7 @@ StartingHand startingHand(const Models& models) {
     hand.lowest_m =
         std::min(hand.lowest_m, std::min(placed.a_m.z(), placed.b_m.z()) - placed.radius_m);
   }
-  // Where it comes down.
+  // Computes the point at which the hand comes down.
   double count = 0.0;
   for (const StartingHand::Placed& c : hand.capsules) {
     if (std::min(c.a_m.z(), c.b_m.z()) - c.radius_m > hand.lowest_m + 0.02) continue;
@@ -77,7 +78,7 @@ StartingHand startingHand(const Models& models) {
   return hand;
 }
 
-/// Places of a square of so many by so many, the middle ones first.
+/// Places of a square grid of `wide` by `wide` places, the middle ones first.
 std::vector<std::pair<double, double>> fromTheMiddle(int wide) {
   std::vector<std::pair<double, double>> places;
   for (int i = 0; i < wide * wide; ++i) {
@@ -153,7 +154,7 @@ class SceneOf {
     body.shapes.push_back(std::move(shape));
   }
 
-  /// A floor with its top at `floor_m`, and walls around a square of this width.
+  /// Adds a floor with its top at `floor_m` and walls around a square of width `width_m`.
   void tray(const Vector3d& middle_m, double floor_m, double width_m, double height_m) {
     constexpr double kWall_m = 0.02;
     const double out_m = width_m + 2.0 * kWall_m;
@@ -168,12 +169,13 @@ class SceneOf {
     }
   }
 
-  /// Balls in the hollows of those below, in layers of k², (k - 1)², k² ... balls.
+  /// Adds balls that lie in the hollows of the layer below, in layers of k², (k - 1)², k² ...
+  /// balls.
   void pile(int count) {
     const double pitch_m = 2.0 * kBall_m + kGap_m;
     const double rise_m = std::sqrt(4.0 * kBall_m * kBall_m - 0.5 * pitch_m * pitch_m) + 1e-5;
     const int wide = std::max(2, static_cast<int>(std::ceil(std::sqrt(count / 2.2))));
-    std::vector<Vector3d> at;  // the first on the floor
+    std::vector<Vector3d> at;  // positions, the bottom layer first
     for (int layer = 0; static_cast<int>(at.size()) < count; ++layer) {
       const int k = wide - layer % 2;
       for (const auto& [x, y] : fromTheMiddle(k)) {
@@ -207,7 +209,7 @@ class SceneOf {
     }
   }
 
-  /// On a table far enough below that the hand does not come down to them.
+  /// Adds separate boxes on a table that is too low for the hand to reach.
   void apart(int count, const Vector3d& middle_m) {
     const int wide = std::max(1, static_cast<int>(std::ceil(std::sqrt(count))));
     const double floor_m = top() - kPress_m - 2.0 * kBox_m;
@@ -225,7 +227,8 @@ class SceneOf {
     }
   }
 
-  /// A ball of flat faces in a tray that holds it. `count` is rounded to what such a ball has.
+  /// Adds a ball of flat faces in a tray. `count` is rounded to a possible number of corners of
+  /// such a ball.
   Expected<Done> mesh(int count) {
     const int around = std::max(4, static_cast<int>(std::lround(std::sqrt(2.0 * (count - 2)))));
     const int rings = std::max(1, (count - 2) / around);
@@ -254,7 +257,7 @@ class SceneOf {
     return Done{};
   }
 
-  /// Small balls below the capsules, at the depth that the hand sinks to.
+  /// Adds small fixed balls below the capsules at the depth to which the hand sinks.
   void bed(int count) {
     constexpr double kSmall_m = 0.003;
     constexpr double kSink_m = 0.002;

@@ -5,24 +5,25 @@
 
 namespace wholehand {
 
-/// What a scene has more and more of.
+/// Kinds of scenes of increasing complexity. Each states what increases.
 enum class ComplexityKind {
-  kPile,      ///< balls that lie on one another in a tray, the hand in their midst
-  kStacks,    ///< boxes in stacks of four, side by side, the hand on top
-  kApart,     ///< boxes that rest apart on a table, below the hand
-  kFar,       ///< the same, a metre beyond its reach
-  kVertices,  ///< corners of the one mesh that the hand presses upon
+  kPile,      ///< balls piled in a tray, with the hand among them
+  kStacks,    ///< boxes in stacks of four, side by side, with the hand on top
+  kApart,     ///< separate boxes on a table below the hand
+  kFar,       ///< separate boxes one metre beyond the hand's reach
+  kVertices,  ///< corners of the single mesh that the hand presses on
   kContacts,  ///< small fixed balls that the hand lies on
   kCount
 };
 inline constexpr int kComplexityKinds = static_cast<int>(ComplexityKind::kCount);
-/// "pile", as in JSON and in the names of sentences.
+/// Name of a kind, such as "pile", used in JSON and in the names of sentences.
 [[nodiscard]] const char* complexityName(ComplexityKind kind);
 
-/// The hand comes down from here, presses, and sways there until the end.
+/// Motion of the hand: it comes down, presses, and sways there until the end.
 [[nodiscard]] Intention swayingHand(const DeviceModel& device, double duration_s);
 
-/// A scene with so many of them where the hand will come. @pre device and hand are loaded
+/// A scene with `count` elements of the kind at the place where the hand comes down. @pre device
+/// and hand are loaded
 [[nodiscard]] Expected<SceneModel> complexityScene(ComplexityKind kind, int count,
                                                    const Models& models);
 

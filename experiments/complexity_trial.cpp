@@ -14,8 +14,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSettle_s = 0.5;  // until the hand is down; not counted
-constexpr int kTurn = 20;          // ticks of a scene before the next one's
+constexpr double kSettle_s = 0.5;  // time until the hand is down; its ticks are not counted
+constexpr int kTurn = 20;          // consecutive ticks of a scene before the next scene's turn
 
 const std::vector<int>& countsOf(ComplexityKind kind) {
   static const std::array<std::vector<int>, kComplexityKinds> kCounts{{
@@ -29,7 +29,7 @@ const std::vector<int>& countsOf(ComplexityKind kind) {
   return kCounts.at(static_cast<std::size_t>(kind));
 }
 
-/// One scene through all passes.
+/// One scene with the measurements of all its passes.
 class Lane {
  public:
   Lane(Models models, ComplexityPoint& point, const ComplexityPlan& plan)

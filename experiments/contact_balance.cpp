@@ -44,7 +44,8 @@ AxisEffort ContactBalance::acted(const TickRecord& r, const ArticulatedBody& kin
   return sum;
 }
 
-// Fingers that meet and joints at their ends bear their share.
+// Adds the forces of self contacts and of joints at the end of their range, which carry a share of
+// the load.
 void ContactBalance::addSelfForces(const ArticulatedBody& kinematics, AxisEffort& sum) const {
   SelfForces own;
   rig_.world->selfForces(own);
@@ -82,7 +83,8 @@ double ContactBalance::share(const AxisEffort& unbalanced, const AxisEffort& ref
   return worst;
 }
 
-// An axis that carries next to nothing is judged by what its kind carries.
+// Lower bound of the reference effort of an axis. An axis with little load is compared with the
+// load of axes of its kind.
 double ContactBalance::leastScale(int axis, const AxisEffort& reference) const {
   const auto& axes = rig_.models.device.axes;
   const AxisKind kind = axes[axis].kind;

@@ -6,20 +6,20 @@
 
 namespace wholehand {
 
-/// Checks that contact forces do the virtual work of the driving effort and equal the felt effort:
-/// means over the ticks of a hand at rest, on the person's axes.
+/// Checks that the contact forces do the virtual work of the driving effort and equal the rendered
+/// effort. Compares means over the ticks of a hand at rest, on the person's axes.
 class ContactBalance {
  public:
   /// @pre rig outlives this
   explicit ContactBalance(const Rig& rig);
 
-  /// Adds a tick that the rig has just run. @pre kinematics are at r.theta
+  /// Adds the tick that the rig has just run. @pre kinematics are at r.theta
   void add(const TickRecord& r, const ArticulatedBody& kinematics);
 
-  /// |Σ Gᵀ Jᵀ f + f_s|, worst axis, as a share of the largest of |f_s|, a tenth of the largest f_s
-  /// in the same unit, 0.1 N or 0.01 N·m. 1 without ticks.
+  /// |Σ Gᵀ Jᵀ f + f_s| of the worst axis, relative to the largest of |f_s|, a tenth of the largest
+  /// f_s in the same unit, and 0.1 N or 0.01 N·m. 1 without ticks.
   [[nodiscard]] double driveError() const;
-  /// |Σ Gᵀ Jᵀ f − f_coupling|, the same share of f_coupling.
+  /// |Σ Gᵀ Jᵀ f − f_coupling|, relative to f_coupling in the same way.
   [[nodiscard]] double feltError() const;
 
  private:
@@ -29,7 +29,7 @@ class ContactBalance {
   [[nodiscard]] double leastScale(int axis, const AxisEffort& reference) const;
 
   const Rig& rig_;
-  AxisEffort acted_, driving_, felt_;  ///< sums
+  AxisEffort acted_, driving_, felt_;  ///< sums over the ticks
   double count_ = 0.0;
 };
 

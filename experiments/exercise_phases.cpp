@@ -6,14 +6,17 @@
 namespace wholehand {
 namespace {
 
-constexpr double kTouch_n = 0.1;       // a contact that bears something
-constexpr double kNear_m = 0.05;       // the palm comes near
-constexpr double kSqueezeShare = 0.1;  // of the largest force while it pours
-constexpr double kApart_s = 0.2;       // contacts come and go for some ticks
+constexpr double kTouch_n = 0.1;  // least normal force of a touch
+constexpr double kNear_m = 0.05;  // the palm is near within this distance
+// Share of the largest force during the flow, above which the hand squeezes.
+constexpr double kSqueezeShare = 0.1;
+// Shorter gaps are ignored, because contacts flicker for some ticks.
+constexpr double kApart_s = 0.2;
 
 using Samples = std::vector<ExerciseSample>;
 
-/// Walks back from `from` while `holds`, over gaps of at most kApart_s; the first index of it.
+/// Walks back from `from` while `holds` is true, ignoring gaps of at most kApart_s. Returns the
+/// first index of that stretch.
 template <class Holds>
 std::size_t walkBack(const Samples& samples, std::size_t from, Holds holds) {
   std::size_t first = from;
@@ -41,12 +44,12 @@ std::optional<std::array<ExercisePhase, 4>> findPhases(const Samples& samples) {
   for (std::size_t i = pours; i <= poured; ++i) {
     firmest_n = std::max(firmest_n, samples[i].fingers_n + samples[i].thumb_n);
   }
-  // A finger that rests on it as the palm arrives does not squeeze yet.
+  // A finger that rests on the dispenser when the palm arrives does not squeeze yet.
   const double squeeze_n = std::max(kTouch_n, kSqueezeShare * firmest_n);
   const std::size_t squeezes = walkBack(
       samples, pours, [&](const ExerciseSample& s) { return s.fingers_n + s.thumb_n > squeeze_n; });
 
-  // α rises from zero before that: the palm has come near.
+  // α rises from zero before the squeeze, when the palm comes near.
   std::size_t rises = squeezes;
   while (rises > 0 && samples[rises].alpha > 0.0) --rises;
   std::size_t nears = rises;
@@ -84,7 +87,7 @@ double fadingTime_s(const Samples& samples, const std::vector<ExerciseBump>& bum
       bumps.begin(), bumps.end(),
       [](const ExerciseBump& a, const ExerciseBump& b) { return a.contact_n < b.contact_n; });
   if (hardest == bumps.end()) return 0.0;
-  // The longest stretch after it in which Φ only falls, as long as it is more than nothing.
+  // Finds the longest stretch after the bump in which Φ falls monotonically and is above zero.
   const ExerciseSample *from = nullptr, *to = nullptr;
   for (const ExerciseSample& s : samples) {
     if (s.time_s <= hardest->end_s) continue;

@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-// From the hand's base to the axis of a dispenser that it holds (power grasp, adult median hand).
+// Vector from the hand's base to the axis of a held dispenser (power grasp, adult median hand) [m].
 const Eigen::Vector3d kGrip(0.049, 0.041, 0.004);
 
 struct Posture {
@@ -20,19 +20,20 @@ struct Posture {
 constexpr Posture kStretched{10 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpen{65 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpposed{65 * kDeg, 20 * kDeg, 0.0};
-// The aim lies inside the dispenser: how far says how firmly.
+// Target postures inside the dispenser. A deeper target gives a firmer grip.
 constexpr Posture kFirm{150 * kDeg, 20 * kDeg, 44 * kDeg};
 constexpr Posture kFirmer{152 * kDeg, 20 * kDeg, 46 * kDeg};
 constexpr Posture kGentle{112 * kDeg, 20 * kDeg, 22 * kDeg};
 constexpr Posture kGrips{140 * kDeg, 20 * kDeg, 42 * kDeg};
 constexpr Posture kFollows{158 * kDeg, 20 * kDeg, 54 * kDeg};
 constexpr Posture kHalfOpen{80 * kDeg, 5 * kDeg, 0.0};
-// Not stretched enough to pass beside it.
+// Fingers that are not stretched enough to pass beside the dispenser without contact.
 constexpr Posture kGrazing{48 * kDeg, 5 * kDeg, 0.0};
 
 constexpr double kBack_m = -0.077;
 
-/// Waypoints of a device: axes that it does not have are left out, the others held in their range.
+/// Builds the waypoints of a device. Missing axes are left out; the others are clamped to their
+/// range.
 class Way {
  public:
   explicit Way(const DeviceModel& device) : device_(device) {}
@@ -61,7 +62,8 @@ class Way {
   std::vector<Waypoint> waypoints_;
 };
 
-/// Beside the dispenser, and with the palm pressed on to it, for a hand that grips it at `grip`.
+/// Base positions beside the dispenser and with the palm pressed against it, for a hand that grips
+/// it at `grip`.
 Eigen::Vector3d besideOf(const Eigen::Vector3d& grip) {
   return grip - Eigen::Vector3d(0.0, 0.024, 0.0);
 }
@@ -75,7 +77,7 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
                             std::uint64_t seed) {
   namespace at = exercise_times;
   std::mt19937_64 random(seed);
-  // Not std::uniform_real_distribution: its values differ between standard libraries.
+  // Avoids std::uniform_real_distribution, whose values differ between standard libraries.
   const auto jitter = [&random](double half_width) {
     return half_width * (2.0 * static_cast<double>(random() >> 11U) * 0x1.0p-53 - 1.0);
   };
@@ -105,7 +107,7 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
   go(at::kPositioned, touching, kOpposed);
   go(at::kCloses, touching, kOpposed);
   go(at::kSqueezes, touching, kGrips);
-  go(at::kLetsGo, touching, kFollows);  // the shell gives way
+  go(at::kLetsGo, touching, kFollows);  // follows the shell, which yields
   go(at::kOpened, grip, kHalfOpen);
   go(at::kRetrieves, grip, kHalfOpen);
   go(at::kOff, beside, kGrazing);

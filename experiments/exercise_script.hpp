@@ -11,17 +11,19 @@ namespace wholehand {
 
 /// Planned times of the parts of the paper's Fig. 7 [s].
 namespace exercise_times {
-inline constexpr double kServed = 1.0;     ///< the hand rests before: the glass slides into place
-inline constexpr double kBeside = 1.8;     ///< left of the dispenser, fingers stretched
-inline constexpr double kHardBump = 2.15;  ///< furthest into it, with the back of the fingers
+/// The hand rests until then, while the glass slides into place.
+inline constexpr double kServed = 1.0;
+inline constexpr double kBeside = 1.8;  ///< left of the dispenser with stretched fingers
+/// Deepest point of the bump with the back of the fingers.
+inline constexpr double kHardBump = 2.15;
 inline constexpr double kOffAgain = 2.5;
 inline constexpr double kSoftBump = 3.6;
-inline constexpr double kBumped = 4.1;  ///< moved away again
+inline constexpr double kBumped = 4.1;  ///< the hand has moved away again
 inline constexpr double kDrawnBack = 4.9;
-inline constexpr double kAligned = 5.7;  ///< right of the dispenser, drawn back
+inline constexpr double kAligned = 5.7;  ///< right of the dispenser and drawn back
 inline constexpr double kEntered = 6.6;
-inline constexpr double kPositioned = 7.3;  ///< the palm against it
-inline constexpr double kCloses = 8.8;      ///< the exercise's haptics are faded in
+inline constexpr double kPositioned = 7.3;  ///< the palm touches the dispenser
+inline constexpr double kCloses = 8.8;      ///< the exercise's walls are faded in
 inline constexpr double kSqueezes = 10.3;
 inline constexpr double kLetsGo = 12.2;
 inline constexpr double kOpened = 12.9;
@@ -31,15 +33,16 @@ inline constexpr double kAway = 15.45;
 inline constexpr double kEnd = 16.35;
 }  // namespace exercise_times
 
-/// The person's intended motion over time: bumps into the dispenser twice with the back of the
-/// fingers, draws back, approaches from the other side, lays the palm on, squeezes, releases and
-/// retracts the hand while the fingers graze the dispenser. The seed shifts start and target by
+/// The person's intended motion over time. The hand bumps into the dispenser twice with the back of
+/// the fingers, draws back, approaches from the other side, lays the palm on, squeezes, releases,
+/// and retracts while the fingers graze the dispenser. The seed shifts start and target by
 /// millimetres.
 /// @param home_m grip position at the dispenser (world)
 [[nodiscard]] Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& home_m,
                                           std::uint64_t seed);
 
-/// Repeats approach from the side, grip, squeeze and retreat: the motion of the paper's Fig. 6.
+/// The motion of the paper's Fig. 6, which repeats approach from the side, grip, squeeze and
+/// retreat.
 [[nodiscard]] Intention squeezeAgainAndAgain(const DeviceModel& device,
                                              const Eigen::Vector3d& home_m, double duration_s);
 

@@ -5,7 +5,7 @@
 #include "experiments/grip_target.hpp"
 #include "loop/dynamics/articulated_body.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace wholehand {
 namespace {
 
-/// Sorts contacts by the part of the hand that bears them, and keeps what the figure shows.
+/// Sorts contacts by the touching part of the hand and stores the data of the figure.
 class ExerciseObserver {
  public:
   ExerciseObserver(const Rig& rig, const BarFigures& figures, int dispenser, ExerciseResult& result)
@@ -71,7 +71,7 @@ class ExerciseObserver {
       result_.phi_peak[a] = std::max(result_.phi_peak[a], r.phi[a]);
       const double arm_m = result_.lever_arms_m[a];
       const double effort = r.exercise.effort[a] / (arm_m > 0.0 ? arm_m : 1.0);
-      // Closing raises the coordinate.
+      // Closing increases the coordinate.
       result_.wall_pull_max_n = std::max(result_.wall_pull_max_n, effort);
       result_.wall_push_max_n = std::max(result_.wall_push_max_n, -effort);
     }
@@ -99,8 +99,8 @@ class ExerciseObserver {
   bool served_ = false;
 };
 
-// What came of the samples.
-void judge(ExerciseResult& result, bool served) {
+// Evaluates the samples.
+void assess(ExerciseResult& result, bool served) {
   const auto phases = findPhases(result.samples);
   if (phases) {
     result.phases.assign(phases->begin(), phases->end());
@@ -147,14 +147,14 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   run.interrupts = &InterruptScope::shared();
   run.record = plan.record;
   run.sinks.emplace_back([&](const TickRecord& record) {
-    if (record.time_s >= exercise_times::kEnd) return;  // only the ramp to neutral is left
+    if (record.time_s >= exercise_times::kEnd) return;  // only the ramp to neutral follows
     observe(record);
   });
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();
   result.faulted = outcome->faulted;
   result.interrupted = outcome->interrupted;
-  judge(result, observe.served());
+  assess(result, observe.served());
   return result;
 }
 

@@ -9,7 +9,8 @@
 
 namespace wholehand {
 
-/// Rms about the mean of the felt coupling effort, per axis; rotations in newtons at the tip.
+/// Computes the rms about the mean of the rendered coupling effort per axis; rotations in newtons
+/// at the tip.
 class FeltNoise {
  public:
   /// @pre device outlives this
@@ -32,7 +33,7 @@ class FeltNoise {
   }
 
  private:
-  static constexpr double kTipArm_m = 0.08;  // lever arm for axes without a tip: a finger's
+  static constexpr double kTipArm_m = 0.08;  // lever arm for axes without a tip, that of a finger
 
   // Mean and variance without storing the samples (Welford).
   class Spread {

@@ -8,7 +8,8 @@
 namespace wholehand {
 namespace {
 
-constexpr double kDropped_m = 0.02;  // further off than this in the palm's frame: dropped
+// An object that shifts more than this in the palm's frame counts as dropped.
+constexpr double kDropped_m = 0.02;
 constexpr double kNoiseWindow_s = 2.0;
 
 }  // namespace
@@ -52,7 +53,7 @@ GraspResult GraspObserver::finish(const TickRecord& last) {
     result_.contact_force_n += last.contacts[i].force_n.eigen().norm();
   }
   const bool carried = std::abs(result_.object_travel_m - kLift_m) < 0.1 * kLift_m;
-  const bool stayed = result_.carry_shift_m < kDropped_m;  // false for NaN, too
+  const bool stayed = result_.carry_shift_m < kDropped_m;  // false for NaN as well
   result_.dropped = !stayed || !carried || !holding_;
   return result_;
 }

@@ -7,7 +7,7 @@
 
 namespace wholehand {
 
-/// Collects the result of a grasp from its records.
+/// Computes the result of a grasp from its records.
 class GraspObserver {
  public:
   /// @pre rig outlives this, and its first body is the object

@@ -9,15 +9,16 @@
 namespace wholehand {
 namespace {
 
-constexpr double kApproach_m = 0.08;  // along the palm's normal
-constexpr double kPedestal_m = 0.02;  // half of its height
-// Edge of the pedestal's top. Wider, and the little finger lands on it when it pinches.
+constexpr double kApproach_m = 0.08;  // approach distance along the palm's normal
+constexpr double kPedestal_m = 0.02;  // half of the pedestal's height
+// Edge length of the pedestal's top. On a wider top the little finger would touch it during a
+// pinch.
 constexpr double kPedestalWidth_m = 0.02;
 constexpr double kApproachCircumduction_rad = 0.09;
 
 struct ShapeText {
   std::string keys;
-  double half_height_m = 0.0;  // as it stands in the world
+  double half_height_m = 0.0;  // half of its height in its orientation in the world
 };
 
 std::string ball(double radius_m) {
@@ -28,8 +29,8 @@ std::string upright(const char* shape, double radius_m, double height_m) {
   return fmt::format("shape = \"{}\"\nradius_m = {}\nheight_m = {}\n", shape, radius_m, height_m);
 }
 
-// The cylinder and the disk stand: with the hand in handshake their axis lies along the palm's
-// radial direction, which is the world's z.
+// Keys of a shape. Cylinder and disk stand upright: with the hand in handshake orientation their
+// axis lies along the palm's radial direction, which is the world's z.
 ShapeText shapeText(const std::string& shape, double size) {
   if (shape == "cube") {
     return {fmt::format("shape = \"box\"\nsize_m = [{0}, {0}, {0}]\n", 0.05 * size), 0.025 * size};
@@ -56,12 +57,13 @@ Eigen::Matrix3d turnOf(const GraspTrial& trial) {
   return rotationFromRpy(rpy.x(), rpy.y(), rpy.z());
 }
 
-/// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
+/// Position of the hand's base when the hand closes: low and forward, so that the lift fits the
+/// workspace.
 Eigen::Vector3d graspBase(const GraspTrial& trial) {
   return turnOf(trial) * Eigen::Vector3d(0.0, kApproach_m / 2.0, -kLift_m / 2.0);
 }
 
-/// From where the hand comes, relative to that: along the palm's normal, thumb out of the way.
+/// Start of the approach relative to graspBase(), along the palm's normal.
 Eigen::Vector3d graspApproach(const Models& models) {
   return kApproach_m * (palmRotation(models) * Eigen::Vector3d::UnitZ());
 }

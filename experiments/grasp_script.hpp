@@ -19,7 +19,8 @@ inline constexpr double kLift_m = 0.2;
 /// The person's intended motion over time in a trial.
 [[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);
 
-/// A scene file with the trial's object where the hand will close; under gravity, on a pedestal.
+/// Text of a scene file with the trial's object at the place where the hand closes; with gravity
+/// the object stands on a pedestal.
 [[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models);
 
 }  // namespace wholehand

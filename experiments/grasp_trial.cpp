@@ -5,7 +5,7 @@
 #include "files/text/text_file.hpp"
 #include "loop/core/geometry.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ std::vector<GraspTrial> tunedTrials() {
 
 std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  // Not std::uniform_real_distribution: its values differ between standard libraries.
+  // Avoids std::uniform_real_distribution, whose values differ between standard libraries.
   const auto jitter = [&random](double half_width) {
     return half_width * (2.0 * static_cast<double>(random() >> 11U) * 0x1.0p-53 - 1.0);
   };

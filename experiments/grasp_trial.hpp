@@ -12,24 +12,24 @@
 
 namespace wholehand {
 
-/// One grasp of the paper's Fig. 5: position of the object in the palm's frame when the hand
-/// closes, and the person's commands. Palm frame: x distal, y radial, z dorsal.
+/// One grasp of the paper's Fig. 5: the object's position in the palm's frame when the hand closes,
+/// and the person's commands. Palm frame: x distal, y radial, z dorsal.
 struct GraspTrial {
-  std::string shape;                  ///< "cube", "sphere", "cylinder", "disk"
-  std::string grasp;                  ///< "power", "pinch"
-  bool gravity = false;               ///< off: free-floating with the paper's damping of 0.7
+  std::string shape;     ///< "cube", "sphere", "cylinder", "disk"
+  std::string grasp;     ///< "power", "pinch"
+  bool gravity = false;  ///< false: the object floats freely with the paper's damping of 0.7
   Eigen::Vector3d center_m{0, 0, 0};  ///< object's centre in the palm's frame
   double circumduction_rad = 0.0;     ///< circumduction of the thumb before closing
   double fingers_open_rad = 0.35, fingers_closed_rad = 0.0;  ///< commanded
   double thumb_closed_rad = 0.0;                             ///< commanded
-  double friction = 0.8;                                     ///< of hand and object
+  double friction = 0.8;                                     ///< friction of hand and object
   double size = 1.0;                                         ///< factor on the object's lengths
-  /// Of the whole in the world: object, gravity and the hand's ways. The device's mount turns
-  /// alike.
+  /// Rotation of the whole trial in the world: object, gravity and the hand's paths. The device's
+  /// mount rotates equally.
   Eigen::Vector3d turn_rpy_rad{0, 0, 0};
 
   [[nodiscard]] std::string name() const;
-  /// The name without spaces: of the trial's files.
+  /// The name without spaces, used for the trial's files.
   [[nodiscard]] std::string stem() const;
 };
 
@@ -37,11 +37,11 @@ struct GraspTrial {
 struct GraspResult {
   GraspTrial trial;
   bool dropped = false;
-  double carry_shift_m =
-      0.0;                    ///< largest shift of its centre in the palm's frame, from the lift on
-  double slip_m = 0.0;        ///< shift during the hold only; rotation is in rotation_rad
-  double rotation_rad = 0.0;  ///< rotation in the palm's frame during the hold
-  double coupling_error_rad = 0.0;  ///< largest before correction, over the whole trial
+  double carry_shift_m = 0.0;  ///< largest shift of the object's centre in the palm's frame, from
+                               ///< the start of the lift
+  double slip_m = 0.0;         ///< shift during the hold only; the rotation is in rotation_rad
+  double rotation_rad = 0.0;   ///< rotation in the palm's frame during the hold
+  double coupling_error_rad = 0.0;  ///< largest error before correction in the whole trial
   double object_travel_m = 0.0;     ///< carried distance
   double force_noise_n = 0.0;       ///< rms about the mean over the last 2 s, worst axis, tips in N
   double contact_residual = 0.0;  ///< |Σ Jᵀ f + f_s| at rest, means over the last 2 s, worst axis,
@@ -54,7 +54,7 @@ struct GraspResult {
   std::uint64_t saturated_ticks = 0;  ///< ticks with an effort at its limit
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
   bool faulted = false;      ///< stopped by a fault; also counts as dropped
-  bool interrupted = false;  ///< by Ctrl-C: the results are partial
+  bool interrupted = false;  ///< interrupted by Ctrl-C: the results are partial
 };
 
 /// The tuned trials: four shapes by power grasp, cube and sphere by pinch, each with and without
@@ -65,15 +65,15 @@ struct GraspResult {
 /// deterministic for a seed.
 [[nodiscard]] std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed);
 
-/// With what a trial is run.
+/// Settings for running a trial.
 struct TrialSetup {
-  std::string folder;  ///< for the scene file, and the recording if requested
+  std::string folder;  ///< folder for the scene file and, if requested, the recording
   RigOptions rig;
   std::function<void(Models& models)> adjust = {};  ///< changes the models before the rig is built
 };
 
-/// Writes the trial's scene into the folder and loads the models with it, adjusted: what is
-/// recorded is then all that is needed to run the trial again.
+/// Writes the trial's scene into the folder, loads the models with it and adjusts them. A recording
+/// then contains everything needed to repeat the trial.
 [[nodiscard]] Expected<Models> loadTrial(const GraspTrial& trial, ModelFiles files,
                                          const TrialSetup& setup);
 

@@ -16,16 +16,16 @@
 namespace wholehand {
 namespace {
 
-constexpr double kHolds_m = 0.01;                   // so far into the shell the other digit holds
-constexpr double kApproach_m_s = 0.02;              // until the wall is felt
-constexpr double kPress_n = 1.25;                   // d v of a steady squeeze
-constexpr double kFrom_m = 0.0105, kTo_m = 0.0125;  // where it is steady
-constexpr double kDrift_n = 0.35;                   // d v of the motion under the oscillation ...
-constexpr double kSwing = 0.6;                      // ... whose speed is this share of it
+constexpr double kHolds_m = 0.01;       // depth in the shell at which the other digit holds
+constexpr double kApproach_m_s = 0.02;  // approach speed until the wall is rendered
+constexpr double kPress_n = 1.25;       // resistance d times speed v in a steady squeeze
+constexpr double kFrom_m = 0.0105, kTo_m = 0.0125;  // path range of the steady squeeze
+constexpr double kDrift_n = 0.35;  // d v of the drift on which the oscillation is added ...
+constexpr double kSwing = 0.6;     // ... whose speed is this share of the drift
 constexpr double kFitted_s = 2.0;
 constexpr double kOmega = 2.0 * std::numbers::pi * kLiquidHz;
 
-/// How the digit moves on from the wall.
+/// Motion of the digit after it reached the wall.
 struct Motion {
   double speed_m_s = 0.0, swing_m = 0.0;
   [[nodiscard]] double path_m(double time_s) const {
@@ -33,18 +33,19 @@ struct Motion {
   }
 };
 
-/// A device that is where a script says, whatever is sent: the palm at a dispenser, digits closing.
+/// A device that follows a script independently of the effort sent: the palm is at a dispenser and
+/// digits close.
 class ScriptedHand final : public HapticDevice {
  public:
   static constexpr double kInPlace_s = 2.4;
 
-  /// @param places where it is after 0, 0.8, 1.6 and 2.4 s
+  /// @param places positions after 0, 0.8, 1.6 and 2.4 s
   ScriptedHand(const std::array<AxisPosition, 4>& places, const DeviceModel& device)
       : places_(places), moved_(device.axisCount()) {
     for (const DeviceAxis& axis : device.axes) lever_m_.push_back(axis.lever_arm_m);
   }
 
-  /// From now on this axis moves on so from where it is, and no other one does.
+  /// Moves this axis from its current position with `motion`; all other axes stop.
   void move(int axis, Motion motion) noexcept {
     for (int i = 0; i < moved_.size(); ++i) moved_[i] = at_[i] - places_.back()[i];
     axis_ = axis;
@@ -83,10 +84,10 @@ class ScriptedHand final : public HapticDevice {
 };
 
 struct Sample {
-  double time_s, path_m, felt_n;  ///< from the touch on
+  double time_s, path_m, felt_n;  ///< time and path since the touch, and the rendered force
 };
 
-/// A liquid of the level: its name, the dispenser that holds it, d.
+/// A liquid of the level: its name, the dispenser that holds it, and its resistance d.
 struct Dispenser {
   std::string liquid, body;
   double resistance_n_s_m = 0.0;
@@ -111,7 +112,7 @@ Diagnostics refused(const ModelFiles& files, const char* what) {
                    "name a cocktail bar, and a device with finger_flexion and thumb_flexion")};
 }
 
-/// Closes an axis on a dispenser, until the path or the time is over.
+/// Closes an axis on a dispenser until the path or the time is used up.
 Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& dispenser,
                                     const char* axis_name, Motion motion, double most_m,
                                     double most_s) {
@@ -121,7 +122,8 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
   const int axis = device.axisIndex(axis_name), turn = device.axisIndex("thumb_circumduction");
   const int fingers = device.axisIndex("finger_flexion"), thumb = device.axisIndex("thumb_flexion");
   const int x = device.axisIndex("x"), y = device.axisIndex("y");
-  // The row slides only while the hand is drawn back, which it never is.
+  // Shifts all bodies so that the dispenser is at y = 0. The row itself slides only while the hand
+  // is drawn back, which never happens here.
   std::vector<SceneBody>& bodies = loaded->scene.bodies;
   const double at_y_m = bodies[loaded->scene.bodyIndex(dispenser.body)].pose.translation_m.y();
   for (SceneBody& body : bodies) body.pose.translation_m.y() -= at_y_m;
@@ -134,7 +136,7 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
     if (turn >= 0) q[turn] = turn_rad;
     return q;
   };
-  // A power grasp: the palm's middle 41 mm beside the hand's base.
+  // Power grasp: the middle of the palm is 41 mm beside the hand's base.
   const AxisPosition beside = place(-0.065, 12.0 * kDeg, 0.0, 6.0 * kDeg);
   const AxisPosition open = place(-0.041, 50.0 * kDeg, 0.0, 20.0 * kDeg);
   auto hand = std::make_unique<ScriptedHand>(
@@ -145,7 +147,8 @@ Expected<std::vector<Sample>> press(const ModelFiles& files, const Dispenser& di
   if (!rig) return rig.errors();
   HapticRenderer& renderer = *(*rig)->renderer;
   if (Expected<Done> armed = renderer.arm(); !armed) return armed.errors();
-  // The other digit holds against the one that closes, because one side alone opens no nozzle.
+  // The other digit holds against the closing digit, because pressure from one side alone does not
+  // open the nozzle.
   enum class Phase { kPlaces, kOther, kHolds, kApproaches, kPresses };
   Phase phase = Phase::kPlaces;
   const int other = axis == fingers ? thumb : fingers;
@@ -195,7 +198,8 @@ double meanForce_n(const std::vector<Sample>& samples) {
   return sum_n / std::max(count, 1);
 }
 
-/// Force over path of the oscillation, by least squares beside a line.
+/// Complex ratio of force to path of the oscillation, fitted by least squares together with a
+/// linear trend.
 std::complex<double> stiffnessOf(const std::vector<Sample>& samples, double from_s,
                                  double swing_m) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
@@ -224,7 +228,7 @@ Expected<LiquidFelt> feel(const ModelFiles& files, const Dispenser& dispenser) {
   }
   const double drift_m_s = kDrift_n / dispenser.resistance_n_s_m;
   const double swing_m = kSwing * drift_m_s / kOmega;
-  constexpr double kSettles_n_m = 60.0;  // a fifth of k + k_s: five time constants
+  constexpr double kSettles_n_m = 60.0;  // a fifth of k + k_s, which gives five time constants
   const double settled_s = dispenser.resistance_n_s_m / kSettles_n_m;
   const auto swung =
       press(files, dispenser, digits[0], {drift_m_s, swing_m}, 1.0, settled_s + kFitted_s);
@@ -267,8 +271,8 @@ double impedanceChange(const LiquidFelt& thinner, const LiquidFelt& thicker) {
   return std::abs(thicker.stiffness_n_m - thinner.stiffness_n_m) / std::abs(thinner.stiffness_n_m);
 }
 
-double toldApart(double ratio) {
-  constexpr double kSigma = 0.222;  // Jones 1997
+double distinguishedShare(double ratio) {
+  constexpr double kSigma = 0.222;  // Weber fraction of viscosity, Jones 1997
   return 0.5 * std::erfc(-std::log(ratio) / (2.0 * kSigma));
 }
 

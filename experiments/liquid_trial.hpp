@@ -10,14 +10,15 @@
 
 namespace wholehand {
 
-/// What a person feels of a bar's liquid, device included: the shipped loop around a device that
-/// closes one digit by a script, while the other one holds against it. At the tip.
+/// Rendering of a bar's liquid including the device, at the tip. The shipped loop runs around a
+/// device that closes one digit by a script while the other digit holds against it.
 struct LiquidFelt {
   std::string liquid;
-  double resistance_n_s_m = 0.0;       ///< d of the file
-  std::array<double, 2> felt_n_s_m{};  ///< fingers, thumb: force over speed of a steady squeeze
-  std::complex<double> stiffness_n_m;  ///< fingers: force over path at 0.5 Hz
-  /// Force over path at the same speed for every liquid: {mm, N} of the fingers.
+  double resistance_n_s_m = 0.0;  ///< d from the file
+  std::array<double, 2>
+      felt_n_s_m{};  ///< fingers, thumb: force divided by speed in a steady squeeze
+  std::complex<double> stiffness_n_m;  ///< fingers: force divided by path at 0.5 Hz
+  /// Force versus path of the fingers at the same speed for every liquid: {mm, N}.
   std::vector<std::array<double, 2>> squeeze;
 };
 
@@ -25,15 +26,15 @@ inline constexpr double kLiquidHz = 0.5;
 /// Speed of LiquidFelt::squeeze.
 inline constexpr double kSqueeze_m_s = 0.006;
 
-/// Feels every liquid of the exercise's last level. Refused for an exercise without dispensers, or
-/// a device without fingers or thumb.
+/// Measures every liquid of the exercise's last level. Returns an error for an exercise without
+/// dispensers or a device without fingers or thumb.
 [[nodiscard]] Expected<std::vector<LiquidFelt>> feelLiquids(const ModelFiles& files);
 
 /// |ΔZ|/|Z| of two liquids at kLiquidHz.
 [[nodiscard]] double impedanceChange(const LiquidFelt& thinner, const LiquidFelt& thicker);
 
-/// Share of right answers of an observer with Jones's σ of 0.222 of a viscosity's logarithm, who
-/// feels both liquids once: Φ(ln(ratio)/(√2 σ)).
-[[nodiscard]] double toldApart(double ratio);
+/// Share of correct answers of an observer who compares both liquids once, with Jones's σ of 0.222
+/// for the logarithm of viscosity: Φ(ln(ratio)/(√2 σ)).
+[[nodiscard]] double distinguishedShare(double ratio);
 
 }  // namespace wholehand

@@ -6,8 +6,9 @@
 
 namespace wholehand {
 
-/// One axis by its exact solution, with a tick of output delay: a constant push against it, and a
-/// knock once it has settled; 20 N·s/m more until then. All other axes stand.
+/// Device with one moving axis, computed by its exact solution with one tick of output delay. A
+/// constant force pushes the axis. Until kSettled_s it has 20 N·s/m more damping; later it is
+/// knocked once. All other axes stand still.
 class PushedAxis : public HapticDevice {
  public:
   static constexpr double kMass_kg = 0.5, kDamping_n_s_m = 1.0, kPush_n = 3.0, kKnock_n = 0.5;
@@ -36,7 +37,7 @@ class PushedAxis : public HapticDevice {
     const double b = kDamping_n_s_m + (t < kSettled_s ? 20.0 : 0.0);
     const double knock = t >= kKnock_s && t < kKnockEnds_s ? kKnock_n : 0.0;
     const double force = acting_n_ - kPush_n - knock;
-    acting_n_ = written_n_;  // a tick of delay
+    acting_n_ = written_n_;  // one tick of delay
     const double decay = std::exp(-b / kMass_kg * period_s_), drift = force / b;
     q_[axis_] += drift * period_s_ + (v_ - drift) * kMass_kg / b * (1.0 - decay);
     v_ = drift + (v_ - drift) * decay;

@@ -12,10 +12,11 @@
 namespace wholehand {
 namespace {
 
-constexpr double kHolding_n = 5.0;  // a grasp; the swinging thumb brushes with less than 1 N
+// Least force of a grasp; the swinging thumb touches with less than 1 N.
+constexpr double kHolding_n = 5.0;
 constexpr double kReleased_n = 1.0;
 
-// Counts what the records say, off the real-time thread.
+// Evaluates the records outside the real-time thread.
 class TimingObserver {
  public:
   explicit TimingObserver(TimingResult& result, int body, int joints)

@@ -23,7 +23,7 @@ constexpr int kLookForStop_ms = 100;
 struct Worker {
   pid_t process = -1;
   int results = -1;  // read end
-  std::string text;  // not yet a whole line
+  std::string text;  // received part of an incomplete line
 };
 
 bool writeAll(int file, std::string_view text) {
@@ -36,13 +36,13 @@ bool writeAll(int file, std::string_view text) {
   return true;
 }
 
-/// What the processes share.
+/// Data shared by the processes.
 struct Shared {
-  std::atomic<int> next{0};  ///< job that nobody has taken
+  std::atomic<int> next{0};  ///< next job that no process has taken
   std::atomic<bool> stop{false};
 };
 
-/// Memory that forked processes have in common; null: none left.
+/// Allocates memory that forked processes share; null when there is no memory.
 Shared* share() {
   void* const memory =
       ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -59,13 +59,13 @@ Shared* share() {
     heard = writeAll(results, std::to_string(job) + " " + work(job) + "\n");
   }
   std::fflush(nullptr);
-  ::_exit(0);  // what the parent would tidy up is the parent's
+  ::_exit(0);  // skips destructors and exit handlers, which belong to the parent
 }
 
 Worker start(int jobs, Shared& shared, const std::function<std::string(int)>& work) {
   std::array<int, 2> pipe{};
   if (::pipe(pipe.data()) != 0) return {};
-  std::fflush(nullptr);  // or the worker would print it again
+  std::fflush(nullptr);  // otherwise the worker would print buffered text again
   const pid_t parent = ::getpid();
   const pid_t process = ::fork();
   if (process == 0) {
@@ -77,7 +77,7 @@ Worker start(int jobs, Shared& shared, const std::function<std::string(int)>& wo
   return {process, process < 0 ? -1 : pipe[0], {}};
 }
 
-// Hands over the whole lines; false at the end of the worker's results.
+// Reads from a worker and passes on complete lines; returns false at the end of its results.
 bool read(Worker& worker, const std::function<void(int, const std::string&)>& done, int& reported) {
   std::array<char, 4096> buffer{};
   const ssize_t n = ::read(worker.results, buffer.data(), buffer.size());
@@ -107,7 +107,7 @@ bool workInProcesses(int jobs, int workers, const std::function<std::string(int)
   int reported = 0;
   for (;;) {
     std::vector<pollfd> waiting;
-    for (const Worker& w : all) waiting.push_back({w.results, POLLIN, 0});  // -1 is left out
+    for (const Worker& w : all) waiting.push_back({w.results, POLLIN, 0});  // poll() ignores -1
     if (std::all_of(all.begin(), all.end(), [](const Worker& w) { return w.results < 0; })) break;
     if (stop && stop()) shared->stop = true;
     if (::poll(waiting.data(), waiting.size(), kLookForStop_ms) < 0) continue;

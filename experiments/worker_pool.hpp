@@ -5,15 +5,16 @@
 
 namespace wholehand {
 
-/// Runs `jobs` jobs in a number of child processes and passes each result, as it arrives, to the
-/// calling process. Each child has its own engine globals, so results do not depend on the number
-/// of processes. Each takes the next job that nobody has. They die with the calling process. False
-/// when a worker died or was stopped early; results passed before remain valid. Call before any
-/// thread is started.
-/// @param work  in a worker: job -> one line of text
-/// @param done  in the calling process: job and its line, in any order
-/// @param stop  in the calling process, asked a few times a second: workers end with their present
-///              job
+/// Runs `jobs` jobs in `workers` child processes and passes each result to the calling process as
+/// it arrives. Each child has its own engine globals, so results do not depend on the number of
+/// processes. Each child takes the next free job. The children die with the calling process.
+/// Returns false when a worker died or was stopped early; results passed before remain valid. Call
+/// it before any thread is started.
+/// @param work called in a worker: job -> one line of text
+/// @param done called in the calling process with job and line, in any order
+/// @param stop called in the calling process a few times a second; when it returns true, workers
+/// end
+///             after their current job
 [[nodiscard]] bool workInProcesses(
     int jobs, int workers, const std::function<std::string(int job)>& work,
     const std::function<void(int job, const std::string& line)>& done,

@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-/// The hand above the table, clear of everything.
+/// The hand rests above the table without any contact.
 Intention clearOfTheTable(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   if (const int x = device.axisIndex("x"); x >= 0) q[x] = -0.08;
@@ -19,8 +19,8 @@ Intention clearOfTheTable(const DeviceModel& device) {
   return Intention::throughWaypoints({{0.0, q}});
 }
 
-/// The closed hand never rests again: every axis swings about the grip at a pace of its own, so
-/// that the grip firms, loosens and slides.
+/// After closing, the hand never rests: every axis swings about the grip with its own period, so
+/// that the grip tightens, loosens and slides.
 Intention restlessGrip(const Models& models, double end_s) {
   constexpr double kSwing_s = 0.4, kShift_m = 0.02, kBend_rad = 0.12;
   const Intention grasp = graspIntention(comparedGrasp(), models);
@@ -89,7 +89,8 @@ GraspTrial comparedGrasp() {
 
 std::uint64_t ticksOf(EngineScene scene, const EnginePlan& plan) {
   if (scene == EngineScene::kGripped) return plan.gripped_ticks;
-  double end_s = grasp_times::kLiftBegins;  // free and fixed: closed, and not yet lifting
+  // Free and fixed: the hand is closed and does not lift yet.
+  double end_s = grasp_times::kLiftBegins;
   if (scene == EngineScene::kHeld) end_s = grasp_times::kHoldBegins + plan.hold_s;
   if (scene == EngineScene::kResting) end_s = plan.hold_s;
   return static_cast<std::uint64_t>(std::llround(end_s * plan.rate_hz));

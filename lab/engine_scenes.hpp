@@ -9,7 +9,7 @@
 
 namespace wholehand {
 
-/// The grasp of all scenes except the resting one.
+/// The grasp of all scenes except kResting.
 [[nodiscard]] GraspTrial comparedGrasp();
 [[nodiscard]] std::uint64_t ticksOf(EngineScene scene, const EnginePlan& plan);
 /// Builds and arms a rig in a scene.

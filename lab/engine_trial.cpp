@@ -14,13 +14,13 @@
 namespace wholehand {
 namespace {
 
-/// From here on the closed hand is at rest: it closed at 2.8 s.
+/// From this time on the hand, which closed at 2.8 s, is at rest.
 constexpr double kPressed_s = 3.0;
 
-/// A grip: the thumb that swings by brushes with less.
+/// Least force of a grip; the thumb touches with less when it swings past.
 constexpr double kGrip_n = 1.0;
 
-/// Kinetic and potential energy of what can move [J].
+/// Kinetic and potential energy of all movable bodies [J].
 double energyOf(const SceneModel& scene, const TickRecord& r) {
   double energy_j = 0.0;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -36,7 +36,7 @@ double energyOf(const SceneModel& scene, const TickRecord& r) {
   return energy_j;
 }
 
-/// One engine in one scene: ticks when it is its turn, and watches.
+/// Runs one engine in one scene, tick by tick in turn with the others, and evaluates the ticks.
 class Lane {
  public:
   Lane(EngineScene scene, std::unique_ptr<Rig> rig, double hold_s, EngineFigures& figures)
@@ -128,7 +128,7 @@ Expected<Done> runScene(EngineScene scene, const EnginePlan& plan, EngineCompari
   }
   const std::uint64_t ticks = ticksOf(scene, plan);
   for (std::uint64_t k = 0; k < ticks && !InterruptScope::interrupted(); ++k) {
-    // Who comes first changes, so that nobody always finds the other's caches.
+    // The first engine changes every tick, so that no engine always inherits another's caches.
     for (std::size_t i = 0; i < lanes.size(); ++i) lanes[(k + i) % lanes.size()].tick(k);
   }
   for (Lane& lane : lanes) lane.finish();

@@ -19,12 +19,12 @@
 namespace wholehand {
 namespace {
 
-/// A figure of every engine: its key, its unit, and how it is shown to a person.
+/// A figure of every engine: key, unit, and how it is shown to a person.
 struct Row {
   const char* key;
   const char* sentence;
   const char* text;
-  double scale;  ///< from SI to what is shown
+  double scale;  ///< factor from SI units to the shown unit
   double EngineFigures::*value;
 };
 constexpr std::array kRows{
@@ -50,10 +50,10 @@ const TickCost& costOf(const EngineFigures& e, int scene) {
   return e.cost.at(static_cast<std::size_t>(scene));
 }
 
-/// Upper bounds of the bins in which the paper's Fig. 6 is told [µs]; the last bin has none.
+/// Upper bounds of the bins that the paper's Fig. 6 uses [µs]; the last bin has no bound.
 constexpr std::array kFig6Bins_us{10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0};
 
-/// Ticks of each bin.
+/// Number of ticks in each bin.
 std::array<std::size_t, kFig6Bins_us.size() + 1> binned(const std::vector<double>& sorted_us) {
   std::array<std::size_t, kFig6Bins_us.size() + 1> counts{};
   std::size_t before = 0;
@@ -100,7 +100,7 @@ nlohmann::ordered_json comparisonJson(const EngineComparison& all) {
   return json;
 }
 
-/// The comparison at the first rate, and all of them.
+/// JSON of the comparison at the first rate, and of the comparisons at all rates.
 nlohmann::ordered_json allJson(const std::vector<EngineComparison>& rates) {
   nlohmann::ordered_json json = comparisonJson(rates.front());
   json["rates"] = nlohmann::ordered_json::array();
@@ -108,7 +108,7 @@ nlohmann::ordered_json allJson(const std::vector<EngineComparison>& rates) {
   return json;
 }
 
-/// "654 N/m, 0.98 of the certificate's bound"; "-" where it was not sought.
+/// "654 N/m, 0.98 of the certificate's bound"; "-" if it was not searched.
 std::string stiffnessWords(const EngineFigures& e) {
   if (!(e.stiffness.bound_n_m > 0.0)) return "-";
   return fmt::format("{:.0f} ({:.2f})", e.stiffness.found_n_m, e.stiffness.share());
@@ -191,7 +191,8 @@ void print(const EngineComparison& all) {
   std::printf("\n");
   for (int i = 0; i < kEngineScenes; ++i) {
     const std::string name = fmt::format("{}, µs p50 / p99.9", engineSceneName(sceneAt(i)));
-    std::printf("%s%*s", name.c_str(), 29 - static_cast<int>(name.size()), "");  // µ is two bytes
+    std::printf("%s%*s", name.c_str(), 29 - static_cast<int>(name.size()),
+                "");  // the width counts bytes, and µ has two
     for (const EngineFigures& e : all.engines) {
       std::printf(" %9.1f / %6.1f", costOf(e, i).p50_us, costOf(e, i).p999_us);
     }
@@ -213,7 +214,7 @@ void print(const EngineComparison& all) {
   }
 }
 
-/// The paper's Fig. 6: how many ticks took how long.
+/// Prints the distribution of tick times as in the paper's Fig. 6.
 void printDistribution(const EngineComparison& all) {
   std::printf("ticks by CPU time while a cylinder is gripped and every joint moves\n");
   std::printf("%-28s", "up to, µs");
@@ -255,7 +256,7 @@ int enginesCommand(const ExperimentOptions& options) {
     std::printf("%.0f Hz\n", rate_hz);
     auto all = compareEngines(plan);
     if (!all) return refuse(all.errors());
-    if (all->interrupted) return sayInterrupted();
+    if (all->interrupted) return printInterrupted();
     rates.push_back(std::move(*all));
   }
   if (auto done = writeResults(jsonText(allJson(rates)), comparisonPage(rates), *files); !done) {

@@ -8,7 +8,8 @@ namespace {
 
 using World = Expected<std::unique_ptr<PhysicsWorld>>;
 
-/// Newton's method instead of the hand's sweeps; its impulses decay more slowly (ADR 39).
+/// Settings with Newton's method instead of the hand's sweeps; its impulses decay more slowly (ADR
+/// 39).
 bullet::SolverSettings solvedAtOnce() {
   bullet::SolverSettings settings;
   settings.at_once = true;

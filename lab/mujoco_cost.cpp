@@ -1,11 +1,11 @@
-// What MuJoCo's settings cost, one at a time: the bar's dispenser is squeezed as in `wholehand
-// experiment timing`, by one rig for each setting. The rigs take turns of some ticks, so that other
-// load meets all alike and each finds its caches warm.
+// Measures the cost of each of MuJoCo's settings. One rig for each setting squeezes the bar's
+// dispenser as in `wholehand experiment timing`. The rigs take turns of some ticks, so that other
+// load affects all equally and each has warm caches.
 //
 //   mujoco_cost [TICKS]
 //
-// Prints of each rig the CPU time of a tick, and what MuJoCo's solver had to do in it. The default
-// engine is the first: with it a tick has everything but MuJoCo.
+// Prints for each rig the CPU time of a tick and the work of MuJoCo's solver. The first rig has the
+// default engine: its ticks contain everything except MuJoCo.
 #include "bench/rig_files.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grip_target.hpp"
@@ -27,7 +27,7 @@ namespace wholehand {
 namespace {
 
 constexpr int kSqueezed = 4000;  // ticks until the grip is firm
-constexpr int kTurn = 50;        // ticks of a rig at a time
+constexpr int kTurn = 50;        // consecutive ticks of a rig
 constexpr int kNumbersOfImpedance = 2;
 
 struct Setting {

@@ -1,13 +1,14 @@
-// What MuJoCo alone needs for the shipped hand, which follows a motion recorded beside Bullet:
+// Measures the time of MuJoCo alone for the shipped hand, which follows a motion recorded with
+// Bullet:
 //
 //   mujoco_steps CONFIG MOTION THREADS ROUNDS
 //
 // CONFIG: folder of the shipped files, whose scene is four-shapes. MOTION: little-endian doubles,
 // written by bench/steps_per_second.py: for each body of the scene position [m] and orientation x,
-// y, z, w at the beginning, then q_s and its speeds before each tick. mj_step() does a tick, with
-// MuJoCo's own solver and none of the device, patient, coupling and safety of a rig. Every thread
-// has the same world of its own. Prints the ticks a second of all threads in the fastest round, and
-// the share of ticks with contacts.
+// y, z, w at the beginning, then q_s and its speeds before each tick. A tick is one mj_step() with
+// MuJoCo's own solver, without the device, patient, coupling and safety of a rig. Every thread has
+// its own copy of the same world. Prints the ticks per second of all threads in the fastest round,
+// and the share of ticks with contacts.
 #include "lab/mujoco/hand_map.hpp"
 #include "lab/mujoco/model_text.hpp"
 #include "lab/mujoco/mujoco_engine.hpp"
@@ -29,7 +30,7 @@ using namespace wholehand;
 namespace {
 
 constexpr int kPoseNumbers = 7;
-// As MuJoCo comes, and not as ADR 39 sets it beside a person.
+// MuJoCo's default settings, not those that ADR 39 uses with a person.
 constexpr mujoco::SolverSettings kStock{
     .iterations = 100, .tolerance = 1e-8, .impedance = 0.95, .friction_ratio = 1.0};
 using Model = std::unique_ptr<mjModel, mujoco::Deleter>;
@@ -91,7 +92,7 @@ Data begin(const mjModel& model, const Motion& motion) {
   return data;
 }
 
-// Returns the ticks with contacts.
+// Runs the motion once. Returns the number of ticks with contacts.
 int run(const mjModel& model, const mujoco::HandMap& map, const Motion& motion, mjData& data) {
   int touching = 0;
   for (const Tick& tick : motion.ticks) {
@@ -121,6 +122,7 @@ int main(int argc, char** argv) {
   if (!model) return std::fprintf(stderr, "%s\n", error.c_str()), EXIT_FAILURE;
   const mujoco::HandMap map(models->hand, *model);
 
+  // Runs all threads in each round and keeps the fastest round.
   double best_s = 1e9;
   int touching = 0;
   for (int round = 0; round < rounds; ++round) {

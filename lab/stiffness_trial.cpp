@@ -16,14 +16,14 @@ namespace wholehand {
 namespace {
 
 constexpr double kEnd_s = 4.0;
-/// The knock's motion in the first window is compared with that in the last.
+/// Windows after the knock: the motion in the first one is compared with that in the last one.
 constexpr double kEarly_s = 2.1, kEarlyEnds_s = 2.6, kLate_s = 3.5;
-/// The search, in shares of the bound.
+/// Range of the search, in shares of the bound.
 constexpr double kLow = 0.8, kHigh = 1.4;
 constexpr int kHalvings = 6;
 constexpr double kGap_m = 0.004;
 
-/// How far the hand reaches along −y [m].
+/// Extent of the hand along −y [m].
 double reachBackwards(const HandModel& hand, const AxisPosition& q_s) {
   ArticulatedBody body(hand);
   JointPosition theta;
@@ -49,7 +49,7 @@ SceneBody boxBehind(double face_m) {
   return body;
 }
 
-/// The models of the trial without a stiffness, and its axis and posture.
+/// Models of the trial before the stiffness is set, with its axis and posture.
 struct Bench {
   Models models;
   int axis = 0;
@@ -67,13 +67,13 @@ Expected<Bench> makeBench(const ModelFiles& files) {
   }
   bench.start = AxisPosition(device.axisCount());
   if (const int fingers = device.axisIndex("finger_flexion"); fingers >= 0) {
-    bench.start[fingers] = 1.0;  // the back of the hand alone meets the box
+    bench.start[fingers] = 1.0;  // only the back of the hand touches the box
   }
   device.output_delay_ticks = 1;
   DeviceAxis& axis = device.axes[static_cast<std::size_t>(bench.axis)];
   axis.mass = PushedAxis::kMass_kg;
   axis.damping = PushedAxis::kDamping_n_s_m;
-  axis.effort_limit = 1e6;  // limits off
+  axis.effort_limit = 1e6;  // disables the limits
   axis.effort_slew_limit = 1e9;
   AxisRendering& gains = bench.models.rendering.axes[static_cast<std::size_t>(bench.axis)];
   gains.armature = 0.0;
@@ -82,7 +82,7 @@ Expected<Bench> makeBench(const ModelFiles& files) {
   return bench;
 }
 
-/// Whether the knock dies away.
+/// True when the motion after the knock decays.
 Expected<bool> fades(const ModelFiles& files, double stiffness_n_m, const RigOptions& options) {
   auto bench = makeBench(files);
   if (!bench) return bench.errors();
@@ -113,7 +113,7 @@ Expected<StableStiffness> largestStableStiffness(const ModelFiles& files, const 
   RigOptions options;
   options.engine = engine;
   options.period_s = 1.0 / rate_hz;
-  options.uncertified = true;  // what is sought lies beyond what is certified
+  options.uncertified = true;  // the search goes beyond certified gains
   auto bench = makeBench(files);
   if (!bench) return bench.errors();
   const CertificateInput input = certificateInput(bench->models, options.period_s);

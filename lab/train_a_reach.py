@@ -1,10 +1,10 @@
 # %% [markdown]
 # # Teach a hand to reach
 #
-# A policy of 27 numbers learns to move a person's aim so that the hand comes to rest at a target: 24 rigs run side by
-# side, and evolution keeps what the best of them did. numpy only; two minutes.
+# A policy of 27 numbers learns to move a person's aim so that the hand comes to rest at a target. 24 rigs run in
+# parallel, and evolution keeps the policies of the best. Needs numpy only; takes two minutes.
 #
-#     python3 train_a_reach.py                  # or cell by cell, in an editor that knows `# %%`
+#   python3 train_a_reach.py # or cell by cell, in an editor that supports `# %%`
 #     python3 train_a_reach.py --seconds 10
 
 # %%
@@ -16,18 +16,18 @@ import numpy
 from wholehand.environment import Reaching
 from wholehand.rig import VectorRig
 
-RIGS = 24       # candidates of a generation
-TARGETS = 3     # episodes of a candidate; all candidates get the same targets
+RIGS = 24       # number of candidates in a generation
+TARGETS = 3     # episodes per candidate; all candidates get the same targets
 BEST = 6        # candidates that the next generation is drawn from
 
 
-# %% [markdown]
-# A policy is a matrix: from the 9 numbers that are observed to the 3 of the action. An episode lasts 2 s and is not ended
-# when the hand arrives, so that all rigs stay in step: who arrives early loses nothing more as long as the hand stays.
+# %% [markdown] A policy is a matrix that maps the 9 observed numbers to the 3 numbers of the action. An episode lasts 2
+# s and does not end when the hand arrives, so that all rigs stay in step. A hand that arrives early loses no further
+# reward as long as it stays there.
 
 # %%
 def play(rigs, task, policies, target_m, seed):
-    """Mean reward a step of each policy, (rigs,), and how far from the target each hand ended [m]."""
+    """Mean reward per step of each policy, (rigs,), and the final distance of each hand from the target [m]."""
     rigs.reset([seed] * len(rigs))
     aim, reward = rigs.q_s.copy(), numpy.zeros(len(rigs))
     for _ in range(task.STEPS):
@@ -39,7 +39,7 @@ def play(rigs, task, policies, target_m, seed):
 
 
 def train(seconds, seed=0, generations=None, say=print):
-    """The mean policy, and the mean reward of every generation."""
+    """Train: return the mean policy and the mean reward of every generation."""
     rigs = VectorRig(RIGS, scene="empty")
     task, draws = Reaching(rigs), numpy.random.default_rng(seed)
     mean, spread, curve = numpy.zeros((3, 9)), numpy.full((3, 9), 0.5), []
@@ -56,8 +56,7 @@ def train(seconds, seed=0, generations=None, say=print):
     return mean, curve
 
 
-# %% [markdown]
-# The learning curve: a reward of -1 is a hand that is 10 cm off all the time.
+# %% [markdown] The learning curve: a reward of -1 means that the hand is 10 cm away from the target all the time.
 
 # %%
 def main():
@@ -68,7 +67,7 @@ def main():
     options = parser.parse_args()
     policy, curve = train(options.seconds, options.seed, options.generations)
 
-    # What it learned, against doing nothing, at ten targets that it has not seen.
+    # Compares the learned policy with a policy that does nothing, at ten new targets.
     rigs = VectorRig(RIGS, scene="empty")
     task, draws = Reaching(rigs), numpy.random.default_rng(options.seed + 1)
     policies = numpy.zeros((RIGS, 3, 9))

@@ -5,7 +5,7 @@ _wholehand() {
     [[ ${COMP_WORDS[k]} == -* ]] && break
     path+=("${COMP_WORDS[k]}")
   done
-  # A file's name is no subcommand: the help of what stands before it.
+  # A file's name is not a subcommand: shows the help of the words before it.
   while ! help=$("${COMP_WORDS[0]}" "${path[@]}" --help 2>/dev/null) && ((${#path[@]})); do
     unset 'path[-1]'
   done

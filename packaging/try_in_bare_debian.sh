@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# try_in_bare_debian.sh FOLDER_OF_PACKAGES: installs the packages in a Debian 12 that has nothing else
-# (debootstrap into a folder; needs root), runs the program there, builds against the library, reads a
-# recording from Python, and removes everything again.
+# try_in_bare_debian.sh FOLDER_OF_PACKAGES: installs the packages in a bare Debian 12 (debootstrap into a folder; needs
+# root), runs the program there, builds against the library, reads a recording from Python, and removes everything
+# again.
 set -euo pipefail
 packages=$(readlink -f "$1")
 
@@ -19,7 +19,7 @@ mirror=$(sed -nE 's/^(deb|URIs:) *(\[[^]]*\] *)?(https?:[^ ]*).*/\3/p' /etc/apt/
 echo "A bare Debian 12 from ${mirror:-deb.debian.org} ..."
 debootstrap --variant=minbase bookworm "$bare" "${mirror:-http://deb.debian.org/debian}" >"$bare.log" 2>&1 ||
   fail "$(tail -n 5 "$bare.log")"
-# The same sources, keys and proxies as this machine's.
+# Uses the package sources, keys and proxies of this machine.
 rm -rf "$bare/etc/apt"
 cp -r /etc/apt "$bare/etc/apt"
 if [[ -d /usr/share/keyrings ]]; then cp -rn /usr/share/keyrings "$bare/usr/share/"; fi

@@ -123,7 +123,7 @@ def bill_of_materials(version, date):
             "packages": packages, "relationships": relations}
 
 
-# What share/doc/wholehand has of the sources, in the same places. examples/ joins it (include/CMakeLists.txt).
+# Files of the sources in share/doc/wholehand, in the same places. examples/ is added by include/CMakeLists.txt.
 MANUALS = ["README.md", "CONTRIBUTING.md", "SECURITY.md", "THIRD_PARTY.md", "docs", "clients/csharp", "clients/godot",
            "clients/unity", "clients/python/README.md", "clients/python/examples", "lab/train_a_reach.py",
            "protocol/wholehand.fbs", "scripts/fetch_flatbuffers_csharp.sh", "src/driver_abi/wholehand/device.h",

@@ -53,7 +53,7 @@ def trace(arguments, folder, place, number):
 
 
 def measure_headers(folder):
-    """(seconds, readings) of every header over all sources, what it includes counted in."""
+    """(seconds, readings) of every header over all sources, including the headers that it includes."""
     commands = folder / "compile_commands.json"
     if not commands.exists():
         sys.exit(f"{commands} is missing: run `cmake --preset analysis` first")

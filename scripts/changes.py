@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 CLEAN = ROOT / "scripts/clean_commit"
 THREADS = re.compile(r'#include (<(thread|mutex|atomic|condition_variable|shared_mutex|future)>|"loop/realtime/spsc_queue\.hpp")')
-# A change of these changes what every source is compiled to.
+# A change of these files changes the compilation of every source.
 OF_EVERY_SOURCE = ("CMakeLists.txt", "CMakePresets.json", "cmake/", "protocol/")
 
 
@@ -25,12 +25,12 @@ def git(*arguments):
 
 
 def clean_commits():
-    """{part: commit}"""
+    """{part: commit at which it was clean}"""
     return dict(line.split() for line in CLEAN.read_text().splitlines()) if CLEAN.exists() else {}
 
 
 def changed_files(part):
-    """Paths from the root, what is not committed counted in. None where the clean commit is not known."""
+    """Changed paths relative to the root, also uncommitted ones. None when the clean commit is unknown."""
     commit = clean_commits().get(part)
     if commit is None:
         return None
@@ -39,7 +39,7 @@ def changed_files(part):
 
 
 def where_threads_are():
-    """Folders with a source or header that starts, locks or shares something."""
+    """Folders with a source or header that starts threads, locks, or shares data."""
     return {path.parent for folder in ("src", "drivers", "clients/python/module", "tests")
             for path in (ROOT / folder).rglob("*.[ch]pp") if THREADS.search(path.read_text())}
 

@@ -33,17 +33,17 @@ class Rules:
         return None
 
     def from_src(self, root, header):
-        """A header's path relative to src/, where the module's own folder is the one that it is named from."""
+        """A header's path relative to src/; includes of a module in `roots` are relative to its folder."""
         return next((f"{folder}/{header}" for folder in self.roots if (root / "src" / folder / header).exists()), header)
 
     def allows(self, module, header):
-        """Whether a module may include one of our headers, given relative to src/."""
+        """True when a module may include this header of the project, given relative to src/."""
         target = self.module_of(header)
         return target == module or any(self.names(name, target) for name in self.modules[module])
 
     @staticmethod
     def names(listed, module):
-        """Whether an entry of a list is this module, or with a slash at its end one of this room."""
+        """True when a list entry names this module or, with a slash at its end, the module's room."""
         return module == listed or listed.endswith("/") and f"{module}/".startswith(listed)
 
     def fault_of_vendor(self, module, header):
@@ -81,7 +81,7 @@ def faults_of_file(rules, root, file, module):
             own = folder == module or folder in rules.modules[module]
             fault = None if own else f"{module} must not include {header}"
         elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
-            fault = None  # apps and include: a neighbour in the same folder
+            fault = None  # apps and include: a header in the same folder
         elif (root / "include" / header).exists():
             fault = None if "include" in rules.modules[module] else f"{module} must not include {header}"
         else:
@@ -96,7 +96,7 @@ def faults_of_file(rules, root, file, module):
 
 
 def faults_of_table(rules):
-    """A module stands below those that it may include, so that there is no circle; and every name is one."""
+    """Checks that every name in a list is a module listed earlier, so that there are no include cycles."""
     order = list(rules.modules)
     for module, allowed in rules.modules.items():
         for name in allowed:
@@ -106,7 +106,7 @@ def faults_of_table(rules):
 
 
 def faults_of_installation(root):
-    """What an installed header includes must be installed, too: include/CMakeLists.txt."""
+    """Headers that an installed header includes must also be installed: include/CMakeLists.txt."""
     listing = root / "include" / "CMakeLists.txt"
     if not listing.exists():
         return

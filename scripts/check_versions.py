@@ -7,12 +7,13 @@ import re
 import sys
 from pathlib import Path
 
-# Of the project; the changelogs have a section of it.
+# Version of the project; the changelogs have a section for it.
 PROJECT = ("CMakeLists.txt", r"^project\(wholehand VERSION ([0-9.]+)")
 OTHERS = [
     ("CITATION.cff", r"^version: (.*)$"),
     ("clients/python/wholehand/__init__.py", r'^__version__ = "(.*)"$'),
     ("CHANGELOG.md", r"^## \[(?:Unreleased\]: )?([0-9.]+)"),
+    ("web/package.json", r'^  "version": "(.*)",$'),
     ("clients/unity/org.wholehand.client/package.json", r'^  "version": "(.*)",$'),
     ("clients/unity/org.wholehand.client/CHANGELOG.md", r"^## \[([0-9.]+)\]"),
     ("clients/godot/addons/wholehand/plugin.cfg", r'^version="(.*)"$'),

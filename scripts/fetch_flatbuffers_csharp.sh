@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# scripts/fetch_flatbuffers_csharp.sh <folder>: the C# runtime of FlatBuffers, which Debian has only
-# in its source package, as <folder>/*.cs. Fetched through apt from wherever this machine's packages
-# come from; nothing of the machine is changed and no rights are needed. A folder that holds the
-# version of the installed flatc already is left as it is.
+# scripts/fetch_flatbuffers_csharp.sh <folder>: writes the C# runtime of FlatBuffers to <folder>/*.cs. Debian has it
+# only in the source package. It is fetched through apt from the package sources of this machine; nothing on the machine
+# is changed and no rights are needed. A folder that already holds the version of the installed flatc is left unchanged.
 set -euo pipefail
 
 fail() {
@@ -22,7 +21,7 @@ constant="FLATBUFFERS_${version//./_}()"
 complete() { grep -qsF "$constant" "$target/FlatBufferConstants.cs" && [[ -f $target/Table.cs ]]; }
 
 mkdir -p "$(dirname "$target")"
-# Several tests may ask at once.
+# Several tests may run this at the same time.
 exec 9>"$target.lock"
 flock 9
 if complete; then exit 0; fi
@@ -30,7 +29,7 @@ if complete; then exit 0; fi
 work=$(mktemp -d "$target.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work"/{parts,lists/partial,cache/archives/partial,source,runtime}
-# The machine's own sources, of source packages: old one-line files and deb822.
+# Package sources of this machine, with source packages enabled: old one-line files and deb822.
 for list in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
   if [[ -e $list ]]; then
     sed -nE 's/^deb([[:space:]])/deb-src\1/p' "$list" >"$work/parts/${list##*/}.list"
@@ -45,11 +44,11 @@ apt=(apt-get -q -o Dir::Etc::SourceList=/dev/null -o Dir::Etc::SourceParts="$wor
   -o Dir::State::Lists="$work/lists" -o Dir::Cache="$work/cache"
   -o Acquire::Retries=1 -o Acquire::http::Timeout=20 -o Acquire::https::Timeout=20
   -o Acquire::Languages=none)
-# What root fetches, apt would fetch as a user who may not write here.
+# As root, apt would download as a user who may not write here.
 if ((EUID == 0)); then apt+=(-o APT::Sandbox::User=root); fi
 
 cd "$work/source"
-# Other sources of the machine may fail to update: what counts is whether the package comes.
+# Other package sources of the machine may fail to update; only this package matters.
 "${apt[@]}" update >"$work/log" 2>&1 || true
 if ! "${apt[@]}" source --download-only flatbuffers >>"$work/log" 2>&1; then
   tail -n 8 "$work/log" >&2

@@ -24,9 +24,9 @@ METHODS = {
     "to_ascii": "to_ascii_buffer",
     "to_utf8": "to_utf8_buffer",
 }
-# Constants of protocol.gd that are named like a class of Godot 4, which takes none of those.
+# Constants of protocol.gd that are named like a class of Godot 4, which Godot 4 does not allow.
 CONSTANTS = {"Panel": "PanelTable"}
-# Notation: what it looks like in Godot 3, and what stands for it in Godot 4.
+# Notation of Godot 3, and its replacement in Godot 4.
 NOTATION = [
     (r"^extends Reference$", r"extends RefCounted"),
     (r"^tool$", r"@tool"),
@@ -41,7 +41,7 @@ NOTATION = [
 
 
 def rules():
-    """Patterns of Godot 3, and what each becomes."""
+    """Patterns of Godot 3, each with its replacement."""
     yield from NOTATION
     yield from ((rf"\b{old}\b", new) for old, new in TYPES.items())
     yield from ((rf"(?<=\.){old}(?=\()", new) for old, new in METHODS.items())
@@ -49,7 +49,7 @@ def rules():
 
 
 def godot4_of(text):
-    """The same script in GDScript of Godot 4, and the patterns that were found in it."""
+    """The script in GDScript of Godot 4, and the patterns that were found in it."""
     found = set()
     for pattern, new in rules():
         text, times = re.subn(pattern, new, text, flags=re.M)

@@ -18,7 +18,7 @@ import gdscript4
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "clients/godot/addons/wholehand"
-GODOT4 = ROOT / "clients/godot/godot4"  # what is not a translation: other scripts, and README.md
+GODOT4 = ROOT / "clients/godot/godot4"  # not translated: other scripts, and README.md
 DESCRIPTION_OF_GODOT4 = " Translated for Godot 4; never opened in its editor."
 SCHEMA = ROOT / "protocol/wholehand.fbs"
 SIZES = {"bool": 1, "byte": 1, "ubyte": 1, "short": 2, "ushort": 2, "int": 4, "uint": 4, "float": 4, "long": 8,
@@ -30,7 +30,7 @@ class Refused(Exception):
 
 
 class Schema:
-    """Of a .fbs file, what is needed to read and write its messages without generated classes."""
+    """The parts of a .fbs file that are needed to read and write its messages without generated classes."""
 
     def __init__(self, text):
         text = re.sub(r"//[^\n]*", "", text)
@@ -77,7 +77,7 @@ class Schema:
     def _add_table(self, name, _base, body):
         slot, slots = 4, {}
         for field, kind in self._fields(body):
-            if kind in self.unions:  # its type stands in a slot of its own before it
+            if kind in self.unions:  # its type is in the slot before it
                 slots[f"{field}_type"] = slot
                 slot += 2
             slots[field] = slot
@@ -114,7 +114,7 @@ def check(version):
 
 
 def archive_of(folder, file):
-    """Writes FOLDER/addons into a zip: the same bytes for the same content, without times of files."""
+    """Writes FOLDER/addons into a zip without file times, so that the same content gives the same bytes."""
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in sorted(p for p in (folder / "addons/wholehand").rglob("*") if p.is_file()):
             archive.writestr(zipfile.ZipInfo(path.relative_to(folder).as_posix()), path.read_bytes())

@@ -37,7 +37,7 @@ def build():
 
 
 def compare(scenes):
-    """Scene -> instructions of a tick without and with hardening."""
+    """{scene: (instructions of a tick without, with hardening)}"""
     found = {}
     for scene in scenes:
         without, hardened = (total(count(scene, folder / PROGRAM.name)) for folder in (WITHOUT, PROGRAM.parent))

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# What ./start and ./check share. Sourced, not run.
+# Functions of ./start and ./check. Sourced, not run.
 
 root=${root:?the folder of the repository}
 
@@ -9,12 +9,12 @@ fail() {
   exit 1
 }
 
-# Seconds as a person writes them: 7 s, 2 min 05 s.
+# Prints seconds in words: 7 s, 2 min 05 s.
 duration() {
   if (($1 < 60)); then printf '%d s' "$1"; else printf '%d min %02d s' $(($1 / 60)) $(($1 % 60)); fi
 }
 
-# Names of packages under the given sections of scripts/packages.txt, each once.
+# Prints the names of packages in the given sections of scripts/packages.txt, each once.
 packages_of() {
   local section line listed=" " wanted=" $* "
   while read -r line _; do
@@ -31,7 +31,7 @@ packages_of() {
   return 0
 }
 
-# Those of the given packages that are not installed.
+# Prints those of the given packages that are not installed.
 missing_packages() {
   local installed
   installed=" $(dpkg-query -W -f='${db:Status-Status} ${Package}\n' 2>/dev/null |
@@ -42,7 +42,7 @@ missing_packages() {
   done
 }
 
-# Installs what is missing of the given sections, or says what to do and ends.
+# Installs the missing packages of the given sections, or prints what to do and ends.
 install_packages() {
   command -v dpkg-query >/dev/null ||
     fail "This is no Debian: install by hand what scripts/packages.txt lists, then build as README.md says."
@@ -79,7 +79,7 @@ Full log: $log"
   say "Installed in $(duration $((SECONDS - start)))."
 }
 
-# Prints a clang that has RealtimeSanitizer (20 and newer, with its runtime), whatever its name.
+# Prints the name of a clang with RealtimeSanitizer (20 or newer, with its runtime).
 realtime_clang() {
   local clang version
   for clang in clang++ clang++-{20..40}; do
@@ -93,8 +93,7 @@ realtime_clang() {
   return 1
 }
 
-# What vite 6 runs on; the same line stands in web/package.json, and a house test compares them.
-# shellcheck disable=SC2034
+# Node versions that vite 6 supports. web/package.json has the same line; a test compares them.
 node_engines='^18.19.0 || ^20.0.0 || >=22.0.0'
 node_engines_in_words='Node 18.19 or a later 18, any 20, or 22 and newer'
 node_fits() { # <version as node prints it>
@@ -103,14 +102,14 @@ node_fits() { # <version as node prints it>
   ((major == 18 && minor >= 19 || major == 20 || major >= 22))
 }
 
-# True where node and npm are there and fit, wherever they come from.
+# True when node and npm are installed and have a suitable version, from any source.
 have_node() {
-  hash -r # they may just have been installed
+  hash -r # they may have just been installed
   command -v npm >/dev/null && node_fits "$(node --version 2>/dev/null)"
 }
 
-# Debian's npm conflicts with other sources' nodejs: it is only asked for where node is Debian's, or
-# where there is none.
+# Debian's npm conflicts with nodejs from other sources. It is installed only if node comes from Debian, or if there is
+# no node.
 install_node() {
   have_node && return
   local node version
@@ -125,7 +124,7 @@ install_node() {
   have_node || fail "What Debian installed cannot build the pages: they need $node_engines_in_words, and npm."
 }
 
-# npm_install: what web/package-lock.json names, when it is not there yet.
+# npm_install: installs the packages of web/package-lock.json if they are missing or old.
 npm_install() {
   local stamp="$root/web/node_modules/.package-lock.json" log="$root/build/logs/npm.log"
   [[ $stamp -nt $root/web/package-lock.json ]] && return
@@ -142,16 +141,16 @@ npm_install() {
   say "Fetched in $(duration $((SECONDS - start)))."
 }
 
-# True where the built pages are newer than everything that they are made of.
+# True when the built pages are newer than all their sources.
 pages_are_current() {
   [[ -f $root/web/dist/index.html && -f $root/web/dist/charts.html ]] || return 1
-  local newer  # than the charts, which are built last
+  local newer  # a source newer than the charts, which are built last
   newer=$(cd "$root" && find web protocol \( -path web/node_modules -o -path web/dist -o -path web/tests \
     -o -path web/test-output -o -path web/src/protocol/generated \) -prune \
     -o -type f -newer web/dist/charts.html -print -quit) && [[ -z $newer ]]
 }
 
-# build_web: the pages into web/dist, when a source is newer than they are.
+# build_web: builds the pages into web/dist if a source is newer.
 build_web() {
   local log="$root/build/logs/web.log" start=$SECONDS
   npm_install || return 1
@@ -166,12 +165,12 @@ build_web() {
   say "Built in $(duration $((SECONDS - start)))."
 }
 
-# begin_pages: for ./start, which goes on with what there is. Pages that are current need no node.
-# What may ask for a password is done first; the rest runs aside, as the process $pages.
+# begin_pages: for ./start, which continues even if this fails. Current pages need no node. Steps that may ask for a
+# password run first; the rest runs in the background as the process $pages.
 begin_pages() {
   pages_are_current && return
   make_log "$root/build/logs/pages.log"
-  if ((EUID == 0)); then  # nobody is asked
+  if ((EUID == 0)); then  # no password is needed
     (install_node && build_web) >"$root/build/logs/pages.log" 2>&1 &
     pages=$!
   elif (install_node); then
@@ -182,7 +181,7 @@ begin_pages() {
   fi
 }
 
-# finish_pages: waits for what begin_pages began, and says what came of it.
+# finish_pages: waits for the process of begin_pages, and prints its result.
 finish_pages() {
   if [[ -z $pages ]]; then return; fi
   local built=0
@@ -196,7 +195,7 @@ finish_pages() {
   fi
 }
 
-# needs_pages <arguments of wholehand run>: false where no port is opened.
+# needs_pages <arguments of wholehand run>: false when no port is opened.
 needs_pages() {
   local argument scene=0 port=0
   for argument in "$@"; do
@@ -209,8 +208,8 @@ needs_pages() {
   ((!scene || port))
 }
 
-# answer_at_once <arguments of ./start>: --help, and an option that `wholehand run` does not have, need no
-# build. The options are read where the program declares them.
+# answer_at_once <arguments of ./start>: answers --help, and refuses options that `wholehand run` does not have, without
+# a build. The options are read from the program's sources.
 answer_at_once() {
   local argument options
   options=$(grep -ohE '"--[a-z][a-z-]*' "$root"/apps/wholehand/{run/run_command.cpp,shared/options.hpp} | tr -d '"' | sort -u)
@@ -243,8 +242,8 @@ make_log() {
   fail "$cannot_write"
 }
 
-# out_of_space [log]: a step that failed had no room, by its log or, where not even that was written, by
-# what is left of the disk.
+# out_of_space [log]: true when a step failed because the disk is full, judged by its log or, if even that is missing,
+# by the free space.
 out_of_space() {
   local free_kb
   if [[ -n ${1:-} ]] && grep -qi 'no space left on device' "$1"; then return; fi
@@ -252,7 +251,7 @@ out_of_space() {
   ((${free_kb:-1000000} < 4096))
 }
 
-# one_at_a_time: two that build into the same folder would disturb each other.
+# one_at_a_time: takes a lock, because two builds in the same folder would disturb each other.
 one_at_a_time() {
   local lock="$root/build/check.lock"
   mkdir -p "$root/build" 2>/dev/null || true
@@ -262,7 +261,7 @@ one_at_a_time() {
   echo $$ >"$lock"
 }
 
-# Compilers at once: one a core, or what $build_cores says, but at most one per 1.5 GB of free memory.
+# Prints the number of parallel compilers: one per core, or $build_cores, but at most one per 1.5 GB of free memory.
 build_jobs() {
   local cores free_kb jobs
   cores=${build_cores:-$(nproc)}
@@ -272,8 +271,8 @@ build_jobs() {
   echo $((jobs < cores ? jobs : cores))
 }
 
-# configure <preset> [cmake arguments]: a moved or half-made build folder, or one of another compiler,
-# is configured afresh.
+# configure <preset> [cmake arguments]: configures a build. A build folder that was moved, is incomplete or belongs to
+# another compiler is configured from scratch.
 configure() {
   local preset=$1 folder="$root/build/$1" log="$root/build/logs/configure-$1.log" fresh=()
   shift
@@ -283,7 +282,7 @@ configure() {
       grep -q '^CMAKE_CXX_COMPILER:[A-Z]*=.*clang++' "$folder/CMakeCache.txt"; }; then
     fresh=(--fresh)
   fi
-  # Objects from precompiled headers are nothing that ccache could keep: the one or the other.
+  # ccache cannot cache objects built with precompiled headers, so these are switched off.
   if [[ $preset != analysis ]] && command -v ccache >/dev/null; then
     set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DWHOLEHAND_PRECOMPILED=OFF
   fi
@@ -294,15 +293,15 @@ configure() {
   fi
 }
 
-# show_progress <what>: one line that counts up on a terminal; elsewhere a line every tenth of the way. How
-# long it will take is said once a minute of compiling has shown how fast this machine is.
+# show_progress <what>: on a terminal, one line that is updated; elsewhere a line every tenth of the way. The remaining
+# time is estimated after a minute of compiling.
 show_progress() {
   local line done_ of name tenth last=-1 terminal=0 compiling=0 reported=0 left=""
   local start=$SECONDS took
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
-    # Looking up the version of the sources, as every build does, is nothing to speak of.
+    # Builds that only write the version of the sources are not reported.
     if ((!compiling)) && [[ $line == *'] Building '* ]]; then
       compiling=1 start=$SECONDS
       say "$1: ${BASH_REMATCH[2]} steps ..."
@@ -323,7 +322,7 @@ show_progress() {
   if ((terminal)); then printf '\r\033[K'; fi
 }
 
-# build <preset> <target ...>
+# build <preset> <target ...>: builds the targets.
 build() {
   local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS jobs
   shift
@@ -339,7 +338,7 @@ build() {
   if grep -q '\] Building ' "$log"; then say "Built in $(duration $((SECONDS - start)))."; fi
 }
 
-# make_packages: build/packages/*.deb of the release build and its pages, as lintian wants them.
+# make_packages: makes build/packages/*.deb from the release build and its pages, and checks them with lintian.
 make_packages() {
   local log="$root/build/logs/cpack.log"
   rm -rf "$root/build/packages"
@@ -348,7 +347,7 @@ make_packages() {
     python3 "$root/packaging/write_papers.py" "$root/build/release" &&
     cpack --config "$root/build/release/CPackConfig.cmake" -B "$root/build/packages"; } >"$log" 2>&1; then
     tail -n 20 "$log"
-    rm -rf "$root/build/packages" # half of them
+    rm -rf "$root/build/packages" # incomplete
     fail "No packages were made; full log: $log"
   fi
   rm -rf "$root/build/packages/_CPack_Packages"

@@ -26,7 +26,7 @@ def renamed(text: str, name: str) -> str:
 
 
 def copies(name: str) -> dict[pathlib.Path, pathlib.Path]:
-    """From which file of this repository to which file of the tree."""
+    """Pairs of a file of this repository and the file of the tree to which it is copied."""
     sources = [*sorted((ROOT / "src/exercises" / TEMPLATE.replace("-", "_")).iterdir()),
                ROOT / f"config/exercises/{TEMPLATE}.toml", ROOT / f"config/scenes/{TEMPLATE}.toml"]
     return {path: pathlib.Path(renamed(str(path.relative_to(ROOT)), name)) for path in sources}

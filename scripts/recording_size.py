@@ -10,7 +10,7 @@ import h5py
 
 
 def sizes(file):
-    """Name -> bytes stored, bytes of its numbers."""
+    """{name: (stored bytes, bytes of its numbers)}"""
     found = {}
 
     def note(name, item):

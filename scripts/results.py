@@ -42,7 +42,7 @@ def describe_machine():
 
 
 def pick(data, path):
-    """The value at "tuned.0.slip_mm"; "max(trials.slip_mm)" and "min(...)" go over a list."""
+    """The value at "tuned.0.slip_mm"; "max(trials.slip_mm)", "min(...)" and "count(...)" cover a list."""
     over = re.fullmatch(r"(max|min|count)\((.*?)\.([^.]+)\)", path)
     if over:
         rows = [row[over.group(3)] for row in pick(data, over.group(2))]
@@ -53,7 +53,7 @@ def pick(data, path):
 
 
 def measure(entry):
-    """One command's figures, with when and beside how much else it ran."""
+    """Figures of one command, with the date and the machine's load."""
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory(prefix="wholehand-results-") as folder:
         file = Path(folder) / "figures.json"
@@ -85,7 +85,7 @@ def measure_all(names):
             continue
         print(f"{name}: {entry['run']} ...", flush=True)
         measured = measure(entry)
-        # Read anew: another may have measured meanwhile.
+        # Read again, because another process may have measured meanwhile.
         data = json.loads(DATA.read_text(encoding="utf-8")) if DATA.exists() else {"measured": {}}
         data["measured"][name] = measured
         data["machine"] = describe_machine()
@@ -96,7 +96,7 @@ def measure_all(names):
 
 
 def draw_pictures(names):
-    """A command writes a page of charts, which a browser without a screen draws, or the picture itself."""
+    """Runs a command that writes a picture, or a page of charts that a headless browser turns into a picture."""
     listed = tomllib.loads(LIST.read_text(encoding="utf-8"))["picture"]
     unknown = set(names) - set(listed)
     if unknown:
@@ -122,8 +122,8 @@ def command_of(measured):
 
 
 def figure_lines(figures):
-    """A line a figure; those that differ behind the last comma or "at" only, or not at all, share one, in their order;
-    of more than MOST with one unit, the smallest and the largest."""
+    """One line per figure. Figures whose names are equal, or equal up to the last comma or "at", share a line in their
+    order; for more than MOST figures of one unit, it gives the smallest and the largest."""
     groups = {}
     for what, value in figures:
         head, _, rest = re.fullmatch(r"(.*?)(?:(, | at )((?:(?!, | at ).)*))?", what).groups("")
@@ -161,8 +161,8 @@ def page(listed, data):
 
 
 def headline(listed, data):
-    """README's table: what a reader asks first, taken from the same figures."""
-    lines = ["| what | asked | measured | printed by |", "|---|---|---|---|"]
+    """README's table with the main results, taken from the same figures."""
+    lines = ["| what | asked | measured |", "|---|---|---|"]
     for row in listed["headline"]:
         measured = data["measured"].get(row["of"])
         if measured is None:
@@ -172,12 +172,12 @@ def headline(listed, data):
         if missing:
             sys.exit(f"{LIST.name}: headline \"{row['what']}\": {row['of']} printed no \"{missing[0]}\"")
         said = row.get("said", "{}").format(*(figures[name] for name in row["figures"]))
-        lines.append(f"| {row['what']} | {row['asked']} | {said} | `{command_of(measured)}` |")
+        lines.append(f"| {row['what']} | {row['asked']} | {said} |")
     return "\n".join(lines) + "\n"
 
 
 def pages():
-    """{file: text} of what results.json says."""
+    """{file: text} of the pages made from results.json."""
     listed, data = tomllib.loads(LIST.read_text(encoding="utf-8")), json.loads(DATA.read_text(encoding="utf-8"))
     readme = README.read_text(encoding="utf-8")
     if BEGIN not in readme or END not in readme:

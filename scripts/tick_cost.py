@@ -34,14 +34,15 @@ SCENES = {
     "drawer": "a drawer's bar grasped and pulled",
     "pile-100": "100 balls in a pile, the hand presses on them and sways",
 }
-# What ./check counts: nothing touched, and a grip through the bar's walls. By how much the counts of two
-# processors and versions of libraries differ.
+# Scenes that ./check counts: no contact, and a grip through the bar's walls. ALLOWED: difference of the counts between
+# two processors and versions of libraries.
 CHECKED, ALLOWED = ("near", "squeeze"), 1.03
-# Ticks whose spread is shown: the bar from its start, through the approach and the first squeeze, as well.
+# Scenes and numbers of ticks whose spread is shown; also the bar from its start through the approach and the first
+# squeeze.
 FROM_START = "approach to squeeze"
 SPREADS = {**{scene: (scene, TICKS) for scene in SCENES if scene != "approach"}, FROM_START: ("approach", 5000)}
-# By how much a scene may cost more than another that lacks one thing: scene, other, stage (None: the whole tick),
-# what it may be times the other's, and what it may be more, in instructions.
+# Allowed cost of one additional thing in a scene: scene, other scene without it, stage (None: the whole tick), factor
+# on the other's instructions, additional instructions.
 COMPARED = [
     ("far-1000", "far-0", None, 1.85, 0, "a thousand bodies out of reach"),
     ("slots", "no-slots", None, 1.0, 9000, "64 parked slots"),
@@ -49,11 +50,11 @@ COMPARED = [
     ("close-100", "close-100-bare", "physics step", 2.1, 0, "the same, into a pinch and out of it"),
     ("squeeze", "squeeze-bare", None, 1.10, 0, "self-contacts, armature and energy tank"),
 ]
-ORDERS, ORDER_P50, ORDER_WORST = 600, 45_000, 1.5  # the last: p99.9 over p50
-# What the tick calls, and the stage that it belongs to. The first that matches counts.
+ORDERS, ORDER_P50, ORDER_WORST = 600, 45_000, 1.5  # the last is the allowed ratio of p99.9 to p50
+# Functions that the tick calls, and the stage of each. The first match counts.
 STAGES = [
-    ("device", r"readDevice|writeDevice|Device::(read|write)|judgeReading|judgeWrite"),
-    ("observe", r"observeWorld|::observe\(|judgeWorld"),
+    ("device", r"readDevice|writeDevice|Device::(read|write)|checkReading|checkWrite"),
+    ("observe", r"observeWorld|::observe\(|checkWorld"),
     ("dynamics", r"updateDynamics|ArticulatedBody::update"),
     ("palm, closure", r"probeHand|HandProbe::|PalmDistance|AxisClosure"),
     ("control", r"couple\(|estimateVelocity|avatar(Damping|Effort)|couplingEffort|damp\(|adaptDamping"),
@@ -70,7 +71,7 @@ def stage_of(function):
 
 
 def read_profile(path, cost):
-    """Adds instructions within HapticRenderer::tick, by stage, from what it calls and its own; returns their sum."""
+    """Adds the instructions of HapticRenderer::tick and the functions that it calls, by stage; returns their sum."""
     names = {}
     function = callee = None
     called = False
@@ -96,7 +97,7 @@ def read_profile(path, cost):
 
 
 def profile(scene, ticks, program, *options):
-    """The files that Callgrind writes, in a folder that is removed afterwards."""
+    """Runs Callgrind; yields the files that it writes to a temporary folder."""
     with tempfile.TemporaryDirectory(prefix="wholehand-tick-cost-") as folder:
         command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measured*", "--dump-line=no",
                    *options, f"--callgrind-out-file={folder}/profile", str(program), scene, str(ticks)]
@@ -112,7 +113,7 @@ def profile(scene, ticks, program, *options):
 
 
 def count(scene, program=PROGRAM):
-    """Stage -> instructions of a tick, mean."""
+    """{stage: mean instructions of a tick}"""
     cost = Counter()
     for path in profile(scene, TICKS, program):
         read_profile(path, cost)
@@ -128,7 +129,10 @@ def spread(name):
 
 
 def quantiles(scene, ticks, read):
-    """Instructions of single ticks or orders: median and 99.9th percentile. @param read of a profile's path"""
+    """Instructions of single ticks or orders: median and 99.9th percentile.
+
+    @param read returns the instructions of a profile, given its path
+    """
     each = sorted(read(path) for path in profile(scene, ticks, PROGRAM, "--dump-before=wholehand::countedOne*"))
     each = each[-ticks:]  # without the empty profile of the program's end
     if len(each) < ticks or each[0] == 0:
@@ -162,7 +166,7 @@ def show(scenes):
 
 
 def check(scenes):
-    """Ends with exit code 1 where a tick has become dearer."""
+    """Ends with exit code 1 when a tick needs more instructions than allowed."""
     kept, dearer = load()["counts"], []
     for scene in scenes:
         now, before = count(scene), kept[scene]
@@ -176,7 +180,7 @@ def check(scenes):
 
 
 def compare():
-    """Ends with exit code 1 where one thing costs more than is allowed."""
+    """Ends with exit code 1 when an additional thing costs more than allowed."""
     dearer = []
 
     def judge(what, instructions, most):
@@ -196,13 +200,13 @@ def compare():
 
 
 def total_of_profile(path):
-    """All instructions that Callgrind counted in it."""
+    """Number of instructions that Callgrind counted in a profile."""
     found = re.search(r"^totals: (\d+)", path.read_text(encoding="utf-8"), re.MULTILINE)
     return int(found[1]) if found else 0
 
 
 def hardening_lines(hardening):
-    """The section of the page, from what scripts/hardening_cost.py counted."""
+    """Section of the page with the counts of scripts/hardening_cost.py."""
     if not hardening:
         return []
     lines = ["## What hardening costs", "",
@@ -215,7 +219,7 @@ def hardening_lines(hardening):
 
 
 def spread_lines(spreads):
-    """The section of the page about single ticks."""
+    """Section of the page about single ticks."""
     if not spreads:
         return []
     lines = ["## Spread of single ticks", "",
@@ -234,8 +238,8 @@ def page(data):
              "Written by `scripts/tick_cost.py write`; do not edit. Instructions of one tick, mean over "
              f"{TICKS:,} ticks, counted by Callgrind on the build `release`. Times depend on the machine: "
              "`build/release/measure_tick SCENE` and `wholehand experiment timing` print them. The baseline is the code "
-             "before [ADR 37](adr/0037-pairs-of-our-own.md); of `pile-100`, that before "
-             "`BodyRows` of [ADR 42](adr/0042-bodies-that-rest.md).", "",
+             "before [ADR 37](adr/0037-collision-pairs-without-bullet.md); of `pile-100`, that before "
+             "`BodyRows` of [ADR 42](adr/0042-resting-bodies-and-vector-rows.md).", "",
              "| scene | baseline | now | ratio |", "|---|---:|---:|---:|"]
     for scene, text in SCENES.items():
         before, now = total(data["baseline"].get(scene, {})), total(data["counts"][scene])

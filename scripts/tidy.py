@@ -38,15 +38,15 @@ RULES = ROOT / ".clang-tidy"
 PLUGIN = Path(__file__).with_name("tidy_own_declarations.cpp")
 FILTER = r"/(src|apps|drivers|include|experiments|lab|clients/python/module)/.*\.[ch]pp$"
 INCLUDE = re.compile(r'^\s*#\s*include ["<]([^">]+)[">]', re.MULTILINE)
-# Headers of others that take long to read.
+# Third-party headers that take long to read.
 LONG = ("Eigen/Core", "Eigen/Geometry", "fmt/format.h", "nlohmann/json.hpp", "CLI/CLI.hpp", "hdf5.h",
         "pybind11/pybind11.h")
 NO_MODULES = ("-Xclang", "-fno-cxx-modules")
-SHARED_BY = 4  # as many sources make a precompiled header worth its time
+SHARED_BY = 4  # number of sources that makes a precompiled header worth its time
 
 
 def read_commands(build, folders):
-    """{source: arguments without the source and the object} of the given folders."""
+    """{source: compiler arguments without source and object} for the given folders."""
     commands = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         source = Path(entry["file"])
@@ -54,13 +54,13 @@ def read_commands(build, folders):
             arguments = shlex.split(entry["command"])
             if Path(arguments[0]).name == "ccache":
                 del arguments[0]
-            # The first: tests compile some of these once more.
+            # Keeps the first command, because tests compile some of these sources again.
             commands.setdefault(source, [*arguments[:arguments.index("-o")], *NO_MODULES])
     return commands
 
 
 def words_of(done):
-    """What a program says that did not end well; never empty. None where it ended well."""
+    """Output of a program that failed, never empty; None when it succeeded."""
     if done.returncode == 0:
         return None
     said = (done.stdout or "") + (done.stderr or "")
@@ -76,16 +76,16 @@ def run(arguments, folder=None):
 
 
 class Includes:
-    """What files include, read from their text; under an #if, too."""
+    """Includes of files, read from their text, also inside #if."""
 
     def __init__(self):
         self.known, self.lock = {}, threading.RLock()
 
     def of(self, path, folders):
-        """(headers of the repository, headers of others) that a file reads, directly or not."""
+        """(headers of the repository, third-party headers) that a file includes, directly or indirectly."""
         with self.lock:
             if path not in self.known:
-                self.known[path] = (set(), set())  # ends a circle
+                self.known[path] = (set(), set())  # ends a cycle
                 own, others = set(), set()
                 for name in INCLUDE.findall(path.read_text()):
                     inner = next((folder / name for folder in (path.parent, *folders)
@@ -101,13 +101,13 @@ class Includes:
 
 
 def own_folders(command, source):
-    """Folders of headers of the repository, of a compiler's arguments."""
+    """Include folders of the repository in a compiler's arguments."""
     folders = [Path(word[2:]) for word in command if word.startswith("-I")]
     return [folder for folder in folders if folder.is_relative_to(ROOT) or folder in source.parents]
 
 
 class CleanFiles:
-    """Which sources were clean, and what they were read from then."""
+    """The clean sources, with digests of all files that they include."""
 
     def __init__(self, build, commands, includes):
         self.file, self.commands, self.includes = build / "clean.json", commands, includes
@@ -124,7 +124,7 @@ class CleanFiles:
         return self.digests[path, changed_ns]
 
     def key(self, source, before=None):
-        """Of all that the source is read from. None where a file has changed since the time `before`."""
+        """Digest of the source, its headers and arguments. None when a file has changed since the time `before`."""
         command = self.commands[source]
         try:
             own, _ = self.includes.of(source, own_folders(command, source))
@@ -141,7 +141,7 @@ class CleanFiles:
         return self.known.get(str(source)) == self.key(source) is not None
 
     def keep(self, source, before):
-        """What was found of this source holds for the files as they were at the time `before`."""
+        """Records that the source was clean, with its files as they were at the time `before`."""
         key = self.key(source, before)
         with self.lock:
             self.known[str(source)] = key
@@ -151,7 +151,7 @@ class CleanFiles:
 
 
 def build_plugin(folder):
-    """The plugin of clang-tidy, built anew where its source is newer."""
+    """The plugin of clang-tidy; built again when its source is newer."""
     plugin = folder / "own_declarations.so"
     headers = Path(which("clang-tidy")).resolve().parents[1] / "include"
     if not plugin.exists() or plugin.stat().st_mtime < PLUGIN.stat().st_mtime:
@@ -167,7 +167,7 @@ def build_plugin(folder):
 
 
 def arguments_for_precompiled(command):
-    """What a precompiled header depends on: neither folders of headers nor our definitions."""
+    """Compiler arguments that affect a precompiled header: all but include folders and definitions."""
     kept, words = [], iter(command)
     for word in words:
         if word == "-isystem":
@@ -178,7 +178,7 @@ def arguments_for_precompiled(command):
 
 
 class Precompiled:
-    """Headers of others, precompiled: one file for each selection that several sources include."""
+    """Precompiled third-party headers: one file for each set of headers that several sources include."""
 
     def __init__(self, folder, jobs, commands, includes):
         self.selections = {
@@ -203,7 +203,7 @@ class Precompiled:
         return file if done.returncode == 0 else None
 
     def arguments(self, source):
-        """-include-pch with the largest selection that adds nothing to what the source includes."""
+        """-include-pch with the largest set that contains only headers that the source includes."""
         arguments, headers = self.selections[source]
         fitting = [key for key in self.files if key[0] == arguments and key[1] <= headers]
         if not fitting:
@@ -213,7 +213,7 @@ class Precompiled:
 
 
 def look_at(build, jobs, commands, clean, includes):
-    """{source: faults} of these commands."""
+    """{source: faults} found by these commands."""
     folder = build / "tidy"
     folder.mkdir(exist_ok=True)
     plugin = build_plugin(folder)
@@ -236,7 +236,7 @@ def look_at(build, jobs, commands, clean, includes):
 
 
 def sources_changed(every, includes):
-    """Of these sources, those that are not as they were when everything was clean."""
+    """Those of these sources that changed since everything was clean."""
     names = changes.changed_files("tidy")
     if names is None:
         return set(every)

@@ -1,7 +1,7 @@
-// A plugin of clang-tidy, built and loaded by tidy.py. Checks look at every declaration that a
-// source reads, those of the standard library and of Eigen included, and then drop what they found
-// there. This one is asked about the translation unit first, and leaves only declarations outside
-// of system headers to the others.
+// Plugin of clang-tidy, built and loaded by tidy.py. Checks normally visit every declaration that a
+// source reads, including those of the standard library and of Eigen, and then drop the findings
+// there. This check runs first for the translation unit, and leaves only declarations outside
+// system headers to the others.
 #include <clang-tidy/ClangTidyCheck.h>
 #include <clang-tidy/ClangTidyModule.h>
 #include <clang-tidy/ClangTidyModuleRegistry.h>

@@ -41,7 +41,7 @@ class Refused(Exception):
 
 
 def guid_of(path):
-    """@param path in the package, with /"""
+    """GUID of a file. @param path in the package, with /"""
     return hashlib.md5(f"{NAME}/{path}".encode()).hexdigest()
 
 
@@ -51,8 +51,8 @@ def meta_of(package, path):
 
 
 def assets_of(package):
-    """Every file and folder that Unity wants a .meta file for. A folder in ~ is hidden from Unity, but what it holds
-    is copied into games, with its GUIDs."""
+    """Every file and folder that needs a .meta file for Unity. Unity ignores a folder whose name ends in ~, but its
+    content is copied into games, with its GUIDs."""
     for path in sorted(package.rglob("*")):
         inside = path.relative_to(package)
         if path.suffix == ".meta" or any(part.startswith(".") for part in inside.parts):
@@ -77,7 +77,7 @@ def project_version():
 
 
 def faults_of(package, version):
-    """What Unity or a user would stumble over, each as a sentence that says where, what and the remedy."""
+    """Faults of the package, each as a sentence with place, problem and remedy."""
     faults = []
     remedy = "run scripts/unity_package.py meta"
     assets = list(assets_of(package))
@@ -168,7 +168,7 @@ def stage(folder):
 
 
 def pack(package, file):
-    """As `npm pack` does: everything below package/; the same bytes for the same content."""
+    """Packs like `npm pack`: everything below package/; the same content gives the same bytes."""
     plain = io.BytesIO()
     with tarfile.open(fileobj=plain, mode="w", format=tarfile.USTAR_FORMAT) as archive:
         for path in sorted(p for p in package.rglob("*") if p.is_file()):

@@ -3,10 +3,10 @@ import { join } from 'node:path';
 import { defineConfig, type Plugin } from 'vite';
 import { BUNDLED, licenceTexts } from './tools/licences';
 
-// Where the program listens while the pages are served by "npm run dev".
+// Address of the program while the pages are served by "npm run dev".
 const program = `http://127.0.0.1:${process.env.WHOLEHAND_PORT ?? '8080'}`;
 
-/** Hand tracking by webcam: its program and models, from our own origin and never from the network. */
+/** Hand tracking by webcam: its program and models, served from this origin and never from the network. */
 function mediapipeHands(): Plugin {
   const folder = join(__dirname, 'node_modules', '@mediapipe', 'hands');
   const wanted = /\.(js|wasm|data|tflite|binarypb)$/;
@@ -28,7 +28,7 @@ function mediapipeHands(): Plugin {
   };
 }
 
-/** `/console` is console.html, `/clinic` clinic.html, `/commission` commission.html, `/replay` replay.html, as the program serves them. */
+/** Serves `/console` as console.html, `/clinic` as clinic.html, `/commission` as commission.html, `/replay` as replay.html, like the program does. */
 function consoleAddress(): Plugin {
   return {
     name: 'wholehand-console-address',
@@ -41,7 +41,7 @@ function consoleAddress(): Plugin {
   };
 }
 
-/** The licence texts of what is bundled, beside the pages. */
+/** The licence texts of the bundled packages, beside the pages. */
 function licences(): Plugin {
   return {
     name: 'wholehand-licences',
@@ -65,7 +65,7 @@ export default defineConfig({
     target: 'es2022',
     outDir: 'dist',
     emptyOutDir: true,
-    assetsInlineLimit: 0,  // nothing as data: address, so that the content policy can be strict
+    assetsInlineLimit: 0,  // no data: addresses, so that the content policy can be strict
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 900,
     reportCompressedSize: false,

@@ -1,6 +1,6 @@
 import { defineConfig } from 'vitest/config';
 
-// Loading three.js for every file anew took more than the tests; WHOLEHAND_FULL=1 does, and so finds a file that leans on another.
+// Loading three.js again for every file took longer than the tests. WHOLEHAND_FULL=1 isolates files, and so finds a file that depends on another.
 const isolate = process.env.WHOLEHAND_FULL === '1';
 
 export default defineConfig({

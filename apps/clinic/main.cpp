@@ -2,7 +2,7 @@
 #include "clinic/backup.hpp"
 #include "clinic/clinic.hpp"
 #include "clinic/http_server.hpp"
-#include "clinic/station.hpp"
+#include "clinic/station_client.hpp"
 #include "clinic/trials.hpp"
 #include "loop/core/expected.hpp"
 
@@ -44,7 +44,7 @@ int refuse(const Diagnostics& faults) {
   return kExitBadInput;
 }
 
-/// The shipped config/: of the working directory, else beside or above the program.
+/// Folder of the shipped config/: in the working directory, else next to or above the program.
 std::string shippedConfig() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -57,7 +57,8 @@ std::string shippedConfig() {
   return "config";
 }
 
-/// No names in a core dump, and no other program reads this one's memory.
+/// Disables core dumps, which could contain names, and keeps other programs from reading this
+/// memory.
 void keepToOneself() {
   const rlimit none{0, 0};
   (void)::setrlimit(RLIMIT_CORE, &none);
@@ -65,10 +66,10 @@ void keepToOneself() {
   ::umask(0077);
 }
 
-/// Runs something again and again until it is told to end.
-class Repeated {
+/// Runs a function repeatedly until it is told to end.
+class PeriodicTask {
  public:
-  Repeated(std::chrono::milliseconds pause, std::function<void()> work)
+  PeriodicTask(std::chrono::milliseconds pause, std::function<void()> work)
       : thread_([this, pause, work = std::move(work)] {
           std::unique_lock lock(mutex_);
           while (!ends_.wait_for(lock, pause, [this] { return ended_; })) {
@@ -77,7 +78,7 @@ class Repeated {
             lock.lock();
           }
         }) {}
-  ~Repeated() {
+  ~PeriodicTask() {
     {
       const std::lock_guard lock(mutex_);
       ended_ = true;
@@ -85,14 +86,14 @@ class Repeated {
     ends_.notify_all();
     thread_.join();
   }
-  Repeated(const Repeated&) = delete;
-  Repeated& operator=(const Repeated&) = delete;
+  PeriodicTask(const PeriodicTask&) = delete;
+  PeriodicTask& operator=(const PeriodicTask&) = delete;
 
  private:
   std::mutex mutex_;
   std::condition_variable ends_;
   bool ended_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member: it uses the others
 };
 
 struct ServeOptions {
@@ -123,9 +124,10 @@ int serve(ServeOptions o) {
   const Measure measure = measureByChild(o.program, stop);
   {
     using std::chrono::seconds;
-    const Repeated look_at_station(seconds(1), [&] { clinic.lookAtStation(); });
-    const Repeated look_at_recordings(seconds(4), [&] { clinic.lookAtRecordings(measure, stop); });
-    const Repeated back_up(seconds(60), [&] { clinic.backUpIfDue(); });
+    const PeriodicTask look_at_station(seconds(1), [&] { clinic.lookAtStation(); });
+    const PeriodicTask look_at_recordings(seconds(4),
+                                          [&] { clinic.lookAtRecordings(measure, stop); });
+    const PeriodicTask back_up(seconds(60), [&] { clinic.backUpIfDue(); });
     std::array<char, 256> ignored{};
     while (::read(STDIN_FILENO, ignored.data(), ignored.size()) > 0) {
     }
@@ -134,7 +136,7 @@ int serve(ServeOptions o) {
   return kExitDone;
 }
 
-/// One line of standard input; not shown where somebody types it.
+/// Asks for a line of standard input. The typed text is hidden if `hidden`.
 std::string asked(const char* question, bool hidden) {
   const bool typed = ::isatty(STDIN_FILENO) == 1;
   termios before{};
@@ -154,7 +156,7 @@ std::string asked(const char* question, bool hidden) {
   return line;
 }
 
-/// Begins a clinic without a station.
+/// Stands in for the station when a clinic is created without one.
 class NoStation final : public Station {
  public:
   [[nodiscard]] StationScene scene() const override { return {}; }
@@ -217,9 +219,9 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
   return kExitDone;
 }
 
-/// Prints the value of a command, or why there is none.
+/// Prints the value of a command, or the reason why there is none.
 template <class T>
-int tell(const Expected<T>& result, const std::function<std::string(const T&)>& words) {
+int printResult(const Expected<T>& result, const std::function<std::string(const T&)>& words) {
   if (!result) return refuse(result.errors());
   std::printf("%s\n", words(*result).c_str());
   return kExitDone;
@@ -232,6 +234,7 @@ int runProgram(int argc, char** argv) {
   o.clinic.config = shippedConfig();
   std::string file, code;
   int exit_code = kExitDone;
+  // Options that several commands share.
   const auto add = [&](const char* name, const char* what) {
     CLI::App* command = app.add_subcommand(name, what);
     command->add_option("FOLDER", o.clinic.folder, "The clinic's folder")->required();
@@ -241,6 +244,7 @@ int runProgram(int argc, char** argv) {
   const auto recordings = [&](CLI::App* command) {
     return command->add_option("--recordings", o.clinic.recordings, "The station's recordings");
   };
+  // The service for the station's pages.
   CLI::App* s = add("serve", "Answer the station's pages until standard input closes");
   s->add_option("--port", o.port, "Port on 127.0.0.1; 0: any free one");
   s->add_option("--station", o.station, "Port of the station");
@@ -258,27 +262,30 @@ int runProgram(int argc, char** argv) {
   add("init", "Begin a clinic: pass phrase, first tile, recovery code")->callback([&] {
     exit_code = init(o.clinic);
   });
+  // Backups.
   CLI::App* b = add("backup", "Copy a clinic while it runs, and compare the copy");
   b->add_option("--to", file, "New file")->required();
   b->callback([&] {
-    exit_code = tell<std::int64_t>(backUp(o.clinic.folder, file), [&](const std::int64_t& rows) {
-      return fmt::format("{}: {} rows, compared; its keys are in {}.keys", file, rows, file);
-    });
+    exit_code =
+        printResult<std::int64_t>(backUp(o.clinic.folder, file), [&](const std::int64_t& rows) {
+          return fmt::format("{}: {} rows, compared; its keys are in {}.keys", file, rows, file);
+        });
   });
   CLI::App* r = app.add_subcommand("restore", "Make a backup the clinic of a folder");
   r->add_option("FILE", file, "The backup")->required();
   r->add_option("--to", o.clinic.folder, "The clinic's folder")->required();
   r->callback([&] {
     using Lines = std::vector<std::string>;
-    exit_code = tell<Lines>(restoreBackup(file, o.clinic.folder), [](const Lines& lines) {
+    exit_code = printResult<Lines>(restoreBackup(file, o.clinic.folder), [](const Lines& lines) {
       return fmt::format("{}", fmt::join(lines, "\n"));
     });
   });
   add("verify", "Check database and keys")->callback([&] {
-    exit_code = tell<std::int64_t>(verifyClinic(o.clinic.folder), [](const std::int64_t& rows) {
-      return fmt::format("sound: {} rows", rows);
-    });
+    exit_code = printResult<std::int64_t>(
+        verifyClinic(o.clinic.folder),
+        [](const std::int64_t& rows) { return fmt::format("sound: {} rows", rows); });
   });
+  // Repair and erasure.
   CLI::App* again = add("rebuild", "Make the list of trials from the recordings alone");
   recordings(again)->required();
   again->add_option("--program", o.program, "The program wholehand");
@@ -290,7 +297,7 @@ int runProgram(int argc, char** argv) {
     }
     const auto done =
         rebuildTrials(o.clinic.folder, o.clinic.recordings, measureByChild(o.program, {}));
-    exit_code = tell<std::string>(done, [](const std::string& words) { return words; });
+    exit_code = printResult<std::string>(done, [](const std::string& words) { return words; });
   });
   CLI::App* e = add("erase", "Delete everything of one patient, and keep it from coming back");
   e->add_option("CODE", code, "The patient's code")->required();

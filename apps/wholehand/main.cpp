@@ -38,14 +38,14 @@ using namespace wholehand;  // NOLINT(google-build-using-namespace): the program
 
 constexpr std::size_t kLongestProblem = 400;  // characters of a line
 
-// The first unknown word of the command line; CLI11 alone would report a missing option.
+// The first unknown word of the command line. CLI11 alone would report a missing option instead.
 std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
   const std::vector<std::string> rest = app.remaining(true);
   return rest.empty() ? std::string{} : rest.front();
 }
 
-// The words of the command line within a text, each on one line.
+// Replaces line feeds in the words of the command line where they occur in a text.
 std::string onOneLine(std::string text, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     if (word.find('\n') == std::string::npos) continue;
@@ -65,10 +65,10 @@ void print(std::FILE* to, const std::string& text, std::size_t longest_line) {
   }
 }
 
-/// Prints what is wrong with a command line, or the help that was asked for, with the words of
-/// others as plain text. `words` are those of the command line. Returns the exit code.
-int tellUsage(const CLI::App& app, const CLI::ParseError& error,
-              const std::vector<std::string>& words) {
+/// Prints the error of a command line, or the requested help. Words of the command line, in
+/// `words`, are printed as plain text. Returns the exit code.
+int printUsage(const CLI::App& app, const CLI::ParseError& error,
+               const std::vector<std::string>& words) {
   if (const std::string word = unknownWord(app, error); !word.empty()) {
     std::fprintf(stderr,
                  "'%s' is not a subcommand or option here\nRun with --help for more information.\n",
@@ -77,9 +77,9 @@ int tellUsage(const CLI::App& app, const CLI::ParseError& error,
   }
   std::ostringstream out, problem;
   const int code = app.exit(error, out, problem);
-  print(stdout, out.str(), std::string::npos);  // help, as long as it is
+  print(stdout, out.str(), std::string::npos);  // help has no length limit
   print(stderr, onOneLine(problem.str(), words), kLongestProblem);
-  // CLI11 has an exit code for every mistake; the shell gets one.
+  // CLI11 has a different exit code for every mistake; the shell gets one.
   return code == 0 ? kExitDone : kExitBadInput;
 }
 
@@ -150,7 +150,8 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
       ->check(finiteBetween(0, 65535, ""))
       ->capture_default_str()
       ->needs(web);
-  r->add_flag("--answer", o.answer)->group("");  // for our own child processes; hidden from --help
+  r->add_flag("--answer", o.answer)->group("");  // for child processes of this program; hidden from
+                                                 // --help
   r->callback([&o, &code] { code = replayCommand(o); });
 }
 
@@ -255,6 +256,7 @@ int runProgram(int argc, char** argv) {
   addDecompose(app, decompose, code);
   std::string measured;
   addOthers(app, report, measured, code);
+  // Copies the arguments before hideSecrets() overwrites the tokens.
   const std::vector<std::string> words(argv, argv + argc);
   std::vector<const char*> given;
   for (const std::string& word : words) given.push_back(word.c_str());
@@ -262,7 +264,7 @@ int runProgram(int argc, char** argv) {
   try {
     app.parse(argc, given.data());
   } catch (const CLI::ParseError& error) {
-    return tellUsage(app, error, std::vector<std::string>(words.begin() + 1, words.end()));
+    return printUsage(app, error, std::vector<std::string>(words.begin() + 1, words.end()));
   }
   return code;
 }
@@ -276,8 +278,8 @@ int flushOutput(int code) {
                  "make room, or print elsewhere")});
 }
 
-/// Stacks of threads that begin from now on: locked memory counts each whole, 8 MB by default. A
-/// size that somebody chose (`ulimit -s`) stays.
+/// Limits the stacks of threads started later: locked memory counts each stack whole, 8 MB by
+/// default. A size that somebody chose (`ulimit -s`) stays.
 void limitStacks() {
   constexpr std::size_t kDefault_bytes = std::size_t{8} << 20U, kStack_bytes = kDefault_bytes / 4;
   pthread_attr_t attributes;

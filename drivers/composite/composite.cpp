@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-// Both must say them; any other bit is one of the whole where one says it.
+// Status bits that need both parts. Any other bit is set if one part sets it.
 constexpr std::uint32_t kOfBoth = WH_ENABLED | WH_HOMED;
 
 }  // namespace
@@ -47,7 +47,7 @@ DriverIdentity Composite::identity() const {
   const bool known = !first.serial.empty() && !second.serial.empty();
   DriverIdentity both{known ? first.serial + " + " + second.serial : "",
                       first.firmware + " + " + second.firmware, first.sdk + " + " + second.sdk, ""};
-  // A passport is of both drivers' files, too.
+  // A passport must also depend on the files of both drivers.
   const std::string drivers = first.driver_sha256 + second.driver_sha256;
   if (!drivers.empty()) both.sdk += " " + sha256(drivers).substr(0, 12);
   return both;
@@ -106,7 +106,8 @@ std::uint32_t Composite::statusOfBoth() const noexcept {
   return (status & ~static_cast<std::uint32_t>(WH_SILENCED)) | WH_ENABLED;
 }
 
-// Whether the sample is a new one. Loses the part where there is none.
+// Reads a part; true when the sample is new. The part is lost when the read fails or its samples
+// run backwards.
 bool Composite::readPart(std::size_t part) noexcept {
   wh_sample sample{};
   sample.size = sizeof(sample);
@@ -123,7 +124,7 @@ bool Composite::readPart(std::size_t part) noexcept {
   return fresh && !lost_[part];
 }
 
-// Parts whose axes are valid: not lost, and not too far behind the other.
+// Parts whose axes are valid: not lost, and not too far behind the other part.
 std::array<bool, 2> Composite::agreeing() noexcept {
   std::array<bool, 2> valid = {!lost_[0], !lost_[1]};
   if (!valid[0] || !valid[1]) return valid;
@@ -177,11 +178,11 @@ int Composite::write(const wh_command& command) noexcept {
   const std::array<wh_command, 2> commands = divide(command);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     if (starved_[p]) continue;
-    // A drive that its watchdog has let go may refuse: that is what was tried.
+    // While the watchdog is tested, a released drive may refuse the command.
     if (parts_[p]->write(commands[p]) < 0 && !dropped_) lost_[p] = true;
   }
-  // A refusal would keep the loop from believing that the healthy part follows its ramp; the next
-  // sample says what is lost.
+  // Not a failure while one part is healthy: otherwise the loop would not know that this part
+  // follows its ramp. The next sample reports the loss.
   return lost_[0] && lost_[1] ? WH_FAILED : WH_OK;
 }
 

@@ -1,4 +1,4 @@
-// The driver `composite`: two drivers behind the boundary of device.h as one.
+// The driver `composite`: joins two drivers into one, with the interface of device.h.
 #include "devices/plugin/plugin_driver.hpp"
 #include "drivers/composite/composite.hpp"
 #include "drivers/identity_text.hpp"
@@ -21,11 +21,11 @@ struct wh_device {
 
 namespace {
 
-// Its flags, and whether it has enable(), are those of the parts, known once they are open.
+// Its flags and its enable() depend on the parts, which are known once they are open.
 wh_plugin& plugin();
 int enable(wh_device* device, const wh_command* neutral);
 
-void say(const wh_host& host, const wholehand::Diagnostics& errors) {
+void report(const wh_host& host, const wholehand::Diagnostics& errors) {
   host.say(host.context, wholehand::format(errors).c_str());
 }
 
@@ -62,12 +62,12 @@ int openDevice(const wh_host* host, const char* locator, const char* settings, w
     }
     auto device = openParts(*host, settings);
     if (!device) {
-      say(*host, device.errors());
+      report(*host, device.errors());
       return WH_FAILED;
     }
     *out = std::move(device).value().release();
     return WH_OK;
-  } catch (const std::exception& error) {  // no memory: nothing may cross the boundary
+  } catch (const std::exception& error) {  // e.g. no memory; no exception may leave the plugin
     host->say(host->context, error.what());
     return WH_FAILED;
   }
@@ -86,13 +86,13 @@ int describe(wh_device* device, wh_axis* axes, std::uint32_t capacity, std::uint
 
 int control(wh_device* device, std::uint32_t verb, double argument) {
   const auto done = device->whole->control(verb, argument);
-  if (!done) say(device->host, done.errors());
+  if (!done) report(device->host, done.errors());
   return done ? WH_OK : WH_FAILED;
 }
 
 int enable(wh_device* device, const wh_command* neutral) {
   const auto done = device->whole->enable(*neutral);
-  if (!done) say(device->host, done.errors());
+  if (!done) report(device->host, done.errors());
   return done ? WH_OK : WH_FAILED;
 }
 
@@ -133,7 +133,7 @@ wh_plugin& plugin() {
 }  // namespace
 
 const wh_plugin* wh_plugin_v1() {
-  plugin().flags = WH_NEVER_WAITS;  // until open() knows the parts
+  plugin().flags = WH_NEVER_WAITS;  // preliminary; open() sets it from the parts
   plugin().enable = nullptr;
   return &plugin();
 }

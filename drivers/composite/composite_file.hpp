@@ -9,21 +9,21 @@
 
 namespace wholehand {
 
-/// One of the two devices, and which of its axes belong to the whole.
+/// One of the two devices, and its axes that belong to the whole.
 struct CompositePart {
   DriverLocation driver;
-  std::vector<std::string> axes;  ///< in the order in which the whole has them
+  std::vector<std::string> axes;  ///< in the order of the whole
 };
 
-/// What the file says that --driver-settings names; docs/composite.md shows one.
+/// Contents of the file that --driver-settings names; docs/composite.md shows one.
 struct CompositeConfig {
   std::string path;
-  double longest_skew_s = 0.005;  ///< between the times of the two samples. (0, 1]
+  double longest_skew_s = 0.005;  ///< largest time between the two samples [s], in (0, 1]
   std::array<CompositePart, 2> parts;
 };
 
-/// Reads and checks the file. Refused, all at once: keys that nobody knows, other than two parts,
-/// an axis that two parts give.
+/// Reads and checks the file. Refused, all at once: unknown keys, a number of parts other than two,
+/// and an axis that both parts have.
 [[nodiscard]] Expected<CompositeConfig> loadCompositeFile(const std::string& path);
 
 }  // namespace wholehand

@@ -28,9 +28,9 @@ std::string_view orEmpty(const char* text) {
 }  // namespace
 
 Expected<std::unique_ptr<ForceDimensionDevice>> ForceDimensionDevice::open(
-    Sdk sdk, const ForceSettings& settings, const std::string& locator, Say say) {
+    Sdk sdk, const ForceSettings& settings, const std::string& locator, Report report) {
   std::unique_ptr<ForceDimensionDevice> device(
-      new ForceDimensionDevice(std::move(sdk), settings, std::move(say)));
+      new ForceDimensionDevice(std::move(sdk), settings, std::move(report)));
   if (Diagnostics why = device->find(locator); !why.empty()) return why;
   if (Diagnostics why = device->prepare(); !why.empty()) return why;
   return Expected<std::unique_ptr<ForceDimensionDevice>>(std::move(device));
@@ -90,8 +90,8 @@ Diagnostics ForceDimensionDevice::prepare() {
   homed_ = sdk_.drdIsInitialized(*id_);
   cos_yaw_ = std::cos(settings_.yaw_rad);
   sin_yaw_ = std::sin(settings_.yaw_rad);
-  say_(std::string(orEmpty(sdk_.dhdGetSystemName(*id_))) + ", SDK " + sdk_.version +
-       (homed_ ? "" : "; not homed: homing moves it"));
+  report_(std::string(orEmpty(sdk_.dhdGetSystemName(*id_))) + ", SDK " + sdk_.version +
+          (homed_ ? "" : "; not homed: homing moves it"));
   return {};
 }
 
@@ -126,7 +126,7 @@ void ForceDimensionDevice::describe(wh_axis* axes, std::uint32_t capacity,
 }
 
 int ForceDimensionDevice::failed(const char* what) {
-  say_(std::string(what) + ": " + std::string(orEmpty(sdk_.dhdErrorGetLastStr())));
+  report_(std::string(what) + ": " + std::string(orEmpty(sdk_.dhdErrorGetLastStr())));
   return WH_FAILED;
 }
 
@@ -135,7 +135,7 @@ int ForceDimensionDevice::control(std::uint32_t verb) {
     case WH_ENABLE:
       return enable();
     case WH_DISABLE:
-      sayWhyForceIsOff();
+      reportForceOff();
       return disable();
     case WH_HOME:
       return home();
@@ -156,7 +156,7 @@ int ForceDimensionDevice::enable() {
   if (sdk_.dhdEnableForce(1, *id_) < 0) return failed("force cannot be switched on");
   if (send({}) != WH_OK) return failed("takes no force");
   wanted_on_ = true;
-  sayWhyForceIsOff();
+  reportForceOff();
   return WH_OK;
 }
 
@@ -169,7 +169,7 @@ int ForceDimensionDevice::disable() {
 // The SDK moves the device by itself, and its regulation ends before anything else is asked.
 int ForceDimensionDevice::home() {
   if (wanted_on_) {
-    say_("is enabled: disable it before homing");
+    report_("is enabled: disable it before homing");
     return WH_FAILED;
   }
   homed_ = false;
@@ -179,15 +179,15 @@ int ForceDimensionDevice::home() {
   if (!stopped) (void)failed("regulation does not end");
   if (!done || !stopped || disable() != WH_OK) return WH_FAILED;
   homed_ = sdk_.drdIsInitialized(*id_);
-  if (!homed_) say_("is still not homed");
+  if (!homed_) report_("is still not homed");
   return homed_ ? WH_OK : WH_FAILED;
 }
 
-void ForceDimensionDevice::sayWhyForceIsOff() {
+void ForceDimensionDevice::reportForceOff() {
   std::array<int, kStatusRoom> status{};
   if (!wanted_on_ || sdk_.dhdGetStatus(status.data(), *id_) < 0 || status[kForce] != 0) return;
-  say_(std::string("force is off: ") + forceOffText(status[kForceOffCause]) +
-       "; where the device has a force button, press it");
+  report_(std::string("force is off: ") + forceOffText(status[kForceOffCause]) +
+          "; where the device has a force button, press it");
 }
 
 int ForceDimensionDevice::send(const std::array<double, 4>& effort) {

@@ -14,38 +14,39 @@
 
 namespace wholehand::force_dimension {
 
-/// A Force Dimension device as device.h wants a driver: x, y, z and, where the settings say so, the
-/// gripper. The SDK's functions may wait for the USB bus and for their time guard: it runs in a
-/// device host, never in the loop. One thread.
+/// A Force Dimension device with the interface of device.h: x, y, z and, if the settings say so,
+/// the gripper. The SDK's functions may wait for the USB bus and for their time guard. The driver
+/// therefore runs in a device host, never in the loop. One thread.
 class ForceDimensionDevice {
  public:
-  using Say = std::function<void(const std::string&)>;
+  using Report = std::function<void(const std::string&)>;
 
-  /// Opens the device: the first one, or that of a serial number. Moves nothing and switches no
-  /// force on. Refused by name: no device, another serial number, no gripper where one is asked
-  /// for.
+  /// Opens the first device, or the one with a given serial number. It does not move the device and
+  /// switches no force on. Refused, each by name: no device, another serial number, a gripper that
+  /// is requested but missing.
   /// @param locator "" or "serial:12345"
   [[nodiscard]] static Expected<std::unique_ptr<ForceDimensionDevice>> open(
-      Sdk sdk, const ForceSettings& settings, const std::string& locator, Say say);
-  /// Force off, closed.
+      Sdk sdk, const ForceSettings& settings, const std::string& locator, Report report);
+  /// Switches the force off and closes the device.
   ~ForceDimensionDevice();
   ForceDimensionDevice(const ForceDimensionDevice&) = delete;
   ForceDimensionDevice& operator=(const ForceDimensionDevice&) = delete;
 
-  /// wh_plugin.describe, control, read, write.
+  /// Implements wh_plugin.describe, control, read, write.
   void describe(wh_axis* axes, std::uint32_t capacity, std::uint32_t& count) const;
   /// WH_ENABLE: force on, at zero. WH_DISABLE: zero, then off. WH_HOME: the SDK's calibration,
-  /// which moves the device; force is off after it. WH_DROP_WATCHDOG: no force is sent any more.
+  /// which moves the device; force is off afterwards. WH_DROP_WATCHDOG: no more force is sent.
   [[nodiscard]] int control(std::uint32_t verb);
-  /// The SDK's time guard is WH_NOTHING_NEW.
+  /// Reads a sample; WH_NOTHING_NEW when the SDK's time guard reports a call too early.
   [[nodiscard]] int read(wh_sample& sample);
   [[nodiscard]] int write(const wh_command& command);
-  /// Serial number and SDK; the SDK reports nothing of the firmware. Waits.
+  /// Writes the serial number and the SDK's version; the SDK reports nothing about the firmware.
+  /// Waits.
   void identify(wh_identity& identity);
 
  private:
-  ForceDimensionDevice(Sdk sdk, const ForceSettings& settings, Say say)
-      : sdk_(std::move(sdk)), settings_(settings), say_(std::move(say)) {}
+  ForceDimensionDevice(Sdk sdk, const ForceSettings& settings, Report report)
+      : sdk_(std::move(sdk)), settings_(settings), report_(std::move(report)) {}
   [[nodiscard]] Diagnostics find(const std::string& locator);
   [[nodiscard]] Diagnostics openSerial(unsigned wanted);
   [[nodiscard]] Diagnostics prepare();
@@ -54,7 +55,7 @@ class ForceDimensionDevice {
   [[nodiscard]] int home();
   [[nodiscard]] int failed(const char* what);
   [[nodiscard]] int send(const std::array<double, 4>& effort);
-  void sayWhyForceIsOff();
+  void reportForceOff();
   [[nodiscard]] bool readPositions(wh_sample& sample, bool& nothing_new);
   [[nodiscard]] std::uint32_t statusBits(const std::array<int, kStatusRoom>& status);
   [[nodiscard]] double gripperSign() const { return left_handed_ ? -1.0 : 1.0; }
@@ -62,7 +63,7 @@ class ForceDimensionDevice {
 
   Sdk sdk_;
   ForceSettings settings_;
-  Say say_;
+  Report report_;
   std::optional<char> id_;
   bool left_handed_ = false;
   bool homed_ = false, wanted_on_ = false, feeds_ = true, saturated_ = false;

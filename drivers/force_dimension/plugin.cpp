@@ -1,4 +1,4 @@
-// The driver `force_dimension`, as device.h wants it.
+// The driver `force_dimension`, with the interface of device.h.
 #include "drivers/opened_device.hpp"
 #include "force_dimension_device.hpp"
 #include "force_settings.hpp"
@@ -17,12 +17,12 @@ namespace {
 
 Expected<std::unique_ptr<ForceDimensionDevice>> openDevice(const std::string& locator,
                                                            const std::string& path,
-                                                           const wh_device::Say& say) {
+                                                           const wh_device::Report& report) {
   const Expected<ForceSettings> settings = loadForceSettings(path);
   if (!settings) return settings.errors();
   Expected<Sdk> sdk = loadSdk();
   if (!sdk) return sdk.errors();
-  return ForceDimensionDevice::open(std::move(*sdk), *settings, locator, say);
+  return ForceDimensionDevice::open(std::move(*sdk), *settings, locator, report);
 }
 
 using Functions = PluginFunctions<wh_device, openDevice>;
@@ -30,7 +30,7 @@ using Functions = PluginFunctions<wh_device, openDevice>;
 }  // namespace
 
 const wh_plugin* wh_plugin_v1(void) {
-  // Not WH_NEVER_WAITS: the SDK waits for its bus and its time guard, and runs threads of its own.
+  // Without WH_NEVER_WAITS: the SDK waits for its bus and its time guard, and runs its own threads.
   static constexpr wh_plugin kPlugin = Functions::table(0, "Force Dimension");
   return &kPlugin;
 }

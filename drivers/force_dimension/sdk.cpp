@@ -27,7 +27,7 @@ std::vector<std::string> places() {
 Expected<std::shared_ptr<void>> openLibrary() {
   std::string why;
   for (const std::string& place : places()) {
-    // Local: the SDK's symbols are nobody else's.
+    // RTLD_LOCAL keeps the SDK's symbols from other libraries.
     if (void* handle = ::dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL); handle != nullptr) {
       return std::shared_ptr<void>(handle, [](void* library) { ::dlclose(library); });
     }

@@ -7,14 +7,14 @@
 
 namespace wholehand::force_dimension {
 
-/// What a function of the SDK returns beside errors, which are negative.
+/// Results of the SDK's functions. Errors are negative.
 enum Returned {
   kFine = 0,
-  kTimeGuard = 1,      ///< nothing new: it was asked too soon
-  kMotorSaturated = 2  ///< a motor gives less than it was asked
+  kTimeGuard = 1,      ///< nothing new: called too soon
+  kMotorSaturated = 2  ///< a motor gives less force than requested
 };
 
-/// Places in the status of dhdGetStatus().
+/// Indices in the status of dhdGetStatus().
 enum StatusAt {
   kPower = 0,
   kConnected = 1,
@@ -24,11 +24,11 @@ enum StatusAt {
   kError = 9,
   kForceOffCause = 14
 };
-/// The SDK writes 17 numbers today; what a later one adds still fits.
+/// Size of the status array. The SDK writes 17 numbers today; a later version may write more.
 inline constexpr int kStatusRoom = 64;
 static_assert(kStatusRoom >= 17);
 
-/// Why force is off.
+/// Reason why force is off.
 enum ForceOff {
   kNotOff = 0,
   kButton = 1,
@@ -40,10 +40,10 @@ enum ForceOff {
 };
 [[nodiscard]] const char* forceOffText(int cause) noexcept;
 
-/// The functions of Force Dimension's SDK that the driver calls, found in libdrd.so.3 when it is
-/// opened. Prototypes are our own, after the SDK's reference for C: identifiers are `char`, and
-/// what C++ gives a default stands here as an argument. Nothing of expert mode is here: the
-/// watchdog, the velocity trip, gravity compensation and brakes stay as the maker delivers them.
+/// The functions of Force Dimension's SDK that the driver calls, found in libdrd.so.3 at run time.
+/// The prototypes are written here after the SDK's reference for C: identifiers are `char`, and
+/// default values of C++ are explicit arguments. Functions of expert mode are missing on purpose:
+/// watchdog, velocity trip, gravity compensation and brakes stay as the maker delivers them.
 struct Sdk {
   // NOLINTBEGIN(readability-identifier-naming): as the SDK names them
   void (*dhdGetSDKVersion)(int* major, int* minor, int* release, int* revision);
@@ -66,13 +66,13 @@ struct Sdk {
   int (*drdStop)(bool leave_force_on, char id);
   // NOLINTEND(readability-identifier-naming)
 
-  std::shared_ptr<void> library;  ///< stays loaded as long as this
-  std::string version;            ///< "3.17.1"
+  std::shared_ptr<void> library;  ///< keeps the library loaded
+  std::string version;            ///< e.g. "3.17.1"
 };
 
-/// Loads libdrd.so.3: from the folder of the environment variable FORCEDIM_SDK or from
-/// lib/release/lin-*-gcc in it, else from the system. Refused, each by name: no library, a function
-/// that is missing, an SDK before 3.14 or of another major version.
+/// Loads libdrd.so.3 from the folder of the environment variable FORCEDIM_SDK or from
+/// lib/release/lin-*-gcc in it, else from the system. Refused, each by name: no library, a missing
+/// function, an SDK before 3.14 or of another major version.
 [[nodiscard]] Expected<Sdk> loadSdk();
 
 }  // namespace wholehand::force_dimension

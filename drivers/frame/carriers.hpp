@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the carriers: one function each.
+// Private to the carriers: one function per carrier.
 #include "drivers/frame/carrier.hpp"
 
 namespace wholehand {

@@ -126,8 +126,8 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
     return Done{};
   }
   if (verb == WH_ENABLE) {
-    Posted last{};
-    if (posts_.take(last)) sent_number_ = last.number;  // nothing from before is sent
+    PostedCommand last{};
+    if (posts_.take(last)) sent_number_ = last.number;  // earlier commands are not sent
     muted_ = false;
     if (commands_ != 0) commands_ += WF_ENABLE_SKIP;
     begun_at_ = commands_;
@@ -153,7 +153,7 @@ Expected<Done> FrameDevice::control(std::uint32_t verb, double argument, const W
   return Done{};
 }
 
-// The answer comes between two samples, and the one before it still says that the device is off.
+// Waits for a sample after the answer: the previous sample still reports that the device is off.
 void FrameDevice::awaitEnabledSample(const Wait& wait) {
   const std::uint64_t before = sample_.sequence;
   const auto is_on = [&] {
@@ -177,7 +177,7 @@ void FrameDevice::sendFrame(const wf_frame& frame) noexcept {
 }
 
 void FrameDevice::sendCommand(std::int64_t now_ns) noexcept {
-  Posted post{};
+  PostedCommand post{};
   if (muted_ || !enabled_.load() || carrier_->waiting() > 0) return;
   if (!posts_.take(post) || post.number == sent_number_) return;
   sent_number_ = post.number;
@@ -234,15 +234,18 @@ void FrameDevice::take(const wf_frame& frame, std::int64_t now_ns) noexcept {
   } else if (frame.kind == awaited_ && frame.sequence == questions_) {
     answer_ = frame;
     awaited_ = 0;
-    if (welcome) axes_.resize(frame.axes);  // there is room; samples follow at once
+    if (welcome) axes_.resize(frame.axes);  // axes_ has reserved room; samples follow at once
   } else {
-    stale_.fetch_add(1);  // answered twice, or too late
+    stale_.fetch_add(1);  // a second or late answer
   }
 }
 
-std::int64_t FrameDevice::heardUntil_ns(std::uint32_t heard, std::int64_t now_ns) const noexcept {
+std::int64_t FrameDevice::receivedUntil_ns(std::uint32_t heard,
+                                           std::int64_t now_ns) const noexcept {
   if (wf_newer(begun_at_, heard)) heard = begun_at_;
-  if (!wf_newer(commands_, heard)) return now_ns;  // all of them, or of an earlier session
+  if (!wf_newer(commands_, heard))
+    return now_ns;  // heard all commands, or those of an earlier
+                    // session
   const std::uint32_t unheard = std::min<std::uint32_t>(commands_ - heard, sent_ns_.size());
   return sent_ns_[(commands_ - unheard + 1) % sent_ns_.size()];
 }
@@ -256,7 +259,7 @@ void FrameDevice::takeSample(const wf_frame& frame, std::int64_t now_ns) noexcep
   sample_.size = sizeof(sample_);
   sample_.status = frame.status;
   sample_.sequence += frame.sequence - last_sample_;
-  sample_.monotonic_ns = std::max(sample_.monotonic_ns, heardUntil_ns(frame.heard, now_ns));
+  sample_.monotonic_ns = std::max(sample_.monotonic_ns, receivedUntil_ns(frame.heard, now_ns));
   sample_.valid = frame.valid;
   sample_.vendor_code = frame.vendor_code;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
@@ -271,7 +274,7 @@ void FrameDevice::takeSample(const wf_frame& frame, std::int64_t now_ns) noexcep
 int FrameDevice::read(wh_sample& sample) noexcept {
   if (gone_.load(std::memory_order_relaxed)) return WH_FAILED;
   const std::uint64_t before = newest_.sequence;
-  (void)samples_.take(newest_);  // where the bus is at it, the one before
+  (void)samples_.take(newest_);  // if the bus is writing, this is the previous sample
   if (newest_.sequence == 0) return WH_FAILED;
   sample = newest_;
   return newest_.sequence != before ? WH_OK : WH_NOTHING_NEW;

@@ -18,27 +18,27 @@
 
 namespace wholehand {
 
-/// Frames that were passed over, and why.
+/// Number of ignored frames, by reason.
 struct FrameCounters {
   std::uint32_t broken = 0, crc_errors = 0, foreign = 0, stale = 0;
 };
 
-/// A device that speaks the frame (firmware/frame.h), over any carrier: no thread and no clock of
-/// its own. One thread, the bus, calls pump(), control() and open(); another, the loop, calls
-/// read() and write(), which never wait for it.
+/// A device that uses the frame (firmware/frame.h), over any carrier. It has no thread and no clock
+/// of its own. One thread, the bus, calls pump(), control() and open(); another, the loop, calls
+/// read() and write(), which never wait for the first.
 class FrameDevice {
  public:
-  /// Lets a little time pass, 1 ms say, and returns the time after it, CLOCK_MONOTONIC [ns].
+  /// Waits a short time, for example 1 ms. Returns the time afterwards, CLOCK_MONOTONIC [ns].
   using Wait = std::function<std::int64_t()>;
 
-  /// Begins a session and asks for the axes. Refused, each by name: nobody answers within 2 s,
-  /// another version of the frame, a device that renders for another program, axes that cannot be.
-  /// @param session drawn anew for every device; not 0
+  /// Begins a session and asks for the axes. Refused, each by name: no answer within 2 s, another
+  /// version of the frame, a device that renders for another program, impossible axes.
+  /// @param session a new random number for every device; not 0
   [[nodiscard]] static Expected<std::unique_ptr<FrameDevice>> open(std::unique_ptr<Carrier> carrier,
                                                                    std::uint32_t session,
                                                                    const Wait& wait);
 
-  /// As the device says, in its order.
+  /// Axes as the device reports them, in its order.
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept { return axes_; }
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const std::string& serial() const noexcept { return serial_; }
@@ -46,22 +46,24 @@ class FrameDevice {
   [[nodiscard]] FrameCounters counters() const;
   [[nodiscard]] const Carrier& carrier() const noexcept { return *carrier_; }
 
-  /// A verb of device.h. Asks until it is answered, for 1 s, or 60 s to home and to test itself.
-  /// WH_ENABLE then waits, for up to 20 ms, for a sample of after it that says WH_ENABLED.
+  /// Carries out a verb of device.h. Repeats the question until it is answered, for 1 s, or 60 s
+  /// for homing and self-test. WH_ENABLE then waits up to 20 ms for a later sample that has
+  /// WH_ENABLED.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument, const Wait& wait);
-  /// Takes all that has come and sends the loop's newest command, once; on a line that is still
-  /// busy with an earlier one, later. The time of a sample is that of the oldest command that the
-  /// device had not heard by then: a loop finds a delay on either way by the samples' age.
+  /// Takes all received frames and sends the loop's newest command once; while the line is still
+  /// busy with an earlier one, it sends later. The time of a sample is that of the oldest command
+  /// that the device had not heard by then. The age of a sample therefore shows a delay in either
+  /// direction.
   void pump(std::int64_t now_ns) noexcept;
 
-  /// As wh_plugin.read and wh_plugin.write. WH_FAILED: the carrier is gone; write: not enabled, or
-  /// other axes. Real-time safe.
+  /// Like wh_plugin.read and wh_plugin.write. WH_FAILED: the carrier is gone; for write also: not
+  /// enabled, or another number of axes. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept;
 
  private:
-  struct Posted {
-    std::uint64_t number;  ///< rises with every write
+  struct PostedCommand {
+    std::uint64_t number;  ///< increases with every write
     wh_command command;
   };
 
@@ -77,7 +79,8 @@ class FrameDevice {
   [[nodiscard]] Diagnostic silent(const std::string& what) const;
   void sendFrame(const wf_frame& frame) noexcept;
   void sendCommand(std::int64_t now_ns) noexcept;
-  [[nodiscard]] std::int64_t heardUntil_ns(std::uint32_t heard, std::int64_t now_ns) const noexcept;
+  [[nodiscard]] std::int64_t receivedUntil_ns(std::uint32_t heard,
+                                              std::int64_t now_ns) const noexcept;
   void take(const wf_frame& frame, std::int64_t now_ns) noexcept;
   void takeSample(const wf_frame& frame, std::int64_t now_ns) noexcept;
 
@@ -86,30 +89,31 @@ class FrameDevice {
   std::string name_, serial_, firmware_;
   std::vector<wh_axis> axes_;
 
-  // The bus.
+  // Used by the bus thread:
   wf_receiver receiver_{};
-  wf_frame answer_{};         ///< the last one that was waited for
-  std::uint8_t awaited_ = 0;  ///< kind; 0: none
+  wf_frame answer_{};         ///< last awaited answer
+  std::uint8_t awaited_ = 0;  ///< kind of the awaited answer; 0: none
   std::uint32_t questions_ = 0;
   std::uint32_t other_session_ = 0;
   int other_version_ = 0;
   std::uint32_t last_sample_ = 0;
   wh_sample sample_{};
-  bool muted_ = false;                       ///< WH_DROP_WATCHDOG
-  std::uint32_t commands_ = 0;               ///< sequence of the last one
-  std::uint32_t begun_at_ = 0;               ///< the same at WH_ENABLE: earlier ones do not count
-  std::array<std::int64_t, 256> sent_ns_{};  ///< when; by number
+  bool muted_ = false;                       ///< after WH_DROP_WATCHDOG
+  std::uint32_t commands_ = 0;               ///< sequence number of the last command
+  std::uint32_t begun_at_ = 0;               ///< value of commands_ at WH_ENABLE; earlier commands
+                                             ///< do not count
+  std::array<std::int64_t, 256> sent_ns_{};  ///< time of sending, by number of the command
   std::uint64_t sent_number_ = 0;
   std::atomic<std::uint32_t> broken_{0}, crc_errors_{0}, foreign_{0}, stale_{0};
 
-  // Between the two.
+  // Shared by both threads:
   std::atomic<bool> gone_{false}, enabled_{false};
   NewestValue<wh_sample> samples_;
-  NewestValue<Posted> posts_;
+  NewestValue<PostedCommand> posts_;
 
-  // The loop.
+  // Used by the loop:
   wh_sample newest_{};
-  Posted post_{};
+  PostedCommand post_{};
 };
 
 }  // namespace wholehand

@@ -1,4 +1,4 @@
-// The driver `frame`: a FrameDevice behind the boundary of device.h, with a thread for its bus.
+// The driver `frame`: a FrameDevice with the interface of device.h, and a thread for its bus.
 #include "drivers/frame/frame_device.hpp"
 #include "drivers/identity_text.hpp"
 #include "drivers/sized_sample.hpp"
@@ -20,8 +20,8 @@
 
 namespace {
 
-constexpr double kCycle_s = 250e-6;  // the bus looks at least so often for a command
-constexpr int kBusPriority = 85;     // the loop's is 80
+constexpr double kCycle_s = 250e-6;  // longest time between two looks for a command
+constexpr int kBusPriority = 85;     // the loop has 80
 
 std::int64_t waitAMillisecond() {
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -64,7 +64,7 @@ struct wh_device {
       const timespec cycle{0, static_cast<long>(kCycle_s * 1e9)};
       pollfd input{descriptor, POLLIN, 0};
       if (descriptor >= 0) (void)::ppoll(&input, 1, &cycle, nullptr);
-      // A line that is gone is ready for ever.
+      // A closed line is always ready, so poll() does not wait.
       if (descriptor < 0 || (input.revents & (POLLHUP | POLLERR)) != 0) {
         (void)::nanosleep(&cycle, nullptr);
       }
@@ -73,14 +73,14 @@ struct wh_device {
 
   wh_host host;
   std::unique_ptr<wholehand::FrameDevice> device;
-  std::mutex pumping;  // the bus thread's, or control()'s; the loop never takes it
+  std::mutex pumping;  // locked by the bus thread or by control(), never by the loop
   std::atomic<bool> ended{false};
   std::thread bus;
 };
 
 namespace {
 
-void say(const wh_host& host, const wholehand::Diagnostics& errors) {
+void report(const wh_host& host, const wholehand::Diagnostics& errors) {
   host.say(host.context, wholehand::format(errors).c_str());
 }
 
@@ -92,18 +92,19 @@ int openDevice(const wh_host* host, const char* locator, const char* settings, w
     }
     auto carrier = wholehand::openCarrier(locator);
     if (!carrier) {
-      say(*host, carrier.errors());
+      report(*host, carrier.errors());
       return WH_FAILED;
     }
     auto device =
         wholehand::FrameDevice::open(std::move(carrier).value(), drawSession(), &waitAMillisecond);
     if (!device) {
-      say(*host, device.errors());
+      report(*host, device.errors());
       return WH_FAILED;
     }
     *out = new wh_device(*host, std::move(device).value());
     return WH_OK;
-  } catch (const std::exception& error) {  // no memory, no thread: nothing may cross the boundary
+  } catch (const std::exception& error) {  // no memory, no thread; no exception may leave the
+                                           // plugin
     host->say(host->context, error.what());
     return WH_FAILED;
   }
@@ -115,7 +116,8 @@ int describe(wh_device* device, wh_axis* axes, std::uint32_t capacity, std::uint
   for (std::uint32_t i = 0; i < std::min(capacity, *count); ++i) {
     const std::uint32_t size = axes[i].size;
     wh_axis axis = has[i];
-    axis.delay_s += 2.0 * kCycle_s;  // a sample and a command wait for the bus up to a cycle each
+    axis.delay_s += 2.0 * kCycle_s;  // a sample and a command each wait for the bus for up to a
+                                     // cycle
     std::memcpy(&axes[i], &axis, std::min<std::size_t>(size, sizeof(axis)));
     axes[i].size = size;
   }
@@ -125,11 +127,11 @@ int describe(wh_device* device, wh_axis* axes, std::uint32_t capacity, std::uint
 int control(wh_device* device, std::uint32_t verb, double argument) {
   const auto done = device->control(verb, argument);
   if (done) return WH_OK;
-  say(device->host, done.errors());
+  report(device->host, done.errors());
   return done.errors().front().value == std::to_string(WH_UNSUPPORTED) ? WH_UNSUPPORTED : WH_FAILED;
 }
 
-// The firmware begins at the neutral effort of its own board; then these hold.
+// The firmware begins at the neutral effort of its own board; then these efforts apply.
 int enable(wh_device* device, const wh_command* neutral) {
   const int enabled = control(device, WH_ENABLE, 0.0);
   return enabled < 0 ? enabled : device->device->write(*neutral);

@@ -27,8 +27,7 @@ constexpr std::array<std::pair<const char*, speed_t>, 13> kBauds{{{"115200", B11
                                                                   {"3000000", B3000000},
                                                                   {"4000000", B4000000}}};
 
-// A line that is unplugged reads 0 bytes or EIO for good. VMIN 1 keeps 0 from meaning "nothing
-// yet".
+// An unplugged line reads 0 bytes or EIO for good. VMIN 1 keeps 0 from also meaning "nothing yet".
 class SerialCarrier final : public Carrier {
  public:
   explicit SerialCarrier(int fd) : fd_(fd) {}

@@ -33,7 +33,7 @@ class SharedCarrier final : public Carrier {
 
  private:
   sr_memory* memory_;
-  int fd_;  // holds the segment
+  int fd_;  // keeps the lock on the segment
 };
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace wholehand {
 namespace {
 
-// A connected socket hears nobody but its device. A device that does not answer is no error of the
-// line: its samples stand still.
+// A connected socket receives only from its device. A device that does not answer is not an error
+// of the line: its samples stand still.
 class UdpCarrier final : public Carrier {
  public:
   explicit UdpCarrier(int fd) : fd_(fd) {}

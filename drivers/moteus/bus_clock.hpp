@@ -6,12 +6,12 @@
 
 namespace wholehand::moteus {
 
-/// The driver's time; tests have their own.
+/// Clock of the driver; tests replace it.
 class BusClock {
  public:
   virtual ~BusClock() = default;
   [[nodiscard]] virtual std::int64_t now_ns() noexcept = 0;
-  /// Lets a tenth of a millisecond pass, or a bit more. Never in the tick.
+  /// Waits a tenth of a millisecond or slightly more. Never in the tick.
   virtual void rest() = 0;
 };
 

@@ -7,8 +7,8 @@
 
 namespace wholehand::moteus {
 
-/// Receives until `take(frame)` returns something: that; nothing where the time is over or the bus
-/// failed. Never in the tick.
+/// Receives until `take(frame)` returns a value, and returns it; empty on timeout or when the bus
+/// fails. Never in the tick.
 template <class Take>
 auto receiveUntil(CanBus& bus, BusClock& clock, std::int64_t wait_ns, Take take)
     -> decltype(take(CanFrame{})) {

@@ -13,34 +13,34 @@ namespace wholehand::moteus {
 struct CanFrame {
   static constexpr std::size_t kMostBytes = 64;
   std::uint32_t id = 0;
-  std::uint8_t size = 0;  ///< bytes in data
+  std::uint8_t size = 0;  ///< number of bytes in data
   std::array<std::uint8_t, kMostBytes> data{};
 };
 
 enum class BusResult {
   kDone,
-  kNothing,  ///< receive: no frame is there
-  kFailed    ///< the adapter is gone, or takes nothing more: it stays so
+  kNothing,  ///< receive(): no frame has arrived
+  kFailed    ///< the adapter is gone or accepts nothing more; permanent
 };
 
-/// What carries CAN frames. Neither function waits.
+/// Carries CAN frames. No function waits.
 class CanBus {
  public:
   virtual ~CanBus() = default;
   [[nodiscard]] virtual BusResult send(const CanFrame& frame) noexcept = 0;
   [[nodiscard]] virtual BusResult receive(CanFrame& frame) noexcept = 0;
-  /// Lines and frames so far that were no frame, or that the adapter refused.
+  /// Number of received lines and frames that were invalid, or that the adapter refused.
   [[nodiscard]] virtual std::uint64_t errors() const noexcept = 0;
 };
 
-/// `fdcanusb:/dev/ttyACM0`, `slcan:/dev/ttyACM0` or `socketcan:can0`. Refused by name: another
-/// word, a port that cannot be opened, a kernel without CAN. May wait; allocates.
+/// Opens `fdcanusb:/dev/ttyACM0`, `slcan:/dev/ttyACM0` or `socketcan:can0`. Refused, each by name:
+/// another kind, a port that cannot be opened, a kernel without CAN. May wait; allocates.
 [[nodiscard]] Expected<std::unique_ptr<CanBus>> openCanBus(const std::string& locator);
 
-/// How many bytes a CAN-FD frame has that holds so many: 0 to 8, 12, 16, 20, 24, 32, 48, 64.
+/// Smallest size of a CAN-FD frame for a number of bytes: 0 to 8, 12, 16, 20, 24, 32, 48, 64.
 [[nodiscard]] std::size_t frameBytes(std::size_t bytes) noexcept;
 
-/// What moteus takes for padding (NOP).
+/// Padding byte of moteus (NOP).
 inline constexpr std::uint8_t kPadding = 0x50;
 
 }  // namespace wholehand::moteus

@@ -50,7 +50,7 @@ class LineWriter {
   void number(std::uint32_t value, int digits) noexcept {
     for (int i = digits - 1; i >= 0; --i) line_[length_++] = kDigits[value >> (4 * i) & 0xfU];
   }
-  // All bytes of the frame, and padding up to `size`.
+  // Writes all bytes of the frame, and padding up to `size`.
   void bytes(const CanFrame& frame, std::size_t size) noexcept {
     for (std::size_t i = 0; i < size; ++i) number(i < frame.size ? frame.data[i] : kPadding, 2);
   }
@@ -61,7 +61,7 @@ class LineWriter {
   std::size_t length_ = 0;
 };
 
-// The word up to the next space, taken off the line.
+// Removes the word up to the next space from the line, and returns it.
 std::string_view nextWord(std::string_view& line) noexcept {
   const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
   const std::size_t end = std::min(line.find(' ', begin), line.size());
@@ -86,14 +86,14 @@ std::size_t writeFdcanusb(const CanFrame& frame, LineBuffer& line) noexcept {
   return out.length();
 }
 
-LineSays readFdcanusb(std::string_view line, CanFrame& frame) noexcept {
+LineMeaning readFdcanusb(std::string_view line, CanFrame& frame) noexcept {
   const std::string_view verb = nextWord(line);
-  if (verb == "OK") return LineSays::kAccepted;
-  if (verb == "ERR") return LineSays::kRefused;
-  if (verb != "rcv") return LineSays::kOther;
+  if (verb == "OK") return LineMeaning::kAccepted;
+  if (verb == "ERR") return LineMeaning::kRefused;
+  if (verb != "rcv") return LineMeaning::kOther;
   const std::string_view id = nextWord(line), data = nextWord(line);
-  if (!readNumber(id, frame.id) || frame.id > kMostLongId) return LineSays::kOther;
-  return readBytes(data, frame) ? LineSays::kFrame : LineSays::kOther;
+  if (!readNumber(id, frame.id) || frame.id > kMostLongId) return LineMeaning::kOther;
+  return readBytes(data, frame) ? LineMeaning::kFrame : LineMeaning::kOther;
 }
 
 std::size_t writeSlcan(const CanFrame& frame, LineBuffer& line) noexcept {
@@ -109,23 +109,23 @@ std::size_t writeSlcan(const CanFrame& frame, LineBuffer& line) noexcept {
   return out.length();
 }
 
-LineSays readSlcan(std::string_view line, CanFrame& frame) noexcept {
-  if (line == "\a") return LineSays::kRefused;
-  if (line.empty() || line == "z" || line == "Z") return LineSays::kAccepted;
+LineMeaning readSlcan(std::string_view line, CanFrame& frame) noexcept {
+  if (line == "\a") return LineMeaning::kRefused;
+  if (line.empty() || line == "z" || line == "Z") return LineMeaning::kAccepted;
   constexpr std::string_view kShort = "tdb", kLong = "TDB";
   const bool is_long = kLong.find(line.front()) != std::string_view::npos;
-  if (!is_long && kShort.find(line.front()) == std::string_view::npos) return LineSays::kOther;
+  if (!is_long && kShort.find(line.front()) == std::string_view::npos) return LineMeaning::kOther;
   const std::size_t digits = is_long ? 8 : 3;
-  if (line.size() < 2 + digits) return LineSays::kOther;
+  if (line.size() < 2 + digits) return LineMeaning::kOther;
   const int code = digit(line[1 + digits]);
-  if (!readNumber(line.substr(1, digits), frame.id) || code < 0) return LineSays::kOther;
-  if (frame.id > (is_long ? kMostLongId : kMostShortId)) return LineSays::kOther;
+  if (!readNumber(line.substr(1, digits), frame.id) || code < 0) return LineMeaning::kOther;
+  if (frame.id > (is_long ? kMostLongId : kMostShortId)) return LineMeaning::kOther;
   const bool classic = line.front() == 't' || line.front() == 'T';
   const std::string_view data = line.substr(2 + digits);
   if ((classic && code > 8) || data.size() != 2U * kSizes[static_cast<std::size_t>(code)]) {
-    return LineSays::kOther;
+    return LineMeaning::kOther;
   }
-  return readBytes(data, frame) ? LineSays::kFrame : LineSays::kOther;
+  return readBytes(data, frame) ? LineMeaning::kFrame : LineMeaning::kOther;
 }
 
 bool LineSplitter::take(char byte) noexcept {

@@ -19,7 +19,7 @@ class Channel {
  public:
   Channel(CanBus& bus, BusClock& clock, int drive) : bus_(bus), clock_(clock), drive_(drive) {}
 
-  // Nothing is asked of the drive by the protocol's reply bit: a text is not answered.
+  // The frames have no reply bit, because the drive does not answer a text.
   bool write(std::string_view text) {
     for (; !text.empty(); text.remove_prefix(std::min<std::size_t>(text.size(), kMostPerPoll))) {
       CanFrame frame;
@@ -30,7 +30,7 @@ class Channel {
     return true;
   }
 
-  // What the drive has to say; nothing where it does not answer or the bus failed.
+  // Reads text from the drive; empty when the drive does not answer or the bus failed.
   std::optional<std::string> poll() {
     CanFrame frame;
     frame.id = commandId(drive_);
@@ -50,7 +50,7 @@ class Channel {
   int drive_;
 };
 
-// Where an answer is lost the text has a gap: nothing is made of it.
+// Asks once. A lost answer would leave a gap in the text, so the result is then empty.
 std::optional<std::string> askOnce(CanBus& bus, BusClock& clock, int drive,
                                    const std::string& question) {
   Channel channel(bus, clock, drive);

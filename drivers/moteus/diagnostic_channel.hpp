@@ -8,10 +8,10 @@
 
 namespace wholehand::moteus {
 
-/// Asks a drive one line on its diagnostic channel and returns the line that it answers, without
-/// its end; nothing where none comes within a second. What the channel still held is dropped first.
-/// Source: docs/protocol/diagnostic.md of mjbots/moteus, and its multiplex format (0x40 to 0x42).
-/// Waits; not for the tick.
+/// Sends a line on a drive's diagnostic channel and returns the answered line without its end;
+/// empty when no line arrives within a second. Older text in the channel is dropped first. Source:
+/// docs/protocol/diagnostic.md of mjbots/moteus, and its multiplex format (0x40 to 0x42). Waits;
+/// not for the tick.
 [[nodiscard]] std::optional<std::string> askDrive(CanBus& bus, BusClock& clock, int drive,
                                                   const std::string& question);
 

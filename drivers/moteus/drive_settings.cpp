@@ -20,7 +20,7 @@ std::string text(double value) {
   return out.data();
 }
 
-// The whole line is a number; nan is one, too.
+// Parses a line that consists of one number; nan is a number, too.
 std::optional<double> numberIn(const std::string& line) {
   char* end = nullptr;
   const double value = std::strtod(line.c_str(), &end);
@@ -28,19 +28,20 @@ std::optional<double> numberIn(const std::string& line) {
   return value;
 }
 
-class Judge {
+class SettingsCheck {
  public:
-  Judge(CanBus& bus, BusClock& clock, const Motor& motor)
+  SettingsCheck(CanBus& bus, BusClock& clock, const Motor& motor)
       : bus_(bus), clock_(clock), motor_(motor) {}
 
-  // Holds the value of a setting against what is taken; `safe` is what it may be set to.
-  template <class Taken>
-  void hold(const std::string& setting, Taken taken, const std::string& problem,
+  // Checks a setting. `accepts` decides about its value; `safe` names the values to which it may be
+  // set.
+  template <class Accepts>
+  void hold(const std::string& setting, Accepts accepts, const std::string& problem,
             const std::string& safe) {
     const std::optional<std::string> line =
         askDrive(bus_, clock_, motor_.id, "conf get " + setting);
     const std::optional<double> value = line ? numberIn(*line) : std::nullopt;
-    if (value && taken(*value)) return;
+    if (value && accepts(*value)) return;
     out_.push_back(
         keyFault("", "drive " + std::to_string(motor_.id) + " (" + motor_.name + ") " + setting,
                  line.value_or(""),
@@ -61,24 +62,24 @@ class Judge {
 
 }  // namespace
 
-Diagnostics judgeDrive(CanBus& bus, BusClock& clock, const Motor& motor) {
-  Judge judge(bus, clock, motor);
+Diagnostics checkDrive(CanBus& bus, BusClock& clock, const Motor& motor) {
+  SettingsCheck check(bus, clock, motor);
   const double most_nm = motor.max_torque_nm;
-  judge.hold(
+  check.hold(
       "servo.default_timeout_s", [](double s) { return s > 0.0 && s <= kLongestTimeout_s; },
       "is no watchdog of at most " + text(kLongestTimeout_s) + " s", text(kLongestTimeout_s));
-  judge.hold(
+  check.hold(
       "servo.timeout_mode", [](double mode) { return mode == 0.0 || mode == 12.0; },
       "holds or brakes when nobody commands", "12");
-  judge.hold(
+  check.hold(
       "servo.timeout_max_torque_Nm", [&](double nm) { return nm >= 0.0 && nm <= most_nm; },
       "is above max_torque_nm of the motor, " + text(most_nm), text(most_nm));
-  judge.hold(
+  check.hold(
       "servo.fixed_voltage_mode", [](double on) { return on == 0.0; }, "ignores torques", "0");
-  judge.hold(
+  check.hold(
       "servo.inertia_feedforward", [](double gain) { return gain == 0.0; }, "adds to the torque",
       "0");
-  return judge.take();
+  return check.take();
 }
 
 std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int drive) {

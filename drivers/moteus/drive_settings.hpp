@@ -13,30 +13,30 @@
 
 namespace wholehand::moteus {
 
-/// Longest `servo.default_timeout_s` that is taken: the one of the factory [s].
+/// Longest accepted `servo.default_timeout_s`: the factory setting [s].
 inline constexpr double kLongestTimeout_s = 0.1;
 
-/// Reads the settings of a drive that decide what it does when nobody commands it, or that add to
-/// its commanded torque, and says which of them are not safe and how to set them:
+/// Reads those settings of a drive that decide what it does when no command arrives, or that add to
+/// its commanded torque. Returns the unsafe ones and how to set them:
 ///
-/// | setting | taken | because |
+/// | setting | accepted | because |
 /// |---|---|---|
 /// | servo.default_timeout_s | 0 to 0.1 s, not nan | a command without a watchdog would hold |
 /// | servo.timeout_mode | 0 stopped, 12 zero velocity | 10 holds with up to its greatest current,
 ///   15 brakes as hard as the motor can |
-/// | servo.timeout_max_torque_Nm | up to max_torque_nm of the motor | the factory's 5 N.m are above
-///   what a finger bears |
-/// | servo.fixed_voltage_mode | 0 | torque is ignored there |
+/// | servo.timeout_max_torque_Nm | up to max_torque_nm of the motor | the factory's 5 N.m are more
+///   than a finger bears |
+/// | servo.fixed_voltage_mode | 0 | torque is ignored in this mode |
 /// | servo.inertia_feedforward | 0 | it adds to the torque |
 ///
-/// Empty: all is well. Waits; not for the tick.
-[[nodiscard]] Diagnostics judgeDrive(CanBus& bus, BusClock& clock, const Motor& motor);
+/// Empty: all settings are safe. Waits; not for the tick.
+[[nodiscard]] Diagnostics checkDrive(CanBus& bus, BusClock& clock, const Motor& motor);
 
 struct DriveIdentity {
   std::array<std::uint32_t, 3> serial{};
   std::uint32_t firmware = 0;
 };
-/// Nothing where the drive does not answer within 200 ms. Waits; not for the tick.
+/// Identity of a drive; empty when it does not answer within 200 ms. Waits; not for the tick.
 [[nodiscard]] std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int drive);
 
 }  // namespace wholehand::moteus

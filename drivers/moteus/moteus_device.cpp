@@ -13,22 +13,23 @@
 namespace wholehand::moteus {
 namespace {
 
-constexpr int kHomed = 2;                     // the position is that of the output
-constexpr std::int64_t kLate_ns = 3'000'000;  // an answer that will not come any more
-constexpr std::int64_t kIdle_ns = 2'000'000;  // nobody writes: ask for the state
+constexpr int kHomed = 2;                     // home state: the position is that of the output
+constexpr std::int64_t kLate_ns = 3'000'000;  // a later answer is no longer expected
+constexpr std::int64_t kIdle_ns = 2'000'000;  // time without writes after which the state is
+                                              // requested
 constexpr std::int64_t kAnswer_ns = 200'000'000;
-constexpr int kAttempts = 5;  // before a drive counts as one that does not answer
+constexpr int kAttempts = 5;  // before a drive counts as not answering
 constexpr std::int64_t kEnabling_ns = 500'000'000;
 
 }  // namespace
 
 MoteusDevice::MoteusDevice(Settings settings, std::unique_ptr<CanBus> bus,
-                           std::unique_ptr<BusClock> clock, Say say)
+                           std::unique_ptr<BusClock> clock, Report report)
     : settings_(std::move(settings)),
       map_(settings_.motors, settings_.axes),
       bus_(std::move(bus)),
       clock_(std::move(clock)),
-      say_(std::move(say)),
+      report_(std::move(report)),
       round_(settings_.motors, *bus_, *clock_) {}
 
 MoteusDevice::~MoteusDevice() {
@@ -49,7 +50,7 @@ Expected<Done> MoteusDevice::check() {
                              "look at its power, its cable and its identifier (servo id.id)"));
       continue;
     }
-    Diagnostics unsafe = judgeDrive(*bus_, *clock_, settings_.motors[i]);
+    Diagnostics unsafe = checkDrive(*bus_, *clock_, settings_.motors[i]);
     why.insert(why.end(), unsafe.begin(), unsafe.end());
   }
   if (!why.empty()) return why;
@@ -59,7 +60,7 @@ Expected<Done> MoteusDevice::check() {
   return Done{};
 }
 
-// An adapter may lose what it is sent just after it was plugged in.
+// Repeated, because an adapter may lose frames sent just after it was plugged in.
 bool MoteusDevice::queryAll() {
   for (int i = 0; i < kAttempts; ++i) {
     if (!round_.sendQueries()) return false;
@@ -75,7 +76,7 @@ void MoteusDevice::identify(wh_identity& identity) {
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
     const auto drive = identifyDrive(*bus_, *clock_, settings_.motors[i].id);
     if (!drive) return;
-    // Alike on all drives as a rule: then it is reported once.
+    // The firmware is reported once if it is the same on all drives, which is usual.
     std::array<char, 16> version{};
     std::snprintf(version.data(), version.size(), "%x", drive->firmware);
     if (i == 0) firmware = all = version.data();
@@ -122,25 +123,25 @@ bool MoteusDevice::awaitRound() {
   return false;
 }
 
-// What has happened since the last word: read() and write() must not say it.
-void MoteusDevice::sayWhyItStopped() {
+// Reports stops of drives since the last call of control(); read() and write() may not report.
+void MoteusDevice::reportStop() {
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
     const DriveState& state = round_.state(i);
     if (state.mode == kModeFault) {
-      say_(nameOf(i) + " has stopped itself: fault " + std::to_string(state.fault) + ", " +
-           faultText(state.fault));
+      report_(nameOf(i) + " has stopped itself: fault " + std::to_string(state.fault) + ", " +
+              faultText(state.fault));
     } else if (state.mode == kModeTimeout) {
-      say_(nameOf(i) + " has let go: no command came within its watchdog's time");
+      report_(nameOf(i) + " has let go: no command came within its watchdog's time");
     } else if (state.answered && state.home != kHomed) {
-      say_(nameOf(i) + " is not homed (home state " + std::to_string(state.home) +
-           "): give it an output encoder, or set its output position with moteus_tool");
+      report_(nameOf(i) + " is not homed (home state " + std::to_string(state.home) +
+              "): give it an output encoder, or set its output position with moteus_tool");
     }
   }
 }
 
 int MoteusDevice::control(std::uint32_t verb) {
   (void)round_.receive();
-  sayWhyItStopped();
+  reportStop();
   switch (verb) {
     case WH_ENABLE:
       return enable();
@@ -153,7 +154,7 @@ int MoteusDevice::control(std::uint32_t verb) {
       if (enabled_) return WH_UNSUPPORTED;
       const Expected<Done> checked = check();
       if (!checked) {
-        for (const Diagnostic& why : checked.errors()) say_(format(why));
+        for (const Diagnostic& why : checked.errors()) report_(format(why));
       }
       return checked ? WH_OK : WH_FAILED;
     }
@@ -167,25 +168,26 @@ int MoteusDevice::enable() {
   pending_ = false;
   feeds_ = true;
   if (!round_.sendStops() || !awaitRound()) {
-    say_("the drives do not answer");
+    report_("the drives do not answer");
     return WH_FAILED;
   }
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
-    if (round_.state(i).home != kHomed) return WH_FAILED;  // said by control()
+    if (round_.state(i).home != kHomed) return WH_FAILED;  // control() has reported it
   }
   if (awaitPositionMode()) {
     enabled_ = true;
     return WH_OK;
   }
-  sayWhyItStopped();
-  say_("the drives do not come into position mode, or answer later than 3 ms after the question");
+  reportStop();
+  report_(
+      "the drives do not come into position mode, or answer later than 3 ms after the question");
   (void)round_.sendStops();
   (void)awaitRound();
   return WH_FAILED;
 }
 
-// Zero torque again and again, until the drives have measured their currents, are ready, and answer
-// before read() gives a round up: a later answer is no sample.
+// Sends zero torque repeatedly, until the drives have measured their currents, are ready, and
+// answer before read() gives up a round: a later answer is not a sample.
 bool MoteusDevice::awaitPositionMode() {
   const std::int64_t until_ns = clock_->now_ns() + kEnabling_ns;
   while (clock_->now_ns() < until_ns) {
@@ -226,7 +228,7 @@ std::uint32_t MoteusDevice::status() const noexcept {
   return status;
 }
 
-// Of a drive that has stopped itself; where none has, of one that is limited.
+// Fault code of a drive that has stopped itself; if none has, the code of a limited one.
 std::int32_t MoteusDevice::vendorCode() const noexcept {
   std::int32_t code = 0;
   for (std::size_t i = 0; i < settings_.motors.size(); ++i) {
@@ -243,7 +245,7 @@ bool MoteusDevice::mayBegin() const noexcept {
 
 bool MoteusDevice::sendPending() noexcept {
   if (!pending_ || !mayBegin()) return true;
-  pending_ = false;  // each command once: what nobody renews runs into the watchdog
+  pending_ = false;  // each command is sent once: without a new one, the watchdog releases
   return round_.sendTorques(torque_nm_, kWatchdog_s);
 }
 

@@ -12,7 +12,7 @@ namespace wholehand::moteus {
 namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-constexpr int kMostFrames = 64;  // that are taken at once: an adapter that babbles holds nobody up
+constexpr int kMostFrames = 64;  // limit per call, so that a flooding adapter blocks nobody
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 void writeMode(FrameWriter& out, int mode) noexcept {
@@ -20,17 +20,17 @@ void writeMode(FrameWriter& out, int mode) noexcept {
   out.writeInt8(kMode, value);
 }
 
-// An answer names no question. Each round therefore reads other registers besides the needed ones,
-// and an answer has those of its own round. Eight rounds differ: each takes 3 ms at least until it
-// is given up, so an answer is taken for a later one after 24 ms at the earliest. The answer still
-// fits into a frame of 32 bytes, as without a mark.
+// An answer does not name its question. Each round therefore reads a different set of additional
+// registers, and an answer contains those of its own round. There are eight different sets. A round
+// is given up after 3 ms at the earliest, so an answer could be mistaken for a later one only after
+// 24 ms. The answer still fits into a frame of 32 bytes, as without these registers.
 constexpr unsigned kMarks = 8, kAfter = kMarks / 2;
 
 void writeQuery(FrameWriter& out, unsigned mark) noexcept {
   const unsigned before = mark / kAfter, after = mark % kAfter;
   out.read(RegisterType::kFloat, kMode, 4);  // mode, position, velocity, torque
-  // Home state, voltage, temperature, fault; before them whether a trajectory is complete, after
-  // them the phases' PWM.
+  // Home state, voltage, temperature, fault. The mark adds registers: before them whether a
+  // trajectory is complete, after them the phases' PWM.
   out.read(RegisterType::kInt8, kHomeState - before, static_cast<std::uint8_t>(4 + before + after));
 }
 
@@ -41,14 +41,15 @@ unsigned markOf(const Answer& answer) noexcept {
 }
 
 void writeTorque(FrameWriter& out, double torque_nm, double most_nm, double watchdog_s) noexcept {
-  // Registers 0x020 to 0x027. The integral's limit stands apart: zero gains alone would leave it.
-  const std::array<float, 8> command = {kNaN,                             // position: where it is
-                                        0.0F,                             // velocity
-                                        static_cast<float>(torque_nm),    // feed-forward
-                                        0.0F,                             // kp scale
-                                        0.0F,                             // kd scale
-                                        static_cast<float>(most_nm),      // largest torque
-                                        kNaN,                             // stop position: none
+  // Registers 0x020 to 0x027. The limit of the integral is written separately: zero gains alone
+  // would not clear it.
+  const std::array<float, 8> command = {kNaN,                           // position: the present one
+                                        0.0F,                           // velocity
+                                        static_cast<float>(torque_nm),  // feed-forward
+                                        0.0F,                           // kp scale
+                                        0.0F,                           // kd scale
+                                        static_cast<float>(most_nm),    // largest torque
+                                        kNaN,                           // stop position: none
                                         static_cast<float>(watchdog_s)};  // watchdog
   const std::array<std::int8_t, 1> no_integral = {0};
   out.writeFloat(kCommandPosition, command);
@@ -88,7 +89,7 @@ bool MoteusRound::sendToAll(Write write) noexcept {
 bool MoteusRound::sendTorques(const PerMotor& torque_nm, double watchdog_s) noexcept {
   return sendToAll([&](FrameWriter& out, std::size_t i) {
     const double most_nm = motors_[i].max_torque_nm;
-    writeMode(out, kModePosition);  // first of all: the other registers belong to it
+    writeMode(out, kModePosition);  // first, because the other registers belong to it
     writeTorque(out, std::clamp(torque_nm[i], -most_nm, most_nm), most_nm, watchdog_s);
   });
 }
@@ -129,7 +130,7 @@ void MoteusRound::take(const CanFrame& frame) noexcept {
     ++malformed_;
     return;
   }
-  if (markOf(answer) != mark_) return;  // of a round that was given up
+  if (markOf(answer) != mark_) return;  // answer of a round that was given up
   const auto i = static_cast<std::size_t>(of - motors_.begin());
   last_[i] = {static_cast<int>(*mode),
               static_cast<int>(*fault),

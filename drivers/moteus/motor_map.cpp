@@ -9,8 +9,8 @@ namespace wholehand::moteus {
 MotorMap::MotorMap(std::vector<Motor> motors, std::vector<MotorAxis> axes)
     : motors_(std::move(motors)), axes_(std::move(axes)) {}
 
-// With theta the joints by axis: q = theta + C q, where C holds the couplings and is strictly
-// lower triangular: solved row by row, without an inverse.
+// For joint angles theta by axis, q = theta + C q. C holds the couplings and is strictly lower
+// triangular, so the equation is solved row by row, without an inverse.
 PerMotor MotorMap::positions(const PerMotor& motor_rad) const noexcept {
   PerMotor q{};
   for (std::size_t a = 0; a < axes_.size(); ++a) {
@@ -34,7 +34,7 @@ PerMotor MotorMap::motorPositions(const PerMotor& axis_rad) const noexcept {
   return m;
 }
 
-// (I - C)^T tau_theta = tau_q, from the last axis to the first.
+// Solves (I - C)^T tau_theta = tau_q from the last axis to the first.
 PerMotor MotorMap::torques(const PerMotor& axis_nm) const noexcept {
   PerMotor joint = axis_nm;
   PerMotor m{};
@@ -74,7 +74,7 @@ MotorMap::Interval MotorMap::motorTravel(std::size_t axis) const noexcept {
   return {std::min(one, other), std::max(one, other)};
 }
 
-// Torques are linear in efforts: the sum of what each axis's limit adds.
+// Torques are linear in efforts, so the worst case is the sum over the limits of all axes.
 double MotorMap::worstTorque(std::size_t axis) const noexcept {
   double worst = 0.0;
   for (std::size_t b = 0; b < axes_.size(); ++b) {
@@ -85,7 +85,7 @@ double MotorMap::worstTorque(std::size_t axis) const noexcept {
   return worst;
 }
 
-// No step of the axis is larger than those of all the motors that move it together.
+// No step of the axis is larger than the sum of the steps of all motors that move it.
 double MotorMap::resolution(std::size_t axis) const noexcept {
   double sum = 0.0;
   const PerMotor zero = positions({});

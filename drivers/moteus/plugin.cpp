@@ -1,4 +1,4 @@
-// The driver `moteus`, as device.h wants it.
+// The driver `moteus`, with the interface of device.h.
 #include "bus_clock.hpp"
 #include "can_bus.hpp"
 #include "drivers/opened_device.hpp"
@@ -18,13 +18,13 @@ namespace {
 
 Expected<std::unique_ptr<MoteusDevice>> openDevice(const std::string& locator,
                                                    const std::string& path,
-                                                   const wh_device::Say& say) {
+                                                   const wh_device::Report& report) {
   Expected<Settings> settings = loadSettings(path);
   if (!settings) return settings.errors();
   Expected<std::unique_ptr<CanBus>> bus = openCanBus(locator);
   if (!bus) return bus.errors();
   auto device = std::make_unique<MoteusDevice>(std::move(*settings), std::move(*bus),
-                                               std::make_unique<MonotonicClock>(), say);
+                                               std::make_unique<MonotonicClock>(), report);
   if (const Expected<Done> checked = device->check(); !checked) return checked.errors();
   return device;
 }

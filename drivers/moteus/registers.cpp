@@ -45,7 +45,7 @@ class Bytes {
   std::span<const std::uint8_t> data_;
 };
 
-// What one step of an integer is (docs/protocol/registers.md, "Mappings"); 1: the number itself.
+// Value of one step of an integer (docs/protocol/registers.md, "Mappings"); 1: not scaled.
 double stepOf(std::uint32_t reg, RegisterType type) noexcept {
   const auto of = [type](double int8, double int16, double int32) {
     return type == RegisterType::kInt8 ? int8 : type == RegisterType::kInt16 ? int16 : int32;
@@ -71,7 +71,7 @@ bool readInteger(Bytes& bytes, RegisterValue& out) noexcept {
   Integer raw{};
   if (!bytes.raw(&raw, sizeof raw)) return false;
   const double step = stepOf(out.reg, out.type);
-  // The lowest number stands for NaN in the scaled registers.
+  // The lowest number means NaN in scaled registers.
   const bool none = step != 1.0 && raw == std::numeric_limits<Integer>::min();
   out.value = none ? std::nan("") : step * static_cast<double>(raw);
   return true;
@@ -162,7 +162,7 @@ void FrameWriter::varuint(std::uint32_t value) noexcept {
   byte(static_cast<std::uint8_t>(value));
 }
 
-// Up to three registers are counted in the low bits of the subframe's type.
+// A count of up to three registers is encoded in the low bits of the subframe's type.
 void FrameWriter::head(std::uint8_t base, std::size_t count, std::uint32_t first) noexcept {
   if (count <= 3) {
     byte(static_cast<std::uint8_t>(base | count));

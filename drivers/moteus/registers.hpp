@@ -23,7 +23,7 @@ enum Register : std::uint32_t {
   kVoltage = 0x00d,
   kTemperature = 0x00e,
   kFault = 0x00f,
-  kPwmPhaseA = 0x010,  ///< and of the phases B and C
+  kPwmPhaseA = 0x010,  ///< and phases B and C
   kCommandPosition = 0x020,
   kIntegralLimitScale = 0x02b,
   kFirmwareVersion = 0x101,
@@ -32,15 +32,15 @@ enum Register : std::uint32_t {
 
 enum class RegisterType : std::uint8_t { kInt8 = 0, kInt16 = 1, kInt32 = 2, kFloat = 3 };
 
-/// A register as it was answered, in its own unit: rev, rev/s, N.m, V, degrees Celsius; NaN where
-/// the drive says that it has no value. Other registers: the number that was sent.
+/// Value of a register in an answer, in its own unit: rev, rev/s, N.m, V, degrees Celsius; NaN when
+/// the drive has no value. For other registers it is the transmitted number.
 struct RegisterValue {
   std::uint32_t reg = 0;
   RegisterType type = RegisterType::kInt8;
   double value = 0.0;
 };
 
-/// What a frame answers.
+/// Contents of an answer frame.
 struct Answer {
   static constexpr std::size_t kMost = 64;
   std::array<RegisterValue, kMost> values{};
@@ -49,24 +49,25 @@ struct Answer {
   [[nodiscard]] std::optional<double> of(std::uint32_t reg) const noexcept;
 };
 
-/// Reads the answer of a drive. False where it is malformed: a subframe that is not known, or that
-/// ends after the frame; `answer` then holds what stood before it.
+/// Parses the answer of a drive. False when it is malformed: an unknown subframe, or one that ends
+/// after the frame. `answer` then holds the values before it.
 [[nodiscard]] bool readAnswer(std::span<const std::uint8_t> data, Answer& answer) noexcept;
 
-/// Puts subframes into a frame, one after the other. What does not fit is left out: whole().
+/// Writes subframes into a frame, one after the other. Subframes that do not fit are omitted;
+/// whole() tells.
 class FrameWriter {
  public:
   explicit FrameWriter(CanFrame& frame) noexcept : frame_(frame) { frame_.size = 0; }
 
-  /// Consecutive registers from `first` on.
+  /// Write consecutive registers from `first` on.
   void writeInt8(std::uint32_t first, std::span<const std::int8_t> values) noexcept;
   void writeInt16(std::uint32_t first, std::span<const std::int16_t> values) noexcept;
   void writeFloat(std::uint32_t first, std::span<const float> values) noexcept;
   void read(RegisterType type, std::uint32_t first, std::uint8_t count) noexcept;
-  /// Text for the diagnostic channel, or a request of up to `most` bytes of its answer.
+  /// Text for the diagnostic channel; or a request for up to `most` bytes of its answer.
   void diagnosticWrite(std::string_view text) noexcept;
   void diagnosticPoll(std::uint8_t most) noexcept;
-  /// False where something did not fit.
+  /// False when a subframe did not fit.
   [[nodiscard]] bool whole() const noexcept { return whole_; }
 
  private:
@@ -79,11 +80,11 @@ class FrameWriter {
   bool whole_ = true;
 };
 
-/// What the drive says on its diagnostic channel; nothing where the frame is no such answer.
+/// Text in an answer on the diagnostic channel; empty when the frame is no such answer.
 [[nodiscard]] std::optional<std::string_view> diagnosticAnswer(
     std::span<const std::uint8_t> data) noexcept;
 
-/// Identifiers: the host is 0 and asks for an answer.
+/// CAN identifiers. The host has number 0 and requests an answer.
 [[nodiscard]] constexpr std::uint32_t commandId(int drive) noexcept {
   return 0x8000U | static_cast<std::uint32_t>(drive);
 }

@@ -96,7 +96,7 @@ void checkMotors(std::vector<TomlTable>& tables, const std::vector<Motor>& motor
   }
 }
 
-// What the axes ask of the motors.
+// Checks that the motors can give the travel and the efforts of the axes.
 void checkMap(std::vector<TomlTable>& tables, const Settings& settings) {
   const MotorMap map(settings.motors, settings.axes);
   for (std::size_t a = 0; a < map.size(); ++a) {

@@ -21,7 +21,7 @@ Diagnostic refused(const std::string& interface, const std::string& problem,
   return fileFault("socketcan:" + interface, problem, remedy);
 }
 
-// Why the socket cannot be used with this interface; empty when it can.
+// Reason why the socket cannot be used with this interface; empty when it can.
 Diagnostics bindTo(int descriptor, const std::string& interface) {
   ifreq request{};
   if (interface.size() >= sizeof(request.ifr_name)) {
@@ -57,7 +57,7 @@ Expected<std::unique_ptr<CanBus>> SocketCanBus::open(const std::string& interfac
     }
     return refused(interface, std::string("no socket: ") + std::strerror(error), "see the error");
   }
-  // The kernel lets everybody write to a bus: its entry in /sys stands for it.
+  // The kernel lets several programs write to a bus. A lock on its entry in /sys prevents that.
   const std::string entry = "/sys/class/net/" + interface + "/ifindex";
   const int held = ::open(entry.c_str(), O_RDONLY | O_CLOEXEC);
   auto bus = std::make_unique<SocketCanBus>(descriptor, held);

@@ -11,10 +11,11 @@ namespace wholehand::moteus {
 /// A network interface of the kernel (`can0`) with CAN-FD frames.
 class SocketCanBus final : public CanBus {
  public:
-  /// Refused by name: a kernel without CAN, no such interface, one that has no CAN-FD, one that is
-  /// held.
+  /// Opens an interface. Refused, each by name: a kernel without CAN, no such interface, one
+  /// without CAN-FD, one that is in use.
   [[nodiscard]] static Expected<std::unique_ptr<CanBus>> open(const std::string& interface);
-  /// Takes the socket over, which does not block, and what holds the bus for it; −1: nothing.
+  /// Takes ownership of a non-blocking socket.
+  /// @param held descriptor that holds the lock of the bus; −1: none
   explicit SocketCanBus(int descriptor, int held = -1) noexcept
       : descriptor_(descriptor), held_(held) {}
   ~SocketCanBus() override;

@@ -14,10 +14,10 @@
 namespace wholehand::moteus {
 namespace {
 
-// Close, 1 Mbit/s, 5 Mbit/s in the data phase, open: what moteus speaks.
+// Closes, sets 1 Mbit/s, and 5 Mbit/s in the data phase, and opens: the rates of moteus.
 constexpr std::string_view kOpenSlcan = "C\rS8\rY5\rO\r";
 
-// Raw: a read of nothing is EAGAIN, so that 0 bytes mean that the port is gone.
+// Sets raw mode. A read without data gives EAGAIN, so that 0 bytes mean that the port is gone.
 bool makeRaw(int descriptor) {
   termios settings{};
   if (::tcgetattr(descriptor, &settings) != 0) return false;
@@ -101,10 +101,11 @@ BusResult TtyBus::receive(CanFrame& frame) noexcept {
   for (;;) {
     while (in_begin_ < in_end_) {
       if (!splitter_.take(in_[in_begin_++])) continue;
-      const LineSays says = protocol_ == Protocol::kSlcan ? readSlcan(splitter_.line(), frame)
-                                                          : readFdcanusb(splitter_.line(), frame);
-      if (says == LineSays::kFrame) return BusResult::kDone;
-      if (says != LineSays::kAccepted) ++errors_;
+      const LineMeaning meaning = protocol_ == Protocol::kSlcan
+                                      ? readSlcan(splitter_.line(), frame)
+                                      : readFdcanusb(splitter_.line(), frame);
+      if (meaning == LineMeaning::kFrame) return BusResult::kDone;
+      if (meaning != LineMeaning::kAccepted) ++errors_;
     }
     const ssize_t n = ::read(descriptor_, in_.data(), in_.size());
     if (n < 0 && errno == EINTR) continue;

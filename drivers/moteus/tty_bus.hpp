@@ -11,24 +11,24 @@
 
 namespace wholehand::moteus {
 
-/// A CAN adapter behind a tty that speaks lines. Raw and non-blocking: what the tty does not take
-/// at once waits in a buffer of 4 KiB and goes first with the next frame.
+/// A CAN adapter behind a tty with a line protocol. Raw and non-blocking. Bytes that the tty does
+/// not accept at once wait in a buffer of 4 KiB and are sent first with the next frame.
 class TtyBus final : public CanBus {
  public:
   enum class Protocol { kFdcanusb, kSlcan };
 
-  /// Refused by name: a port that cannot be opened, or that is no tty.
+  /// Opens a port. Refused, each by name: a port that cannot be opened, or that is not a tty.
   [[nodiscard]] static Expected<std::unique_ptr<CanBus>> open(const std::string& port,
                                                               Protocol protocol);
-  /// Takes the descriptor over, which does not block.
+  /// Takes ownership of a non-blocking descriptor.
   TtyBus(int descriptor, Protocol protocol) noexcept;
   ~TtyBus() override;
   TtyBus(const TtyBus&) = delete;
   TtyBus& operator=(const TtyBus&) = delete;
 
-  /// kFailed where the port is gone, or has taken nothing for so long that the buffer is full.
+  /// kFailed when the port is gone, or when the buffer is full because the port accepts nothing.
   [[nodiscard]] BusResult send(const CanFrame& frame) noexcept override;
-  /// kFailed where the port is gone, in the middle of a line or not.
+  /// kFailed when the port is gone, even in the middle of a line.
   [[nodiscard]] BusResult receive(CanFrame& frame) noexcept override;
   [[nodiscard]] std::uint64_t errors() const noexcept override {
     return errors_ + splitter_.dropped();

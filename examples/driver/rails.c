@@ -1,11 +1,11 @@
-/* A driver to begin with: three rails that are not there. Build it with nothing but the header,
+/* A driver to start from: it simulates a device with three rails. Build it with only the header and
+ * run it with nobody attached:
  *
  *   cc -std=c99 -O2 -shared -fPIC -I <prefix>/include rails.c -o rails.so
  *   wholehand run --driver ./rails.so --device config/devices/desktop-3axis.toml \
  *     --exercise free-grasping --without-passport
  *
- * with nobody attached, and replace what stands under "your device". docs/drivers.md says what each
- * function is asked. */
+ * Then replace the parts marked "Your device". docs/drivers.md explains each function. */
 #define _POSIX_C_SOURCE 199309L
 #include <wholehand/device.h>
 
@@ -26,7 +26,7 @@ struct wh_device {
   uint64_t sequence;
   int64_t taken_ns, written_ns;
   int watchdog_ms; /* --driver-settings watchdog_ms=20 */
-  /* Your device: these stand for it. A person lets go of a handle of 0.25 kg. */
+  /* Your device: these numbers simulate it, a free handle of 0.25 kg. */
   double position[AXES], velocity[AXES], effort[AXES];
 };
 
@@ -36,7 +36,7 @@ static int64_t now_ns(void) {
   return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* Finds the device; `locator` is what the user wrote after --device-at. */
+/* Finds the device; `locator` is the text that the user gave after --device-at. */
 static int open_device(const wh_host* host, const char* locator, const char* settings,
                        wh_device** out) {
   wh_device* device;
@@ -58,7 +58,7 @@ static int open_device(const wh_host* host, const char* locator, const char* set
   return WH_OK;
 }
 
-/* What the device has. The device file may state less than this, never more. */
+/* Describes the axes of the device. The device file may state lower limits, never higher ones. */
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
   uint32_t i;
   *count = AXES;
@@ -72,12 +72,12 @@ static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_
     axes[i].resolution = 2e-5;
     axes[i].delay_s = 0.001;
     axes[i].silence_s = device->watchdog_ms * 1e-3;
-    axes[i].disabled = WH_BALANCED; /* rails that lie flat */
+    axes[i].disabled = WH_BALANCED; /* the rails are horizontal */
   }
   return WH_OK;
 }
 
-/* May take its time; returns when it is done. */
+/* Carries out a verb; may take long, and returns when it is done. */
 static int control(wh_device* device, uint32_t verb, double argument) {
   (void)argument;
   switch (verb) {
@@ -105,15 +105,15 @@ static void move(wh_device* device, double dt) {
   }
 }
 
-/* Your device: here it has moved by itself until now, and its watchdog has seen whether commands
- * come. */
+/* Your device: this function simulates its motion up to now, and its watchdog, which checks that
+ * commands keep coming. */
 static int64_t pass(wh_device* device) {
   const int64_t now = now_ns(), step = 1000000;
   while (device->taken_ns < now) {
     const int64_t left = now - device->taken_ns;
     const int64_t silent = device->taken_ns - device->written_ns;
     if (device->written_ns != 0 && silent > device->watchdog_ms * step) {
-      device->silenced = 1; /* until it is enabled anew */
+      device->silenced = 1; /* until it is enabled again */
       memset(device->effort, 0, sizeof device->effort);
     }
     move(device, (double)(left < step ? left : step) * 1e-9);
@@ -122,7 +122,7 @@ static int64_t pass(wh_device* device) {
   return now;
 }
 
-/* In the tick: the newest sample, without waiting for one. */
+/* Called in the tick: returns the newest sample without waiting. */
 static int read_sample(wh_device* device, wh_sample* sample) {
   const int64_t now = pass(device);
   int i;
@@ -146,7 +146,7 @@ static int write_command(wh_device* device, const wh_command* command) {
   }
   device->written_ns = pass(device);
   device->saturated = 0;
-  if (device->silenced) return WH_OK; /* it lets nothing through */
+  if (device->silenced) return WH_OK; /* no effort reaches the motors */
   for (i = 0; i < AXES; ++i) {
     const double asked = command->effort[i];
     device->effort[i] = asked > limit_n ? limit_n : asked < -limit_n ? -limit_n : asked;
@@ -155,7 +155,7 @@ static int write_command(wh_device* device, const wh_command* command) {
   return WH_OK;
 }
 
-/* As WH_ENABLE, with these efforts from the first moment: they carry what the rails weigh. */
+/* Like WH_ENABLE, but these efforts act from the first moment: they carry the rails' weight. */
 static int enable(wh_device* device, const wh_command* neutral) {
   int i;
   control(device, WH_ENABLE, 0.0);
@@ -165,7 +165,7 @@ static int enable(wh_device* device, const wh_command* neutral) {
 
 static void close_device(wh_device* device) { free(device); }
 
-/* Which device it is: its passport goes by these. */
+/* Reports the identity of the device, by which its passport is found. */
 static int identify(wh_device* device, wh_identity* identity) {
   (void)device;
   strcpy(identity->serial, "rails-0001");

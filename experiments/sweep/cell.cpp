@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-/// The values of one cell by axis; what the grid does not name has a default.
+/// The values of one cell by axis. Axes that the grid lacks have default values.
 class Values {
  public:
   Values(const SweepGrid& grid, std::vector<int> places)
@@ -55,11 +55,11 @@ RigOptions rigFor(const Values& values) {
   RigOptions options;
   options.engine = values.text("engine", defaultEngine());
   options.period_s = 1.0 / values.number("rate_hz", 1000.0);
-  options.uncertified = true;  // nobody is moved
+  options.uncertified = true;  // no person is moved
   return options;
 }
 
-// Changes gains and device as the cell says.
+// Changes gains and device to the cell's values.
 void adjust(Models& models, const Values& values) {
   for (AxisRendering& axis : models.rendering.axes) {
     axis.k_pm *= values.number("stiffness", 1.0);
@@ -155,7 +155,8 @@ Expected<std::vector<double>> runCell(const SweepGrid& grid, int cell, const Fin
 
 std::vector<std::string> filesOf(const SweepGrid& grid, const FindFile& find) {
   std::vector<std::string> files;
-  // A file depends on one axis (the gains on the device's), so each axis is varied alone.
+  // Each axis is varied alone, because a file depends on one axis only (the gains depend on the
+  // device's axis).
   for (std::size_t axis = 0; axis < grid.axes.size(); ++axis) {
     std::vector<int> places(grid.axes.size(), 0);
     for (places[axis] = 0; places[axis] < grid.axes[axis].size(); ++places[axis]) {

@@ -13,7 +13,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kRests_s = 3.0;  // from here on the closed hand, which closed at 2.8 s, is at rest
+constexpr double kRests_s = 3.0;  // from this time on the hand, which closed at 2.8 s, is at rest
 
 void fixInPlace(SceneBody& object) {
   object.fixed = true;

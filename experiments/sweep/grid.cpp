@@ -14,7 +14,7 @@
 namespace wholehand {
 namespace {
 
-constexpr std::size_t kMostValues = 10'000;  // of one axis
+constexpr std::size_t kMostValues = 10'000;  // maximum number of values of one axis
 constexpr double kMostWhole = 1e9;
 
 struct TrialRule {
@@ -34,12 +34,12 @@ const std::vector<TrialRule>& trialRules() {
   return kRules;
 }
 
-/// What the values of an axis may be.
+/// Allowed values of an axis.
 struct AxisRule {
   const char* name;
   std::vector<SweepTrial> trials;
   bool text = false;
-  std::vector<std::string> words = {};  ///< of a text; empty: any
+  std::vector<std::string> words = {};  ///< allowed texts; empty: any
   NumberRule number = {};
   bool whole = false;
 };

@@ -8,14 +8,14 @@
 
 namespace wholehand {
 
-/// What one cell of a sweep does (docs/sweeps.md).
+/// Trial that a cell of a sweep runs (docs/sweeps.md).
 enum class SweepTrial {
   kGrasp,    ///< grasps a free object, carries and holds it
-  kContact,  ///< closes on a fixed object and presses: does the contact come to rest?
+  kContact,  ///< closes on a fixed object and presses; tests whether the contact comes to rest
   kPlay      ///< a virtual patient plays an exercise
 };
 
-/// One dimension of a grid: names, or numbers.
+/// One dimension of a grid, with names or numbers as values.
 struct SweepAxis {
   std::string name;
   std::vector<std::string> names;  ///< empty for numbers
@@ -27,10 +27,10 @@ struct SweepAxis {
   [[nodiscard]] std::string label(int index) const;
 };
 
-/// A table of one figure over two axes: its mean over all others.
+/// A table of one figure over two axes, with the mean over all other axes.
 struct SweepMap {
   std::string figure;
-  int rows = 0, columns = 0;  ///< axes
+  int rows = 0, columns = 0;  ///< indices of the axes
 };
 
 /// A sweep: every combination of the values of its axes is one cell. The last axis changes fastest.
@@ -38,7 +38,7 @@ struct SweepGrid {
   static constexpr int kMostCells = 1'000'000;
 
   std::string path;
-  std::string text;  ///< of the file
+  std::string text;  ///< text of the grid file
   std::string name;
   SweepTrial trial = SweepTrial::kGrasp;
   double hold_s = 2.0;  ///< grasp: duration of holding
@@ -46,7 +46,7 @@ struct SweepGrid {
   std::vector<SweepMap> maps;
 
   [[nodiscard]] int cells() const;
-  /// The place of a cell on every axis.
+  /// Index of a cell's value on every axis.
   [[nodiscard]] std::vector<int> places(int cell) const;
   /// "hand man-p05-right, friction 0.4"
   [[nodiscard]] std::string describe(int cell) const;
@@ -57,7 +57,7 @@ struct SweepGrid {
 /// "grasp", "contact" or "play"
 [[nodiscard]] const char* trialName(SweepTrial trial);
 
-/// Reads a grid. Names of hands, devices and so on are not looked up.
+/// Reads a grid. Does not check that named hands, devices and other files exist.
 [[nodiscard]] Expected<SweepGrid> loadSweepGrid(const std::string& path);
 
 }  // namespace wholehand

@@ -22,13 +22,13 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-/// A killed program's processes hold its lock for a moment longer.
+/// Number of attempts to lock. The processes of a killed program keep its lock for a moment.
 constexpr int kLockTries = 100;
 constexpr std::chrono::milliseconds kLockAgain{20};
 
 constexpr int kMostFiles = 100'000;
 
-/// A cell as bytes: its index, its figures, and a checksum of both.
+/// Encodes a cell as bytes: index, figures, and a checksum of both.
 std::string encode(int cell, const std::vector<double>& figures) {
   const auto index = static_cast<std::uint64_t>(cell);
   std::string bytes(sizeof index + figures.size() * sizeof(double), '\0');
@@ -44,7 +44,7 @@ std::size_t recordSize(int figures) {
          sizeof(std::uint32_t);
 }
 
-/// False: damaged.
+/// Decodes a cell; returns false when the bytes are damaged.
 bool decode(std::string_view bytes, int& cell, std::vector<double>& figures) {
   std::uint64_t index = 0;
   std::memcpy(&index, bytes.data(), sizeof index);
@@ -76,7 +76,7 @@ Expected<SweepJournal> SweepJournal::open(const std::string& folder, const std::
                                           int figures, bool alone) {
   std::error_code error;
   fs::create_directories(folder, error);
-  // Held until the last process of this program has ended.
+  // The lock is held until the last process of this program has ended.
   const int lock = ::open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (lock < 0) return cannotWrite(folder);
   if (!tryLock(lock, alone)) {
@@ -86,12 +86,13 @@ Expected<SweepJournal> SweepJournal::open(const std::string& folder, const std::
   }
   const std::string path = folder + "/digest";
   if (!fs::exists(path, error)) {
-    // Several processes may begin at once: each writes the same under a name of its own.
+    // Several processes may begin at once. Each writes the same text to a file with its own name.
     const std::string own = path + "." + std::to_string(::getpid());
     if (auto written = writeText(own, digest + "\n"); !written) return written.errors();
-    // The first one's stays: a rename would let two sweeps of one name each find its own.
+    // A link keeps the file of the first process. A rename would replace it, and two different
+    // sweeps of one name would each find their own digest.
     if (::link(own.c_str(), path.c_str()) != 0 && errno != EEXIST) {
-      fs::rename(own, path, error);  // a file system without links
+      fs::rename(own, path, error);  // for a file system without links
     }
     fs::remove(own, error);
   }
@@ -122,7 +123,7 @@ std::map<int, std::vector<double>> SweepJournal::finished() const {
   return cells;
 }
 
-// The first file that no living process holds. Its half-written end, if any, is cut off.
+// Opens the first file that no living process holds, and cuts off a half-written end.
 Expected<Done> SweepJournal::openOwnFile() {
   for (int i = 0; i < kMostFiles; ++i) {
     const std::string path = folder_ + "/" + std::to_string(i) + ".cells";

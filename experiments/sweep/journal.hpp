@@ -8,20 +8,23 @@
 
 namespace wholehand {
 
-/// The finished cells of a sweep that is under way: a folder with a file for each process that
-/// works on it, to which each finished cell is appended at once. A process that is killed loses
-/// only the cell that it was running. Works on a folder that several machines share.
+/// Journal of the finished cells of a running sweep. It is a folder with one file for each process,
+/// to which each finished cell is appended at once. A killed process loses only the cell that it
+/// was running. The folder may be shared by several machines.
 class SweepJournal {
  public:
-  /// Prepares the folder. Refused: one that holds cells of another grid, or of another program.
-  /// @param digest of the grid, the files that it reads, and the program
+  /// Prepares the folder. Returns an error for a folder with cells of another grid or of another
+  /// program.
+  /// @param digest digest of the grid, the files that it reads, and the program
   /// @param figures number of figures of a cell
-  /// @param alone whether no other program may work on it; it stays locked until this one ends
+  /// @param alone true: no other program may work on the folder, which stays locked until this
+  /// program ends
   [[nodiscard]] static Expected<SweepJournal> open(const std::string& folder,
                                                    const std::string& digest, int figures,
                                                    bool alone);
 
-  /// Every finished cell of every process. What a killed process left half written is not counted.
+  /// Every finished cell of every process. Cells that a killed process left half written are not
+  /// counted.
   [[nodiscard]] std::map<int, std::vector<double>> finished() const;
 
   /// Appends a finished cell to this process's own file.
@@ -36,7 +39,8 @@ class SweepJournal {
 
   std::string folder_;
   int figures_ = 0;
-  int file_ = -1;      ///< this process's own; -1: none yet. Kept open and locked until it ends
+  /// This process's own file, open and locked until the process ends; -1: none yet.
+  int file_ = -1;
   int owner_pid_ = 0;  ///< a forked child opens its own
 };
 

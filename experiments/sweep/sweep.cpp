@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::size_t kMostRefusals = 5;
 
-/// Results depend on the grid, on the files that it reads, and on the program.
+/// Digest of everything that the results depend on: the grid, the files that it reads, and the
+/// program.
 Expected<std::string> digestOf(const SweepGrid& grid, const SweepPlan& plan) {
   std::string all = plan.git_version + "\n" + grid.text;
   for (const std::string& file : filesOf(grid, plan.find)) {
@@ -51,7 +52,7 @@ class Sweep {
     return outcome;
   }
 
-  /// Writes the file of the results when every cell is finished. @return whether it is written
+  /// Writes the result file when every cell is finished. @return true when it was written
   Expected<bool> join(const std::string& digest) {
     const std::map<int, std::vector<double>> cells = journal_.finished();
     if (static_cast<int>(cells.size()) < grid_.cells()) return false;
@@ -86,10 +87,10 @@ class Sweep {
     return missingOf(plan_.share.value_or(SweepShare{}));
   }
 
-  // In a worker. Empty: finished; otherwise why not.
+  // Runs one cell in a worker. Returns an empty text, or the reason why the cell was not finished.
   std::string runOne(int cell) {
     const std::string scratch = plan_.out + ".cells/scenes-" + std::to_string(::getpid());
-    std::error_code ignored;  // a missing folder is reported by the writer
+    std::error_code ignored;  // the writer reports a missing folder
     fs::create_directories(scratch, ignored);
     auto figures = runCell(grid_, cell, plan_.find, scratch);
     if (!figures) return oneLine(figures.errors());
@@ -142,7 +143,7 @@ Expected<SweepOutcome> runSweep(const SweepGrid& grid, const SweepPlan& plan) {
   SweepOutcome outcome = sweep.run();
   auto joined = sweep.join(*digest);
   if (!joined) return joined.errors();
-  // Another program of the same sweep may have joined the cells first.
+  // Another program of the same sweep may have written the result file first.
   outcome.written = *joined || fs::exists(plan.out, ignored);
   if (outcome.written) outcome.finished = outcome.cells;
   return outcome;

@@ -10,37 +10,37 @@
 
 namespace wholehand {
 
-/// A part of a grid's cells: those whose index is `first` modulo `step`.
+/// Part of a grid's cells: those whose index is `first` modulo `step`.
 struct SweepShare {
   int first = 0, step = 1;
 };
 
 struct SweepPlan {
-  std::string out;  ///< HDF5 file of the results; beside it stands a folder of finished cells
+  std::string out;  ///< HDF5 result file; the journal of finished cells is a folder next to it
   std::string git_version;
   int processes = 1;
-  std::optional<SweepShare> share;  ///< of several programs that work on one grid
+  std::optional<SweepShare> share;  ///< share of this program, if several programs work on one grid
   FindFile find;
   /// Called in the calling process after each finished cell.
   std::function<void(int finished, int all)> progress = {};
 };
 
 struct SweepOutcome {
-  int cells = 0;     ///< of the grid
-  int finished = 0;  ///< of the grid, by whomever
-  int run = 0;       ///< by this call
+  int cells = 0;     ///< number of cells of the grid
+  int finished = 0;  ///< finished cells of the grid, by any program
+  int run = 0;       ///< cells run by this call
   bool interrupted = false;
-  bool written = false;      ///< the file of the results is complete
+  bool written = false;      ///< the result file is complete
   std::vector<int> refused;  ///< cells that gave an error instead of figures
-  Diagnostics refusals;      ///< the first of those errors
-  bool died = false;         ///< a process that ran cells died
+  Diagnostics refusals;      ///< the first of these errors
+  bool died = false;         ///< a worker process died
 };
 
-/// Runs the cells that are not finished yet and, when all are, writes the file. The file's bytes do
-/// not depend on who ran which cell. Call before any thread is started.
+/// Runs the unfinished cells and writes the result file when all cells are finished. The file's
+/// bytes do not depend on which process ran which cell. Call it before any thread is started.
 [[nodiscard]] Expected<SweepOutcome> runSweep(const SweepGrid& grid, const SweepPlan& plan);
 
-/// Table of a map: mean of a figure over every axis but two.
+/// Table of a map: mean of a figure over all axes except two.
 [[nodiscard]] std::vector<std::vector<double>> mapOf(const SweepGrid& grid, const SweepMap& map,
                                                      const std::vector<double>& figure);
 

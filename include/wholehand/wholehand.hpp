@@ -1,12 +1,13 @@
 #pragma once
 
-/// Wholehand, for programs that embed the renderer. One include, and of all the libraries it is
-/// made with only Eigen shows.
+/// Wholehand, for programs that embed the renderer. One include; of the libraries that Wholehand
+/// uses, only Eigen appears in its headers.
 ///
-///   auto models = wholehand::loadModels(files);                 // TOML, every fault at once
-///   auto rig = wholehand::buildRig(*models, device, options);   // gains checked, world built
-///   auto rehearsal = wholehand::rehearse(*models, at, options); // its worst contacts, simulated
-///   (*rig)->renderer->arm(rehearsal->passed);                   // the hand stands at the device
+///   auto models = wholehand::loadModels(files);                 // reads TOML; reports all faults
+///   at once auto rig = wholehand::buildRig(*models, device, options);   // gains checked, world
+///   built auto rehearsal = wholehand::rehearse(*models, at, options); // simulates the rig's worst
+///   contacts
+///   (*rig)->renderer->arm(rehearsal->passed);                   // places the hand at the device
 ///   (*rig)->renderer->tick(1, record);                          // your loop, or
 ///   wholehand::Session session(*(*rig)->renderer, config);      // a real-time thread of its own
 ///
@@ -26,6 +27,6 @@
 #include "loop/runtime/session.hpp"           // Session: thread, queue, end at neutral
 #include "rig/models.hpp"                     // loadModels(): device, hand, scene, gains, patient
 #include "rig/registry/body_registry.hpp"  // BodyRegistry: more bodies than the loop has slots for
-#include "rig/rehearsal.hpp"               // rehearse(): by it what moves a person is armed
-#include "rig/rig.hpp"                     // buildRig(), checkGains()
+#include "rig/rehearsal.hpp"  // rehearse(): required before arming a device that moves a person
+#include "rig/rig.hpp"        // buildRig(), checkGains()
 // IWYU pragma: end_exports

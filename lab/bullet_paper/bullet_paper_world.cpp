@@ -27,7 +27,7 @@ Diagnostics refuseSoftThatMoves(const SceneModel& scene) {
   return errors;
 }
 
-/// @param sign 1 where the hand is Bullet's first of the two
+/// @param sign 1 if the hand is the first of Bullet's two bodies, else -1
 Contact contactOf(const btManifoldPoint& point, const ColliderTag& of_hand, int body, double sign,
                   double period_s) {
   const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
@@ -116,7 +116,7 @@ Fault BulletPaperWorld::step(const HandDrive& drive, double period_s) noexcept {
       drive.effort.size() != e.qd_s.size() || drive.reduced_inertia_inverse == nullptr) {
     return Fault::kPhysicsStep;
   }
-  AxisVelocity untouched = e.qd_s;  // + T M_r⁻¹ f_s: what the motors follow
+  AxisVelocity untouched = e.qd_s;  // + T M_r⁻¹ f_s, the velocity that the motors follow
   for (int a = 0; a < untouched.size(); ++a) {
     for (int b = 0; b < untouched.size(); ++b) {
       untouched[a] += period_s * (*drive.reduced_inertia_inverse)(b, a) * drive.effort[b];

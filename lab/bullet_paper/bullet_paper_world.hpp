@@ -13,18 +13,17 @@ struct PaperEngine;
 enum class PaperCoupling;
 }  // namespace bullet_paper
 
-/// The paper's method, as a baseline: a stock btMultiBody driven by joint torques, Bullet's own
-/// collision detection and solver, and coupled joints reset to the synergy after each step, or
-/// geared to the joint that leads their axis.
-/// Contacts do not do the virtual work of f_s, so it must not be used with a person
-/// (docs/engines.md).
+/// The paper's method as a baseline. A stock btMultiBody is driven by joint torques, with Bullet's
+/// own collision detection and solver. Coupled joints are reset to the synergy after each step, or
+/// geared to the joint that leads their axis. Contacts do not do the virtual work of f_s, so this
+/// world must not be used with a person (docs/engines.md).
 class BulletPaperWorld final : public PhysicsWorld {
  public:
-  /// Builds the world. An error names what stock Bullet does not support. @pre hand outlives the
-  /// world. Not real-time safe.
+  /// Builds the world. An error names the feature that stock Bullet does not support. @pre hand
+  /// outlives the world. Not real-time safe.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(const HandModel& hand,
                                                                      const SceneModel& scene);
-  /// The same with gear constraints in place of the resets.
+  /// Builds the world with gear constraints instead of the resets.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> buildGeared(const HandModel& hand,
                                                                            const SceneModel& scene);
   ~BulletPaperWorld() override;

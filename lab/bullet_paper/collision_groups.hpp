@@ -2,9 +2,9 @@
 
 namespace wholehand::bullet_paper {
 
-// Collision groups for Bullet's broad phase. The hand does not collide with itself, nor do fixed
-// bodies with each other. In a soft body, the digits collide with the core and all else with the
-// surface.
+// Collision groups for Bullet's broad phase. The hand does not collide with itself, and fixed
+// bodies do not collide with each other. For a soft body, the digits collide with the core and all
+// other bodies with the surface.
 inline constexpr int kPalm = 1, kDigit = 2, kFree = 4, kFixed = 8, kSurface = 16, kCore = 32;
 
 [[nodiscard]] constexpr int meets(int group) {

@@ -16,7 +16,7 @@ namespace {
 
 using bullet::toBt;
 
-// As in the engine bullet: farther than this within one period a body has lost its contacts.
+// A body placed farther than this within one period loses its contacts, as in the engine bullet.
 constexpr double kFarthestSlide_m = 2e-3;
 constexpr double kFarthestTurn_rad = 0.05;
 
@@ -60,7 +60,7 @@ void PaperBody::addFreePart(const SceneBody& body, const btVector3& moments) {
     compound->addChildShape(toBt(from_body_.inverse() * shape.in_body),
                             keep(bullet::makeShape(shape)));
   }
-  // A shape that fills Bullet's frame as it is needs no compound.
+  // A single shape whose frame equals Bullet's frame needs no compound shape.
   const Pose only = from_body_.inverse() * body.shapes.front().in_body;
   const bool bare = body.shapes.size() == 1 && only.translation_m.norm() == 0.0 &&
                     only.rotation == Eigen::Matrix3d::Identity();
@@ -81,7 +81,7 @@ void PaperBody::addPart(int group, const btTransform& in_frame, btCollisionShape
   part.shape = shape;
   part.rigid = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(mass_kg, nullptr, shape, moments));
-  part.rigid->setFriction(std::sqrt(friction));  // Bullet multiplies those of a pair
+  part.rigid->setFriction(std::sqrt(friction));  // Bullet multiplies the friction of both bodies
   part.rigid->setUserPointer(&tag_);
   part.rigid->setActivationState(DISABLE_DEACTIVATION);
   if (fixed_) part.rigid->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);

@@ -14,10 +14,11 @@
 
 namespace wholehand::bullet_paper {
 
-/// A scene body in Bullet: a rigid body with its shape. A fixed one is a kinematic body per shape.
+/// A scene body in Bullet: a rigid body with its shape. A fixed body is one kinematic body per
+/// shape.
 class PaperBody {
  public:
-  /// Creates the body at its initial pose. @param index in the scene
+  /// Creates the body at its initial pose. @param index index in the scene
   PaperBody(const SceneBody& body, int index);
 
   struct Part {
@@ -28,12 +29,12 @@ class PaperBody {
   };
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
-  /// Places the body; stops its rotation. An invalid placement is ignored. Returns true when its
-  /// contacts are lost.
+  /// Places the body and stops its rotation. An invalid placement is ignored. Returns true when the
+  /// body loses its contacts.
   WHOLEHAND_RT bool place(const BodyPlacement& placement) noexcept;
   /// Call before a step: Bullet derives a kinematic body's velocity from its displacement.
   WHOLEHAND_RT void beginStep(double period_s) noexcept;
-  /// Call after a step: fixed bodies stand still until they are placed again.
+  /// Call after a step: fixed bodies stop until they are placed again.
   WHOLEHAND_RT void endStep() noexcept;
   /// Resets to the initial pose, at rest.
   void putAtStart() noexcept;
@@ -51,10 +52,10 @@ class PaperBody {
   [[nodiscard]] const btTransform& frame() const noexcept;
 
   bool fixed_;
-  bullet::ColliderTag tag_;  ///< Bullet points to it: the body must not move in memory
+  bullet::ColliderTag tag_;  ///< Bullet keeps a pointer to it, so the body must not move in memory
   Pose from_body_;           ///< Bullet's frame in the scene's body frame
   btTransform start_, frame_;
-  btVector3 velocity_{0, 0, 0};  ///< of a fixed body's surface, in the next step
+  btVector3 velocity_{0, 0, 0};  ///< surface velocity of a fixed body in the next step
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<Part> parts_;
 };

@@ -12,7 +12,7 @@
 namespace wholehand::bullet_paper {
 namespace {
 
-constexpr double kStockContactThreshold = 0.02;  // a share of the smaller shape's size
+constexpr double kStockContactThreshold = 0.02;  // share of the smaller shape's size
 constexpr int kReservedContacts = 4 * kMaxContacts;
 constexpr int kReservedManifolds = 1024;
 
@@ -44,7 +44,8 @@ PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene, Pape
       world(&dispatcher, &broadphase, &solver, &configuration),
       q_s(hand_in.axis_count),
       qd_s(hand_in.axis_count) {
-  (void)bullet::contactThreshold();  // one value for the process, whichever engine comes first
+  (void)bullet::contactThreshold();  // sets one value for the process, whichever engine is built
+                                     // first
   for (const SceneBody& body : scene.bodies) {
     body_names.push_back(body.name);
     bodies.emplace_back(body, static_cast<int>(bodies.size()));
@@ -74,8 +75,8 @@ PaperEngine::~PaperEngine() {
   world.removeMultiBody(&hand.body());
 }
 
-// The settings of Bullet's own server, which the paper used: PhysicsServerCommandProcessor. It
-// ends the sweeps where nothing changes any more.
+// Applies the settings of Bullet's own server (PhysicsServerCommandProcessor), which the paper
+// used. They end the solver's sweeps when nothing changes any more.
 void PaperEngine::configure(const SceneModel& scene) {
   world.setGravity(bullet::toBt(scene.gravity_m_s2));
   btContactSolverInfo& info = world.getSolverInfo();
@@ -85,13 +86,13 @@ void PaperEngine::configure(const SceneModel& scene) {
   info.m_erp2 = 0.08;
   info.m_frictionERP = 0.2;
   info.m_warmstartingFactor = 0.1;
-  // Islands are solved together: the hand is one multibody, and Bullet sees it in parts. (Without
-  // any islands Bullet 3.24 forgets motors.)
+  // All islands are solved together, because the hand is one multibody but Bullet divides it into
+  // parts. (Without islands Bullet 3.24 forgets motors.)
   info.m_minimumSolverBatchSize = std::numeric_limits<int>::max();
 }
 
-// Bullet's arrays grow when they first need to. Every body in the hand at once is the worst that
-// can happen, so it happens here, before anybody is attached.
+// Places every body in the hand at once, which is the worst case. Bullet's arrays then grow here,
+// before a person is attached.
 void PaperEngine::rehearse() {
   std::vector<btPersistentManifold*> manifolds;
   btCollisionObject* any = hand.capsules().front().get();

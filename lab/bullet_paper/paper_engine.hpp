@@ -15,8 +15,8 @@
 
 namespace wholehand::bullet_paper {
 
-/// Bullet's dispatcher with the stock contact threshold, whatever value another engine has set in
-/// Bullet's global variable.
+/// Bullet's dispatcher with the stock contact threshold, independent of the value that another
+/// engine has set in Bullet's global variable.
 class PaperDispatcher final : public btCollisionDispatcher {
  public:
   using btCollisionDispatcher::btCollisionDispatcher;
@@ -30,7 +30,7 @@ class PaperSolver final : public btMultiBodyConstraintSolver {
   explicit PaperSolver(int dofs);
 };
 
-/// One complete stock Bullet world: built, warmed up and destroyed here.
+/// One complete stock Bullet world. The constructor builds it and warms it up.
 struct PaperEngine {
   /// @pre hand outlives this
   PaperEngine(const HandModel& hand, const SceneModel& scene, PaperCoupling coupling);
@@ -48,7 +48,8 @@ struct PaperEngine {
   Synergy synergy;
   std::string scene_path;
   std::vector<std::string> body_names;
-  std::deque<PaperBody> bodies;  ///< addresses must stay: Bullet points to their tags
+  std::deque<PaperBody>
+      bodies;  ///< addresses must not change, because Bullet keeps pointers to the tags
   PaperHand hand;
   btDefaultCollisionConfiguration configuration;
   PaperDispatcher dispatcher;

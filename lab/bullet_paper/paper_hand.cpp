@@ -13,7 +13,7 @@ namespace {
 
 using bullet::toBt;
 
-/// Bullet wants a link's frame at its centre of mass, along the principal axes of its inertia.
+/// Bullet requires a link's frame at its centre of mass, along the principal axes of its inertia.
 struct PrincipalAxes {
   Eigen::Matrix3d in_link = Eigen::Matrix3d::Identity();
   Eigen::Vector3d moments = Eigen::Vector3d::Zero();
@@ -62,9 +62,9 @@ std::unique_ptr<btMultiBody> makeBody(const HandModel& hand) {
   auto body = std::make_unique<btMultiBody>(links, 0.0, btVector3(0, 0, 0), true, false);
   for (int i = 0; i < links; ++i) addLink(*body, hand, i);
   body->finalizeMultiDof();
-  body->setLinearDamping(0.0);  // the one setting that the paper changed
+  body->setLinearDamping(0.0);  // the only setting that the paper changed
   body->setAngularDamping(0.0);
-  body->setMaxCoordinateVelocity(1e4);  // stock 100 rad/s would clip a fast finger
+  body->setMaxCoordinateVelocity(1e4);  // the stock limit of 100 rad/s would clip a fast finger
   body->setHasSelfCollision(false);
   return body;
 }
@@ -90,7 +90,7 @@ bool PaperHand::leads(int joint) const {
 }
 
 void PaperHand::addGears() {
-  constexpr double kErp = 1.0;  // of the world's m_erp2
+  constexpr double kErp = 1.0;  // share of the world's m_erp2
   const btVector3 origin(0.0, 0.0, 0.0);
   const btMatrix3x3 unit = btMatrix3x3::getIdentity();
   for (int j = 0; j < hand_->joint_count; ++j) {
@@ -149,7 +149,7 @@ Diagnostics PaperHand::refuse(const HandModel& hand, PaperCoupling coupling) {
 }
 
 void PaperHand::addCapsules(double friction) {
-  tags_.reserve(hand_->capsules.size());  // tags are pointed to
+  tags_.reserve(hand_->capsules.size());  // Bullet keeps pointers to the tags
   for (const Capsule& capsule : hand_->capsules) {
     const Eigen::Vector3d along = capsule.b_m - capsule.a_m;
     Pose at;
@@ -165,10 +165,11 @@ void PaperHand::addCapsules(double friction) {
         std::make_unique<btMultiBodyLinkCollider>(body_.get(), capsule.link));
     collider.setCollisionShape(shapes_.back().get());
     collider.setUserPointer(&tags_.back());
-    collider.setFriction(std::sqrt(friction));  // Bullet multiplies those of a pair
+    collider.setFriction(std::sqrt(friction));  // Bullet multiplies the friction of both bodies
     collider.setActivationState(DISABLE_DEACTIVATION);
   }
-  // Bullet leaves out the motor of a link without a collider. put() has the last word on places.
+  // Bullet ignores the motor of a link without a collider, so every link gets a collider. put()
+  // sets the colliders' final poses.
   for (int i = 0; i < body_->getNumLinks(); ++i) {
     body_->getLink(i).m_collider = capsules_.front().get();
   }

@@ -18,27 +18,27 @@
 
 namespace wholehand::bullet_paper {
 
-/// How the joints that follow are kept on the synergy.
+/// Method that keeps the following joints on the synergy.
 enum class PaperCoupling {
-  kResets,  ///< put back after each step
+  kResets,  ///< joints are reset after each step
   kGears    ///< btMultiBodyGearConstraint to the joint that leads their axis
 };
 
-/// The hand as Bullet's articulated body. One joint per axis leads and takes torque. With resets,
-/// the others have the motor that Bullet's server gives every joint, and are reset to θ₀ + G q_s
-/// after each step; with gears, each is geared to the leading one and stays where a step leaves it.
-/// Real-time safe except for construction.
+/// The hand as Bullet's articulated body. One joint per axis leads and receives the torque. With
+/// resets, the other joints have the motor that Bullet's server gives every joint and are reset to
+/// θ₀ + G q_s after each step. With gears, each of them is geared to the leading joint and keeps
+/// the position after a step. Real-time safe except for construction.
 class PaperHand {
  public:
   /// @pre hand outlives this
   PaperHand(const HandModel& hand, double friction, PaperCoupling coupling);
 
-  /// Errors for axes that drive no joint alone, and so have no leading joint; for gears also for
-  /// joints that follow more than one axis.
+  /// Errors for axes that drive no joint alone and therefore have no leading joint; with gears also
+  /// for joints that follow more than one axis.
   [[nodiscard]] static Diagnostics refuse(const HandModel& hand, PaperCoupling coupling);
 
   [[nodiscard]] btMultiBody& body() { return *body_; }
-  /// Motors or gears.
+  /// The motors or gears.
   [[nodiscard]] std::vector<btMultiBodyConstraint*> constraints() const;
   [[nodiscard]] const std::vector<std::unique_ptr<btMultiBodyLinkCollider>>& capsules() const {
     return capsules_;
@@ -47,13 +47,14 @@ class PaperHand {
 
   /// Sets all joints to the synergy and the capsules to their links.
   WHOLEHAND_RT void put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept;
-  /// After a step: puts the joints back, or with gears the capsules to where the joints are.
+  /// Call after a step: resets the joints, or with gears moves the capsules to the joints' poses.
   WHOLEHAND_RT void settle(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept;
   /// Reads all joints.
   WHOLEHAND_RT void readJoints(JointPosition& theta, JointVelocity& theta_dot) const noexcept;
   /// Reads the leading joints. Returns the largest |θ − (θ₀ + G q_s)|.
   WHOLEHAND_RT double take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept;
-  /// Sets torques and motors for the next step. @param qd_s of the hand after it without contacts
+  /// Sets torques and motors for the next step. @param qd_s velocity of the hand after the step if
+  /// it had no contacts
   WHOLEHAND_RT void drive(const JointEffort& torque, const AxisVelocity& qd_s) noexcept;
 
  private:
@@ -72,7 +73,7 @@ class PaperHand {
   std::array<int, kMaxAxes> leading_{};
   std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors_;
   std::vector<std::unique_ptr<btMultiBodyGearConstraint>> gears_;
-  std::vector<int> following_;  ///< joints, in the order of the motors
+  std::vector<int> following_;  ///< indices of the following joints, in the order of the motors
   std::vector<bullet::ColliderTag> tags_;
   std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> capsules_;

@@ -17,7 +17,7 @@ bool ofBodies(const mjModel& model, int a, int b) {
   return (model.geom_contype[a] & model.geom_contype[b] & kOfBodies) != 0;
 }
 
-/// Half the edges of a geom's box in its own frame [m]; false: not known.
+/// Half edges of a geom's bounding box in its own frame [m]; returns false when they are unknown.
 bool halfEdges(const mjModel& model, int geom, Eigen::Vector3d& half) {
   const mjtNum* size = model.geom_size + 3 * geom;
   switch (model.geom_type[geom]) {
@@ -32,7 +32,8 @@ bool halfEdges(const mjModel& model, int geom, Eigen::Vector3d& half) {
   }
 }
 
-/// Whether the sphere around `other` is farther than the margin from the box around `geom`.
+/// True when the bounding sphere of `other` is farther than the margin from the bounding box of
+/// `geom`.
 bool apart(const mjModel& model, const mjData& data, int geom, int other, double margin_m) {
   Eigen::Vector3d half;
   if (!halfEdges(model, geom, half)) return false;
@@ -49,7 +50,8 @@ int collide(const mjModel* model, const mjData* data, mjContact* contacts, int a
   if (apart(*model, *data, a, b, margin) || apart(*model, *data, b, a, margin)) return 0;
   const mjfCollision find = stock.at(model->geom_type[a]).at(model->geom_type[b]);
   if (!ofBodies(*model, a, b)) return find(model, data, contacts, a, b, margin);
-  // The model is the caller's own; the flag is the only way to say it.
+  // The model belongs to the caller. MuJoCo takes this setting only from the model's flag, so the
+  // flag is changed for the call.
   int& flags = const_cast<mjModel*>(model)->opt.enableflags;
   const int before = flags;
   flags |= mjENBL_MULTICCD;

@@ -2,10 +2,10 @@
 
 namespace wholehand::mujoco {
 
-/// From now on, in every model of this process: bodies that touch each other have several contact
-/// points, whatever the flag `multiccd` says, so that what stands does not rock (pairs with the
-/// hand follow the flag); and a pair whose boxes are apart is not looked at any closer (MuJoCo
-/// compares spheres, and that of a table reaches every finger). Thread-safe.
+/// Changes collision detection for every model of this process. Bodies that touch each other get
+/// several contact points independent of the flag `multiccd`, so that standing bodies do not rock;
+/// pairs with the hand follow the flag. Pairs whose bounding boxes are apart are skipped; MuJoCo
+/// compares bounding spheres, and the sphere of a table reaches every finger. Thread-safe.
 void refineCollisions();
 
 }  // namespace wholehand::mujoco

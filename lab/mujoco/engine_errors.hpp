@@ -13,7 +13,7 @@ class ErrorTrap {
   ErrorTrap(const ErrorTrap&) = delete;
   ErrorTrap& operator=(const ErrorTrap&) = delete;
 
-  std::jmp_buf jump;  ///< target of the jump at an error
+  std::jmp_buf jump;  ///< target of the jump after an error
 
  private:
   ErrorTrap* outer_;
@@ -23,8 +23,8 @@ class ErrorTrap {
 /// Warnings are only counted, in mjData::warning.
 void takeErrors() noexcept;
 
-/// Runs `call`; false when MuJoCo reported an error. The error leaves `call` by longjmp: it must
-/// not create objects with destructors. Real-time safe if call is.
+/// Runs `call`; returns false when MuJoCo reported an error. An error leaves `call` by longjmp, so
+/// `call` must not create objects with destructors. Real-time safe if `call` is.
 template <class Call>
 [[nodiscard]] bool endsWell(const Call& call) noexcept {
   ErrorTrap trap;

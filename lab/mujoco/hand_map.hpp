@@ -27,7 +27,7 @@ class HandMap {
   /// (θ₀ + G q_s)|.
   WHOLEHAND_RT double take(const mjData& data, AxisPosition& q_s,
                            AxisVelocity& qd_s) const noexcept;
-  /// Applies τ, and A on the joints driven by one axis alone.
+  /// Applies the torques τ, and the armature A on the joints that one axis drives alone.
   WHOLEHAND_RT void drive(mjModel& model, mjData& data, const HandDrive& drive) const noexcept;
 
   [[nodiscard]] const HandModel& hand() const noexcept { return *hand_; }

@@ -10,11 +10,12 @@
 namespace wholehand::mujoco {
 namespace {
 
-// Which geoms meet: one of the two names the other's kind among those it meets.
+// Kinds of geoms. Two geoms collide if one of them lists the other's kind (conaffinity).
 constexpr int kOfPalm = 2, kOfDigits = 4;
-/// A rotation of the base stops so far beyond the device's range, as in ADR 19.
+/// A rotation of the base stops this far beyond the device's range, as in ADR 19.
 constexpr double kBeyondRange_rad = 0.1;
-/// Nearer to its end than this a joint is watched: 50 rad/s at 1 kHz.
+/// A joint limit becomes active within this distance of its end: the path of one tick at 50 rad/s
+/// and 1 kHz.
 constexpr double kNearEnd_rad = 0.05;
 constexpr int kRowsPerContact = 4;
 constexpr long kLeastStack = 100'000;
@@ -62,7 +63,8 @@ class Writer {
     out_ << "/>\n";
   }
 
-  /// Numbers that a step needs at most, twice over: the solver's matrices, and vectors of rows.
+  /// Twice the largest count of numbers that a step needs: the solver's matrices and vectors of
+  /// rows.
   [[nodiscard]] long stackSize(long rows) const {
     const long bodies = std::count_if(scene_.bodies.begin(), scene_.bodies.end(),
                                       [](const SceneBody& body) { return !body.fixed; });

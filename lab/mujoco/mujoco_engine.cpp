@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 using Vector3dMap = Eigen::Map<Vector3d>;
 using ConstVector3dMap = Eigen::Map<const Vector3d>;
 
-// MuJoCo sorts two entries of 8 bytes a body in every step, and the C library's sort allocates from
-// 1024 bytes on.
+// Maximum number of bodies. MuJoCo sorts two entries of 8 bytes per body in every step, and the C
+// library's sort allocates memory from 1024 bytes on.
 constexpr int kMostBodies = 63;
 
 int overflows(const mjData& data) {
@@ -31,7 +31,7 @@ int overflows(const mjData& data) {
 
 using Eigen::Vector3d;
 
-/// A contact's force on geom 2, in the world.
+/// Force of a contact on geom 2, in world coordinates.
 struct Wrench {
   Vector3d normal, force_n, torque_nm;
 };
@@ -39,7 +39,8 @@ struct Wrench {
 Wrench wrenchOf(const mjModel& model, const mjData& data, int contact) {
   std::array<mjtNum, 6> local{};
   mj_contactForce(&model, &data, contact, local.data());
-  const Eigen::Map<const Eigen::Matrix3d> frame(data.contact[contact].frame);  // columns: its axes
+  // The columns are the contact's axes.
+  const Eigen::Map<const Eigen::Matrix3d> frame(data.contact[contact].frame);
   return {frame.col(0), frame * Vector3d(local[0], local[1], local[2]),
           frame * Vector3d(local[3], local[4], local[5])};
 }
@@ -114,7 +115,7 @@ MujocoEngine::MujocoEngine(const HandModel& hand, const SceneModel& scene,
   mjData* data = nullptr;
   if (!endsWell([&] { data = mj_makeData(model); }) || data == nullptr) return;
   data_.reset(data);
-  // Memory that a step would otherwise ask the system for.
+  // Touches the memory, so that no step causes page faults.
   std::fill_n(data->stack, data->nstack, 0.0);
   listBodies(scene);
   listGeoms(scene);
@@ -190,7 +191,7 @@ Diagnostics MujocoEngine::placeHand(const AxisPosition& position) {
       overlaps.add(std::max(a.body, b.body), std::max(a.capsule, b.capsule), -contact.dist);
     }
   }
-  data_->ncon = 0;  // nothing was touched in a step yet
+  data_->ncon = 0;  // no step has found contacts yet
   return overlaps.refuse(map_.hand(), scene_path_, body_names_);
 }
 
@@ -224,7 +225,7 @@ BodyState MujocoEngine::body(int index) const noexcept {
     state.velocity_m_s = Vec3::from(body.velocity_m_s);
     return state;
   }
-  // MuJoCo's angular velocity is in the body's own axes.
+  // MuJoCo's angular velocity is in body axes.
   const Eigen::Quaterniond turned(q[0], q[1], q[2], q[3]);
   state.velocity_m_s = Vec3::from(ConstVector3dMap(data_->qvel + body.dof));
   state.angular_velocity_rad_s =
@@ -232,7 +233,8 @@ BodyState MujocoEngine::body(int index) const noexcept {
   return state;
 }
 
-/// MuJoCo has no damping of a share per second: the force that takes it away in this step.
+/// Applies the force that removes the damped share of the velocity in this step. MuJoCo has no
+/// damping by a share per second.
 void MujocoEngine::dampBodies(double period_s) noexcept {
   for (const Body& body : bodies_) {
     if (body.dof < 0 || body.damping_per_s == 0.0) continue;
@@ -243,8 +245,9 @@ void MujocoEngine::dampBodies(double period_s) noexcept {
   }
 }
 
-/// Friction of the pair, and who is let go.
-void MujocoEngine::judge(int index) noexcept {
+/// Sets the friction and surface velocity of a contact, and excludes hand pairs that overlapped at
+/// placement.
+void MujocoEngine::checkContact(int index) noexcept {
   mjContact& contact = data_->contact[index];
   const Owner &a = owner(contact.geom1), &b = owner(contact.geom2);
   contact.friction[0] = contact.friction[1] = std::sqrt(a.friction * b.friction);
@@ -268,7 +271,7 @@ void MujocoEngine::findContacts() noexcept {
   mj_comPos(model_.get(), data_.get());
   mj_collision(model_.get(), data_.get());
   std::fill(still_deep_.begin(), still_deep_.end(), 0);
-  for (int i = 0; i < data_->ncon; ++i) judge(i);
+  for (int i = 0; i < data_->ncon; ++i) checkContact(i);
   let_go_ = still_deep_;
   mj_crb(model_.get(), data_.get());
   mj_factorM(model_.get(), data_.get());
@@ -289,7 +292,7 @@ bool MujocoEngine::step(const HandDrive& drive, double period_s) noexcept {
   return ended && advanced;
 }
 
-/// mj_step() in its parts, with the hand's constraints made its own in between.
+/// Runs the parts of mj_step() and projects the constraints onto the hand's synergy in between.
 bool MujocoEngine::advance(double period_s) noexcept {
   model_->opt.timestep = period_s;
   findContacts();
@@ -303,8 +306,9 @@ bool MujocoEngine::advance(double period_s) noexcept {
   return integrate(period_s);
 }
 
-// A step of a free body: forces kick it where it is, then it moves without them (moveFreely). What
-// MuJoCo's own step adds for its turning makes energy: its integrator is explicit there.
+// First part of the step of a free body: forces change its velocity at its old pose; moveFreely()
+// then moves it without forces. The gyroscopic term of MuJoCo's own step is left out, because its
+// explicit integration adds energy.
 void MujocoEngine::kickByGravityOnly() noexcept {
   for (Body& body : bodies_) {
     if (body.dof < 0) continue;
@@ -318,7 +322,7 @@ void MujocoEngine::kickByGravityOnly() noexcept {
   }
 }
 
-// In place of the motion that mj_Euler() made of the new velocity.
+// Replaces the motion that mj_Euler() computed from the new velocity.
 void MujocoEngine::moveFreely(const Body& body, double period_s) noexcept {
   Vector3dMap velocity(data_->qvel + body.dof), spin(data_->qvel + body.dof + 3);
   const Vector3d com_m = ConstVector3dMap(model_->body_ipos + 3 * body.id);
@@ -340,7 +344,8 @@ void MujocoEngine::moveFreely(const Body& body, double period_s) noexcept {
 }
 
 bool MujocoEngine::integrate(double period_s) noexcept {
-  // The solver ends near M q̈ = f; the motion follows exactly from the reported forces.
+  // The solver satisfies M q̈ = f approximately; here the motion is computed exactly from the
+  // reported forces.
   mj_solveM(model_.get(), data_.get(), data_->qacc, data_->qfrc_constraint, 1);
   for (int i = 0; i < model_->nv; ++i) {
     data_->qacc[i] += data_->qacc_smooth[i];
@@ -355,7 +360,7 @@ bool MujocoEngine::integrate(double period_s) noexcept {
   return true;
 }
 
-// What MuJoCo's solver left, as the record wants it.
+// The functions below convert the solver's results to the form of the record.
 
 void MujocoEngine::contacts(ContactList& contacts) const noexcept {
   contacts.count = 0;

@@ -17,18 +17,19 @@ struct Deleter {
   void operator()(mjData* data) const { mj_deleteData(data); }
 };
 
-/// MuJoCo's model and data with the hand and the scene's bodies in them; MujocoWorld steps it.
+/// MuJoCo's model and data with the hand and the scene's bodies; MujocoWorld steps it.
 class MujocoEngine {
  public:
-  /// Compiles the model and allocates all memory. An error names what MuJoCo does not accept.
-  /// @pre hand outlives it
+  /// Compiles the model and allocates all memory. An error names the part that MuJoCo does not
+  /// accept.
+  /// @pre hand outlives the engine
   [[nodiscard]] static Expected<std::unique_ptr<MujocoEngine>> build(
       const HandModel& hand, const SceneModel& scene, const SolverSettings& settings);
 
   MujocoEngine(const MujocoEngine&) = delete;
   MujocoEngine& operator=(const MujocoEngine&) = delete;
 
-  /// Places the hand at rest. @return its overlaps
+  /// Places the hand at rest. @return its overlaps with bodies
   [[nodiscard]] Diagnostics placeHand(const AxisPosition& position);
   WHOLEHAND_RT void place(const BodyPlacement& placement) noexcept;
   [[nodiscard]] WHOLEHAND_RT BodyState body(int index) const noexcept;
@@ -40,7 +41,7 @@ class MujocoEngine {
   [[nodiscard]] int bodyCount() const noexcept { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] const std::vector<std::string>& bodyNames() const noexcept { return body_names_; }
   [[nodiscard]] const std::string& scenePath() const noexcept { return scene_path_; }
-  /// For measuring what a setting costs.
+  /// For measurements of the cost of a setting.
   [[nodiscard]] mjModel& model() noexcept { return *model_; }
   [[nodiscard]] const mjData& data() const noexcept { return *data_; }
   /// Coordinates of the hand before the next step.
@@ -63,16 +64,18 @@ class MujocoEngine {
     int id = -1;
     double mass_kg = 0.0;
     double damping_per_s = 0.0;
-    Eigen::Vector3d before_m = Eigen::Vector3d::Zero();          ///< of its frame, before the step
-    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();  ///< the same
-    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();      ///< of a fixed body, in one step
+    Eigen::Vector3d before_m = Eigen::Vector3d::Zero();  ///< position of its frame before the step
+    /// Orientation of its frame before the step.
+    Eigen::Quaterniond turned = Eigen::Quaterniond::Identity();
+    /// Velocity of a fixed body in one step.
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
   };
 
   void listGeoms(const SceneModel& scene);
   void listBodies(const SceneModel& scene);
   void pairSelf();
   WHOLEHAND_RT void findContacts() noexcept;
-  WHOLEHAND_RT void judge(int index) noexcept;
+  WHOLEHAND_RT void checkContact(int index) noexcept;
   WHOLEHAND_RT void dampBodies(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool advance(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool integrate(double period_s) noexcept;
@@ -89,11 +92,11 @@ class MujocoEngine {
   std::vector<std::string> body_names_;
   std::vector<Owner> owners_;
   std::vector<Body> bodies_;
-  std::vector<int> self_pair_;            ///< per two capsules, index into self_contacts; -1: none
-  std::vector<char> let_go_;              ///< pairs that overlapped when the hand was placed
-  std::vector<char> still_deep_;          ///< those that overlap in this step
+  std::vector<int> self_pair_;    ///< per pair of capsules, index into self_contacts; -1: none
+  std::vector<char> let_go_;      ///< pairs that overlapped when the hand was placed
+  std::vector<char> still_deep_;  ///< those of let_go_ that still overlap in this step
   std::vector<double> surface_velocity_;  ///< 3 numbers per contact
-  int overflows_ = 0;                     ///< contacts dropped in the last step, at least
+  int overflows_ = 0;                     ///< least number of contacts dropped in the last step
 };
 
 }  // namespace wholehand::mujoco

@@ -16,12 +16,12 @@ class MujocoEngine;
 
 using MujocoSettings = mujoco::SolverSettings;
 
-/// MuJoCo, in process. The hand is an articulated body whose constraints are projected onto its
-/// synergy; the scene's bodies are free or placed. ADR 39 explains the settings.
+/// World with the physics engine MuJoCo. The hand is an articulated body whose constraints are
+/// projected onto its synergy; the scene's bodies are free or placed. ADR 39 explains the settings.
 class MujocoWorld final : public PhysicsWorld {
  public:
-  /// Compiles the model and allocates all memory, so that no step allocates. An error names what
-  /// MuJoCo does not accept. @pre hand outlives it. Not real-time safe.
+  /// Compiles the model and allocates all memory, so that no step allocates. An error names the
+  /// part that MuJoCo does not accept. @pre hand outlives the world. Not real-time safe.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(
       const HandModel& hand, const SceneModel& scene, const MujocoSettings& settings = {});
   ~MujocoWorld() override;
@@ -33,7 +33,7 @@ class MujocoWorld final : public PhysicsWorld {
   void contacts(ContactList& contacts) const noexcept override;
   void selfForces(SelfForces& forces) const noexcept override;
 
-  /// For measuring what a setting costs.
+  /// For measurements of the cost of a setting.
   [[nodiscard]] mujoco::MujocoEngine& engine() noexcept { return *engine_; }
 
  private:

@@ -8,7 +8,8 @@
 namespace wholehand::mujoco {
 namespace {
 
-/// A row that moves less than this by a unit of force is left with MuJoCo's own weight [1/kg].
+/// Least inverse effective mass for rescaling a row; below it the row keeps MuJoCo's own weight
+/// [1/kg].
 constexpr double kLeastInverseMass = 1e-9;
 
 bool isEnd(const mjData& data, int row) {
@@ -26,7 +27,7 @@ ReducedConstraints::ReducedConstraints(const HandMap& map, const mjModel& model,
       momentum_(model.nv),
       half_(model.nv) {}
 
-/// M G M_r⁻¹ from MuJoCo's own M, armature included.
+/// Computes M G M_r⁻¹ from MuJoCo's own M, armature included. Returns false when M_r is singular.
 bool ReducedConstraints::reduceInertia(const mjModel& model, mjData& data) noexcept {
   const HandModel& hand = map_->hand();
   const int axes = hand.axis_count, joints = hand.joint_count;
@@ -71,8 +72,9 @@ void ReducedConstraints::projectRow(double* row) const noexcept {
   }
 }
 
-/// MuJoCo softens a row by a share of the mass that the free joints would show; here by that share
-/// of what the row meets. One factor for all rows of a contact keeps its friction cone.
+/// Rescales the softness of constraint rows. MuJoCo softens a row by a share of the effective mass
+/// of the unreduced joints; this uses the same share of the row's actual effective mass. One factor
+/// for all rows of a contact preserves its friction cone.
 void ReducedConstraints::weigh(const mjModel& model, mjData& data, int row, int rows) noexcept {
   mj_solveM2(&model, &data, half_.data(), data.efc_J + static_cast<std::ptrdiff_t>(row) * dofs_, 1);
   double inverse_mass = 0.0;
@@ -127,7 +129,7 @@ void ReducedConstraints::aim(mjData& data, const double* surface_velocity,
   }
 }
 
-/// Gᵀ Pᵀ jᵀ f = Gᵀ jᵀ f.
+/// The effort follows from Gᵀ Pᵀ jᵀ f = Gᵀ jᵀ f.
 AxisEffort ReducedConstraints::endEffort(const mjData& data) const noexcept {
   const HandModel& hand = map_->hand();
   AxisEffort sum(hand.axis_count);

@@ -1,10 +1,10 @@
-// What only the lab's engines say of themselves.
+// Properties that only the lab's engines have.
 #include "loop/physics/engine_bench.hpp"
 
 namespace wholehand::test {
 namespace {
 
-TEST(LabEngines, ForComparisons_AreRefusedWhereADeviceMayHoldAPerson) {
+TEST(LabEngines, ForComparisonOnly_AreRefusedWhereADeviceMayHoldAPerson) {
   const auto rig =
       buildRig(load(shippedFiles()), std::make_unique<RestingDevice>(), with("bullet-paper"));
   ASSERT_FALSE(rig);
@@ -14,7 +14,7 @@ TEST(LabEngines, ForComparisons_AreRefusedWhereADeviceMayHoldAPerson) {
   EXPECT_TRUE(refuseForPersons("mujoco").empty());
 }
 
-TEST(LabEngines, TheBaseline_RefusesASoftBodyThatMoves) {
+TEST(LabEngines, BulletPaper_WithAMovingSoftBody_IsRefused) {
   const Models m = load(shippedFiles());
   SceneBody soft = ball({0.3, 0.3, 0.0}, 0.02, 0.1);
   soft.soft_m = 0.005;

@@ -1,11 +1,11 @@
-// What is MuJoCo's alone: its errors and warnings, its room, and what it lacks.
+// Properties of MuJoCo only: its errors and warnings, its contact capacity, and unsupported hands.
 #include "lab/mujoco/collisions.hpp"
 #include "lab/mujoco/engine_errors.hpp"
 #include "lab/mujoco/mujoco_engine.hpp"
 #include "lab/mujoco/mujoco_world.hpp"
 #include "loop/physics/body_yard.hpp"
 #include "loop/physics/engine_bench.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 #include "support/seed.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(MujocoErrors, InACall_LeaveItAndNeitherEndTheProgramNorPrint) {
+TEST(MujocoErrors, ErrorInACall_EndsTheCallWithoutOutputOrExit) {
   mujoco::takeErrors();
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
@@ -35,7 +35,7 @@ TEST(MujocoErrors, InACall_LeaveItAndNeitherEndTheProgramNorPrint) {
   EXPECT_FALSE(fs::exists("MUJOCO_LOG.TXT")) << "stock MuJoCo writes it here";
 }
 
-TEST(MujocoErrors, InACallWithinACall_LeaveTheInnerOneAlone) {
+TEST(MujocoErrors, ErrorInANestedCall_EndsTheInnerCallOnly) {
   mujoco::takeErrors();
   bool inner = true, went_on = false;
   EXPECT_TRUE(mujoco::endsWell([&] {
@@ -46,7 +46,7 @@ TEST(MujocoErrors, InACallWithinACall_LeaveTheInnerOneAlone) {
   EXPECT_TRUE(went_on);
 }
 
-TEST(MujocoContacts, BeyondItsRoom_AreCountedAsDropped) {
+TEST(MujocoContacts, BeyondTheCapacity_AreCountedAsDropped) {
   const Models m = load(shippedFiles());
   const Eigen::Vector3d aside = -Eigen::Vector3d::UnitY();
   const double face_m = reach(m.hand, AxisPosition(6), aside) + 1e-3;
@@ -67,7 +67,7 @@ TEST(MujocoContacts, BeyondItsRoom_AreCountedAsDropped) {
   EXPECT_GT(dropped, 0);
 }
 
-/// Of a point from a solid of these half edges, in its frame [m]; 0 within.
+/// Distance of a point from a solid in the solid's frame [m]; 0 inside. A box has these half edges.
 double fromBox(const Eigen::Vector3d& at, const Eigen::Vector3d& half) {
   return (at.cwiseAbs() - half).cwiseMax(0.0).norm();
 }
@@ -76,8 +76,9 @@ double fromCylinder(const Eigen::Vector3d& at, double radius_m, double half_leng
                     std::max(std::abs(at.z()) - half_length_m, 0.0));
 }
 
-// Expected: the distance of the capsule's segment, point by point, from the solid's closed form.
-TEST(MujocoCollisions, OfPairsWhoseBoxesAreNear_AreAllFound) {
+// The expected distance is the least over points of the capsule's axis, each from the solid's
+// closed form.
+TEST(MujocoCollisions, CapsuleAtABoxOrCylinder_IsDetectedExactlyWithinTheMargin) {
   constexpr double kCapsule_m = 0.01, kHalf_m = 0.02, kMargin_m = 0.002, kClear_m = 1e-4;
   const Eigen::Vector3d half(0.2, 0.03, 0.01);
   const std::string text =
@@ -138,7 +139,7 @@ TEST(MujocoHand, WithAnAxisThatDrivesNoJointAlone_IsRefusedByName) {
   ASSERT_FALSE(world);
   ASSERT_EQ(world.errors().size(), 1U);
   EXPECT_EQ(world.errors()[0].key, "synergy." + m.hand.axis_names[fingers]);
-  EXPECT_TRUE(says(world.errors()[0].remedy, "--engine bullet"));
+  EXPECT_TRUE(contains(world.errors()[0].remedy, "--engine bullet"));
 }
 
 }  // namespace

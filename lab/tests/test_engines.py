@@ -1,11 +1,11 @@
-"""`--engine` and `experiment engines`: every engine runs scenes and exercises, is named in what is written, and is run again."""
+"""`--engine` and `experiment engines`: every engine runs scenes and exercises, is recorded, and repeats its runs."""
 import json
 
 from app import CONFIG, DONE, FREE_RUN, AppTest, expect_known_sentences, main, read_recording, report_data
 
 ENGINES = ("bullet", "mujoco", "bullet-newton", "bullet-paper", "bullet-paper-gears")
-# θ = θ₀ + G q_s: what a step may leave of it before correction. Rounding; the paper's own way lets
-# contacts bend single joints, and puts them back.
+# Largest allowed deviation from θ = θ₀ + G q_s after a step, before correction. It is rounding only, except for the
+# paper's method, in which contacts bend single joints that are then reset.
 COUPLING_RAD = {"bullet": 1e-9, "mujoco": 1e-9, "bullet-newton": 1e-9, "bullet-paper": 0.1,
                 "bullet-paper-gears": 0.1}
 
@@ -59,7 +59,7 @@ class Compared(AppTest):
         self.assertEqual(next(iter(engines)), "bullet")
         self.assertIn("bullet-paper", engines)
         for name, engine in engines.items():
-            if not name.startswith("bullet-paper"):  # its forces are not those that are felt: the safety chain may stop it
+            if not name.startswith("bullet-paper"):  # its forces are not the rendered ones, so the safety chain may stop it
                 self.assertIs(engine["faulted"], False, name)
             for scene in ("free", "fixed", "held", "resting", "gripped"):
                 cost = engine["cpu_us"][scene]
@@ -68,28 +68,28 @@ class Compared(AppTest):
             self.assertEqual(sum(engine["gripped_counts"]), 4000, name)
             self.assertEqual(len(engine["gripped_counts"]), len(results["bins_us"]) + 1)
         bullet, paper = engines["bullet"], engines["bullet-paper"]
-        for name in set(engines) - {"bullet-paper", "bullet-paper-gears"}:  # what docs/engines.md says of engines for persons
+        for name in set(engines) - {"bullet-paper", "bullet-paper-gears"}:  # claims of docs/engines.md on engines for persons
             self.assertIs(engines[name]["held"], True, name)
-            self.assertGreater(engines[name]["gripped_share"], 0.3, name)  # it closes at 2.8 s of 4
+            self.assertGreater(engines[name]["gripped_share"], 0.3, name)  # the hand closes at 2.8 s of 4 s
             self.assertLessEqual(engines[name]["virtual_work_error"], 0.01, name)
             self.assertLessEqual(engines[name]["felt_error"], 0.01, name)
             self.assertLessEqual(engines[name]["coupling_error_rad"], 1e-9, name)
-        # Things on a table stand: to what lifts 0.1 kg by the 10 µm of a contact.
+        # Bodies on a table stand still: the energy changes by no more than lifting 0.1 kg by the 10 µm of a contact.
         self.assertLess(engines["mujoco"]["energy_drift_j"], 1e-5)
-        # The paper's own way leaves the synergy under contact, and its forces are not those that are felt.
+        # The paper's method leaves the synergy under contact, and its forces are not the rendered ones.
         self.assertGreater(paper["coupling_error_rad"], 1e-4)
         self.assertGreater(paper["virtual_work_error"], 10 * bullet["virtual_work_error"])
         ratios = results["default_over_paper"]
         for scene, ratio in ratios.items():
             self.assertAlmostEqual(ratio, bullet["cpu_us"][scene]["p50"] / paper["cpu_us"][scene]["p50"], places=9)
-        self.assertLess(ratios["held"], 1.0)  # CPU times, tick by tick in turn
+        self.assertLess(ratios["held"], 1.0)  # CPU times of engines that take turns tick by tick
         one, two = results["rates"]
         self.assertEqual((one["rate_hz"], two["rate_hz"]), (1000, 2000))
         self.assertEqual(one["engines"], results["engines"])
         for slow, fast in zip(one["engines"], two["engines"]):
             name = slow["engine"]
             if name not in ("bullet", "mujoco"):
-                self.assertIsNone(slow["stiffness"], name)  # is for no person
+                self.assertIsNone(slow["stiffness"], name)  # no person may be attached to this engine
                 continue
             found, bound = (slow["stiffness"][key] for key in ("largest_stable_n_m", "certificate_bound_n_m"))
             self.assertAlmostEqual(bound, 1.0 / (1e-3 * 1.5), delta=0.03 * bound)  # b / (T (1/2 + n))

@@ -1,4 +1,4 @@
-"""train_a_reach.py: evolution teaches a policy to reach."""
+"""train_a_reach.py: evolution trains a policy to reach a target."""
 import os
 import re
 import subprocess

@@ -19,13 +19,14 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLargestFactor = 100.0;
-/// The coupled criterion is at least as strict as an axis's own. It binds where its margin is
-/// smaller by this factor.
+/// The coupled criterion is at least as strict as the criteria of single axes. It counts as binding
+/// when its margin is smaller by this factor.
 constexpr double kBindingFactor = 0.995;
-/// Lever arm where the file names none: from a wrist to the middle of the palm.
+/// Lever arm assumed when the file names none: from the wrist to the middle of the palm.
 constexpr double kPalmLever_m = 0.08;
 constexpr std::array<const char*, 3> kPersons = {"no arm", "relaxed arm", "stiff arm"};
-/// Masses held, over the avatar's inertia, and springs touched, over the avatar's own stiffness.
+/// Masses of held objects relative to the avatar's inertia, and springs of touched objects relative
+/// to the avatar's own stiffness.
 constexpr std::array<double, 2> kHeldMasses = {1.0, 5.0};
 constexpr std::array<double, 3> kSprings = {0.1, 1.0, 10.0};
 
@@ -45,9 +46,9 @@ std::vector<double> objectsOf(Criterion contact) {
   return {0.0};
 }
 
-/// Largest K_pm below which the contact is stable at every Φ. Searches upwards from a thousandth of
-/// the axis's own K_pm, to at most a thousand times it. No person attached, because a passive arm
-/// only stabilises.
+/// Largest K_pm below which the contact is stable at every Φ. Searches upwards from a thousandth to
+/// a thousand times the axis's own K_pm. No person is attached, because a passive arm only
+/// stabilises.
 double stiffnessLimit(const AxisCase& c, Criterion contact) {
   const auto stable = [&](double k_pm) {
     AxisCase tried = c;
@@ -62,7 +63,8 @@ double stiffnessLimit(const AxisCase& c, Criterion contact) {
   };
   double low = 1e-3 * c.gains.k_pm, high = low;
   if (!stable(low)) return 0.0;
-  constexpr int kSteps = 76;  // 1.2^76 > 1e6; counted, because denormal numbers do not grow
+  // 1.2^76 > 1e6; the steps are counted, because denormal numbers do not grow.
+  constexpr int kSteps = 76;
   for (int i = 0; i < kSteps && stable(high); ++i) {
     low = high;
     high *= 1.2;
@@ -92,7 +94,7 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
     }
     case Criterion::kCoupled:
       return kInfinite;
-    case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
+    case Criterion::kAvatar: {  // limit 1/T²: above it the avatar oscillates
       const double t = a.axis_case.period_s;
       const double wt = a.axis_case.avatarStiffness() * t * t;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
@@ -102,7 +104,7 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
   }
 }
 
-CoupledCertificate judgeCoupled(const CoupledCase& c) {
+CoupledCertificate certifyCoupled(const CoupledCase& c) {
   const RequiredShare need = requiredShare(c);
   return {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
 }
@@ -211,7 +213,8 @@ WorstRadius worstContact(const AxisCase& c, Criterion contact, const WallCase& w
       loop.person = armAt(c.axis, person);
       for (const double object : objectsOf(contact)) {
         const double radius = radiusWith(loop, contact, object);
-        // A rigid drift has radius 1 in every case. Rounding must not make one of them the worst.
+        // A rigid drift has radius 1 in every case. The tolerance prevents that rounding selects
+        // one of them.
         if (!(radius <= worst.radius + 1e-10)) worst = {radius, phi, person, alpha, object};
       }
     }
@@ -240,6 +243,7 @@ AxisCertificate certifyAxis(const AxisCase& c) {
   a.slew_required = requiredSlew(c);
   a.passes = true;
   a.margin = kInfinite;
+  // The axis passes if it meets all criteria; the one with the smallest margin binds.
   for (int i = 0; i <= static_cast<int>(Criterion::kAvatar); ++i) {
     const auto criterion = static_cast<Criterion>(i);
     a.passes = a.passes && a.meets(criterion);
@@ -279,9 +283,10 @@ Certificate certify(const CertificateInput& input) {
   const WorstPosture worst = worstPosture(sampled, k_pm, input.period_s);
   out.avatar = {worst.radius, -input.period_s / std::log(worst.radius), worst.posture,
                 sampled.size(), largestStableFactor(sampled, k_pm, input.period_s, kLargestFactor)};
-  out.coupled = judgeCoupled(coupled);
-  out.any_person = judgeCoupled(forAnyPerson(coupled));
+  out.coupled = certifyCoupled(coupled);
+  out.any_person = certifyCoupled(forAnyPerson(coupled));
   out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;
+  // Finds the binding criterion: the smallest margin of the avatar and of the axes.
   double least = out.avatar.margin;
   for (int i = 0; i < n; ++i) {
     const AxisCertificate& a = out.axes[i];
@@ -292,6 +297,7 @@ Certificate certify(const CertificateInput& input) {
       out.binding_criterion = a.binding;
     }
   }
+  // The coupled criterion binds only where it is clearly stricter.
   if (out.avatar.passes() && out.coupled.margin < kBindingFactor * least) {
     out.binding_axis = -1;
     out.binding_criterion = Criterion::kCoupled;
@@ -316,7 +322,7 @@ WallCertificate certifyWall(const AxisCase& c, const WallCase& wall) {
   out.damping_required = needed.damping;
   out.damping_required_phi = needed.phi;
   out.worst = worstInWall(c, wall);
-  // Quantisation acts on coupling spring and wall spring at once.
+  // Quantisation acts on the sum of coupling spring and wall spring.
   out.margin = quantisationLimit(c) / (c.gains.k_pm + wall.stiffness);
   if (needed.damping > 0.0) out.margin = std::min(out.margin, c.axis.damping / needed.damping);
   if (!out.worst.stable()) {
@@ -377,8 +383,8 @@ void addInertia(std::string& text, const AxisMatrix& m) {
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
     text += fmt::format("{:.9g};", m(i, i));
     for (Eigen::Index j = 0; j < i; ++j) {
-      // Entries are scaled by the diagonal, so that rounding of a zero entry stays zero on every
-      // machine.
+      // Entries are scaled by the diagonal, so that a zero entry with rounding errors is rounded to
+      // zero on every machine.
       text += fmt::format("{};", std::llround(1e9 * m(i, j) / std::sqrt(m(i, i) * m(j, j))));
     }
   }
@@ -433,7 +439,8 @@ std::string differenceOf(const CertificateFingerprint& certificate,
   for (std::size_t i = 0; i < kFingerprintParts.size(); ++i) {
     const FingerprintPart &one = certificate.parts[i], &other = run.parts[i];
     if (one.hash == other.hash) continue;
-    // On another device the same hand has another inertia, and the same exercise other walls.
+    // On another device the same hand has another inertia and the same exercise has other walls, so
+    // equal names do not count as a difference.
     if (i >= 2 && other_device && one.name == other.name) continue;
     const auto named = [](const std::string& name) { return name.empty() ? "none" : name; };
     if (one.name == other.name) {

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-/// A certificate's JSON: written, sealed, and its fingerprint read back.
+/// Writes and seals the JSON of a certificate, and reads its fingerprint back.
 namespace wholehand {
 namespace {
 
@@ -39,7 +39,7 @@ CertificateFingerprint aboutOf(const Json& json) {
   return about;
 }
 
-/// Adds to a certificate its fingerprint ("fingerprint") and, last, a digest of everything else.
+/// Adds the fingerprint ("fingerprint") to a certificate, and then a digest of everything else.
 void seal(Json& certificate, const CertificateFingerprint& about) {
   Json json;
   json["criteria"] = about.version;
@@ -48,7 +48,7 @@ void seal(Json& certificate, const CertificateFingerprint& about) {
     json[kFingerprintParts[i]] = {{"name", about.parts[i].name}, {"hash", about.parts[i].hash}};
   }
   certificate["fingerprint"] = json;
-  // Digest of the text as read back: infinite limits are null in the file.
+  // The digest is of the text as read back, because infinite limits are null in the file.
   certificate["digest"] = digestOf(Json::parse(certificate.dump()));
 }
 

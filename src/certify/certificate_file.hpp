@@ -7,8 +7,8 @@
 
 namespace wholehand {
 
-/// Reads the fingerprint of a certificate file (`certify --json`). Refused unless the file is
-/// intact and certified. For RigOptions::certificate.
+/// Reads the fingerprint of a certificate file (`certify --json`) for RigOptions::certificate.
+/// Refuses a file that is not intact or not certified.
 [[nodiscard]] Expected<CertificateFingerprint> readCertificate(const std::string& path);
 
 }  // namespace wholehand

@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-/// Frequencies of a search; its result is verified with all frequencies.
+/// Number of frequencies in a search; its result is verified with kAllFrequencies.
 constexpr int kSearchFrequencies = 400;
 constexpr int kAllFrequencies = 4000;
 constexpr std::array<double, 8> kDampingShares = {1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0};
@@ -26,8 +26,8 @@ bool rings(const AxisCase& c) {
   return c.avatarStiffness() * c.period_s * c.period_s > 1.0;
 }
 
-/// b_min is convex in Φ and in a wall's α: it is a maximum over frequencies of functions that are
-/// affine in both. Its largest value lies at a corner.
+/// True when the device damping covers b_min. b_min is convex in Φ and in a wall's α, as a maximum
+/// over frequencies of functions that are affine in both, so its largest value lies at a corner.
 bool dampedEnough(const AxisCase& c, int frequencies) {
   if (rings(c)) return false;
   std::vector<WallCase> walls = c.walls;
@@ -46,7 +46,7 @@ bool stableInEveryContact(const AxisCase& c) {
                      [&](const WallCase& wall) { return certifyWall(c, wall).worst.stable(); });
 }
 
-/// K_pm admitted by quantisation beside the stiffest wall. The search begins there.
+/// K_pm that quantisation admits together with the stiffest wall. The search begins there.
 double quantisationLeaves(const AxisCase& c) {
   double stiffest = 0.0;
   for (const WallCase& wall : c.walls) stiffest = std::max(stiffest, wall.stiffness);
@@ -57,7 +57,7 @@ bool followed(const AxisCase& c) {
   return !(c.axis.effort_slew_limit > 0.0) || requiredSlew(c) <= c.axis.effort_slew_limit;
 }
 
-/// K_pm by absolute stability alone, not rounded.
+/// Largest K_pm by absolute stability alone, not rounded.
 double searched(const AxisCase& c, double most) {
   const double start = std::min(most, quantisationLeaves(c));
   const auto passes = [&](double k_pm) {
@@ -91,13 +91,13 @@ AxisStiffness stiffnessOf(const CertificateInput& input) {
   return k_pm;
 }
 
-/// Raises the armature where an axis rings. Where the axes are unstable together, raises it on all
-/// by the same share of their inertia; up to three times that share where linked persons and
-/// objects then pass.
+/// Raises the armature of axes that oscillate. If the coupled axes are unstable, raises it on all
+/// axes by the same share of their inertia, or by up to three times that share if linked persons
+/// and objects then pass.
 void raiseArmature(CertificateInput& input, const Certificate& judged) {
   const double ringing = 1.0 / (input.period_s * input.period_s);
   const CertificateInput given = input;
-  std::optional<CertificateInput> calm;
+  std::optional<CertificateInput> base;
   double most = 100.0;
   for (double more = judged.avatar.radius < 1.0 ? 0.0 : 0.01; more < most; more *= 1.2) {
     for (std::size_t i = 0; i < judged.axes.size(); ++i) {
@@ -112,15 +112,15 @@ void raiseArmature(CertificateInput& input, const Certificate& judged) {
       continue;
     }
     if (requiredShare(coupled).share <= 1.0) return;
-    if (!calm) {
-      calm = input;
+    if (!base) {
+      base = input;
       most = 3.0 * more;
     }
   }
-  input = calm.value_or(given);
+  input = base.value_or(given);
 }
 
-/// Scales every K_pm by one factor, three digits, until the coupled criterion passes.
+/// Scales every K_pm by one factor (three digits) until the coupled criterion passes.
 bool softenForCoupled(CertificateInput& input) {
   const CertificateInput given = input;
   const auto soften = [&](double factor) {
@@ -152,7 +152,7 @@ bool holds(const AxisCase& c) {
          stableInEveryContact(c);
 }
 
-/// Lowers K_pm. Lowers K_dm only where that at least doubles the remaining stiffness.
+/// Lowers K_pm. Also lowers K_dm if that at least doubles the remaining stiffness.
 NearestGains nearestOfAxis(AxisCase c) {
   const double present = c.gains.k_pm, damping = c.gains.k_dm;
   std::vector<NearestGains> found;
@@ -177,7 +177,7 @@ AxisAdvice advise(const AxisCase& c) {
   for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {
     AxisCase faster = c;
     faster.period_s = 1.0 / kAdmittedRatesHz[i];
-    faster.axis.effort_slew_limit = 0.0;  // a setting of the device file, no bound of the loop
+    faster.axis.effort_slew_limit = 0.0;  // a setting of the device file, not a limit of the loop
     out.admitted_k_pm[i] = largestStiffness(faster, kAny);
   }
   AxisCase best = c;
@@ -226,7 +226,7 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
                       c.gains.gamma, c.gains.velocity_filter_hz, c.gains.armature,
                       c.axis.speed_limit, c.axis.effort_slew_limit);
   };
-  // Reflected masses along x, y and z differ by millionths.
+  // The tolerance covers reflected masses along x, y and z, which differ by millionths.
   return a.walls == b.walls && key(a) == key(b) &&
          std::abs(a.inertia - b.inertia) <= 1e-4 * a.inertia;
 }
@@ -241,7 +241,7 @@ std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points) {
       at.gains.k_pm = k_pm;
       return at.loop(1.0);
     };
-    // Far above every curve; the search steps down to it.
+    // Start far above every curve; the search steps down from it.
     const double most = 20.0 * std::max(2.0 * c.axis.damping / c.period_s, c.gains.k_pm);
     ZWidthPoint point{at.gains.k_dm, 0.0, 0.0, 0.0};
     point.rigid = largestAllowed(most, [&](double k_pm) {
@@ -321,8 +321,8 @@ std::string remedy(const AxisCertificate& a) {
                      1.0 / c.period_s);
 }
 
-/// "unstable against a rigid stop at Φ = 0: spectral radius 1.01 > 1; ", put before the binding
-/// criterion because instability is worse. Empty where no contact is unstable or the unstable one
+/// "unstable against a rigid stop at Φ = 0: spectral radius 1.01 > 1; ". It precedes the binding
+/// criterion because instability is worse. Empty if no contact is unstable or the unstable one
 /// binds.
 std::string instability(const AxisCertificate& a) {
   const WorstRadius* worst = nullptr;
@@ -379,7 +379,7 @@ Diagnostic coupledRefusal(const Certificate& c, Persons persons, const std::stri
 }
 
 bool axesHold(const CertificateInput& input) {
-  std::vector<AxisCase> held;  // x, y and z are often equal
+  std::vector<AxisCase> held;  // cases that passed; x, y and z are often equal
   for (int i = 0; i < input.device.axisCount(); ++i) {
     const AxisCase c = axisCase(input, i);
     if (std::any_of(held.begin(), held.end(), [&](const AxisCase& h) { return sameCase(h, c); })) {

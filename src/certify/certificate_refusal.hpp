@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-/// Gains that are not certified: diagnostics, the nearest gains that pass, and the gains that the
-/// device admits.
+/// Advice for gains that are not certified: diagnostics, the nearest gains that pass, and the gains
+/// that the device admits.
 namespace wholehand {
 
 inline constexpr std::array<double, 4> kAdmittedRatesHz = {1000.0, 2000.0, 4000.0, 8000.0};
 
-/// Gains of one axis that pass, also as printed.
+/// Gains of one axis that pass, also when rounded for printing.
 struct NearestGains {
   double k_pm = 0.0, k_dm = 0.0;
   std::optional<double> armature = {};  ///< as in AxisRendering
@@ -22,29 +22,29 @@ struct NearestGains {
 
 struct AxisAdvice {
   /// Largest K_pm that passes at 1, 2, 4 and 8 kHz with the axis's own γ and K_dm, its own armature
-  /// or the rule's, and the same delay in ticks; 0 where none passes.
+  /// or the rule's, and the same delay in ticks; 0 if none passes.
   std::array<double, kAdmittedRatesHz.size()> admitted_k_pm{};
-  double best_gamma = 0.0;       ///< of 0, 0.05 .. 1, the γ that admits the largest K_pm
+  double best_gamma = 0.0;       ///< the γ among 0, 0.05 .. 1 that admits the largest K_pm
   double best_gamma_k_pm = 0.0;  ///< that K_pm, at the certificate's own rate
 };
 
-/// Largest K_pm <= `most` that meets every criterion of the axis alone, three digits; 0 where none
+/// Largest K_pm <= `most` (three digits) that meets every criterion of the axis alone; 0 if none
 /// does. Searches by absolute stability, then verifies the contacts.
 [[nodiscard]] double largestStiffness(const AxisCase& c, double most);
 
-/// Whether the axis meets every criterion of its own. Same answer as certifyAxis().passes in a
-/// tenth of the time, without the margins.
+/// True when the axis meets all single-axis criteria. Equals certifyAxis().passes but takes a tenth
+/// of the time and computes no margins.
 [[nodiscard]] bool holds(const AxisCase& c);
 
-/// The nearest gains of one axis alone; K_pm is 0 where there are none.
+/// The nearest gains of one axis alone; K_pm is 0 if there are none.
 [[nodiscard]] NearestGains nearestOfAxis(AxisCase c);
 
 [[nodiscard]] AxisAdvice advise(const AxisCase& c);
 
-/// The nearest gains of every axis with which the whole device passes: K_pm lowered; K_dm lowered
-/// too where K_pm alone does not suffice; armature added where the avatar is unstable; every K_pm
-/// scaled by a common factor where only the coupled criterion demands it. None where only another
-/// device would help.
+/// The nearest gains of every axis with which the whole device passes. K_pm is lowered; K_dm is
+/// lowered too if K_pm alone does not suffice; armature is added if the avatar is unstable; every
+/// K_pm is scaled by a common factor if only the coupled criterion requires it. Empty if only
+/// another device would help.
 [[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
                                                                     const Certificate& judged);
 
@@ -58,12 +58,13 @@ struct AxisAdvice {
 /// Stiffnesses that an axis can render at one constant adaptive damping.
 struct ZWidthPoint {
   double damping = 0.0;  ///< Φ K_dm [N·s/m or N·m·s/rad]
-  double rigid = 0.0;    ///< largest K_pm against a rigid stop, nobody attached, by eigenvalues
+  double rigid = 0.0;    ///< largest K_pm against a rigid stop without a person, by eigenvalues
   double passive = 0.0;  ///< largest K_pm with any passive person and object
-  double walled = 0.0;   ///< the same inside the exercise's walls; `passive` without walls
+  /// Largest K_pm inside the exercise's walls; equals `passive` without walls.
+  double walled = 0.0;
 };
 
-/// Z-width of an axis, from no adaptive damping to twice its K_dm (to its own damping where K_dm is
+/// Z-width of an axis, from no adaptive damping to twice its K_dm (or to its own damping if K_dm is
 /// 0), with its own γ and its own or the rule's armature. @pre points >= 2
 [[nodiscard]] std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points);
 
@@ -78,15 +79,15 @@ struct ZWidthPoint {
 /// Keys of the criteria that the axis fails, the binding one first.
 [[nodiscard]] std::vector<std::string> failing(const AxisCertificate& a);
 
-/// Finding of the axis's binding criterion with its numbers; no full stop.
+/// Finding for the axis's binding criterion with its numbers, without a full stop.
 [[nodiscard]] std::string finding(const AxisCertificate& a);
 
-/// Largest share of the exercise's walls that passes with the axis's present gains, two digits: 0
-/// for none, 1 for all.
+/// Largest share of the exercise's wall stiffness that passes with the axis's present gains, two
+/// digits; 0: none, 1: all.
 [[nodiscard]] double bearableWallShare(const AxisCase& c);
 
 /// One diagnostic for each axis that is not certified (key in the rendering file, criterion, value
-/// and nearest gains that pass), and one where the coupled axes of the avatar are unstable. Empty
+/// and nearest gains that pass), and one if the coupled axes of the avatar are unstable. Empty
 /// exactly when certify().certified. Fast when everything passes.
 [[nodiscard]] Diagnostics refuseUncertified(const CertificateInput& input);
 

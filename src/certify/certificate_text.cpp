@@ -12,12 +12,12 @@
 namespace wholehand {
 namespace {
 
-/// "1.27"; "-" where there is no wall or no limit.
+/// "1.27"; "-" if there is no wall or no limit.
 std::string marginWord(double margin) {
   return margin > 0.0 && std::isfinite(margin) ? fmt::format("{:.3g}", margin) : "-";
 }
 
-/// Four digits, never "1.2e+04"; "-" where there is no limit.
+/// Four digits, never "1.2e+04"; "-" if there is no limit.
 std::string limitWord(double limit) {
   if (!std::isfinite(limit)) return "-";
   return limit < 1e4 ? fmt::format("{:.4g}", limit) : fmt::format("{:.0f}", limit);
@@ -85,7 +85,7 @@ std::string admittedTable(const AdvisedCertificate& judged) {
                            1.0 / judged.certificate.period_s);
 }
 
-/// Changes on one axis, e.g. "k_pm_n_m = 478"; empty where none.
+/// Changes on one axis, e.g. "k_pm_n_m = 478"; empty if there are none.
 std::string change(const AxisCertificate& a, const NearestGains& to) {
   std::string out;
   const auto set = [&](const std::string& key, double present, double value) {
@@ -110,7 +110,7 @@ std::string remedy(const AdvisedCertificate& judged) {
     }
     return out;
   }
-  std::vector<std::pair<std::string, std::string>> changes;  // change, axes
+  std::vector<std::pair<std::string, std::string>> changes;  // (change, axes)
   for (std::size_t i = 0; i < judged.nearest->size(); ++i) {
     const AxisCertificate& a = judged.certificate.axes[i];
     const std::string what = change(a, (*judged.nearest)[i]);

@@ -13,8 +13,8 @@ using Complex = std::complex<double>;
 using ComplexMatrix = Eigen::MatrixXcd;
 using ComplexVector = Eigen::VectorXcd;
 
-/// φ_k(x) = Σ xⁱ / (i + k)!: integrals of the exponential under an effort that is constant (k = 1),
-/// linear (k = 2) and so on over a period.
+/// φ_k(x) = Σ xⁱ / (i + k)!, the integrals of the exponential for an effort that is constant (k =
+/// 1), linear (k = 2) and so on over a period.
 double phiFunction(int k, double x) {
   double factorial = 1.0;
   for (int i = 2; i <= k; ++i) factorial *= i;
@@ -30,8 +30,8 @@ double phiFunction(int k, double x) {
   return (phiFunction(k - 1, x) - k / factorial) / x;  // φ_{k−1} − 1/(k−1)!
 }
 
-/// Position over effort of m ẍ + b ẋ = f sampled at z, for an effort that is held and one that is
-/// linear between samples.
+/// Transfer function at z from effort to position of m ẍ + b ẋ = f, for a held effort and for an
+/// effort that is linear between samples.
 struct SampledDevice {
   Complex held, joined;
 };
@@ -56,13 +56,13 @@ struct Follower {
   Complex position = 0.0, velocity = 0.0;
 };
 
-/// M (z − 1) v = T (K (x − q) + D (d x − v) − contact), q (z − 1) = T z v, d the filtered
-/// derivative.
+/// Solves M (z − 1) v = T (K (x − q) + D (d x − v) − contact), q (z − 1) = T z v, with d the
+/// filtered derivative.
 Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex derivative) {
   if (contact == ContactCase::kRigid) return {};
   const double t = felt.loop.period_s;
   const Eigen::Index n = felt.inertia.rows(), a = felt.axis;
-  const Complex sum = t * z / (z - 1.0);  // position over velocity
+  const Complex sum = t * z / (z - 1.0);  // from velocity to position
   ComplexMatrix system = (z - 1.0) * felt.inertia.cast<Complex>();
   for (Eigen::Index i = 0; i < n; ++i) {
     const int axis = static_cast<int>(i);
@@ -72,7 +72,7 @@ Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex de
   if (contact == ContactCase::kObject) {
     const double stiffness = felt.loop.spring_per_s2 * own;
     system(a, a) += (z - 1.0) * (felt.loop.held_mass * own + t * t * stiffness) +
-                    t * stiffness * (sum + t);  // the spring after the step, not before it
+                    t * stiffness * (sum + t);  // the spring force after the step (implicit)
   }
   ComplexVector drive = ComplexVector::Zero(n);
   drive[a] = t * (felt.k_pm[felt.axis] + felt.avatar_damping[felt.axis] * derivative);
@@ -80,12 +80,12 @@ Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex de
   return {sum * velocity[a], velocity[a]};
 }
 
-/// R(z): Eq. (3) over the device's position.
+/// R(z): effort of Eq. (3) per device position.
 Complex effort(const FeltLoop& felt, ContactCase contact, Complex z) {
   const AxisLoop& l = felt.loop;
   const Complex derivative = (z - 1.0) / ((l.filter_tau_s + l.period_s) * z - l.filter_tau_s);
   const Follower avatar = follow(felt, contact, z, derivative);
-  // D of the axis in felt units. The loop of an axis alone has unit inertia.
+  // D of the axis in rendered units. The loop of a single axis has unit inertia.
   const double b = l.k_pm * felt.avatar_damping[felt.axis] / felt.k_pm[felt.axis];
   return l.k_pm * (avatar.position - 1.0) + l.gamma * b * (avatar.velocity - derivative) -
          (l.phi_k_dm + l.wall_damping) * derivative - l.wall_stiffness;

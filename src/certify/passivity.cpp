@@ -44,7 +44,7 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
   return l.wall_late - felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);
 }
 
-/// The limit φ → 0, where the sweep would lose precision.
+/// Required damping in the limit φ → 0, where the sweep would lose precision.
 double requiredAtRest(const AxisLoop& l) {
   const double t = l.period_s, drive = l.k_ds_per_s - 0.5 * l.k_ps_per_s2 * t;
   if (!(drive > 0.0)) return std::numeric_limits<double>::infinity();
@@ -72,30 +72,33 @@ using ComplexMatrix = Eigen::MatrixXcd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLowestCoupled_rad = 2e-5;
-constexpr double kEven_rad = 0.06;  // spacing: logarithmic below, even above
-/// Frequencies of the coarse sweep in every posture, and of the fine one in the worst posture.
+constexpr double kEven_rad = 0.06;  // angles are spaced logarithmically below, evenly above
+/// Number of frequencies of the coarse sweep in every posture and of the fine sweep in the worst
+/// one.
 constexpr int kCoarse = 32, kFine = 400;
-constexpr int kPeakSteps = 20;  // leave 3e-4 of two spacings
-/// p of the header for Persons::kAny: the one that needs least at the reference. 0: kLinear.
+constexpr int kPeakSteps = 20;  // steps that narrow the interval to 3e-4 of two spacings
+/// Values of p (see the header) tried for Persons::kAny; the value that requires the least damping
+/// at the reference is used. A weight of 0 selects kLinear.
 constexpr std::array<double, 6> kWeights = {1.0, 1.2, 1.4, 1.6, 1.8, 2.0};
 constexpr double kGolden = 0.6180339887498949;
 
-/// One axis at one frequency.
+/// Quantities of one axis at one frequency.
 struct Port {
   Complex felt;       ///< Q_m
   Complex driven;     ///< Q_s
-  double free = 0.0;  ///< least Re A₀ over every Φ and α, with kAny what a changing Φ adds
+  double free = 0.0;  ///< least Re A₀ over every Φ and α; for kAny with the term of a changing Φ
   double b = 0.0;     ///< device damping
 };
 
-/// One posture at one frequency.
+/// Quantities of one posture at one frequency.
 struct Point {
   std::vector<Port> ports;
   Eigen::MatrixXd inverse;  ///< (Re R)⁻¹
   bool drives = false;      ///< Re R is positive definite
 };
 
-/// Least Re A₀. It is affine in Φ and in the α of each wall, so the minimum lies at a corner.
+/// Least Re A₀ over Φ and α. Re A₀ is affine in Φ and in the α of each wall, so the minimum lies at
+/// a corner.
 /// @param held T/(z − 1) @param late z⁻ⁿ
 double leastFree(const AxisCase& c, double weight, Complex held, Complex late, Complex derivative,
                  double felt_damping) {
@@ -166,7 +169,7 @@ double shareAt(const Point& at, double lambda) {
   return solver.info() == Eigen::Success ? solver.eigenvalues().maxCoeff() : kInfinite;
 }
 
-/// The same with an inertia that couples no axes.
+/// Required share of b if the inertia coupled no axes.
 double shareOfAxes(const Point& at, double lambda) {
   double most = -kInfinite;
   for (std::size_t i = 0; i < at.ports.size(); ++i) {
@@ -179,9 +182,9 @@ double shareOfAxes(const Point& at, double lambda) {
   return most;
 }
 
-/// The best λ, by golden section on its logarithm. The condition is affine in λ and a matrix, so
-/// the passing values form an interval and the minimum is unique. It lies among the axes' own best
-/// values, |Q_m|/|Q_s|.
+/// The best λ, by golden section on its logarithm. The condition is affine in λ and in a matrix, so
+/// the passing values form an interval and the minimum is unique. It lies between the smallest and
+/// largest of the axes' own best values |Q_m|/|Q_s|.
 template <class Share>
 double bestLambda(const Point& at, Share share, int steps) {
   double low = kInfinite, high = -kInfinite;
@@ -213,7 +216,8 @@ double bestLambda(const Point& at, Share share, int steps) {
   return std::exp(0.5 * (low + high));
 }
 
-/// A quarter of the angles is logarithmic towards zero; the others are even up to Nyquist.
+/// Angle `i` of the sweep. A quarter of the angles is spaced logarithmically towards zero, the
+/// others evenly up to Nyquist.
 double angleAt(int i, int count) {
   const int slow = count / 4;
   if (i <= slow) {
@@ -223,7 +227,8 @@ double angleAt(int i, int count) {
   return kEven_rad + (std::numbers::pi - kEven_rad) * (i - slow) / (count - slow);
 }
 
-/// @param worst share so far; points that need less are not refined
+/// Required share at one angle. @param worst largest share so far; points that require less are not
+/// refined
 RequiredShare needAt(const CoupledCase& c, double weight, std::size_t posture, double angle_rad,
                      double worst) {
   const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
@@ -241,7 +246,7 @@ RequiredShare needAt(const CoupledCase& c, double weight, std::size_t posture, d
 
 RequiredShare largestNeed(const CoupledCase& c, double weight) {
   RequiredShare worst{-kInfinite, 0.0, 1.0, 0};
-  double low_rad = 0.0, high_rad = 0.0;  // around the worst point
+  double low_rad = 0.0, high_rad = 0.0;  // angles on both sides of the worst point
   const auto look_at = [&](std::size_t posture, double angle_rad) {
     const RequiredShare found = needAt(c, weight, posture, angle_rad, worst.share);
     const bool worse = found.share > worst.share;

@@ -11,7 +11,8 @@
 namespace wholehand {
 namespace {
 
-/// State of the sampled loop. The efforts f are in transit to the device, oldest first.
+/// Indices of the state of the sampled loop. The efforts in transit to the device follow from
+/// kFirstEffort on, oldest first.
 enum Index : int { kXm, kVm, kXmPrevious, kVf, kXs, kVs, kFirstEffort };
 
 /// Exact zero-order-hold solution of m ẍ = f − b ẋ − k x over one period:
@@ -24,7 +25,7 @@ struct HeldDevice {
 HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
   const double rate_per_s = damping / mass;
   const double decay = rate_per_s * period_s;
-  if (decay < 1e-5) {  // series: the closed form cancels
+  if (decay < 1e-5) {  // uses the series, because the closed form cancels
     const double travel_s = period_s * (1.0 - decay / 2.0 + decay * decay / 6.0);
     return {travel_s, std::exp(-decay), period_s * period_s / mass * (0.5 - decay / 6.0),
             travel_s / mass};
@@ -33,8 +34,8 @@ HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
   return {travel_s, std::exp(-decay), (period_s - travel_s) / damping, travel_s / mass};
 }
 
-/// Matrix exponential by its series on a fraction of the period that is short against every time
-/// constant, then by squaring.
+/// Matrix exponential by scaling and squaring: the series on a fraction of the period that is short
+/// relative to every time constant, then repeated squaring.
 HeldDevice holdWithSpring(double mass, double damping, double stiffness, double period_s) {
   const double fastest = period_s * (damping / mass + std::sqrt(stiffness / mass));
   int halvings = 0;
@@ -65,7 +66,7 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   const double vf =
       (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
   const double b = loop.k_ps_per_s2 > 0.0 ? loop.k_pm * loop.k_ds_per_s / loop.k_ps_per_s2 : 0.0;
-  // As in the tick: the avatar's state before its step.
+  // The effort uses the avatar's state before its step, as the tick does.
   const double effort = loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) -
                         loop.phi_k_dm * vf - loop.wall_stiffness * s[kXm] - loop.wall_damping * vf;
   Eigen::VectorXd next = s;
@@ -84,7 +85,8 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   } else {
     const double acceleration =
         loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
-    if (contact == ContactCase::kObject) {  // implicit, like the contacts of an engine: passive
+    // The object is solved implicitly, like the contacts of an engine, and is therefore passive.
+    if (contact == ContactCase::kObject) {
       const double mass = 1.0 + loop.held_mass;
       next[kVs] = (mass * s[kVs] + t * (acceleration - loop.spring_per_s2 * s[kXs])) /
                   (mass + t * t * loop.spring_per_s2);
@@ -96,8 +98,9 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   return next;
 }
 
-/// Balances the matrix by exact powers of two until rows and columns have similar norms. A
-/// stiffness of 1e3 beside a period of 1e-3 would otherwise cost the eigenvalues precision.
+/// Balances the matrix by exact powers of two until rows and columns have similar norms. Otherwise
+/// entries such as a stiffness of 1e3 and a period of 1e-3 would reduce the precision of the
+/// eigenvalues.
 Eigen::MatrixXd balanced(Eigen::MatrixXd m) {
   const Eigen::Index n = m.rows();
   for (int sweep = 0; sweep < 30; ++sweep) {
@@ -163,7 +166,8 @@ Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisSt
   const Eigen::Index n = reduced_inertia.rows();
   const Eigen::MatrixXd m = reduced_inertia;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(m);
-  if (cholesky.info() != Eigen::Success) {  // singular: such a hand has no valid dynamics
+  // The inertia is singular: this hand has no valid dynamics.
+  if (cholesky.info() != Eigen::Success) {
     return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
   }
   const Eigen::MatrixXd inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
@@ -193,11 +197,11 @@ double largestStableFactor(const std::vector<AxisMatrix>& inertias, const AxisSt
     out.vec() *= factor;
     return out;
   };
-  // Bisects in the worst posture only, then checks all postures again. Searching all at once would
-  // take seconds.
+  // Bisects in the worst posture only, then checks all postures again. A search over all postures
+  // at once would take seconds.
   double factor = most;
   WorstPosture worst = worstPosture(inertias, times(factor), period_s);
-  // Each round finds another worst posture.
+  // Each round starts from the new worst posture.
   for (std::size_t i = 0; i < inertias.size() && factor > 0.0 && worst.radius >= 1.0; ++i) {
     factor = roundedDown(largestAllowed(factor, [&](double f) {
       return spectralRadius(avatarLoopMatrix(inertias[worst.posture], times(f), period_s)) < 1.0;
@@ -226,7 +230,7 @@ double largestAllowed(double start, const std::function<bool(double)>& passes) {
 }
 
 double roundedDown(double value) {
-  if (!(value >= 1e-300)) return 0.0;  // smaller numbers have no three digits
+  if (!(value >= 1e-300)) return 0.0;  // smaller numbers do not have three exact digits
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
   return std::floor(value / unit) * unit;
 }

@@ -10,8 +10,8 @@
 
 namespace wholehand {
 
-/// Contact of the avatar in the linear model of one axis: none, a rigid stop, or the object of
-/// AxisLoop.
+/// Contact of the avatar in the linear model of one axis: no contact, a rigid stop, or the object
+/// of AxisLoop.
 enum class ContactCase { kFree, kRigid, kObject };
 
 /// A passive impedance that holds the device, in the axis's units.
@@ -27,12 +27,13 @@ struct AxisLoop {
   double k_ps_per_s2 = 0.0, k_ds_per_s = 0.0;
   double filter_tau_s = 0.0;
   double period_s = 1e-3;
-  Impedance person;            ///< moves with the device; none by default
-  double held_mass = 0.0;      ///< kObject: the object's mass over the avatar's inertia
-  double spring_per_s2 = 0.0;  ///< kObject: the object's spring over the avatar's inertia
-  /// αk and αd of an exercise's wall, Eq. (15), with the finger in it. Acts on the device only.
+  Impedance person;            ///< attached to the device; none by default
+  double held_mass = 0.0;      ///< kObject: the object's mass relative to the avatar's inertia
+  double spring_per_s2 = 0.0;  ///< kObject: the object's spring divided by the avatar's inertia
+  /// αk and αd of an exercise's wall that the finger is in, Eq. (15). It acts on the device only.
   double wall_stiffness = 0.0, wall_damping = 0.0;
-  double wall_late = 0.0;  ///< α of what a cushion's liquid asks for under delay, lateDamping()
+  /// α times the damping that a cushion's liquid requires under delay, lateDamping().
+  double wall_late = 0.0;
 };
 
 /// The loop of one axis from the files, at Φ = 1.
@@ -44,18 +45,19 @@ struct AxisLoop {
 /// states.
 [[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);
 
-/// Eigenvalues of the one-period matrix; empty where it is not finite or they do not converge.
+/// Eigenvalues of the one-period matrix; empty if the matrix is not finite or the computation does
+/// not converge.
 [[nodiscard]] Eigen::VectorXcd poles(const Eigen::MatrixXd& matrix);
 
-/// Largest modulus of the eigenvalues. An eigenvalue of exactly 1 in free motion is the rigid
+/// Largest modulus of the eigenvalues. In free motion an eigenvalue of exactly 1 is the rigid
 /// drift.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
 
 /// Closed-loop matrix over [q_s, q̇_s] of the avatar alone, its axes coupled by inertia, target at
 /// rest: q̈_s = −M_r⁻¹ (K_pm q_s + D q̇_s) under symplectic Euler, D by avatarDamping(). The loop
-/// is stable where 4 M_r − 2 T D − T² K_pm is positive definite. The matrix is infinite where the
-/// inertia is not positive definite.
-/// @param reduced_inertia armature included
+/// is stable if 4 M_r − 2 T D − T² K_pm is positive definite. The matrix is infinite if the inertia
+/// is not positive definite.
+/// @param reduced_inertia M_r including armature
 [[nodiscard]] Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
                                                const AxisStiffness& k_pm, double period_s);
 
@@ -74,10 +76,12 @@ struct WorstPosture {
                                          double most = 1.0);
 
 /// Largest value <= `start` that passes; 0 when none above start / 1e5 does. Steps down until a
-/// value passes, then bisects to the boundary above it. The allowed set need not begin at zero.
+/// value passes, then bisects to the boundary above it. The set of passing values need not include
+/// zero.
 [[nodiscard]] double largestAllowed(double start, const std::function<bool(double)>& passes);
 
-/// The value rounded down to three digits, so that the printed number passes too. 0 unless > 0.
+/// The value rounded down to three digits, so that the printed number passes too; 0 for values that
+/// are not positive.
 [[nodiscard]] double roundedDown(double value);
 
 }  // namespace wholehand

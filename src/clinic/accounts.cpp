@@ -52,16 +52,17 @@ void Accounts::admit(Call& call, Access access) {
   if (access == Access::kAnyone) return;
   if (!records_.key()) {
     const bool is_new = records_.isNew();
-    throw Refused{423,
-                  "locked",
-                  is_new ? "this clinic has not begun; give it a pass phrase"
-                         : "the clinic is locked; give its pass phrase or recovery code",
-                  {}};
+    throw RequestRefusal{423,
+                         "locked",
+                         is_new ? "this clinic has not begun; give it a pass phrase"
+                                : "the clinic is locked; give its pass phrase or recovery code",
+                         {}};
   }
   call.session_id = sha256(call.request.token);
   const auto found = sessions_.find(call.session_id);
   if (call.request.token.empty() || found == sessions_.end()) {
-    throw Refused{401, "not_signed_in", "nobody is signed in; choose a tile and type its PIN", {}};
+    throw RequestRefusal{
+        401, "not_signed_in", "nobody is signed in; choose a tile and type its PIN", {}};
   }
   Session& session = found->second;
   const std::int64_t now_us = records_.clock().steady_us();
@@ -69,19 +70,20 @@ void Accounts::admit(Call& call, Access access) {
   if (call.request.path != "/api/visits/open") session.last_us = now_us;
   call.session = session;
   if (session.hidden && access == Access::kShown) {
-    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+    throw RequestRefusal{403, "hidden", "names are hidden; type the PIN to show them", {}};
   }
 }
 
 Json Accounts::init(Call& call) {
   if (!records_.isNew()) {
-    throw Refused{409, "changed", "this clinic has begun already; unlock it", {}};
+    throw RequestRefusal{409, "changed", "this clinic has begun already; unlock it", {}};
   }
   const std::string phrase = textOf(call.body, "pass_phrase", "pass_phrase");
   if (phrase.size() < kLeastPhrase || phrase.size() > kMostPhrase) {
     throw badValue("pass_phrase", "a pass phrase has 8 to 200 characters");
   }
   const Json tile = call.body.value("tile", Json::object());
+  // Creates the key and writes the key file.
   Key key = Key::random();
   const std::string code = newRecoveryCode();
   const std::string clinic = randomHex(16);
@@ -91,6 +93,7 @@ Json Accounts::init(Call& call) {
   if (auto written = writeKeyFile(path, keys); !written) {
     throw DatabaseError(format(written.errors()));
   }
+  // Creates the clinic and its first account. A failure removes the key file.
   records_.begin(call);
   records_.unlock(std::move(key));
   try {
@@ -113,7 +116,7 @@ Json Accounts::init(Call& call) {
 Json Accounts::unlock(Call& call) {
   if (records_.key()) return Json::object();
   if (records_.isNew()) {
-    throw Refused{423, "locked", "this clinic has not begun; give it a pass phrase", {}};
+    throw RequestRefusal{423, "locked", "this clinic has not begun; give it a pass phrase", {}};
   }
   Tries& tries = tries_[0];
   refuseWhileWaiting(tries);
@@ -133,7 +136,8 @@ Json Accounts::unlock(Call& call) {
   }
   if (!key) {
     countFailure(tries);
-    throw Refused{401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
+    throw RequestRefusal{
+        401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
   }
   tries = {};
   records_.unlock(std::move(*key));
@@ -171,14 +175,15 @@ void Accounts::refuseWhileWaiting(const Tries& tries) const {
   const std::int64_t left_us = tries.wait_until_us - records_.clock().steady_us();
   if (left_us <= 0) return;
   const std::int64_t wait_s = (left_us + kSecond_us - 1) / kSecond_us;
-  throw Refused{429,
-                "too_many_tries",
-                fmt::format("too many tries; wait {} s", wait_s),
-                {},
-                {{"wait_s", wait_s}}};
+  throw RequestRefusal{429,
+                       "too_many_tries",
+                       fmt::format("too many tries; wait {} s", wait_s),
+                       {},
+                       {{"wait_s", wait_s}}};
 }
 
-// After five wrong ones 30 s, then twice as long each time, up to an hour.
+// Counts a failed try. After five failed tries the waiting time is 30 s; each further failure
+// doubles it, up to an hour.
 void Accounts::countFailure(Tries& tries) const {
   ++tries.failed;
   if (tries.failed < kFreeTries) return;
@@ -199,24 +204,24 @@ void Accounts::checkPin(std::int64_t account, const Json& body) {
   if (right) {
     tries = {};
   } else {
-    countFailure(tries);  // counts also where the database cannot be written
+    countFailure(tries);  // counts even if the database cannot be written
   }
   try {
     records_.db().change("UPDATE account SET failed = ? WHERE id = ?", tries.failed, account);
-  } catch (const DatabaseError&) {  // a full disk keeps nobody out
+  } catch (const DatabaseError&) {  // a full disk must not keep anybody from signing in
   }
   if (right) return;
   records_.tryToLog(account, "wrong PIN");
-  throw Refused{401,
-                "wrong_pin",
-                "this is not the tile's PIN",
-                {},
-                {{"tries_left", std::max(kFreeTries - tries.failed, 0)}}};
+  throw RequestRefusal{401,
+                       "wrong_pin",
+                       "this is not the tile's PIN",
+                       {},
+                       {{"tries_left", std::max(kFreeTries - tries.failed, 0)}}};
 }
 
 Json Accounts::signIn(Call& call) {
   if (!records_.key())
-    throw Refused{423, "locked", "the clinic is locked; give its pass phrase", {}};
+    throw RequestRefusal{423, "locked", "the clinic is locked; give its pass phrase", {}};
   const auto account = call.body.find("account");
   if (account == call.body.end() || !account->is_number_integer()) {
     throw badValue("account", "account is no number of a tile");

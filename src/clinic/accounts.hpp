@@ -9,19 +9,21 @@
 
 namespace wholehand::clinic {
 
-/// What a request needs: nothing, somebody who is signed in, or whose names are not hidden either.
+/// Condition of a request: none; somebody is signed in; or somebody is signed in and names are not
+/// hidden.
 enum class Access { kAnyone, kSigned, kShown };
 
-/// Who works here: tiles with PINs, sessions, wrong tries; and the pass phrase that opens the
-/// clinic. One thread at a time.
+/// Accounts of the staff: tiles with PINs, sessions and failed tries. Also the pass phrase that
+/// unlocks the clinic. One thread at a time.
 class Accounts {
  public:
   explicit Accounts(Records& records) : records_(records) {}
 
-  /// Fills in the call's session, or refuses.
+  /// Fills in the call's session, or throws Refused.
   void admit(Call& call, Access access);
   [[nodiscard]] Json tiles();
-  /// Logs that a patient's record was opened, once in a row.
+  /// Logs that a patient's record was opened; repeated openings of the same record in a session are
+  /// logged once.
   void logOpened(const Call& call, std::int64_t patient);
 
   Json init(Call& call);
@@ -36,10 +38,10 @@ class Accounts {
  private:
   struct Tries {
     int failed = 0;
-    std::int64_t wait_until_us = 0;  ///< steady clock
+    std::int64_t wait_until_us = 0;  ///< steady clock; no try is accepted earlier
   };
   std::int64_t insertAccount(const Json& tile, const std::string& prefix);
-  /// Seals what an account's browser keeps; nobody else is given it.
+  /// Key that encrypts the data kept in the account's browser. Only this account receives it.
   [[nodiscard]] std::string browserKey(std::int64_t account) const;
   [[nodiscard]] Json sessionOf(std::int64_t account);
   std::string newSession(std::int64_t account);
@@ -48,8 +50,9 @@ class Accounts {
   void countFailure(Tries& tries) const;
 
   Records& records_;
-  std::map<std::string, Session> sessions_;  ///< by the token's digest
-  std::map<std::int64_t, Tries> tries_;      ///< by account; 0: pass phrase and recovery code
+  std::map<std::string, Session> sessions_;  ///< sessions by the digest of their token
+  std::map<std::int64_t, Tries> tries_;      ///< failed tries by account; 0: pass phrase and
+                                             ///< recovery code
 };
 
 }  // namespace wholehand::clinic

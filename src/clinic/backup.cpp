@@ -20,7 +20,7 @@ namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kVisitsPerBlock = 1 << 20;  // numbers stay below 2^53: JSON's integers
+constexpr std::int64_t kVisitsPerBlock = 1 << 20;  // keeps numbers below 2^53, the integers of JSON
 
 std::set<std::string> marksIn(const std::string& path) {
   std::set<std::string> marks;
@@ -49,7 +49,7 @@ std::string folderOf(const std::string& file) {
   return folder.empty() ? "." : folder.string();
 }
 
-/// Rows of every table, in a fixed order.
+/// Number of rows of every table, by the table's name.
 std::map<std::string, std::int64_t> rowsOf(Database& db) {
   std::map<std::string, std::int64_t> rows;
   Statement tables = db.query("SELECT name FROM sqlite_schema WHERE type = 'table'");
@@ -83,12 +83,12 @@ std::string clinicOf(Database& db) {
   return row.text(0);
 }
 
-/// Copies a whole clinic database to a new file and compares. Throws.
+/// Copies a whole clinic database to a new file and compares the two. Throws on failure.
 std::int64_t copyCompared(const std::string& from, Database::Mode mode, const std::string& to) {
   std::map<std::string, std::int64_t> before;
   {
     Database db(from, mode);
-    db.run("BEGIN");  // one state for the counts and for the copy
+    db.run("BEGIN");  // one consistent state for the counts and the copy
     before = rowsOf(db);
     db.copyTo(to);
     db.run("COMMIT");
@@ -96,7 +96,7 @@ std::int64_t copyCompared(const std::string& from, Database::Mode mode, const st
   Database copy(to, Database::Mode::kReadWrite);
   checkIntegrity(copy);
   if (rowsOf(copy) != before) throw DatabaseError(to + ": differs from " + from);
-  copy.run("PRAGMA journal_mode = DELETE;");  // one file, without a log beside it
+  copy.run("PRAGMA journal_mode = DELETE;");  // a single file without a write-ahead log
   return sum(before);
 }
 
@@ -133,7 +133,8 @@ void restoreInto(const std::string& file, const std::string& folder,
       transaction.commit();
       ++erased;
     }
-    // Recordings made after the backup carry numbers that the backup would give out again.
+    // Recordings made after the backup use visit numbers that the restored database would assign
+    // again, so a new block of numbers is drawn.
     db.change("UPDATE clinic SET next_visit = ?", drawnVisitNumber());
     db.change(
         "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE 'unfinished' END"
@@ -299,7 +300,8 @@ ErasedFiles eraseRows(Database& db, std::int64_t patient) {
         db.query("SELECT hand_file FROM visit WHERE patient = ? AND hand_file <> ''", patient);
     while (hands.step()) files.hands.push_back(hands.text(0));
   }
-  db.change("DELETE FROM visit WHERE patient = ?", patient);  // with trials and notes
+  db.change("DELETE FROM visit WHERE patient = ?", patient);  // its trials and notes are deleted
+                                                              // with it
   db.change("DELETE FROM patient WHERE id = ?", patient);
   db.run("DELETE FROM answer");
   return files;
@@ -313,13 +315,13 @@ std::vector<std::string> removeFiles(const std::string& folder, const std::strin
   if (recordings.empty()) return files.recordings;
   for (const std::string& name : files.recordings) {
     const std::string stem = fs::path(name).stem().string();
-    std::vector<fs::path> parts;  // the recording, its note, its inputs
+    std::vector<fs::path> parts;  // the recording, its JSON file and its input journal
     for (fs::directory_iterator it(recordings, error), end; !error && it != end;
          it.increment(error)) {
       if (it->path().filename().string().starts_with(stem + ".")) parts.push_back(it->path());
     }
     for (const fs::path& part : parts) fs::remove(part, error);
-    const std::string report = stem + "-report";  // which the station makes for a page
+    const std::string report = stem + "-report";  // report page that the station made
     fs::remove_all(fs::path(recordings) / report, error);
     for (const std::string& removed : {name, report}) {
       if (fs::exists(fs::path(recordings) / removed, error)) left.push_back(removed);

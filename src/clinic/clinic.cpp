@@ -18,13 +18,14 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kAnswersKept_us = 2 * kDay_us;
 
-/// What the page says before a clinic begins: an empty folder may be a disk that is not mounted.
+/// Facts about the folder that the page shows before a clinic is created there. An empty folder may
+/// be a disk that is not mounted.
 Json folderFacts(const std::string& folder) {
   std::error_code error;
   const fs::path path = fs::absolute(folder, error);
   bool empty = true;
   for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error)) {
-    // What this process has made itself.
+    // Skips files that this process has made itself.
     const std::string name = it->path().filename().string();
     const bool own = name == "lock" || name.starts_with("clinic.db") ||
                      ((name == "hands" || name == "backups") && fs::is_empty(it->path(), error));
@@ -33,7 +34,8 @@ Json folderFacts(const std::string& folder) {
   return {{"path", path.lexically_normal().string()}, {"empty", empty}};
 }
 
-/// True when a path is of a route; '#' stands for a number.
+/// True when a path matches the pattern of a route; '#' in the pattern stands for a number, which
+/// is added to `ids`.
 bool matches(std::string_view path, std::string_view pattern, std::vector<std::int64_t>& ids) {
   ids.clear();
   std::size_t p = 0;
@@ -50,7 +52,7 @@ bool matches(std::string_view path, std::string_view pattern, std::vector<std::i
   return p == path.size();
 }
 
-/// Answers by a member function of that object.
+/// Makes a handler that calls a member function of the object.
 template <class T>
 std::function<Json(Call&)> by(T& object, Json (T::*handler)(Call&)) {
   return [&object, handler](Call& call) { return (object.*handler)(call); };
@@ -113,7 +115,7 @@ std::vector<Clinic::Route> Clinic::routes() {
 Answer Clinic::answer(const Request& request) {
   std::unique_lock lock(mutex_);
   Call call{request, lock};
-  const auto refuse = [&](const Refused& refused) {
+  const auto refuse = [&](const RequestRefusal& refused) {
     call.transaction.reset();
     Json body = refused.more;
     body["refused"] = refused.code;
@@ -124,7 +126,7 @@ Answer Clinic::answer(const Request& request) {
   };
   try {
     route(call);
-  } catch (const Refused& refused) {
+  } catch (const RequestRefusal& refused) {
     refuse(refused);
   } catch (const DatabaseError& error) {
     refuse({503, "database", error.what(), {}});
@@ -148,13 +150,14 @@ void Clinic::route(Call& call) {
     call.body = parsed(call.request.body);
     return perform(call, route);
   }
-  if (known_path) throw Refused{405, "not_found", "no such method here", {}};
+  if (known_path) throw RequestRefusal{405, "not_found", "no such method here", {}};
   throw notFound("there is no " + call.request.path);
 }
 
 void Clinic::perform(Call& call, const Route& route) {
   const bool changes = route.kind == Kind::kWrite || route.kind == Kind::kStation;
   std::string key, digest;
+  // A repeated request gets its stored answer and changes nothing.
   if (changes) {
     const std::string& given = call.request.key;
     if (given.empty() || given.size() > 100) {
@@ -177,6 +180,7 @@ void Clinic::perform(Call& call, const Route& route) {
   if (call.answer.body.empty()) {
     call.answer.body = body.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
+  // Stores the answer in the same transaction as the change.
   if (call.transaction) {
     if (changes && records_.key()) {
       const std::int64_t now_us = records_.clock().now_us();
@@ -195,7 +199,7 @@ Json Clinic::state(Call&) {
   const char* locked = records_.isNew() ? "new" : "locked";
   Json out = {{"clinic", records_.key() ? "open" : locked},
               {"tiles", accounts_.tiles()},
-              {"station", {{"heard", station_.scene().heard}}},
+              {"station", {{"heard", station_.scene().received}}},
               {"visit", visits_.openOne()},
               {"backup", records_.backupFacts()},
               {"version", 1}};
@@ -203,7 +207,8 @@ Json Clinic::state(Call&) {
   return out;
 }
 
-/// Not while a request waits for the station: its answer needs the key.
+/// Locks the clinic. Refused while a request waits for the station, because its answer needs the
+/// key.
 Json Clinic::lock(Call& call) {
   visits_.refuseWhileAsking();
   return accounts_.lockClinic(call);
@@ -222,11 +227,13 @@ void Clinic::lookAtStation() {
     if (!records_.isOpen()) return;
     try {
       close = visits_.compareWithStation(scene);
-    } catch (const DatabaseError&) {  // the next look tries again
-    } catch (const Refused&) {
+    } catch (const DatabaseError&) {  // the next call tries again
+    } catch (const RequestRefusal&) {
     }
   }
-  if (close != 0) (void)station_.close(close);  // nobody's limits stay in force
+  if (close != 0)
+    (void)station_.close(close);  // closes the visit, so that nobody's limits stay in
+                                  // force
 }
 
 void Clinic::lookAtRecordings(const Measure& measure, const std::function<bool()>& stop) {

@@ -5,7 +5,7 @@
 #include "clinic/plans.hpp"
 #include "clinic/records.hpp"
 #include "clinic/request.hpp"
-#include "clinic/station.hpp"
+#include "clinic/station_client.hpp"
 #include "clinic/text.hpp"
 #include "clinic/trials.hpp"
 #include "clinic/visits.hpp"
@@ -14,24 +14,25 @@
 #include <mutex>
 #include <vector>
 
-/// A clinic's patients, visits and results (docs/clinic.md).
+/// Patients, visits and results of a clinic (docs/clinic.md).
 namespace wholehand::clinic {
 
-/// Answers requests, one at a time but for those that wait for the station. Every answered change
-/// is on the disk. Any thread. What fails is answered by name; nothing ends the process.
+/// Answers requests, one at a time except for those that wait for the station. Every answered
+/// change is on the disk. Any thread. A failure is answered with a named reason; none ends the
+/// process.
 class Clinic {
  public:
   Clinic(ClinicOptions options, const Clock& clock, Station& station);
 
   [[nodiscard]] Answer answer(const Request& request);
 
-  /// Compares what the station has open with the database; call every second.
+  /// Compares the visit that is open on the station with the database. Call every second.
   void lookAtStation();
-  /// Measures recordings that the database does not know as they are; call every few seconds. Stops
-  /// early when `stop` returns true.
+  /// Measures recordings that are new or changed since the database knew them. Call every few
+  /// seconds. Stops early when `stop` returns true.
   void lookAtRecordings(const Measure& measure, const std::function<bool()>& stop);
-  /// Makes a backup when the last one is a day old, and removes those of 30 days; frees what was
-  /// erased and is not freed yet. Call every minute.
+  /// Makes a backup when the last one is a day old, and removes backups older than 30 days. Frees
+  /// erased rows that are not freed yet. Call every minute.
   void backUpIfDue();
 
  private:
@@ -50,7 +51,7 @@ class Clinic {
   Json lock(Call& call);
 
   Station& station_;
-  std::mutex mutex_;  ///< guards all below
+  std::mutex mutex_;  ///< guards the members below
   Records records_;
   Accounts accounts_{records_};
   Plans plans_;

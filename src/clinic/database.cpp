@@ -11,7 +11,8 @@
 namespace wholehand::clinic {
 namespace {
 
-constexpr int kBusy_ms = 2000;  // another process holds the lock: a backup, a copy program
+constexpr int kBusy_ms = 2000;  // waits for another process that holds the lock, e.g. a backup or a
+                                // copy program
 
 [[noreturn]] void fail(sqlite3* db, const std::string& what) {
   const std::string why = db != nullptr ? sqlite3_errmsg(db) : "out of memory";
@@ -141,7 +142,7 @@ Transaction::~Transaction() {
   if (!open_) return;
   try {
     db_.run("ROLLBACK");
-  } catch (const DatabaseError&) {  // SQLite has rolled back by itself: disk full, I/O error
+  } catch (const DatabaseError&) {  // SQLite has already rolled back: disk full, I/O error
   }
 }
 void Transaction::commit() {

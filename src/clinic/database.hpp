@@ -12,7 +12,7 @@ struct sqlite3_stmt;
 
 namespace wholehand::clinic {
 
-/// What SQLite refused: the statement's effect is none.
+/// A statement that SQLite refused; it has changed nothing.
 class DatabaseError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,7 +23,7 @@ struct Blob {
   std::string_view bytes;
 };
 
-/// One prepared statement. Columns and parameters count from 0. Throws DatabaseError.
+/// A prepared statement. Columns and parameters count from 0. Throws DatabaseError.
 class Statement {
  public:
   Statement(sqlite3* db, std::string_view sql);
@@ -37,11 +37,11 @@ class Statement {
   void bind(int at, Blob blob);
   void bind(int at, const std::optional<std::int64_t>& value);
 
-  /// True when there is a row.
+  /// Advances to the next row; true when there is one.
   bool step();
   [[nodiscard]] bool isNull(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;
-  /// Text or bytes.
+  /// Text or bytes of a column.
   [[nodiscard]] std::string text(int column) const;
 
  private:
@@ -53,14 +53,14 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };
 
-/// One connection: WAL, synchronous = FULL, foreign keys, secure_delete. One thread at a time.
-/// Throws DatabaseError with the file and what failed.
+/// A connection to the database: WAL, synchronous = FULL, foreign keys, secure_delete. One thread
+/// at a time. Throws DatabaseError, which names the file and the failed operation.
 class Database {
  public:
   enum class Mode { kCreate, kReadWrite, kReadOnly };
   Database(const std::string& path, Mode mode);
 
-  /// Statements without results.
+  /// Runs statements that return no rows.
   void run(const std::string& sql);
   template <class... Values>
   Statement query(std::string_view sql, const Values&... values) {
@@ -85,10 +85,10 @@ class Database {
   }
   [[nodiscard]] std::int64_t lastId() const;
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Throws where the file of this name is no longer the one that was opened: SQLite would go on
-  /// writing to a file that nobody finds again.
+  /// Throws when the path no longer leads to the opened file: SQLite would otherwise go on writing
+  /// to a file that nobody can find.
   void checkFile() const;
-  /// Copies everything into a new file, one consistent state. @pre no file of that name
+  /// Copies one consistent state of everything into a new file. @pre no file of that name exists
   void copyTo(const std::string& path);
 
  private:
@@ -101,14 +101,14 @@ class Database {
   std::uint64_t device_ = 0, inode_ = 0;
 };
 
-/// BEGIN IMMEDIATE until commit(); rolled back where it is left without one.
+/// Begins with BEGIN IMMEDIATE. The destructor rolls back unless commit() was called.
 class Transaction {
  public:
   explicit Transaction(Database& db);
   ~Transaction();
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
-  /// Answered changes are on the disk when this returns.
+  /// Commits. The changes are on the disk when this returns.
   void commit();
 
  private:
@@ -116,8 +116,9 @@ class Transaction {
   bool open_ = true;
 };
 
-/// Brings a database to this program's schema, one transaction a migration. Refused by name: a
-/// number that this program does not know, and a migration whose text is not the one that was run.
+/// Brings a database to this program's schema, with one transaction per migration. Refuses, by
+/// number, a migration that this program does not know, and one whose text differs from the text
+/// that was run.
 void migrate(Database& db);
 
 }  // namespace wholehand::clinic

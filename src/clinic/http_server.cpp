@@ -39,7 +39,7 @@ int hexDigit(char c) {
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/// Of a query's value; what is not well formed stays as it is.
+/// Decodes the value of a query; malformed escapes stay unchanged.
 std::string decoded(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -55,7 +55,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-/// This machine's own names, with any port: under DNS rebinding the name is another one.
+/// True when the Host names this machine, with any port. Under DNS rebinding it names another host.
 bool hostAllowed(std::string_view host) {
   const std::size_t colon = host.rfind(':');
   const bool port = colon != std::string_view::npos && host.find(']', colon) == host.npos;
@@ -67,7 +67,7 @@ std::string refusal(const char* code, const std::string& why) {
   return Json({{"refused", code}, {"why", why}}).dump();
 }
 
-/// One connection: one request, one answer.
+/// A connection that handles one request and its answer.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Tcp::socket socket, Clinic& clinic, const std::vector<std::string>& origins,
@@ -108,7 +108,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     } else if (error.category() == http::make_error_code(http::error{}).category()) {
       if (error != http::error::end_of_stream) send(400, refusal("bad_value", "this is no HTTP"));
     } else if (error) {
-      return;  // the client went, or took too long
+      return;  // the client is gone or took too long
     } else if (!hostAllowed(request[http::field::host])) {
       send(403, refusal("bad_value", "the header Host names another machine than this one"));
     } else if (!ours) {

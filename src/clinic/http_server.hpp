@@ -10,14 +10,15 @@
 
 namespace wholehand::clinic {
 
-/// A clinic's HTTP on 127.0.0.1, for the station's pages: Host and Origin are checked, bodies have
-/// at most 64 KiB, at most 64 connections wait, none longer than 10 s. One request a connection.
+/// HTTP server of a clinic on 127.0.0.1, for the station's pages. It checks Host and Origin.
+/// Limits: 64 KiB per body, 64 waiting connections, 10 s of waiting. One request per connection.
 class HttpServer {
  public:
-  /// @param port 0: any free one  @param origins of the pages  @param clinic outlives the server
+  /// @param port 0: any free one  @param origins origins of the pages  @param clinic outlives the
+  /// server
   [[nodiscard]] static Expected<std::unique_ptr<HttpServer>> start(
       Clinic& clinic, std::uint16_t port, const std::vector<std::string>& origins);
-  /// Ends what is under way.
+  /// Cancels requests under way and stops the server.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -69,7 +69,7 @@ std::optional<Key> stretched(std::string_view words, std::string_view salt, std:
   return key;
 }
 
-// 20 bits of the SHA-256 of the others.
+// Check symbols: the first 20 bits of the SHA-256 of the other symbols.
 std::string checkSymbols(std::string_view symbols) {
   const std::string digits = sha256(symbols).substr(0, kCheckSymbols * 2);
   std::string out;
@@ -83,7 +83,8 @@ std::string checkSymbols(std::string_view symbols) {
 
 Key::Key() {
   begin();
-  bytes_.reset(static_cast<unsigned char*>(sodium_malloc(kKey_bytes)));  // locked, guarded
+  bytes_.reset(
+      static_cast<unsigned char*>(sodium_malloc(kKey_bytes)));  // locked memory with guard pages
   if (!bytes_) throw std::bad_alloc();
 }
 void Key::Free::operator()(unsigned char* bytes) const {

@@ -11,27 +11,29 @@
 
 namespace wholehand::clinic {
 
-/// Cost of argon2id, for everything that is derived from words.
+/// Cost of argon2id, for all keys derived from a pass phrase or a recovery code.
 struct KeyCost {
   std::uint64_t passes = 3;
   std::size_t memory_bytes = std::size_t{64} << 20U;
 };
 
-/// The clinic's key: 32 random bytes in locked memory, wiped at the end. Every name, birth date,
-/// number, note and warning is sealed under it (XSalsa20-Poly1305). Any thread, one at a time.
+/// The clinic's key: 32 random bytes in locked memory, wiped on destruction. Every name, birth
+/// date, number, note and warning is encrypted under it (XSalsa20-Poly1305). Any thread, one at a
+/// time.
 class Key {
  public:
   [[nodiscard]] static Key random();
   /// @pre bytes.size() == 32
   [[nodiscard]] static Key from(std::string_view bytes);
 
-  /// @param kind what is sealed ("patient"): text of one kind does not open as another
+  /// Encrypts a text.
+  /// @param kind type of the text ("patient"): a text of one kind cannot be opened as another
   [[nodiscard]] std::string seal(std::string_view kind, std::string_view text) const;
-  /// Empty when it is not of this key and kind, or damaged.
+  /// Decrypts a text; empty when the key or kind differs, or the data are damaged.
   [[nodiscard]] std::optional<std::string> open(std::string_view kind,
                                                 std::string_view sealed) const;
   [[nodiscard]] std::string_view bytes() const;
-  /// Another key, for one purpose: 64 hexadecimal digits that say nothing of this one.
+  /// A derived key for one purpose: 64 hexadecimal digits that reveal nothing about this key.
   [[nodiscard]] std::string derived(std::string_view purpose) const;
 
  private:
@@ -42,31 +44,34 @@ class Key {
   std::unique_ptr<unsigned char, Free> bytes_;
 };
 
-/// The file `keys`: the clinic's key, wrapped by the pass phrase and by the recovery code.
+/// The file `keys`: the clinic's key, encrypted under the pass phrase and under the recovery code.
 struct KeyFile {
-  std::string clinic;                  ///< id of the clinic that it belongs to
-  std::string by_phrase, by_recovery;  ///< JSON: salt, cost, box
+  std::string clinic;                  ///< id of the clinic that the key belongs to
+  std::string by_phrase, by_recovery;  ///< JSON with the keys salt, cost, box
 };
 [[nodiscard]] Expected<KeyFile> readKeyFile(const std::string& path);
 [[nodiscard]] Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys);
 
 [[nodiscard]] std::string wrap(const Key& key, std::string_view words, const KeyCost& cost);
-/// Empty: other words, or damaged.
+/// Decrypts the clinic's key; empty when the words are wrong or the data are damaged.
 [[nodiscard]] std::optional<Key> unwrap(const std::string& wrapped, std::string_view words);
 
-/// 128 random bits and 20 bits that find a typing mistake: six groups of five characters.
+/// A new recovery code: 128 random bits and 20 check bits that detect a typing error, as six groups
+/// of five characters.
 [[nodiscard]] std::string newRecoveryCode();
-/// The code as it was printed; empty when it was mistyped. Case, spaces, hyphens, O for 0 and I or
-/// L for 1 do not matter.
+/// The code in its printed form; empty when it was mistyped. Case, spaces, hyphens, O for 0 and I
+/// or L for 1 do not matter.
 [[nodiscard]] std::optional<std::string> checkedRecoveryCode(std::string_view typed);
 
-/// A PIN's hash; cheap, as there are only 10,000 to try: what guards a PIN is the count of tries.
+/// Hash of a PIN. The hash is cheap, because there are only 10,000 PINs to try; the limit of failed
+/// tries protects a PIN.
 [[nodiscard]] std::string hashPin(const std::string& pin);
 [[nodiscard]] bool pinMatches(const std::string& hash, const std::string& pin);
 
-/// Hexadecimal digits of so many random bytes.
+/// Random bytes as hexadecimal digits.
+/// @param bytes number of random bytes
 [[nodiscard]] std::string randomHex(std::size_t bytes);
-/// Uniform below a bound.
+/// Uniformly distributed random number below a bound.
 [[nodiscard]] std::uint32_t randomBelow(std::uint32_t bound);
 
 }  // namespace wholehand::clinic

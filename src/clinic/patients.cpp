@@ -66,7 +66,7 @@ Patients::Data Patients::read(const Json& body) const {
   if (!born.empty()) {
     const auto day_us = dayOf(born);
     if (!day_us || born < "1900") throw badValue("born", "born is no day like 1956-03-02");
-    // Where it is already tomorrow, a day more.
+    // A day of tolerance covers time zones where the next day has already begun.
     if (*day_us > records_.clock().now_us() + kDay_us) {
       throw badValue("born", "the birth date is in the future");
     }
@@ -98,7 +98,7 @@ Patients::Data Patients::read(const Json& body) const {
 Json Patients::rows(std::string_view find, std::int64_t only) {
   Json rows = Json::array();
   const std::string wanted = folded(find);
-  // Bare columns beside MAX() are those of the last visit.
+  // SQLite takes bare columns next to MAX() from the row with the maximum: the last visit.
   Statement query = records_.db().query(
       "SELECT p.id, p.code, p.side, p.secret,"
       " (SELECT COUNT(*) FROM visit WHERE patient = p.id AND state <> 'no_show'),"
@@ -151,7 +151,7 @@ Json Patients::proposeCode(Call&) {
 Json Patients::add(Call& call) {
   const Data data = read(call.body);
   if (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ?", data.code) != 0) {
-    throw Refused{409, "code_exists", "another patient has the code " + data.code, "code"};
+    throw RequestRefusal{409, "code_exists", "another patient has the code " + data.code, "code"};
   }
   const std::int64_t now_us = records_.clock().now_us();
   records_.db().change(
@@ -175,7 +175,7 @@ void Patients::checkNoOpenVisit(std::int64_t patient) {
   const std::int64_t visit =
       records_.db().number("SELECT id FROM visit WHERE patient = ? AND state = 'open'", patient);
   if (visit != 0) {
-    throw Refused{409, "visit_open", "a visit of this patient is open; finish it first", {}};
+    throw RequestRefusal{409, "visit_open", "a visit of this patient is open; finish it first", {}};
   }
 }
 
@@ -191,7 +191,7 @@ Json Patients::change(Call& call) {
   const Data data = read(call.body);
   if (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ? AND id <> ?", data.code,
                            id) != 0) {
-    throw Refused{409, "code_exists", "another patient has the code " + data.code, "code"};
+    throw RequestRefusal{409, "code_exists", "another patient has the code " + data.code, "code"};
   }
   const std::string plan = clinic::toJson(data.plan).dump();
   if (plan != row.text(1)) {
@@ -221,7 +221,9 @@ void addPoint(Json& curves, const std::string& name, const std::string& exercise
   for (Json& curve : curves) {
     if (curve["name"] != name || curve["exercise"] != exercise) continue;
     Json& points = curve["points"];
-    if (points.back()[0] == at_us) points.erase(points.size() - 1);  // a visit's last trial counts
+    if (points.back()[0] == at_us)
+      points.erase(points.size() - 1);  // a later trial of the same
+                                        // visit replaces the point
     points.push_back({at_us, value});
     return;
   }
@@ -231,7 +233,8 @@ void addPoint(Json& curves, const std::string& name, const std::string& exercise
                     {"points", Json::array({Json::array({at_us, value})})}});
 }
 
-/// Over visits, the oldest first: active minutes, and each result of each exercise's panel.
+/// Curves over the visits, from the oldest: active minutes, and each result of each exercise's
+/// panel.
 Json curvesOf(const Json& visits) {
   Json curves = Json::array();
   for (auto visit = visits.rbegin(); visit != visits.rend(); ++visit) {
@@ -281,7 +284,8 @@ Json Patients::toJson(std::int64_t id) {
       id);
   while (rows.step()) {
     visits.push_back(visitJson(records_, rows.integer(0), false));
-    // The last visit's items, unless the plan was changed since. A no-show has none.
+    // Offers the items of the last visit, unless the plan was changed since. A visit that was
+    // missed has no items.
     const Plan items = planFrom(rows.text(2));
     if (found_last || items.empty()) continue;
     found_last = true;
@@ -316,11 +320,12 @@ Json Patients::merge(Call& call) {
   check(id);
   check(other);
   checkNoOpenVisit(other);
-  // What the other's visits have changed is not this row's to give back.
+  // The moved visits forget the values of the other patient, so that they cannot be restored in
+  // this one.
   records_.db().change("UPDATE visit SET patient = ?, before = '{}' WHERE patient = ?", id, other);
   records_.db().change("UPDATE note SET patient = ? WHERE patient = ?", id, other);
   records_.db().change("UPDATE patient SET version = version + 1 WHERE id = ?", id);
-  // Erasing this one erases the other again where an older backup has it.
+  // The mark is kept, so that erasing this patient also erases the other one in older backups.
   records_.db().change(
       "INSERT INTO merged (patient, mark) SELECT ?, mark FROM patient WHERE id = ?", id, other);
   records_.db().change("UPDATE merged SET patient = ? WHERE patient = ?", id, other);
@@ -345,7 +350,7 @@ Json Patients::erase(Call& call) {
     records_.freeErased();
     call.answer.body = Json({{"erased", true},
                              {"recordings_left", left},
-                             {"gone_from_backups_us", records_.goneFromBackups_us()}})
+                             {"gone_from_backups_us", records_.lastBackupExpires_us()}})
                            .dump();
   });
   return {{"erased", true}};
@@ -403,7 +408,8 @@ std::string csvOf(Database& db, std::int64_t patient) {
                     m.value("level", Json(0)).dump(), csvCell(rows.text(9)));
     const auto line = [&](const std::string& name, const Json& value, const std::string& unit) {
       if (!value.is_number()) return;
-      const std::string number = value.dump();  // may begin with -: a number, and stays one
+      const std::string number = value.dump();  // a leading - belongs to the number and needs no
+                                                // escape
       out += fmt::format("{},{},{},{}\r\n", trial, csvCell(name), number, csvCell(unit));
     };
     for (const Json& result : m.value("results", Json::array())) {

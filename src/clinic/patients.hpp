@@ -10,14 +10,15 @@
 
 namespace wholehand::clinic {
 
-/// Patients: their rows, notes, mistakes, exports. One thread at a time.
+/// Patients: records, notes, corrections, exports. One thread at a time.
 class Patients {
  public:
   Patients(Records& records, Accounts& accounts, Plans& plans)
       : records_(records), accounts_(accounts), plans_(plans) {}
 
-  /// Refuses a number that is no patient's.
+  /// Refuses a number that belongs to no patient.
   void check(std::int64_t id);
+  /// Rows of the list of patients.
   /// @param find part of a name or code; empty: all
   /// @param only a patient's id; 0: all
   [[nodiscard]] Json rows(std::string_view find, std::int64_t only);
@@ -46,8 +47,8 @@ class Patients {
   Plans& plans_;
 };
 
-/// Measured values, one a line, by code, without names and notes; needs no key. @param patient 0:
-/// all
+/// Measured values as CSV, one per line, by code, without names and notes. Needs no key.
+/// @param patient 0: all
 [[nodiscard]] std::string csvOf(Database& db, std::int64_t patient);
 
 }  // namespace wholehand::clinic

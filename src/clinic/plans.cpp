@@ -84,6 +84,7 @@ Plan Plans::readPlan(const Json& items, const std::string& field, const Paramete
     item.level = static_cast<int>(level);
     item.minutes =
         numberOf(row.value("minutes", Json(10)), at + ".minutes", 1, kMostMinutes, "min");
+    // Help and parameters; effort limits must not exceed those of the person.
     const Json help = row.value("help", Json("some"));
     if (help != "full" && help != "some" && help != "none") {
       throw badValue(at + ".help", at + ".help must be full, some or none");
@@ -127,7 +128,7 @@ Parameters Plans::limitsOf(const std::optional<std::int64_t>& patient, const Jso
   for (const auto& [name, value] : force->parameters) {
     const auto heard = scene.bounds.find(name);
     const bool has = heard != scene.bounds.end();
-    if (scene.heard && !has) continue;  // a device without such an axis
+    if (scene.received && !has) continue;  // the device has no such axis
     own.emplace(name, has ? std::clamp(value, heard->second[0], heard->second[1]) : value);
   }
   return own;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "clinic/records.hpp"
-#include "clinic/station.hpp"
+#include "clinic/station_client.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace wholehand::clinic {
 
-/// A plan as the pages have it.
+/// A plan in the JSON form of the pages.
 [[nodiscard]] Json toJson(const Plan& plan);
 [[nodiscard]] Plan planFrom(const std::string& json);
-/// The plan without effort limits above those of the person.
+/// The plan with effort limits reduced to those of the person.
 [[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
 
-/// Reads plans and parameters of requests, within the station's bounds of what it has, else the
-/// shipped ones; says which limits hold for a person.
+/// Reads plans and parameters of requests. It checks them against the bounds that the station
+/// reports, or against the shipped ones. It also computes the limits that apply to a person.
 class Plans {
  public:
   Plans(Records& records, const Station& station) : records_(records), station_(station) {}
@@ -24,8 +24,9 @@ class Plans {
   [[nodiscard]] Parameters readParameters(const Json& values, const std::string& field) const;
   [[nodiscard]] Plan readPlan(const Json& items, const std::string& field,
                               const Parameters& limits) const;
-  /// Force preset, then the person's own, then what was set in the open visit; what the station has
-  /// narrower bounds for is clamped.
+  /// Limits of a person. Later sources override earlier ones: the force preset, the person's own
+  /// values, the values set in the open visit. Values outside narrower bounds of the station are
+  /// clamped.
   [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient,
                                     const Json& changed = Json::object());
   Json presets(Call& call);

@@ -14,7 +14,7 @@
 namespace wholehand::clinic {
 namespace fs = std::filesystem;
 
-// Lets go of a database whose file is gone: it may come back.
+// Closes a database whose file has disappeared; the file may come back.
 void Records::closeLost() {
   try {
     if (db_) db_->checkFile();
@@ -23,7 +23,8 @@ void Records::closeLost() {
   }
 }
 
-// Opens what is not open yet: what hindered it may be gone by the next request.
+// Opens everything that is not open yet. The cause of an earlier failure may be gone by the next
+// request.
 void Records::open() {
   if (db_) return;
   if (!presets_) {
@@ -35,6 +36,7 @@ void Records::open() {
     hands_ = std::move(*hands);
   }
   std::error_code error;
+  // Refuses to create a new database where one existed before.
   const std::string path = options_.folder + "/clinic.db", keys_path = options_.folder + "/keys";
   if (!fs::exists(path, error) && (was_open_ || fs::exists(keys_path, error))) {
     throw DatabaseError(path + ": is gone: put it back, or restore a backup");
@@ -44,6 +46,7 @@ void Records::open() {
   fs::permissions(options_.folder, fs::perms::owner_all, error);
   Database db(path, Database::Mode::kCreate);
   migrate(db);
+  // Checks that the key file belongs to this database.
   Statement clinic = db.query("SELECT id FROM clinic");
   if (clinic.step()) {
     const auto keys = readKeyFile(keys_path);
@@ -105,13 +108,13 @@ bool Records::tryToLog(std::int64_t account, const std::string& what, std::int64
   }
 }
 
-// Erased rows are overwritten at once; the log beside the database has them until it is emptied.
+// Erased rows are overwritten at once, but the write-ahead log keeps them until it is emptied.
 void Records::tryToCompact() {
   if (!compact_due_ || !db_) return;
   try {
     compact(*db_);
     compact_due_ = false;
-  } catch (const DatabaseError&) {  // the next minute tries again
+  } catch (const DatabaseError&) {  // the next call, a minute later, tries again
   }
 }
 
@@ -148,7 +151,7 @@ Json Records::backupFacts() const {
   return facts;
 }
 
-std::int64_t Records::goneFromBackups_us() const {
+std::int64_t Records::lastBackupExpires_us() const {
   return last_backup_us_ == 0 ? 0 : last_backup_us_ + kBackupsKept_us;
 }
 

@@ -15,56 +15,59 @@
 namespace wholehand::clinic {
 
 struct ClinicOptions {
-  std::string folder;      ///< of clinic.db, keys, erased, hands/
+  std::string folder;      ///< holds clinic.db, keys, erased, hands/
   std::string config;      ///< the shipped config/
-  std::string recordings;  ///< empty: none are looked at
-  std::string backups;     ///< a backup a day goes here; empty: none
+  std::string recordings;  ///< folder of the recordings; empty: recordings are not read
+  std::string backups;     ///< folder of the daily backups; empty: none
   KeyCost cost;
 };
 
-/// What a clinic keeps: the database, the key that opens its sealed texts, the log, the backups,
-/// and what it was shipped with. One thread at a time. Throws DatabaseError.
+/// Everything that a clinic stores: the database, the key for its encrypted texts, the log and the
+/// backups; also the shipped presets and hands. One thread at a time. Throws DatabaseError.
 class Records {
  public:
   Records(ClinicOptions options, const Clock& clock)
       : options_(std::move(options)), clock_(clock) {}
 
-  /// Opens what is not open yet: what hindered it may be gone by the next request.
+  /// Opens everything that is not open yet. The cause of an earlier failure may be gone by the next
+  /// request.
   void open();
-  /// Lets go of a database whose file is gone: it may come back.
+  /// Closes a database whose file has disappeared; the file may come back.
   void closeLost();
   [[nodiscard]] bool isOpen() const { return db_.has_value(); }
-  /// Throws where it was let go of: whoever gave up the lock in between asks again.
+  /// The database. Throws when it was closed, which may happen while a request has released the
+  /// lock; the client then asks again.
   [[nodiscard]] Database& db();
-  /// @pre open() has returned once; likewise below
+  /// Shipped presets, here and below. @pre open() has returned once
   [[nodiscard]] const Presets& presets() const { return *presets_; }
   [[nodiscard]] const std::vector<ShippedHand>& hands() const { return hands_; }
   [[nodiscard]] const ClinicOptions& options() const { return options_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
-  /// Whether nobody has begun this clinic.
+  /// True when no clinic was created here yet.
   [[nodiscard]] bool isNew() { return db().number("SELECT COUNT(*) FROM clinic") == 0; }
   /// The key; empty while the clinic is locked.
   [[nodiscard]] const std::optional<Key>& key() const { return key_; }
   void unlock(Key key) { key_ = std::move(key); }
   void lock() { key_.reset(); }
-  /// Both throw while the clinic is locked.
+  /// Encrypt and decrypt a text; both throw while the clinic is locked.
   [[nodiscard]] std::string seal(std::string_view kind, std::string_view text) const;
   [[nodiscard]] std::string unseal(std::string_view kind, std::string_view sealed) const;
 
   void begin(Call& call) { call.transaction.emplace(db()); }
   void log(std::int64_t account, const std::string& what, std::int64_t patient = 0,
            std::int64_t visit = 0, const std::string& detail = {});
-  /// Writes the log where it can: a full disk keeps nobody from reading.
+  /// Writes the log if possible; a full disk must not keep anybody from reading. @return true when
+  /// written
   bool tryToLog(std::int64_t account, const std::string& what, std::int64_t patient = 0);
 
-  /// Frees what was erased; where the disk is full, the next call of backUpIfDue() does.
+  /// Frees the space of erased rows; if the disk is full, a later backUpIfDue() does.
   void freeErased();
   void backUpIfDue();
-  /// When the last backup was made, in which folder, and why none could be.
+  /// Time and folder of the last backup, and the reason if none could be made.
   [[nodiscard]] Json backupFacts() const;
-  /// From when on no backup has what is erased now; 0: none has it.
-  [[nodiscard]] std::int64_t goneFromBackups_us() const;
+  /// Time from which no backup contains data erased now [µs UTC]; 0: no backup contains them.
+  [[nodiscard]] std::int64_t lastBackupExpires_us() const;
 
  private:
   void tryToCompact();
@@ -73,13 +76,14 @@ class Records {
   const ClinicOptions options_;
   const Clock& clock_;
   std::optional<Database> db_;
-  bool was_open_ = false;  ///< the database was there once: none is made in its place
+  bool was_open_ = false;  ///< the database existed once, so a missing one is not created again
   std::optional<Key> key_;
   std::optional<Presets> presets_;
   std::vector<ShippedHand> hands_;
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
-  bool compact_due_ = false;  ///< rows were erased; a full disk kept their pages from being freed
+  bool compact_due_ = false;  ///< rows were erased, but a full disk kept their pages from being
+                              ///< freed
 };
 
 }  // namespace wholehand::clinic

@@ -12,14 +12,15 @@ namespace {
 
 constexpr std::size_t kMostDepth = 16;
 
-/// As Json::parse(). A key that stands twice is refused: which of the two was meant, nobody knows.
+/// Parses JSON like Json::parse(), but refuses a key that occurs twice in an object, because its
+/// meaning is unclear.
 Json parsedOnce(const std::string& body) {
-  std::vector<std::set<std::string>> keys;  // of each object that is being read
+  std::vector<std::set<std::string>> keys;  // keys of each object being read
   return Json::parse(body, [&keys](int, Json::parse_event_t event, const Json& value) {
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second) {
-      throw badValue("", "a key stands twice");  // unnamed: any text could be one
+      throw badValue("", "a key stands twice");  // the key is not quoted: it may be any text
     }
     return true;
   });
@@ -69,7 +70,7 @@ Json parsed(const std::string& body) {
   } catch (const Json::exception& error) {
     const std::string why = error.what();
     const bool utf8 = why.find("UTF-8") != std::string::npos;
-    // Not the parser's words: they quote what was sent.
+    // The parser's own message is not used, because it quotes the request.
     throw badValue("", utf8 ? "the text is not UTF-8" : "the body is not JSON");
   }
   if (!json.is_object()) throw badValue("", "the body is no JSON object");

@@ -12,75 +12,76 @@
 #include <utility>
 #include <vector>
 
-/// Requests of the pages, and how they are answered or refused.
+/// Requests of the pages, their answers and refusals.
 namespace wholehand::clinic {
 
 using Json = nlohmann::json;
 
-/// Why a request changes nothing; thrown inside of the clinic, answered as JSON. `code` is a stable
-/// word that the pages know.
-struct Refused {
+/// Reason why a request was refused; it changes nothing. Thrown inside the clinic and answered as
+/// JSON. `code` is a stable word that the pages know.
+struct RequestRefusal {
   int status = 400;
   std::string code, why, field;
   Json more = Json::object();  ///< further keys of the answer
 };
 
-[[nodiscard]] inline Refused badValue(std::string field, std::string why) {
+[[nodiscard]] inline RequestRefusal badValue(std::string field, std::string why) {
   return {400, "bad_value", std::move(why), std::move(field)};
 }
-[[nodiscard]] inline Refused notFound(std::string what) {
+[[nodiscard]] inline RequestRefusal notFound(std::string what) {
   return {404, "not_found", std::move(what), {}};
 }
-/// Something was changed since the page looked.
-[[nodiscard]] inline Refused changedMeanwhile(std::string why, Json now) {
+/// Refusal of a request whose data were changed since the page read them.
+[[nodiscard]] inline RequestRefusal changedMeanwhile(std::string why, Json now) {
   return {409, "changed", std::move(why), {}, {{"now", std::move(now)}}};
 }
 
 struct Request {
   std::string method;  ///< "GET", "POST", "PUT", "DELETE"
-  std::string path;    ///< "/api/patients/3", decoded
-  std::string find;    ///< query's `find`, decoded
-  std::string token;   ///< of the session; empty: none
-  std::string key;     ///< Idempotency-Key
+  std::string path;    ///< decoded, e.g. "/api/patients/3"
+  std::string find;    ///< value of `find` in the query, decoded
+  std::string token;   ///< token of the session; empty: none
+  std::string key;     ///< header Idempotency-Key
   std::string body;
 };
 
 struct Answer {
   int status = 200;
   std::string type = "application/json";
-  std::string file;  ///< name under which a browser saves it; empty: it shows it
+  std::string file;  ///< name under which a browser saves the answer; empty: the browser shows it
   std::string body;
 };
 
-/// Somebody who is signed in.
+/// Session of somebody who is signed in.
 struct Session {
   std::int64_t account = 0;
-  std::int64_t last_us = 0;  ///< steady clock
+  std::int64_t last_us = 0;  ///< time of the last request, steady clock
   bool hidden = false;
-  std::int64_t opened_patient = 0;  ///< last one in the log
+  std::int64_t opened_patient = 0;  ///< last opened patient in the log
 };
 
-/// A request that is being answered.
+/// A request under way.
 struct Call {
   const Request& request;
   std::unique_lock<std::mutex>& lock;
   Json body = Json::object();
-  std::vector<std::int64_t> ids = {};  ///< numbers of the path
+  std::vector<std::int64_t> ids = {};  ///< numbers in the path
   Session session = {};
   std::string session_id = {};
   Answer answer = {};
   std::optional<Transaction> transaction = {};
-  std::vector<std::function<void()>> after = {};  ///< once all is committed
+  std::vector<std::function<void()>> after = {};  ///< called after the commit
 };
 
-/// Values of a body. Each throws badValue() of its field.
+/// Values of a request's body. Each function throws badValue() with the field's name.
 [[nodiscard]] std::string textOf(const Json& body, const char* key, const std::string& field);
-/// Empty where there is none. @param most characters @param lines line feeds are allowed
+/// Text of a key; empty when the key is missing. @param most limit in characters @param lines line
+/// feeds are allowed
 [[nodiscard]] std::string textOr(const Json& body, const char* key, std::size_t most,
                                  bool lines = false);
 [[nodiscard]] double numberOf(const Json& value, const std::string& field, double lower,
                               double upper, const std::string& unit);
-/// The body of a request, an object.
+/// Parses the body of a request, which must be an object.
 [[nodiscard]] Json parsed(const std::string& body);
 
 }  // namespace wholehand::clinic

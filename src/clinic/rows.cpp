@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLongestNote = 4000, kLongestNoteKind = 20;
 
-/// "right" or "left", the end of every hand's name; empty: another.
+/// Side of a hand from the end of its name: "right" or "left"; empty: neither.
 std::string sideOfHand(const Json& measures) {
   const std::string hand = measures.value("hand", "");
   for (const char* side : {"right", "left"}) {
@@ -149,7 +149,8 @@ void insertNote(Records& records, Call& call, std::optional<std::int64_t> patien
   const std::int64_t now_us = records.clock().now_us();
   const Json at = call.body.value("at_us", Json(now_us));
   const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
-  if (at_us < 0 || at_us > now_us + 2 * kDay_us) {  // the clock may have been set back meanwhile
+  if (at_us < 0 || at_us > now_us + 2 * kDay_us) {  // a tolerance of two days, because the clock
+                                                    // may have been set back
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
   records.db().change(

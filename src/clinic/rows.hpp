@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-/// Rows of visits, trials and notes, and how the pages have them.
+/// Rows of visits, trials and notes, and their JSON form for the pages.
 namespace wholehand::clinic {
 
 struct VisitRow {
@@ -22,20 +22,23 @@ struct VisitRow {
 [[nodiscard]] VisitRow visitRow(Database& db, std::int64_t id);
 [[nodiscard]] Json visitJson(Records& records, std::int64_t id, bool hidden);
 [[nodiscard]] std::int64_t takeVisitNumber(Database& db);
-/// A visit without a plan, which is over. @return its number
+/// Inserts a finished visit without a plan. @return its number
 std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t account,
                          const std::string& side, std::int64_t began_us, std::int64_t ended_us,
                          const std::string& state);
 
-/// What trialsIn() reads.
+/// Columns that trialsIn() reads.
 inline constexpr std::string_view kTrialColumns =
     "SELECT item, recording, began_us, state, why, measures, id FROM trial";
-/// @param rows with the columns kTrialColumns
+/// Trials as JSON.
+/// @param rows query with the columns kTrialColumns
 [[nodiscard]] Json trialsIn(Statement rows, const Plan& plan);
 
-/// @param column whose id it is: "patient", "visit" or "id"
+/// Notes as JSON.
+/// @param column column that `id` refers to: "patient", "visit" or "id"
 [[nodiscard]] Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden);
-/// @param id its number; empty: the next one
+/// Inserts a note.
+/// @param id number of the note; empty: the next one
 void insertNote(Records& records, Call& call, std::optional<std::int64_t> patient,
                 std::optional<std::int64_t> visit, std::optional<std::int64_t> id = {});
 

@@ -44,7 +44,7 @@ std::string folded(std::string_view utf8) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     const auto c = static_cast<unsigned char>(out[i]);
     if (c >= 'A' && c <= 'Z') out[i] = static_cast<char>(c + 32);
-    // U+00C0 to U+00DE, but the sign of multiplication.
+    // Letters U+00C0 to U+00DE, without the multiplication sign U+00D7.
     const bool accented = i > 0 && static_cast<unsigned char>(out[i - 1]) == 0xC3U;
     if (accented && c >= 0x80U && c <= 0x9EU && c != 0x97U) out[i] = static_cast<char>(c + 32);
   }

@@ -6,17 +6,18 @@
 #include <string>
 #include <string_view>
 
-/// Text and times as a therapist types them and as a table shows them.
+/// Text and times in the forms that therapists type and tables show.
 namespace wholehand::clinic {
 
 inline constexpr std::int64_t kSecond_us = 1'000'000, kDay_us = 86'400 * kSecond_us;
 
-/// The time of day, which may be set back, and a clock that only goes on. Any thread.
+/// Wall clock, which may be set back, and a monotonic clock. Any thread.
 class Clock {
  public:
   virtual ~Clock() = default;
-  [[nodiscard]] virtual std::int64_t now_us() const = 0;     ///< UTC since 1970
-  [[nodiscard]] virtual std::int64_t steady_us() const = 0;  ///< since any moment
+  [[nodiscard]] virtual std::int64_t now_us() const = 0;     ///< UTC since 1970 [µs]
+  [[nodiscard]] virtual std::int64_t steady_us() const = 0;  ///< monotonic, since an arbitrary
+                                                             ///< moment [µs]
   /// Local time minus UTC at a moment [min].
   [[nodiscard]] virtual int offset_min(std::int64_t at_us) const = 0;
 };
@@ -29,10 +30,10 @@ class SystemClock final : public Clock {
   [[nodiscard]] int offset_min(std::int64_t at_us) const override;
 };
 
-/// Lower case of ASCII and of Latin letters with accents, for searching.
+/// Lower case of ASCII letters and of Latin letters with accents, for searching.
 [[nodiscard]] std::string folded(std::string_view utf8);
-/// True for at most `most` characters of UTF-8 without control characters (line feeds only where
-/// allowed).
+/// True for UTF-8 text of at most `most` characters without control characters. Line feeds are
+/// allowed if `lines` is true.
 [[nodiscard]] bool isText(std::string_view utf8, std::size_t most, bool lines);
 /// Microseconds of a day "1956-03-02" at 0:00 UTC; empty: no such day.
 [[nodiscard]] std::optional<std::int64_t> dayOf(std::string_view iso);
@@ -41,9 +42,9 @@ class SystemClock final : public Clock {
 /// "2026-11-28T04:22:37Z", and with an offset of local time "2026-11-28T05:22:37+01:00".
 [[nodiscard]] std::string isoTime(std::int64_t at_us);
 [[nodiscard]] std::string isoTime(std::int64_t at_us, int offset_min);
-/// A cell of a CSV file: quoted where needed; a spreadsheet takes none for a formula.
+/// A cell of a CSV file, quoted where needed, so that a spreadsheet does not take it for a formula.
 [[nodiscard]] std::string csvCell(std::string_view text);
-/// Levels of nesting of a JSON text, not parsed.
+/// Nesting depth of a JSON text, without parsing it.
 [[nodiscard]] std::size_t jsonDepth(std::string_view json);
 
 }  // namespace wholehand::clinic

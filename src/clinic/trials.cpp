@@ -15,20 +15,21 @@ namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSettled_us = 2 * kSecond_us;  // one that is written to changes more often
-/// What failed is tried again: the memory, the disk or the program may be there again.
+constexpr std::int64_t kSettled_us = 2 * kSecond_us;  // a recording in progress changes more often
+/// Intervals of further attempts after a failure, because memory, disk or program may be available
+/// again.
 constexpr std::int64_t kAgain_us = 30 * kSecond_us, kLongestAgain_us = 3600 * kSecond_us;
 constexpr int kMostDoublings = 7;
 constexpr std::size_t kLongestReason = 300;
 constexpr std::uint64_t kOutput_bytes = 1 << 20;
 
-struct Found {
+struct FileEntry {
   std::string name;
   std::int64_t size = 0, modified_ns = 0;
 };
 
-std::vector<Found> recordingsOf(const std::string& folder) {
-  std::vector<Found> out;
+std::vector<FileEntry> recordingsOf(const std::string& folder) {
+  std::vector<FileEntry> out;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (it->path().extension() != ".h5") continue;
@@ -40,7 +41,7 @@ std::vector<Found> recordingsOf(const std::string& folder) {
   return out;
 }
 
-/// What a trial's row gets.
+/// Result of measuring a recording, for its row.
 struct Outcome {
   std::string state, why;
   std::optional<std::int64_t> visit;
@@ -57,7 +58,8 @@ bool isVisit(Database& db, std::int64_t id) {
   return db.number("SELECT COUNT(*) FROM visit WHERE id = ?", id) != 0;
 }
 
-/// Of one that cannot be read: its name says whose it is, if it has still the station's.
+/// Outcome for a recording that cannot be read. Its file name names the visit, if the station gave
+/// the name.
 Outcome failed(Database& db, const std::string& name, const std::string& why) {
   constexpr std::string_view kWord = "-visit-";
   constexpr std::size_t kMostDigits = 16;
@@ -73,7 +75,7 @@ Outcome failed(Database& db, const std::string& name, const std::string& why) {
   return out;
 }
 
-Outcome judged(Database& db, const std::string& name, const Json& json) {
+Outcome outcomeOf(Database& db, const std::string& name, const Json& json) {
   Outcome out;
   const Json recording = json.value("recording", Json::object());
   out.sha256 = recording.value("sha256", "");
@@ -90,7 +92,7 @@ Outcome judged(Database& db, const std::string& name, const Json& json) {
   if (visit != 0) {
     out.visit = visit;
   } else {
-    // Recorded outside of a visit; it may have been given to one.
+    // The session was recorded outside a visit; somebody may have assigned it to one since.
     const std::int64_t given = db.number("SELECT visit FROM trial WHERE recording = ?", name);
     if (given != 0) out.visit = given;
   }
@@ -104,7 +106,8 @@ Outcome judged(Database& db, const std::string& name, const Json& json) {
   return out;
 }
 
-/// The same recording under another name: one that was renamed takes its row, a copy counts not.
+/// Finds the same recording under another name. A renamed recording takes over the old row; a copy
+/// is ignored.
 void findUnderAnotherName(Database& db, const std::string& recordings, const std::string& name,
                           Outcome& out) {
   if (out.sha256.empty() || out.state == "ignored") return;
@@ -117,14 +120,15 @@ void findUnderAnotherName(Database& db, const std::string& recordings, const std
   if (!fs::exists(fs::path(recordings) / same.text(1), error)) {
     if (!same.isNull(2)) out.visit = same.integer(2);
     db.change("DELETE FROM trial WHERE id = ?", same.integer(0));
-  } else if (!out.visit || !same.isNull(2)) {  // one that was given stays given
+  } else if (!out.visit || !same.isNull(2)) {  // a recording that was assigned to a visit stays
+                                               // there
     out.state = "ignored";
     out.why = "is a copy of " + same.text(1);
     out.visit.reset();
   }
 }
 
-void insertOrUpdate(Database& db, const Found& file, const Outcome& out) {
+void insertOrUpdate(Database& db, const FileEntry& file, const Outcome& out) {
   db.change(
       "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, sha256,"
       " measures_version, measures) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
@@ -141,17 +145,17 @@ void insertOrUpdate(Database& db, const Found& file, const Outcome& out) {
 
 }  // namespace
 
-void Trials::store(const std::string& name, const SeenFile& file, const std::optional<Json>& json,
+void Trials::store(const std::string& name, const FileState& file, const std::optional<Json>& json,
                    const std::string& why) {
   const std::lock_guard lock(mutex_);
   Transaction transaction(records_.db());
-  Outcome out = json ? judged(records_.db(), name, *json) : failed(records_.db(), name, why);
+  Outcome out = json ? outcomeOf(records_.db(), name, *json) : failed(records_.db(), name, why);
   findUnderAnotherName(records_.db(), records_.options().recordings, name, out);
   insertOrUpdate(records_.db(), {name, file.size, file.modified_ns}, out);
   transaction.commit();
 }
 
-/// Recordings that the table has and the folder has not.
+/// Marks recordings that are in the table but no longer in the folder.
 void Trials::noteMissing(std::set<std::string> present) {
   const std::lock_guard lock(mutex_);
   if (present == present_) return;
@@ -194,21 +198,23 @@ void Trials::look(const Measure& measure, const std::function<bool()>& stop) {
       const std::lock_guard lock(mutex_);
       records_.open();
     }
-    const std::vector<Found> found = recordingsOf(records_.options().recordings);
+    // Lists the folder, and marks recordings that are gone.
+    const std::vector<FileEntry> found = recordingsOf(records_.options().recordings);
     std::set<std::string> present;
-    for (const Found& file : found) present.insert(file.name);
+    for (const FileEntry& file : found) present.insert(file.name);
     const std::string written = fs::path(station_.scene().recording).filename().string();
     if (!written.empty()) present.insert(written);
     std::error_code error;
     if (fs::is_directory(records_.options().recordings, error)) noteMissing(present);
-    for (const Found& file : found) {
+    for (const FileEntry& file : found) {
       if (file.name == written) continue;
-      SeenFile seen;
+      // Skips a file that is known, was changed a moment ago, or has to wait after a failure.
+      FileState seen;
       {
         const std::lock_guard lock(mutex_);
         const std::int64_t now_us = records_.clock().steady_us();
         auto [at, is_new] = files_.try_emplace(file.name);
-        SeenFile& known = at->second;
+        FileState& known = at->second;
         if (is_new || known.size != file.size || known.modified_ns != file.modified_ns) {
           Statement row = records_.db().query(
               "SELECT 1 FROM trial WHERE recording = ? AND size = ? AND modified_ns = ? AND state "
@@ -219,21 +225,22 @@ void Trials::look(const Measure& measure, const std::function<bool()>& stop) {
         if (known.known || now_us < known.due_us) continue;
         seen = known;
       }
+      // Measures without the lock, then stores the result.
       std::string why;
       const std::optional<Json> json =
           measure((fs::path(records_.options().recordings) / file.name).string(), why);
       if (stop && stop()) return;
       store(file.name, seen, json, why);
       const std::lock_guard lock(mutex_);
-      SeenFile& known = files_[file.name];
+      FileState& known = files_[file.name];
       known.known = json.has_value();
       known.due_us =
           records_.clock().steady_us() + std::min(kAgain_us << known.failed, kLongestAgain_us);
       known.failed = std::min(known.failed + 1, kMostDoublings);
     }
-  } catch (const DatabaseError&) {  // the next look finds what this one missed
+  } catch (const DatabaseError&) {  // the next call finds the recordings missed now
   } catch (const Json::exception&) {
-  } catch (const Refused&) {
+  } catch (const RequestRefusal&) {
   }
 }
 
@@ -244,7 +251,7 @@ Measure measureByChild(std::string program, std::function<bool()> stop) {
     limits.time = std::chrono::seconds(120);
     limits.output_bytes = kOutput_bytes;
     limits.idle_disk = true;
-    // Its one line of standard error is the reason.
+    // The child writes the reason as one line to standard error.
     const ChildResult result =
         runChild("/bin/sh", {"-c", R"(exec nice -n 19 "$0" measures "$1" 2>&1)", program, path},
                  limits, stop);
@@ -270,12 +277,12 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     Database db(folder + "/clinic.db", Database::Mode::kReadWrite);
     migrate(db);
     int measured = 0, others = 0;
-    const std::vector<Found> found = recordingsOf(recordings);
-    for (const Found& file : found) {
+    const std::vector<FileEntry> found = recordingsOf(recordings);
+    for (const FileEntry& file : found) {
       std::string why;
       const auto json = measure((fs::path(recordings) / file.name).string(), why);
       Transaction transaction(db);
-      Outcome out = json ? judged(db, file.name, *json) : failed(db, file.name, why);
+      Outcome out = json ? outcomeOf(db, file.name, *json) : failed(db, file.name, why);
       findUnderAnotherName(db, recordings, file.name, out);
       ++(out.state == "measured" ? measured : others);
       insertOrUpdate(db, file, out);

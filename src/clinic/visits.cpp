@@ -17,11 +17,11 @@
 namespace wholehand::clinic {
 namespace {
 
-/// So long a difference between station and database is an order on its way.
+/// A shorter difference between station and database means that an order is still on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 constexpr int kMostPain = 10;
 constexpr std::int64_t kLastNote = (std::int64_t{1} << 48) - 1;
-constexpr double kRounding = 1e-6;  // of single precision on the wire
+constexpr double kRounding = 1e-6;  // tolerance for values sent in single precision
 constexpr int kMostTrials = 100;
 
 std::string sideOf(const Json& body) {
@@ -39,7 +39,7 @@ std::int64_t Visits::openOne() {
 VisitRow Visits::visitFor(const Call& call, std::int64_t id) {
   VisitRow visit = visitRow(records_.db(), id);
   if (call.session.hidden && visit.state != "open") {
-    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+    throw RequestRefusal{403, "hidden", "names are hidden; type the PIN to show them", {}};
   }
   return visit;
 }
@@ -68,7 +68,8 @@ VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
   return order;
 }
 
-/// What the station will have: an item that follows raises no limit that was lowered.
+/// Settings that the station will have after the order: within a visit, a later item does not raise
+/// a lowered effort limit.
 Json Visits::inForce(const VisitOrder& order) const {
   Parameters values = order.parameters;
   const StationScene scene = station_.scene();
@@ -80,8 +81,8 @@ Json Visits::inForce(const VisitOrder& order) const {
   return {{"parameters", values}, {"help", order.help}, {"level", order.level}};
 }
 
-/// Keeps with the open visit what was set at the station since the last look: the item's, where it
-/// names a parameter, else the person's.
+/// Saves in the open visit what was set at the station since the last call. A value belongs to the
+/// item if the item names that parameter, else to the person.
 void Visits::keepSettings(VisitRow& visit) {
   const StationScene scene = station_.scene();
   const bool same = scene.visit == static_cast<std::uint64_t>(visit.id) && scene.item == visit.item;
@@ -90,6 +91,7 @@ void Visits::keepSettings(VisitRow& visit) {
   const Parameters limits = plans_.limitsOf(visit.patient, visit.changed);
   Json& known = visit.in_force["parameters"];
   const Json before = visit.in_force;
+  // Parameters that differ from the last known values.
   for (const auto& [name, value] : scene.values) {
     const auto first = scene.initial.find(name);
     if (first == scene.initial.end() || !records_.presets().bounds.contains(name)) continue;
@@ -102,6 +104,7 @@ void Visits::keepSettings(VisitRow& visit) {
     if (items) item.parameters[name] = value;
     if (!items || above) visit.changed[name] = value;
   }
+  // Help and level of the item.
   if (scene.exercise == item.exercise) {
     if (!scene.help.empty() && scene.help != visit.in_force["help"]) {
       visit.in_force["help"] = item.help = scene.help;
@@ -118,8 +121,8 @@ void Visits::keepSettings(VisitRow& visit) {
   transaction.commit();
 }
 
-/// Ends a visit: what was set in it is the person's from now on. One that was unfinished has given
-/// it already; the person may have been changed since.
+/// Ends a visit and keeps the values set in it as the person's own. An unfinished visit has already
+/// done so; the person's values may have changed since.
 void Visits::close(std::int64_t account, VisitRow visit, const std::string& state) {
   records_.db().change("UPDATE visit SET state = ?, ended_us = ? WHERE id = ?",
                        visit.patient ? state : std::string("guest"),
@@ -137,15 +140,15 @@ void Visits::close(std::int64_t account, VisitRow visit, const std::string& stat
   records_.db().change("UPDATE visit SET before = ? WHERE id = ?", visit.before.dump(), visit.id);
   records_.db().change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?",
                        own.dump(), *visit.patient);
-  // An item above a limit that was lowered would be refused at the next change of the person.
+  // Caps the plan: an item above a lowered limit would be refused at the next change of the person.
   records_.db().change("UPDATE patient SET plan = ? WHERE id = ?",
                        toJson(capped(planFrom(row.text(1)), plans_.limitsOf(visit.patient))).dump(),
                        *visit.patient);
   records_.log(account, "kept settings", *visit.patient, visit.id, visit.changed.dump());
 }
 
-/// Gives the person back what the visit has changed, unless it was changed again: the visit was
-/// another's.
+/// Restores the person's values from before the visit, except those changed again since. Used when
+/// the visit belongs to somebody else.
 void Visits::takeBackSettings(const VisitRow& visit) {
   if (!visit.patient || visit.before.empty()) return;
   Statement row =
@@ -161,7 +164,7 @@ void Visits::takeBackSettings(const VisitRow& visit) {
                        own.dump(), *visit.patient);
 }
 
-/// A shipped hand of this size, or a file of the visit's own.
+/// Chooses a shipped hand of the person's size, or writes a hand file for the visit.
 void Visits::chooseHand(VisitRow& visit) {
   visit.hand = "adult-median-" + visit.side;
   if (!visit.patient) return;
@@ -178,11 +181,11 @@ void Visits::chooseHand(VisitRow& visit) {
   const auto written = writeHandFile(records_.options().config + "/hands",
                                      records_.options().folder + "/hands/" + visit.hand_file, name,
                                      visit.side, length_m, breadth_m);
-  if (!written) throw Refused{503, "database", format(written.errors()), field};
+  if (!written) throw RequestRefusal{503, "database", format(written.errors()), field};
 }
 
-/// Makes an unfinished visit again the person's whom it is of now: side, hand and limits may have
-/// been changed since, or the visit moved.
+/// Adapts an unfinished visit to its present person: side, hand and limits may have changed since,
+/// or the visit was moved to another person.
 void Visits::fitToPerson(VisitRow& visit) {
   refuseOtherSide(*visit.patient, visit.side);
   Statement row =
@@ -218,20 +221,22 @@ void Visits::refuseOtherSide(std::int64_t patient, const std::string& side) {
 }
 
 void Visits::refuseWhileAsking() const {
-  if (asking_) throw Refused{409, "busy", "the station is being asked already; try again", {}};
+  if (asking_)
+    throw RequestRefusal{409, "busy", "the station is being asked already; try again", {}};
 }
 
 void Visits::refuseWhileOpen() {
   const std::int64_t open = openOne();
   if (open == 0) return;
-  throw Refused{409,
-                "visit_open",
-                "another visit is open; finish it first",
-                {},
-                {{"now", visitJson(records_, open, false)}}};
+  throw RequestRefusal{409,
+                       "visit_open",
+                       "another visit is open; finish it first",
+                       {},
+                       {{"now", visitJson(records_, open, false)}}};
 }
 
-/// Sends an order and waits for its reply; other requests go on meanwhile.
+/// Sends an order and waits for its reply. The lock is released meanwhile, so that other requests
+/// continue.
 void Visits::ask(Call& call, const std::function<StationReply()>& order) {
   refuseWhileAsking();
   asking_ = true;
@@ -245,9 +250,10 @@ void Visits::ask(Call& call, const std::function<StationReply()>& order) {
   call.lock.lock();
   asking_ = false;
   apart_since_us_ = 0;
-  if (reply.what == StationReply::What::kRefused) throw Refused{409, "station", reply.why, {}};
-  if (reply.what == StationReply::What::kSilent) {
-    throw Refused{504, "station_silent", reply.why, {}};
+  if (reply.what == StationReply::Status::kRefused)
+    throw RequestRefusal{409, "station", reply.why, {}};
+  if (reply.what == StationReply::Status::kSilent) {
+    throw RequestRefusal{504, "station_silent", reply.why, {}};
   }
 }
 
@@ -256,14 +262,16 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   if (plan.empty()) throw badValue("plan", "a visit has at least one item");
   refuseWhileAsking();
   refuseWhileOpen();
-  if (!station_.scene().heard) {  // it hears of no number: there is nothing to keep
-    throw Refused{504, "station_silent", "the station is not connected", {}};
+  if (!station_.scene().received) {  // the station would not learn the visit number, so no row is
+                                     // needed
+    throw RequestRefusal{504, "station_silent", "the station is not connected", {}};
   }
   VisitRow visit;
   visit.patient = patient;
   visit.side = side;
   visit.plan = plan;
-  // The row is on the disk before the station knows its number: no recording is without one.
+  // The row is on the disk before the station gets the visit number, so that every recording has a
+  // visit.
   records_.begin(call);
   visit.id = takeVisitNumber(records_.db());
   chooseHand(visit);
@@ -280,8 +288,9 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   call.transaction.reset();
   try {
     ask(call, [&] { return station_.open(order); });
-  } catch (const Refused& refused) {
-    // One that did not answer may still obey: its recordings will name this visit.
+  } catch (const RequestRefusal& refused) {
+    // A station that did not answer may still obey, and its recordings then name this visit. The
+    // row stays.
     const bool silent = refused.code == "station_silent";
     Transaction transaction(records_.db());
     if (silent) {
@@ -343,8 +352,8 @@ Json Visits::nextItem(Call& call) {
   const Json in_force = inForce(order);
   ask(call, [&] { return station_.open(order); });
   records_.begin(call);
-  // Another console may have finished or moved it meanwhile: then nothing changes, and the station
-  // is told.
+  // If another console has finished or moved the visit meanwhile, no row matches and nothing
+  // changes here; the comparison with the station closes it there.
   records_.db().change(
       "UPDATE visit SET item = ?, in_force = ?, state = 'open', ended_us = 0 WHERE id = ? AND state"
       " = ? AND patient IS ?",
@@ -365,8 +374,9 @@ Json Visits::finish(Call& call) {
                            visitJson(records_, visit.id, call.session.hidden));
   }
   if (visit.state == "open") keepSettings(visit);
-  // A station that is not there has nothing open; lookAtStation() closes it when it comes back.
-  if (visit.state == "open" && station_.scene().heard) {
+  // A disconnected station cannot be asked; lookAtStation() closes the visit when the station is
+  // back.
+  if (visit.state == "open" && station_.scene().received) {
     ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit.id)); });
   }
   records_.begin(call);
@@ -382,7 +392,7 @@ Json Visits::note(Call& call) {
   return visitJson(records_, visit.id, call.session.hidden);
 }
 
-/// A note whose number the page has drawn: new, or the same again with its text of now.
+/// Stores a note whose number the page has drawn: a new note, or the new text of an existing one.
 Json Visits::putNote(Call& call) {
   const std::int64_t id = call.ids.at(0);
   const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
@@ -397,12 +407,13 @@ Json Visits::putNote(Call& call) {
   records_.begin(call);
   Statement row =
       records_.db().query("SELECT patient, visit, account, at_us, kind FROM note WHERE id = ?", id);
+  // An existing note keeps its visit or patient, its time and its kind; its old row is deleted.
   if (row.step()) {
     const auto other = [&](int column, const std::optional<std::int64_t>& given) {
       return given && (row.isNull(column) || row.integer(column) != *given);
     };
     if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
-      throw Refused{
+      throw RequestRefusal{
           409, "changed", "this number is a note of another visit, patient or account", {}};
     }
     patient = visit = {};
@@ -412,12 +423,13 @@ Json Visits::putNote(Call& call) {
     call.body.emplace("kind", row.text(4));
     records_.db().change("DELETE FROM note WHERE id = ?", id);
   }
+  // Checks that the note's visit or patient may be seen.
   if (visit) {
     (void)visitFor(call, *visit);
   } else if (!patient) {
     throw notFound(fmt::format("there is no note {}: name its visit or patient", id));
   } else if (call.session.hidden) {
-    throw Refused{403, "hidden", "names are hidden; type the PIN to show them", {}};
+    throw RequestRefusal{403, "hidden", "names are hidden; type the PIN to show them", {}};
   } else {
     patients_.check(*patient);
   }
@@ -443,11 +455,11 @@ Json Visits::pain(Call& call) {
 Json Visits::move(Call& call) {
   const VisitRow visit = visitOf(call);
   if (visit.state == "open") {
-    throw Refused{409,
-                  "visit_open",
-                  "the limits in force are the other person's: finish the visit "
-                  "first",
-                  {}};
+    throw RequestRefusal{409,
+                         "visit_open",
+                         "the limits in force are the other person's: finish the visit "
+                         "first",
+                         {}};
   }
   const Json to = call.body.value("patient", Json());
   if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
@@ -486,7 +498,7 @@ Json Visits::sessions(Call&) {
       {"more", std::max(all - kMostTrials, std::int64_t{0})}};
 }
 
-/// Makes sessions that were recorded outside of a visit the trials of a new one.
+/// Assigns sessions that were recorded outside a visit to a new visit.
 Json Visits::giveSessions(Call& call) {
   const Json to = call.body.value("patient", Json());
   if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
@@ -497,6 +509,7 @@ Json Visits::giveSessions(Call& call) {
       ids.is_array() && !ids.empty() && ids.size() <= kMostTrials &&
       std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
   if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
+  // The visit spans all sessions.
   std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
   std::string side;
   for (const Json& id : ids) {
@@ -506,9 +519,9 @@ Json Visits::giveSessions(Call& call) {
                                      id.get<std::int64_t>()),
                  {});
     if (one.empty()) {
-      throw Refused{409, "changed",
-                    fmt::format("session {} was given or deleted meanwhile", id.dump()),
-                    "sessions"};
+      throw RequestRefusal{409, "changed",
+                           fmt::format("session {} was given or deleted meanwhile", id.dump()),
+                           "sessions"};
     }
     const std::int64_t at_us = one[0]["began_us"];
     began_us = std::min(began_us, at_us);
@@ -517,6 +530,7 @@ Json Visits::giveSessions(Call& call) {
     ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
     side = one[0]["side"];
   }
+  // Creates the visit and assigns the sessions.
   const std::int64_t visit =
       insertVisit(records_, patient, call.session.account, side, began_us, ended_us, "done");
   for (const Json& id : ids) {
@@ -532,7 +546,7 @@ Json Visits::deleteSession(Call& call) {
   Statement row =
       records_.db().query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
   if (!row.step()) {
-    throw Refused{409, "changed", "this session was given or deleted meanwhile", {}};
+    throw RequestRefusal{409, "changed", "this session was given or deleted meanwhile", {}};
   }
   removeRecordings(call, {row.text(0)});
   records_.db().change("DELETE FROM trial WHERE id = ?", id);
@@ -557,8 +571,9 @@ Json Visits::remove(Call& call) {
 }
 
 std::uint64_t Visits::compareWithStation(const StationScene& scene) {
-  if (!scene.heard || asking_) return 0;
+  if (!scene.received || asking_) return 0;
   const auto open = static_cast<std::uint64_t>(openOne());
+  // Lists a recording in progress as a trial that waits for its measures.
   if (scene.visit != 0 && scene.visit == open && !scene.recording.empty()) {
     std::string name = scene.recording.substr(scene.recording.rfind('/') + 1);
     if (records_.db().number("SELECT COUNT(*) FROM trial WHERE recording = ?", name) == 0) {
@@ -572,6 +587,7 @@ std::uint64_t Visits::compareWithStation(const StationScene& scene) {
       transaction.commit();
     }
   }
+  // A difference that lasts closes the visit on both sides.
   const std::int64_t now_us = records_.clock().steady_us();
   if (scene.visit == open) {
     apart_since_us_ = 0;
@@ -583,7 +599,7 @@ std::uint64_t Visits::compareWithStation(const StationScene& scene) {
     apart_since_us_ = std::max<std::int64_t>(now_us, 1);
   } else if (now_us - apart_since_us_ >= kApart_us) {
     apart_since_us_ = 0;
-    if (open != 0) {  // the station began anew, or the last change did not reach the disk
+    if (open != 0) {  // the station was restarted, or its last change did not reach the disk
       Transaction transaction(records_.db());
       close(0, visitRow(records_.db(), static_cast<std::int64_t>(open)), "unfinished");
       records_.log(0, "the station has this visit no longer", 0, static_cast<std::int64_t>(open));

@@ -5,7 +5,7 @@
 #include "clinic/plans.hpp"
 #include "clinic/records.hpp"
 #include "clinic/rows.hpp"
-#include "clinic/station.hpp"
+#include "clinic/station_client.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -15,8 +15,8 @@
 
 namespace wholehand::clinic {
 
-/// Visits: opened and closed on the station, noted, moved; recordings outside of a visit. One
-/// thread at a time.
+/// Visits: opening and closing on the station, notes, moving to another patient; also recordings
+/// made outside a visit. One thread at a time.
 class Visits {
  public:
   Visits(Records& records, Accounts& accounts, Plans& plans, Patients& patients, Station& station)
@@ -26,12 +26,13 @@ class Visits {
         patients_(patients),
         station_(station) {}
 
-  /// Compares what the station has open with the database.
-  /// @return the visit that the station is to close; 0: none
+  /// Compares the visit that is open on the station with the database.
+  /// @return visit that the station must close; 0: none
   [[nodiscard]] std::uint64_t compareWithStation(const StationScene& scene);
 
-  [[nodiscard]] std::int64_t openOne();  ///< number of the visit that is open; 0: none
-  void refuseWhileAsking() const;        ///< while an order to the station waits for its reply
+  [[nodiscard]] std::int64_t openOne();  ///< number of the open visit; 0: none
+  void refuseWhileAsking() const;        ///< refuses while an order to the station waits for its
+                                         ///< reply
 
   Json begin(Call& call);
   Json beginGuest(Call& call);
@@ -51,7 +52,7 @@ class Visits {
  private:
   Json start(Call& call, std::optional<std::int64_t> patient, const std::string& side,
              const Plan& plan);
-  /// The visit of a request. While names are hidden, only the one that is open.
+  /// The visit that the request names. While names are hidden, only the open visit is accepted.
   [[nodiscard]] VisitRow visitOf(const Call& call) { return visitFor(call, call.ids.at(0)); }
   [[nodiscard]] VisitRow visitFor(const Call& call, std::int64_t id);
   [[nodiscard]] VisitOrder orderOf(const VisitRow& visit, std::int64_t item);
@@ -65,7 +66,8 @@ class Visits {
   void refuseOtherSide(std::int64_t patient, const std::string& side);
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
-  /// Removes recordings once the change is committed; those that are left stand in the answer.
+  /// Removes recordings after the change is committed. The answer lists those that could not be
+  /// removed.
   void removeRecordings(Call& call, std::vector<std::string> recordings);
 
   Records& records_;
@@ -74,7 +76,8 @@ class Visits {
   Patients& patients_;
   Station& station_;
   bool asking_ = false;              ///< an order to the station waits for its reply
-  std::int64_t apart_since_us_ = 0;  ///< steady clock: station and database differ; 0: they agree
+  std::int64_t apart_since_us_ = 0;  ///< steady clock: time since which station and database
+                                     ///< differ; 0: they agree
 };
 
 }  // namespace wholehand::clinic

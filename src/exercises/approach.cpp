@@ -8,7 +8,7 @@
 namespace wholehand::approach {
 namespace {
 
-constexpr double kBack_m = 0.006;  // distance from the end of x
+constexpr double kBack_m = 0.006;  // distance of the withdrawn hand from the end of the x axis
 constexpr double kStart_m = -0.07;
 constexpr double kShortest_s = 0.3, kCloseFilter_s = 0.05, kToEnd_s = 0.2;
 

@@ -17,7 +17,7 @@ Bottle readBottle(TomlTable& table) {
 
 Bottle readLiquid(TomlTable& table, Bottle bottle) {
   bottle.nozzle.viscosity_pa_s = table.number("viscosity_pa_s", above(0.0, 1e3, "Pa·s"));
-  // NaN or 0 where the nozzle's own keys have faults: they are reported.
+  // resistance() is NaN or 0 when keys of the nozzle have faults, which are reported already.
   if (table.isGood("viscosity_pa_s") && bottle.resistance() > 0.0 &&
       bottle.resistance() < kLeastFelt_n_s_m) {
     table.fail(

@@ -5,11 +5,11 @@
 
 namespace wholehand {
 
-/// Reads [bottle], without its liquid; reports faults to the file. Not real-time safe.
+/// Reads [bottle] without its liquid; reports faults to the file. Not real-time safe.
 [[nodiscard]] Bottle readBottle(TomlTable& table);
 
-/// The bottle filled with a table's liquid, viscosity_pa_s; reports one that is not felt. Not
-/// real-time safe.
+/// Returns the bottle filled with the table's liquid (viscosity_pa_s). Reports a liquid whose
+/// resistance is too small to be perceived. Not real-time safe.
 [[nodiscard]] Bottle readLiquid(TomlTable& table, Bottle bottle);
 
 }  // namespace wholehand

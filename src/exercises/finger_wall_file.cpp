@@ -23,7 +23,7 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
   const int i = device.axisIndex(named.name);
   if (i < 0) {
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
-    if (kind) {  // known, but not an axis of this device; its keys are checked too
+    if (kind) {  // a standard axis that this device lacks; its keys are checked too
       named.table.fail("name", "the device " + printable(device.path) + " has no such axis",
                        "take a device that has it; every device plays a motion: "
                        "--scene F --motion F");
@@ -58,7 +58,8 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
   if (wall.isGood("engage_m") && wall.isGood("release_m") && t.release_m < t.engage_m) {
     wall.fail("release_m", "is less than engage_m", "must be at least engage_m");
   }
-  // Over 0.3 s the largest effort of a wall, 10 N at the tip, changes by 0.05 N a tick.
+  // Lower bound 0.3 s: the largest effort of a wall, 10 N at the tip, then changes by 0.05 N per
+  // tick.
   t.engage_s = wall.number("engage_s", between(0.3, 10.0, "s"), t.engage_s);
   t.release_s = wall.number("release_s", between(0.3, 5.0, "s"), t.release_s);
   const int n = device.axisCount();

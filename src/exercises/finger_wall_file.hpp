@@ -10,14 +10,14 @@ namespace wholehand {
 
 /// The table [wall] of an exercise file.
 struct FingerWallFile {
-  double lead_in_m = 0.0;  ///< path over which a wall is felt before the fingers touch
+  double lead_in_m = 0.0;  ///< distance before contact over which the wall is already rendered
   TransitionConfig transition;
   FingerWallConfig walls;
   AxisEffort effort_limit;  ///< limit of the device, per axis [N or N·m]
 };
 
-/// Reads [wall] and its [[wall.axes]]; reports faults to the file, an axis that the device lacks by
-/// its name. Not real-time safe.
+/// Reads [wall] and its [[wall.axes]] and reports faults to the file. An axis that the device lacks
+/// is reported by name. Not real-time safe.
 [[nodiscard]] FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device);
 
 }  // namespace wholehand

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 100;
 
-/// Path of the scene that the file names; reports a missing one and returns an empty path.
+/// Path of the scene that the file names; reports a missing scene and returns an empty path.
 std::string scenePath(TomlTable& root, const std::string& exercise_path) {
   const std::string named = root.text("scene");
   if (!root.isGood("scene")) return {};
@@ -43,7 +43,7 @@ Expected<LoadedExercise> loadWithPanel(TomlFile& file, const ExerciseKind& kind,
   return loaded;
 }
 
-/// The same with the scene, and the faults of both files.
+/// Loads the exercise together with its scene and reports the faults of both files.
 Expected<LoadedExercise> loadWithScene(TomlFile& file, const ExerciseKind& kind,
                                        ExerciseSource source, const std::string& scene_path) {
   Expected<SceneModel> scene = Diagnostics{};
@@ -61,7 +61,7 @@ Expected<LoadedExercise> loadWithScene(TomlFile& file, const ExerciseKind& kind,
   return loaded;
 }
 
-/// Adds the exercises of the folder to the error of a missing file.
+/// Lists the exercises of the folder in the error of a missing file.
 Diagnostics namingOthers(Diagnostics faults, const std::string& path) {
   std::error_code error;
   if (fs::exists(path, error)) return faults;
@@ -97,7 +97,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.hand = &hand;
   const std::string scene_path = scenePath(root, path);
   if (!root.isGood("exercise")) {
-    root.ignoreUnknownKeys();  // the valid keys of an unknown kind are unknown
+    root.ignoreUnknownKeys();  // the keys of an unknown kind cannot be checked
     return file.finish();
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();

@@ -26,13 +26,13 @@ struct LoadedExercise {
 
 /// Input of an exercise kind's loader.
 struct ExerciseSource {
-  std::string path;  ///< of the exercise file
+  std::string path;  ///< path of the exercise file
   std::string name;  ///< name of the exercise
   int level = 1;     ///< requested level; the kind checks it against the file
   const DeviceModel* device = nullptr;
   const HandModel* hand = nullptr;
-  /// That the file names; the kind makes it the level's. Null: it cannot be loaded, which
-  /// loadExercise() reports.
+  /// Scene that the file names; the kind adapts it to the level. Null: the scene cannot be loaded,
+  /// which loadExercise() reports.
   SceneModel* scene = nullptr;
 };
 
@@ -40,8 +40,8 @@ struct ExerciseSource {
 struct ExerciseKind {
   const char* name;
   /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already
-  /// read) and ends with its finish(). Reports every fault of the file at once; makes no exercise
-  /// without a scene.
+  /// read) and calls its finish() at the end. Reports every fault of the file at once; makes no
+  /// exercise without a scene.
   Expected<LoadedExercise> (*load)(TomlFile& file, const ExerciseSource& source);
 };
 
@@ -57,8 +57,8 @@ struct ExerciseFile {
   std::string name;  ///< file name without .toml, as LoadExercise and --exercise accept
   std::string path;
 };
-/// Exercise files (*.toml) of a folder by name, without files of another kind. Empty where there is
-/// no such folder.
+/// Exercise files (*.toml) of a folder, sorted by name; files of another kind are left out. Empty
+/// if the folder does not exist.
 [[nodiscard]] std::vector<ExerciseFile> listExercises(const std::string& folder);
 
 }  // namespace wholehand

@@ -3,9 +3,9 @@
 namespace wholehand {
 namespace {
 
-// Power grasp of an upright cylinder, hand in handshake orientation: the cylinder's axis from the
-// base of the adult median hand, whose middle knuckle is kKnuckle_m from the base. The cylinder's
-// radius adds to the palm's half thickness. Measured.
+// Position of an upright cylinder's axis relative to the base of the adult median hand, in a power
+// grasp with the hand in handshake orientation. The middle knuckle is kKnuckle_m from the base; the
+// cylinder's radius adds to the palm's half thickness. Measured values.
 constexpr double kAhead_m = 0.049, kPalm_m = 0.016, kUp_m = 0.004;
 constexpr double kKnuckle_m = 0.0661;
 

@@ -10,8 +10,8 @@
 
 namespace wholehand {
 
-/// Axes by which a virtual patient moves the hand, their ranges, and where a power grasp holds an
-/// upright cylinder.
+/// Axes with which a virtual patient moves the hand, their ranges, and the position of an upright
+/// cylinder held in a power grasp.
 struct PlayerReach {
   int axes = 0;
   AxisPosition lower, upper;  ///< range of the device [m or rad]
@@ -22,7 +22,7 @@ struct PlayerReach {
 };
 
 /// @param hand null: the adult median right hand
-/// @param radius_m of the held object; 0 for a grip whose depth the player adds
+/// @param radius_m radius of the held object; 0 if the player adds the radius itself
 [[nodiscard]] PlayerReach playerReach(const DeviceModel& device, const HandModel* hand,
                                       double radius_m);
 

@@ -42,7 +42,8 @@ class PrefaultedMemory {
   PrefaultedMemory(const PrefaultedMemory&) = delete;
   PrefaultedMemory& operator=(const PrefaultedMemory&) = delete;
 
-  /// Allocates the memory; false with errno on failure. @pre not taken yet; bytes > 0
+  /// Allocates the memory. Returns false and sets errno on failure. @pre not allocated yet; bytes >
+  /// 0
   [[nodiscard]] bool take(std::size_t bytes) noexcept;
   [[nodiscard]] std::byte* data() const noexcept { return data_; }
   /// The memory as an array; initially zero.
@@ -56,20 +57,21 @@ class PrefaultedMemory {
   std::size_t bytes_ = 0;
 };
 
-/// Writes a file through a temporary one beside it, with a CRC-32 of the data written since the
-/// last takeCrc(). Async-signal-safe: uses only open, write, fsync, close, rename and unlink, and
-/// no memory but its own. The data may change during writing: file and CRC are computed from one
-/// copy.
+/// Writes a file through a temporary file in the same folder, with a CRC-32 of the data written
+/// since the last takeCrc(). Async-signal-safe: uses only open, write, fsync, close, rename and
+/// unlink, and only its own memory. The data may change during writing, because file and CRC are
+/// made from one copy.
 class SignalSafeFile {
  public:
-  /// Creates the temporary file, which must not be there yet. Returns 0 or an errno.
+  /// Creates the temporary file, which must not exist yet. Returns 0 or an errno.
   /// @param temporary renamed to `path` by close() @pre both are zero-terminated and outlive this
   [[nodiscard]] int create(const char* temporary, const char* path) noexcept;
-  /// Writes data. After a failure nothing more is written, and close() reports it.
+  /// Writes data. After a failure nothing more is written; close() reports the failure.
   void put(const void* bytes, std::size_t count) noexcept;
   /// CRC-32 of the data since the last call.
   [[nodiscard]] std::uint32_t takeCrc() noexcept;
-  /// Syncs the file to disk and gives it its name. Returns 0, or an errno; then there is no file.
+  /// Syncs the file to disk and renames it to its final path. Returns 0, or an errno; after an
+  /// error no file remains.
   [[nodiscard]] int close() noexcept;
 
  private:
@@ -84,13 +86,13 @@ class SignalSafeFile {
   alignas(64) std::array<std::byte, std::size_t{64} << 10U> buffer_{};
 };
 
-/// The black box in preallocated memory. The tick fills it; it is written to a file, in a signal
-/// handler if needed.
+/// The black box in preallocated memory. The tick fills it. It is written to the black box file, in
+/// a signal handler if needed.
 class MappedBox final : public BlackBox, public CrashHandler {
  public:
   MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan);
   ~MappedBox() override { leaveSignalStack(arming_stack_.data()); }
-  /// Takes all memory. Returns the error, or an empty text.
+  /// Allocates all memory. Returns the error, or an empty text.
   std::string takeMemory();
 
   void beforeTick(const TickRecord& record) noexcept override;
@@ -115,7 +117,7 @@ class MappedBox final : public BlackBox, public CrashHandler {
   [[nodiscard]] black_box::Entry* entryAt(std::uint64_t n) const noexcept {
     return entries_.as<black_box::Entry>() + n % sizes_.entries;
   }
-  // The following functions are async-signal-safe.
+  // The functions below are async-signal-safe.
   [[nodiscard]] bool mayWrite() noexcept;
   [[nodiscard]] int writeFile(int signal) noexcept;
   void describe(int signal) noexcept;
@@ -136,8 +138,8 @@ class MappedBox final : public BlackBox, public CrashHandler {
   PrefaultedMemory entries_, data_, inputs_, arming_stack_, ticking_stack_;
   bool first_tick_ = true;
 
-  // Written by the thread that ticks, read by a handler in any thread: everything before these
-  // counts is complete.
+  // Written by the thread that ticks and read by a handler in any thread. All entries before these
+  // counts are complete.
   std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
   std::atomic<int> ticking_thread_{0};
   std::atomic<int> writing_thread_{0};
@@ -145,8 +147,7 @@ class MappedBox final : public BlackBox, public CrashHandler {
   std::atomic<bool> inputs_whole_{true};
   std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
   std::atomic<std::uint64_t> data_begun_{0}, data_done_{0};
-  black_box::Header header_;  ///< the tick notes its faults; the rest is filled in when it is
-                              ///< written
+  black_box::Header header_;  ///< the tick stores its faults; the rest is filled in at writing
   SignalSafeFile file_;
   std::unique_ptr<CrashGuard> guard_;  ///< last member: destroyed before the data that a handler
                                        ///< reads
@@ -155,7 +156,8 @@ class MappedBox final : public BlackBox, public CrashHandler {
 constexpr Fault kWanting = kStoppingFaults | Fault::kEmergencyStop;
 /// Time after a run's end for the ramp to neutral, with a margin.
 constexpr double kRamp_s = 1.0;
-/// Kept beyond the requested time: this much may be overwritten while a crash is written.
+/// Factor on the requested time. The additional ticks may be overwritten while a crash is being
+/// written.
 constexpr double kMargin = 1.1;
 
 /// Every parent folder of a file, outermost first.
@@ -249,10 +251,10 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
                                       count(meta.body_names), values, kMaxContacts));
   Sizes sizes;
   sizes.entries = static_cast<std::size_t>(kept) + kSpareEntries;
-  // One more tick, since the last of a lap may not fit; and commands.
+  // Adds one tick, because the last tick before the ring wraps may not fit, and room for commands.
   sizes.data = std::min(static_cast<std::size_t>(kept * tick_bytes), plan.most_tick_bytes) +
                2 * kMostPackedBytes;
-  // A game that moves its bodies sends about two orders a tick, of seven numbers each.
+  // A game that moves its bodies sends about two commands per tick with seven numbers each.
   const double orders_bytes = meta.game_slots > 0 ? 128.0 : 0.0;
   const double axes_bytes =
       orders_bytes + 10.0 + static_cast<double>(sizeof(double)) * count(meta.axis_names);
@@ -325,9 +327,10 @@ void MappedBox::keepWhole(const TickRecord& record) noexcept {
   std::uint64_t begin = data_done_.load(std::memory_order_relaxed);
   const std::uint64_t n = entries_done_.load(std::memory_order_relaxed);
   const std::uint64_t at = begin % sizes_.data;
-  if (at + kMostPackedBytes > sizes_.data) begin += sizes_.data - at;  // ticks are contiguous
-  // Announced before it is overwritten, so that a concurrent reader knows afterwards which data
-  // is invalid.
+  if (at + kMostPackedBytes > sizes_.data)
+    begin += sizes_.data - at;  // the bytes of a tick are contiguous
+  // Announces the range before it is overwritten, so that a concurrent reader knows afterwards
+  // which data is invalid.
   entries_begun_.store(n + 1, std::memory_order_relaxed);
   data_begun_.store(begin + kMostPackedBytes, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);
@@ -365,11 +368,12 @@ void MappedBox::describe(int signal) noexcept {
   header_.ticks_done = ticks_done_.load(std::memory_order_acquire);
   header_.ticks_begun = ticks_begun_.load(std::memory_order_acquire);
   header_.end_entry = entries_done_.load(std::memory_order_acquire);
-  // The loop may overwrite the oldest entries: they must not be used to find the start of the data.
+  // The loop may overwrite the oldest entries, so the start of the data must not be taken from
+  // them.
   header_.first_entry = firstKept(header_.end_entry, sizes_.entries);
   header_.data_end = data_done_.load(std::memory_order_acquire);
   header_.data_begin = header_.end_entry > 0 ? entryAt(header_.first_entry)->begin : 0;
-  // If the ring was too small for its entries, the oldest are lost.
+  // If the data ring was too small for the entries, the oldest are lost.
   if (header_.data_end - header_.data_begin > sizes_.data) {
     header_.data_begin = header_.data_end - sizes_.data;
   }
@@ -385,7 +389,7 @@ void MappedBox::putPart(Part part, std::uint64_t bytes) noexcept {
 void MappedBox::endPart() noexcept {
   const std::uint32_t crc = file_.takeCrc();
   file_.put(&crc, sizeof crc);
-  (void)file_.takeCrc();  // resets the CRC: the next part's begins with its head
+  (void)file_.takeCrc();  // resets the CRC, because the CRC of the next part begins with its head
 }
 
 void MappedBox::putEntries() noexcept {
@@ -407,8 +411,8 @@ int MappedBox::writeFile(int signal) noexcept {
   for (const std::string& folder : folders_) ::mkdir(folder.c_str(), 0777);
   if (const int error = file_.create(temporary_.c_str(), path_.c_str()); error != 0) return error;
   describe(signal);
-  // Read after counting the complete ticks, so that each has its inputs, even if the loop
-  // continues.
+  // The input size is read after the number of complete ticks, so that every tick has its inputs
+  // even if the loop continues.
   const std::uint64_t input_bytes = input_bytes_.load(std::memory_order_acquire);
   file_.put(&header_, offsetof(black_box::Header, crc));
   endPart();
@@ -433,8 +437,8 @@ int MappedBox::writeFile(int signal) noexcept {
   return file_.close();
 }
 
-// A loop in another thread than the crashed one ramps down meanwhile. If the loop's own thread
-// crashed, the device depends on its own watchdog.
+// Waits while the loop ramps to neutral in a thread other than the crashed one. If the loop's own
+// thread crashed, the device depends on its own watchdog.
 void MappedBox::waitForNeutral(const timespec& since) const noexcept {
   const int ticking = ticking_thread_.load(std::memory_order_relaxed);
   if (stop_ == nullptr || ticking == 0 || ticking == callingThread()) return;
@@ -448,8 +452,8 @@ void MappedBox::waitForNeutral(const timespec& since) const noexcept {
   }
 }
 
-// Only one thread writes. A loop stopped by a crash ends meanwhile, and its run would write the box
-// again without the signal.
+// True for the only thread that may write. A loop stopped by a crash ends meanwhile, and its run
+// would otherwise write the file again without the signal.
 bool MappedBox::mayWrite() noexcept {
   int nobody = 0;
   return writing_thread_.compare_exchange_strong(nobody, callingThread()) ||

@@ -14,11 +14,10 @@
 namespace wholehand {
 
 struct BlackBoxPlan {
-  std::string path;  ///< the file; its missing parent folders are created when it
-                     ///< is written
+  std::string path;  ///< the black box file; missing parent folders are created at writing
   std::uint64_t most_ticks = std::numeric_limits<std::uint64_t>::max();  ///< longest possible run
-  /// First call of the crash handler: lets a running loop ramp the device to neutral; the process
-  /// ends only after it. Async-signal-safe; may be null.
+  /// The crash handler calls this first. It lets a running loop ramp the device to neutral before
+  /// the process ends. Async-signal-safe; may be null.
   void (*stop)(void*) noexcept = nullptr;
   void* stop_whom = nullptr;
   double keep_s = 5.0;                                    ///< duration of complete ticks
@@ -26,26 +25,26 @@ struct BlackBoxPlan {
   std::size_t most_tick_bytes = std::size_t{256} << 20U;  ///< memory limit for complete ticks
 };
 
-/// Keeps the last seconds of ticks, and the inputs of every tick since arming, in memory. It is
-/// written to a file on a stopping fault or an emergency stop, and by the crash handler
-/// (kCrashSignals). From the inputs, the run can be repeated bit by bit since its
-/// arming. docs/recording.md.
+/// Keeps the last seconds of ticks and the inputs of every tick since arming in memory. They are
+/// written to the black box file after a stopping fault or an emergency stop, and by the crash
+/// handler (kCrashSignals). The inputs allow a bit-exact repetition of the run since its arming.
+/// See docs/recording.md.
 ///
 /// Each tick is copied into preallocated memory: no allocation, no lock, and no system call except
 /// in a thread's first tick, which installs its signal stack.
 class BlackBox : public TickListener {
  public:
-  /// Allocates all memory and installs the crash handlers until destruction. Refused when memory is
-  /// short, or when four boxes are armed already.
+  /// Allocates all memory and installs the crash handlers until destruction. Returns an error when
+  /// memory is short or when four black boxes are armed already.
   [[nodiscard]] static Expected<std::unique_ptr<BlackBox>> arm(const RecordingMeta& meta,
                                                                const BlackBoxPlan& plan);
 
-  /// True after a stopping fault or an emergency stop. After the run.
+  /// True after a stopping fault or an emergency stop. Call it after the run.
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
-  /// Writes the file, atomically. Does nothing if a crash handler writes it. Not real-time safe.
+  /// Writes the file atomically. Does nothing if a crash handler writes it. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> write() = 0;
   [[nodiscard]] virtual const std::string& path() const noexcept = 0;
-  /// Bytes of the inputs so far, and whether they are complete. After the run.
+  /// Bytes of the recorded inputs, and whether the inputs are complete. Call them after the run.
   [[nodiscard]] virtual std::uint64_t inputBytes() const noexcept = 0;
   [[nodiscard]] virtual bool inputsWhole() const noexcept = 0;
 };

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <type_traits>
 
-/// Layout of a black box file; documented in docs/recording.md. Private to telemetry.
+/// Layout of a black box file, documented in docs/recording.md. Private to src/record.
 ///
-/// Header, then each Part in its order: head, bytes, CRC-32 of both. The last one closes the file.
+/// The file is the Header and then each Part in its order: head, bytes, CRC-32 of both. Part::kEnd
+/// completes the file.
 namespace wholehand::black_box {
 
 inline constexpr std::array<char, 8> kMagic = {'W', 'H', 'B', 'L', 'K', 'B', 'O', 'X'};
@@ -22,8 +23,8 @@ struct Header {
                                    ///< every format
   std::uint32_t record_bytes = 0, record_layout = 0;
   std::int32_t signal = 0;         ///< signal that ended the process; 0: none
-  std::uint32_t faults = 0;        ///< faults that triggered the box
-  std::int32_t fault_axis = -1;    ///< axis of the first of them
+  std::uint32_t faults = 0;        ///< faults that caused the writing
+  std::int32_t fault_axis = -1;    ///< axis of the first fault
   std::uint32_t inputs_whole = 0;  ///< 1: no input since arming is missing
   std::uint64_t fault_tick = 0;    ///< tick of the first fault
   std::int64_t unix_ns = 0;
@@ -32,10 +33,11 @@ struct Header {
   std::uint64_t first_entry = 0, end_entry = 0;   ///< range of the complete ticks kept, counted
                                                   ///< since arming
   std::uint64_t entry_slots = 0;
-  std::uint64_t data_begin = 0, data_end = 0;  ///< range of their bytes, counted since arming
+  std::uint64_t data_begin = 0,
+                data_end = 0;  ///< range of the entries' bytes, counted since arming
   std::uint64_t data_capacity = 0;
   std::uint32_t reserved = 0;
-  std::uint32_t crc = 0;  ///< of all fields before it
+  std::uint32_t crc = 0;  ///< CRC-32 of all fields before it
 };
 static_assert(std::is_trivially_copyable_v<Header>);
 static_assert(sizeof(Header) == offsetof(Header, crc) + sizeof(std::uint32_t), "no padding behind");
@@ -47,7 +49,8 @@ struct Entry {
   std::uint64_t bytes = 0;
 };
 
-/// State of the rings after the last byte was written: data overwritten during writing is dropped.
+/// State of the rings after the last byte was written. It shows which data was overwritten during
+/// writing; the reader drops that data.
 struct End {
   std::uint64_t entries_begun = 0, data_begun = 0;
 };
@@ -64,10 +67,10 @@ struct PartHeader {
 
 namespace wholehand {
 
-/// More ticks than the loop can begin while a box's header is filled in.
+/// More ticks than the loop can begin while the header is filled in.
 inline constexpr std::size_t kSpareEntries = 8;
-/// Index of the first entry that a box contains, of a ring of `slots` with `end` finished entries.
-/// Slots that the loop writes next are excluded.
+/// Index of the first entry that a black box file contains, for a ring of `slots` slots with `end`
+/// finished entries. Slots that the loop writes next are excluded.
 [[nodiscard]] constexpr std::uint64_t firstKept(std::uint64_t end, std::uint64_t slots) noexcept {
   return end - std::min<std::uint64_t>(end, slots - kSpareEntries);
 }

@@ -27,7 +27,8 @@ using Bytes = std::span<const std::byte>;
 
 constexpr const char* kCopyAgain =
     "copy it again from where it was written; what is missing cannot be restored";
-/// Three times what a plan allows (BlackBoxPlan) and the embedded files.
+/// Largest accepted file: three times the memory that a BlackBoxPlan allows plus the embedded
+/// files.
 constexpr std::uintmax_t kLargestBox_bytes = std::uintmax_t{1} << 30U;
 
 std::vector<std::byte> wholeFile(const std::string& path) {
@@ -86,11 +87,11 @@ class MemoryReader final : public BlackBoxReader {
   BlackBoxCause cause_;
   std::array<Bytes, static_cast<std::size_t>(Part::kCount)> parts_{};
   RecordingMeta meta_;
-  std::vector<Entry> entries_;  ///< entries that were not overwritten meanwhile
+  std::vector<Entry> entries_;  ///< entries that were not overwritten during writing
   RecordingOutline outline_;
   std::uint64_t digest_ = 0;
   InputLogState log_;
-  std::size_t next_input_ = 0;  ///< where in its part
+  std::size_t next_input_ = 0;  ///< offset in the inputs' part
   std::uint64_t input_ticks_ = 0;
 };
 
@@ -145,7 +146,8 @@ std::string MemoryReader::readMeta() {
 std::string MemoryReader::readEntries() {
   const Bytes bytes = part(Part::kEntries), data = part(Part::kData);
   const std::uint64_t count = header_.end_entry - header_.first_entry;
-  // Divided: a forged count times the size could wrap round to the size of the part.
+  // Compares by division, because a forged count times the size could overflow to the size of the
+  // part.
   if (part(Part::kEnd).size() != sizeof(black_box::End) || bytes.size() % sizeof(Entry) != 0 ||
       bytes.size() / sizeof(Entry) != count ||
       data.size() != header_.data_end - header_.data_begin) {
@@ -154,7 +156,8 @@ std::string MemoryReader::readEntries() {
   const auto end = copyOf<black_box::End>(part(Part::kEnd));
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto entry = copyOf<Entry>(bytes, i * sizeof(Entry));
-    // The loop continued while this was written: ring data that it reached since is invalid.
+    // The loop may have continued during writing. Ring data that it has overwritten since is
+    // invalid.
     const bool kept = header_.first_entry + i + header_.entry_slots >= end.entries_begun &&
                       entry.begin + header_.data_capacity >= end.data_begun &&
                       entry.begin >= header_.data_begin;
@@ -240,7 +243,7 @@ bool MemoryReader::read(std::uint64_t i, TickRecord& record) {
 
 bool BlackBoxReader::isBox(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would block
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // opening a pipe would block
   std::ifstream in(path, std::ios::binary);
   std::array<char, black_box::kMagic.size()> magic{};
   return in.read(magic.data(), magic.size()) && magic == black_box::kMagic;

@@ -18,7 +18,7 @@ std::array<std::atomic<CrashHandler*>, kMostWitnesses> g_witnesses{};
 static_assert(std::atomic<CrashHandler*>::is_always_lock_free, "read in a signal handler");
 std::atomic<int> g_crashed_thread{0};
 
-std::mutex g_mutex;  // guards the two below, outside handlers
+std::mutex g_mutex;  // guards the next two variables outside handlers
 int g_guards = 0;
 std::array<struct sigaction, kSignals.size()> g_before{};
 
@@ -26,7 +26,7 @@ void restore() noexcept {
   for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &g_before[i], nullptr);
 }
 
-// The thread that crashed first ends the process; others wait for it.
+// Waits until the thread that crashed first has ended the process.
 void waitForTheEnd() noexcept {
   const timespec a_while{0, 10'000'000};
   for (int i = 0; i < 1000; ++i) ::nanosleep(&a_while, nullptr);
@@ -43,8 +43,8 @@ void onCrash(int signal, siginfo_t* info, void* /*context*/) {
     waitForTheEnd();
   }
   restore();
-  // A processor exception recurs on return, so that a core dump shows its place; a sent signal, a
-  // breakpoint and a refused system call must be raised again.
+  // A processor exception occurs again on return, so that a core dump shows its place. A sent
+  // signal, a breakpoint and a refused system call must be raised again.
   if (info->si_code <= 0 || signal == SIGTRAP || signal == SIGSYS) ::raise(signal);
   errno = saved;
 }
@@ -56,7 +56,8 @@ void install() {
   sigfillset(&action.sa_mask);  // a crash in the handler ends the process instead of recursing
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     ::sigaction(kSignals[i], nullptr, &g_before[i]);
-    // Who handles SIGSYS counts system calls (system_call_counter.hpp): that is no crash.
+    // An existing SIGSYS handler counts system calls (system_call_counter.hpp) and is kept: SIGSYS
+    // is then not a crash.
     if (kSignals[i] == SIGSYS && g_before[i].sa_handler != SIG_DFL) continue;
     ::sigaction(kSignals[i], &action, nullptr);
   }
@@ -83,7 +84,7 @@ CrashGuard::~CrashGuard() {
   if (slot_ < 0) return;
   g_witnesses[slot_].store(nullptr);
   const int crashed = g_crashed_thread.load();
-  if (crashed != 0 && crashed != callingThread()) waitForTheEnd();  // witness in use
+  if (crashed != 0 && crashed != callingThread()) waitForTheEnd();  // the witness is in use
   const std::lock_guard lock(g_mutex);
   if (--g_guards == 0) restore();
 }

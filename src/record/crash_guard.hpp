@@ -6,7 +6,7 @@
 
 namespace wholehand {
 
-/// Signals that end a process which does not expect them: a fault of its own, or sent.
+/// Signals that end a process that does not handle them, whether caused by its own fault or sent.
 inline constexpr std::array kCrashSignals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE,
                                           SIGILL,  SIGTRAP, SIGSYS};
 
@@ -20,13 +20,13 @@ class CrashHandler {
 /// The calling thread's system id; never 0. Async-signal-safe.
 [[nodiscard]] int callingThread() noexcept;
 
-/// Limit of simultaneous witnesses.
+/// Maximum number of simultaneous witnesses (registered crash handlers).
 inline constexpr int kMostWitnesses = 4;
 
-/// Handles kCrashSignals during its lifetime: calls the witness, then lets the previous action
-/// follow (end the process, dump core). A crash in another thread meanwhile, and the destruction of
-/// a guard, wait for the handler, so that the witness and the process outlive it. A crash in the
-/// witness ends the process.
+/// Handles kCrashSignals during its lifetime: calls the witness, then the previous action follows
+/// (end the process, dump core). If another thread crashes meanwhile or destroys a guard, it waits
+/// for the handler, so that the witness and the process outlive the handler. A crash in the witness
+/// ends the process.
 class CrashGuard {
  public:
   explicit CrashGuard(CrashHandler& witness);
@@ -40,7 +40,8 @@ class CrashGuard {
   int slot_ = -1;
 };
 
-/// Stack size of a signal handler; a separate stack handles an overflow of the thread's own.
+/// Stack size of a signal handler. A separate stack allows it to handle an overflow of the thread's
+/// own stack.
 inline constexpr std::size_t kSignalStackBytes = std::size_t{64} << 10U;
 
 /// Installs this memory as the calling thread's signal stack if it has none. Async-signal-safe; one

@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Bytes per tick in the file. Measured: 190 in the cocktail bar; more when a hand holds many
-/// bodies.
+/// Assumed bytes per tick in the file. Measured: 190 in the cocktail bar; more when a hand holds
+/// many bodies.
 constexpr double kBytesPerTick = 300.0;
-/// Description, tables and DiskReserve's reservation.
+/// Bytes for the description, the tables and the reservation of DiskReserve.
 constexpr double kBesideTicks_bytes = 4e6;
 
 std::string about(double length_s) {
@@ -35,7 +35,7 @@ std::string roomSentence(const std::string& recording, std::uint64_t free_bytes,
                          double length_s) {
   const double ticks_bytes = std::max(0.0, static_cast<double>(free_bytes) - kBesideTicks_bytes);
   const double room_s = ticks_bytes / kBytesPerTick * period_s;
-  if (room_s >= (length_s > 0.0 ? length_s : kRoomWorthTelling_s)) return {};
+  if (room_s >= (length_s > 0.0 ? length_s : kRoomWorthReporting_s)) return {};
   return "the disk has room for about " + about(room_s) + " of recording (" +
          std::to_string(free_bytes / 1'000'000) + " MB free): " + recording;
 }
@@ -47,12 +47,12 @@ std::string roomNotice(const std::string& recording, double period_s, double len
     folder = folder.parent_path();
   }
   const fs::space_info space = fs::space(folder, error);
-  if (error || space.capacity == 0) return {};  // a file system that reports no capacity
+  if (error || space.capacity == 0) return {};  // this file system reports no capacity
   return roomSentence(recording, space.available, period_s, length_s);
 }
 
 namespace {
-/// Step of allocation, so that system calls are rare.
+/// Step of allocation, chosen so that system calls are rare.
 constexpr std::uint64_t kStep = std::uint64_t{2} << 20U;
 }  // namespace
 
@@ -82,7 +82,7 @@ bool DiskReserve::allocate(std::uint64_t end) {
     result = ::fallocate(fd_, FALLOC_FL_KEEP_SIZE, from, length);
   } while (result != 0 && errno == EINTR);
   if (result != 0 && (errno == EOPNOTSUPP || errno == ENOSYS)) {
-    // This file system cannot reserve space; checks that plenty is free now.
+    // This file system cannot reserve space, so the function checks that plenty is free now.
     struct statvfs room {};
     if (::fstatvfs(fd_, &room) != 0) return false;
     const auto free_bytes = static_cast<std::uint64_t>(room.f_bavail) * room.f_frsize;
@@ -114,7 +114,7 @@ void DiskReserve::release() {
   if (fd_ >= 0) (void)::flock(fd_, LOCK_UN);
   if (fd_ < 0 || ::fstat(fd_, &status) != 0) return;
   claimed_ = static_cast<std::uint64_t>(status.st_size);
-  // Truncating to the present size frees the blocks behind it.
+  // Truncation to the current size frees the blocks behind it.
   if (::ftruncate(fd_, status.st_size) != 0) return;
 }
 

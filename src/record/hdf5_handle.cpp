@@ -6,13 +6,13 @@
 namespace wholehand::hdf5 {
 namespace {
 
-/// Larger than any text in a recording; a damaged file must not cause huge allocations.
+/// Limit larger than any text in a recording, so that a damaged file causes no huge allocation.
 constexpr std::uint64_t kLargestText = std::uint64_t{1} << 31U;
-/// Larger than any list of names.
+/// Limit larger than any list of names.
 constexpr std::uint64_t kLargestList = std::uint64_t{1} << 24U;
 constexpr hssize_t kLongestList = 100000;
 
-/// Fixed-length UTF-8, zero-padded.
+/// Type of a fixed-length UTF-8 text, zero-padded.
 Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), std::max<std::size_t>(bytes, 1));
@@ -63,7 +63,7 @@ bool writeTexts(hid_t object, const char* name, const Handle& space,
   return writeRaw(object, name, type.get(), type.get(), space, data.data());
 }
 
-/// Texts of variable length, which HDF5 allocates.
+/// Copies texts of variable length that HDF5 allocated.
 std::vector<std::string> copied(const std::vector<char*>& pointers, std::size_t count) {
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < count; ++i) {
@@ -98,7 +98,8 @@ TypePair typesOf(NumberType type) noexcept {
 void beginHdf5() noexcept {
   static const bool kOnce = H5dont_atexit() >= 0;
   (void)kOnce;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // per thread: Debian's HDF5 is thread-safe
+  H5Eset_auto2(H5E_DEFAULT, nullptr,
+               nullptr);  // applies to one thread only: Debian's HDF5 is thread-safe
 }
 
 hid_t fileType(NumberType type) noexcept {
@@ -207,7 +208,7 @@ bool readAttribute(hid_t object, const char* name, std::uint64_t& value) {
 
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,
                const std::string& text) {
-  // A fixed-length string stores any bytes (a mesh may be binary), zeros included.
+  // A fixed-length string stores arbitrary bytes including zeros, because a mesh may be binary.
   const Handle type = textType(text.size());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle dataset(

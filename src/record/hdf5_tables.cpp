@@ -31,7 +31,8 @@ RowSpaces selectRows(hid_t dataset, const ColumnShape& column, std::uint64_t fir
   return spaces;
 }
 
-constexpr std::size_t kConstant = 64;  ///< bytes that one byte stands for where nothing changes
+/// A chunk compressed by more than this factor counts as constant.
+constexpr std::size_t kConstant = 64;
 
 static_assert(std::endian::native == std::endian::little, "chunks hold little-endian numbers");
 
@@ -41,8 +42,8 @@ H5Z_filter_t filterAt(hid_t properties, unsigned index) {
   return H5Pget_filter2(properties, index, &flags, &values, nullptr, 0, nullptr, &config);
 }
 
-/// Undoes the "shuffle" filter, which stores the first bytes of all elements, then their second
-/// bytes, and so on. Many planes are all zeros.
+/// Reverses the "shuffle" filter, which stores the first bytes of all elements, then their second
+/// bytes, and so on. Many of these planes contain only zeros.
 void unshuffle(const std::vector<std::byte>& planes, std::size_t element_bytes, std::byte* out) {
   const std::size_t elements = planes.size() / element_bytes;
   std::fill_n(out, planes.size(), std::byte{0});
@@ -55,7 +56,8 @@ void unshuffle(const std::vector<std::byte>& planes, std::size_t element_bytes, 
   }
 }
 
-/// Level 1 makes files a tenth larger, level 9 one in fifty smaller for half as much time again.
+/// Compression level. Level 1 makes files 10 % larger; level 9 makes them 2 % smaller and takes 50
+/// % more time.
 constexpr unsigned kDeflateLevel = 6;
 
 Handle creationProperties(const ColumnShape& column, std::uint64_t chunk_rows) {
@@ -65,7 +67,7 @@ Handle creationProperties(const ColumnShape& column, std::uint64_t chunk_rows) {
   H5Pset_shuffle(properties.get());
   H5Pset_deflate(properties.get(), kDeflateLevel);
   if (column.name == "tick" || column.name == "row") {
-    // A row whose numbers never reached the disk differs from tick 0, and from rows of tick 0.
+    // The fill value marks rows that never reached the disk; 0 would be confused with tick 0.
     const std::uint64_t never = UINT64_MAX;
     H5Pset_fill_value(properties.get(), H5T_NATIVE_UINT64, &never);
   }
@@ -188,7 +190,7 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
   std::vector<hsize_t> offset(column.shape.size() + 1, 0);
   offset.front() = first;
   hsize_t stored = 0;
-  // An unwritten chunk has no bytes; a damaged file may claim terabytes.
+  // An unwritten chunk has no bytes. A damaged file may claim terabytes.
   if (H5Dget_chunk_storage_size(dataset, offset.data(), &stored) < 0 || stored == 0 ||
       stored > compressBound(bytes)) {
     return false;
@@ -200,14 +202,15 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
       left_out_filters != 0) {
     return false;
   }
-  // A constant column has the same few bytes in every chunk; zlib would fill them in one by one.
+  // A constant column has the same few bytes in every chunk. Its unpacked chunk is reused, because
+  // zlib would expand it byte by byte.
   if (packed_.size() > bytes / kConstant) {
     return unpackChunk(packed_, hdf5::byteSize(column.type), planes_, rows);
   }
-  Unpacked& last = last_[dataset];
+  UnpackedChunk& last = last_[dataset];
   if (last.packed != packed_ || last.rows.size() != bytes) {
     last.rows.resize(bytes);
-    last.packed.clear();  // if it is damaged, nothing is kept
+    last.packed.clear();  // a damaged chunk must not be reused
     if (!unpackChunk(packed_, hdf5::byteSize(column.type), planes_, last.rows.data())) return false;
     last.packed = packed_;
   }
@@ -220,7 +223,7 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
   const std::vector<hsize_t> none = dimensions(column, 0);
   const Handle space(H5Screate_simple(static_cast<int>(none.size()), none.data(), most.data()),
                      H5Sclose);
-  // The cache must hold the one chunk that is being filled, else a partial write reads it back.
+  // The cache must hold the chunk that is being filled, or a partial write reads the chunk back.
   const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
   H5Pset_chunk_cache(access.get(), 521,
                      std::max<std::size_t>(column.rowBytes() * chunk_rows * 2, 1U << 16U), 1.0);
@@ -230,7 +233,7 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
       H5Dclose);
   if (!dataset.ok()) return {};
   const hid_t id = dataset.get();
-  // A device of one axis has lists of one.
+  // A device with one axis has lists of one unit and one label.
   const bool one_unit = column.units.size() == 1 && column.labels.size() != 1;
   const bool done = (one_unit ? hdf5::writeAttribute(id, "units", column.units.front())
                               : hdf5::writeAttribute(id, "units", column.units)) &&

@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
-/// The tables of a recording as datasets of an HDF5 file. Private to telemetry.
+/// The tables of a recording as datasets of an HDF5 file. Private to src/record.
 namespace wholehand::recording {
 
 /// Dimensions of a dataset: rows x the row's own dimensions.
@@ -28,38 +28,38 @@ bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std
 bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
                const std::byte* rows);
 
-/// Undoes deflate and shuffle, in this order. False when the block is damaged or holds another
-/// number of bytes than `planes`, its buffer. @pre planes is not empty, a multiple of
+/// Reverses deflate and shuffle, in this order. Returns false when the block is damaged or does not
+/// unpack to exactly the size of the buffer `planes`. @pre planes is not empty and a multiple of
 /// `element_bytes`; `rows` has room for it
 [[nodiscard]] bool unpackChunk(const std::vector<std::byte>& packed, std::size_t element_bytes,
                                std::vector<std::byte>& planes, std::byte* rows);
 
-/// Reads whole chunks directly, bypassing HDF5's pipeline, which copies every byte four times and
-/// allocates memory per chunk (docs/adr/0074-plain-recordings.md).
+/// Reads whole chunks directly without HDF5's pipeline, which copies every byte four times and
+/// allocates memory per chunk (docs/adr/0074-plain-hdf5-recordings.md).
 class ChunkReader {
  public:
-  /// Rows per chunk of the dataset; 0 when its chunks are not in our writer's format: then only
+  /// Rows per chunk of the dataset; 0 when its chunks are not in this program's format and only
   /// HDF5 can read them.
   static std::uint64_t chunkRows(hid_t dataset, const ColumnShape& column);
 
-  /// Reads a whole chunk into `rows`. False on any failure: then HDF5 must read it, or report the
-  /// damage. @pre chunk_rows is chunkRows(dataset, column), > 0; `first` is a multiple of it;
-  /// `rows` has room for a chunk
+  /// Reads a whole chunk into `rows`. Returns false on any failure; HDF5 must then read it or
+  /// report the damage. @pre chunk_rows is chunkRows(dataset, column), > 0; `first` is a multiple
+  /// of it; `rows` has room for a chunk
   bool read(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t chunk_rows,
             std::byte* rows);
 
  private:
-  struct Unpacked {
+  struct UnpackedChunk {
     std::vector<std::byte> packed, rows;
   };
   std::vector<std::byte> packed_, planes_;
-  std::unordered_map<hid_t, Unpacked> last_;  ///< last chunk of few bytes, per dataset
+  std::unordered_map<hid_t, UnpackedChunk> last_;  ///< last constant chunk, per dataset
 };
 
 /// The tables of an open HDF5 file.
 class Hdf5Tables final : public TablesSource {
  public:
-  /// @pre the file stays open as long as a table of it
+  /// @pre the file stays open as long as any of its tables is in use
   explicit Hdf5Tables(hid_t file) : file_(file) {}
 
   std::unique_ptr<TableSource> table(const std::string& name) override;

@@ -13,15 +13,17 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 constexpr auto kPause = std::chrono::milliseconds(1);
-constexpr auto kRecorderPause = std::chrono::milliseconds(5);  // latency is irrelevant here
-/// Flush interval without ticks (paused, late), when the recorder does not notice time passing.
+// Pause between polls; latency is irrelevant here.
+constexpr auto kRecorderPause = std::chrono::milliseconds(5);
+/// Flush interval while no ticks arrive (paused or late). Without ticks the recorder does not flush
+/// by itself.
 constexpr auto kFlushAfter = std::chrono::milliseconds(1000);
 }  // namespace
 
 void TelemetryHub::start() {
   if (thread_.joinable()) return;
   stopping_ = recorder_stopping_ = false;
-  failures_.reserve(failures_.size() + sinks_.size() + 3);  // recorder, statistics, source
+  failures_.reserve(failures_.size() + sinks_.size() + 3);  // plus recorder, statistics and source
   if (writer_ != nullptr) {
     to_recorder_ = std::make_unique<RecordQueue>(kWaiting_bytes);
     recorder_ = std::thread([this] { runRecorder(); });
@@ -62,7 +64,8 @@ bool TelemetryHub::succeeds(const char* consumer, std::size_t number, Call&& cal
 
 void TelemetryHub::noteFailure(const char* consumer, std::size_t number, const char* why) noexcept {
   const std::lock_guard lock(failures_mutex_);
-  if (failures_.size() == failures_.capacity()) return;  // cannot happen: each fails once
+  if (failures_.size() == failures_.capacity())
+    return;  // cannot happen, because each consumer fails once only
   Failure& failure = failures_.emplace_back();
   failure.consumer = consumer;
   failure.number = number;
@@ -80,7 +83,7 @@ void TelemetryHub::deliver(const TickRecord& record) noexcept {
 }
 
 void TelemetryHub::write(const TickRecord& record) noexcept {
-  // The writer counts its own drops; the record during which it throws is lost.
+  // The writer counts its own dropped records. The record during which it throws is lost.
   if (writer_ != nullptr && succeeds("the recorder", 0, [&] { writer_->append(record); })) return;
   writer_ = nullptr;
   ++unrecorded_;
@@ -122,7 +125,7 @@ void TelemetryHub::poll(const std::atomic<bool>& stopping, std::chrono::millisec
   Clock::time_point last_record = Clock::now();
   bool paused = true;
   while (true) {
-    // Read before draining, so that records pushed before stop() are not missed.
+    // `stopping` is read before draining, so that no record pushed before stop() is missed.
     const bool last_round = stopping;
     if (drain()) {
       last_record = Clock::now();

@@ -19,11 +19,11 @@ namespace wholehand {
 class RecordingWriter;
 class TickStatistics;
 
-/// The only consumer of the real-time side's queue. Takes records on its own thread and passes each
-/// to the statistics and the other sinks. The recorder has its own thread and queue: a slow disk
-/// delays only that thread, whose queue then fills, drops and counts, while all others get every
-/// tick. A sink that throws is not called again and the others continue: no exception here ends the
-/// process, and with it the loop.
+/// The only consumer of the real-time side's queue. It takes records on its own thread and passes
+/// each record to the statistics and the other sinks. The recorder has its own thread and queue. A
+/// slow disk delays only that thread; its queue then fills and counts dropped records, while all
+/// other consumers get every tick. A sink that throws is not called again and the others continue,
+/// so that no exception ends the process and the loop.
 ///
 /// The recorder, the statistics and the sinks must outlive the hub.
 class TelemetryHub {
@@ -37,7 +37,7 @@ class TelemetryHub {
   TelemetryHub(const TelemetryHub&) = delete;
   TelemetryHub& operator=(const TelemetryHub&) = delete;
 
-  // Before start() only. The hub owns none of them.
+  // Call these before start(). The hub does not own the consumers.
   void record(RecordingWriter& writer) { writer_ = &writer; }
   void count(TickStatistics& statistics) { statistics_ = &statistics; }
   void add(Sink sink) { sinks_.push_back(std::move(sink)); }
@@ -45,15 +45,15 @@ class TelemetryHub {
   /// Starts the thread. Idempotent.
   void start();
   /// Drains the source, flushes the recorder and ends the threads; waits for the disk. Idempotent.
-  /// @pre the source's producer has ended (else the drain continues until it pauses)
+  /// @pre the source's producer has ended (otherwise draining continues until the producer pauses)
   void stop();
-  /// Records that the recorder missed: after it threw, or while its disk did not respond.
+  /// Number of records that the recorder missed after it threw or while its disk did not respond.
   [[nodiscard]] std::uint64_t unrecorded() const noexcept { return unrecorded_; }
-  /// Exceptions as text: "sink 2 threw: bad file". Valid after stop().
+  /// Texts of the exceptions, "sink 2 threw: bad file". Valid after stop().
   [[nodiscard]] std::vector<std::string> failures() const;
 
  private:
-  /// Uses no heap: it is filled when memory may be exhausted.
+  /// Uses no heap, because it is filled when memory may be exhausted.
   struct Failure {
     const char* consumer = "";
     std::size_t number = 0;
@@ -64,7 +64,7 @@ class TelemetryHub {
   template <class Call>
   bool succeeds(const char* consumer, std::size_t number, Call&& call) noexcept;
   void noteFailure(const char* consumer, std::size_t number, const char* why) noexcept;
-  /// Calls `drain` until stop is requested, and once more after that; calls `idle` once per pause.
+  /// Calls `drain` until stop is requested and once more afterwards; calls `idle` once per pause.
   template <class Drain, class Idle>
   static void poll(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
                    Drain&& drain, Idle&& idle) noexcept;
@@ -73,11 +73,11 @@ class TelemetryHub {
   void flush() noexcept;
   void run() noexcept;
   void runRecorder() noexcept;
-  /// Processes all queued records; true when there was one.
+  /// Processes all queued records. Returns true when there was at least one.
   bool drain() noexcept;
   bool drainToRecorder() noexcept;
 
-  /// Queue capacity towards the disk: at 1 kHz 13 s of free motion, 5 s with 10 bodies and 20
+  /// Capacity of the recorder's queue: at 1 kHz 13 s of free motion, or 5 s with 10 bodies and 20
   /// contacts.
   static constexpr std::size_t kWaiting_bytes = std::size_t{24} << 20U;
 
@@ -90,7 +90,7 @@ class TelemetryHub {
   std::atomic<bool> stopping_{false}, recorder_stopping_{false};
   std::atomic<std::uint64_t> unrecorded_{0};
   std::mutex failures_mutex_;
-  std::vector<Failure> failures_;  ///< start() reserves room for one of each
+  std::vector<Failure> failures_;  ///< start() reserves room for one failure of each consumer
 };
 
 }  // namespace wholehand

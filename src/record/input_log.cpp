@@ -20,17 +20,17 @@ namespace wholehand {
 
 namespace {
 
-// Fields after the first byte of a tick, in this order.
+// Bits of a tick's first byte. They state which fields follow, in this order.
 enum : unsigned {
   kElapsed = 1U,   // elapsed_periods, if not 1
-  kFaults = 2U,    // of kInputFaults
-  kCommands = 4U,  // their number, then the commands
-  kRaw = 8U,       // a bit for each axis that is not at a whole count
-  kMoved = 16U,    // per axis: eight bytes, or the change in counts
-  kMover = 32U     // who moves and by whose help, if it is another than before
+  kFaults = 2U,    // faults out of kInputFaults
+  kCommands = 4U,  // number of commands, then the commands
+  kRaw = 8U,       // one bit for each axis that is not at a whole encoder count
+  kMoved = 16U,    // per moved axis: the change in counts, or eight bytes
+  kMover = 32U     // mover and helper, if they changed
 };
 
-/// Beyond it, not every integer is a double.
+/// Largest number of counts; all integers up to it are exact doubles.
 constexpr double kMostCounts = 4503599627370496.0;  // 2^52
 
 std::uint64_t zigzag(std::int64_t n) noexcept {
@@ -40,7 +40,7 @@ std::int64_t zagzig(std::uint64_t n) noexcept {
   return static_cast<std::int64_t>(n >> 1U) ^ -static_cast<std::int64_t>(n & 1U);
 }
 
-// Appends to bytes that have room.
+// Appends numbers to a buffer. @pre the buffer has room
 class Out {
  public:
   explicit Out(std::byte* at) noexcept : at_(at) {}
@@ -58,7 +58,7 @@ class Out {
   std::byte* at_;
 };
 
-// Takes from bytes that may be damaged.
+// Reads numbers from bytes that may be damaged.
 class In {
  public:
   In(const std::byte* at, std::size_t bytes) noexcept : at_(at), end_(at + bytes) {}
@@ -85,7 +85,7 @@ class In {
     return value;
   }
   std::int32_t small() noexcept { return static_cast<std::int32_t>(zagzig(number())); }
-  /// A number of at most `most`.
+  /// Reads a number of at most `most`.
   std::uint64_t upTo(std::uint64_t most) noexcept {
     const std::uint64_t n = number();
     ok_ = ok_ && n <= most;
@@ -113,7 +113,7 @@ bool inCounts(double q, double step, std::int64_t& counts) noexcept {
   return std::bit_cast<std::uint64_t>(atCounts(counts, step)) == std::bit_cast<std::uint64_t>(q);
 }
 
-/// Numbers of an order without the zeros at their end.
+/// Count of a command's numbers without trailing zeros.
 int usedNumbers(const Command& c) noexcept {
   int used = kOrderNumbers;
   while (used > 0 && std::bit_cast<std::uint64_t>(c.numbers[used - 1]) == 0) --used;
@@ -152,7 +152,7 @@ void readCommands(In& in, TickInput& input) {
   }
 }
 
-/// Which axes moved, by how many counts, and which are not at a whole count.
+/// Describes which axes moved by how many counts and which are not at a whole count.
 struct Motion {
   std::array<std::int64_t, kMaxAxes> delta{};
   std::uint32_t raw = 0;
@@ -187,6 +187,7 @@ InputLogState inputLogOf(const RecordingMeta& meta) {
 std::size_t logInput(InputLogState& state, const TickRecord& record, std::byte* out) noexcept {
   const Motion motion = motionOf(state, record.q_m);
   const Fault faults = record.faults & kInputFaults;
+  // The first byte states which fields follow.
   unsigned what = 0;
   if (record.elapsed_periods != 1) what |= kElapsed;
   if (any(faults)) what |= kFaults;
@@ -243,7 +244,7 @@ std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t byt
       input.q_m[i] = from.real();
       continue;
     }
-    if ((what & kMoved) != 0) {  // unsigned arithmetic: damaged counts may overflow
+    if ((what & kMoved) != 0) {  // unsigned arithmetic, because damaged counts may overflow
       counts = static_cast<std::int64_t>(static_cast<std::uint64_t>(counts) +
                                          static_cast<std::uint64_t>(zagzig(from.number())));
     }
@@ -259,10 +260,10 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'W', 'H', 'I', 'N', 'P', 'U', 'T', '2'};
 constexpr auto kSyncAfter = std::chrono::seconds(1);
 
-/// Before the description and before each block of inputs.
+/// Head of the description and of each block of inputs.
 struct BlockHead {
   std::uint32_t bytes = 0;
-  std::uint32_t crc = 0;  ///< of the bytes
+  std::uint32_t crc = 0;  ///< CRC-32 of the block's bytes
 };
 
 std::uint32_t crcOf(const std::byte* bytes, std::size_t count) {
@@ -375,7 +376,8 @@ void InputJournal::syncNowAndThen() {
 
 bool InputJournalReader::isJournal(const std::string& path) {
   std::error_code error;
-  if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;  // a pipe would block
+  if (!fs::is_regular_file(fs::symlink_status(path, error)))
+    return false;  // opening a pipe would block
   std::ifstream in(path, std::ios::binary);
   std::array<char, kMagic.size()> magic{};
   return in.read(magic.data(), magic.size()) && magic == kMagic;
@@ -389,7 +391,7 @@ Expected<std::unique_ptr<InputJournalReader>> InputJournalReader::open(const std
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   auto left = static_cast<std::uint64_t>(std::max<std::streamoff>(in.tellg(), 0)) - kMagic.size();
   in.seekg(kMagic.size());
-  // A block that is cut off, or whose bytes never reached the disk, ends it.
+  // Reading ends at a block that is cut off or whose bytes never reached the disk.
   const auto next_block = [&in, &left](std::vector<std::byte>& block) {
     BlockHead head;
     if (left < sizeof head || !in.read(reinterpret_cast<char*>(&head), sizeof head)) return false;

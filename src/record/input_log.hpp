@@ -19,17 +19,17 @@
 
 namespace wholehand {
 
-/// Faults of a tick that come from outside; all others follow from the inputs.
+/// Faults of a tick that are inputs; all other faults follow from the inputs.
 inline constexpr Fault kInputFaults = kOfReading | Fault::kDeviceWrite | Fault::kStopRequested |
                                       Fault::kEmergencyStop | Fault::kGentleStop;
 
-/// All inputs of a tick: with them it can be run again.
+/// All inputs of a tick. The tick can be repeated from them.
 struct TickInput {
   AxisPosition q_m;
   std::uint32_t elapsed_periods = 1;
   Fault faults = Fault::kNone;  ///< subset of kInputFaults
   Mover moved_by = Mover::kNobody;
-  Help help = Help::kUnsaid;
+  Help help = Help::kUnspecified;
   std::int32_t command_count = 0;
   std::array<Command, kMaxCommands> commands{};
 };
@@ -37,47 +37,49 @@ struct TickInput {
 /// Largest entry of a tick in the log [bytes].
 inline constexpr std::size_t kMostInputBytes = 3072;
 
-/// State of both ends of the log: last position of each axis in encoder counts, and who moved.
+/// State that writer and reader of the log maintain: last position of each axis in encoder counts,
+/// and the mover.
 struct InputLogState {
-  AxisPosition encoder_step;  ///< [m or rad]; 0: the axis has none
+  AxisPosition encoder_step;  ///< [m or rad]; 0: the axis has no encoder step
   std::array<std::int64_t, kMaxAxes> counts{};
   Mover moved_by = Mover::kNobody;
-  Help help = Help::kUnsaid;
+  Help help = Help::kUnspecified;
 };
 /// State at the beginning of a recording's log.
 [[nodiscard]] InputLogState inputLogOf(const RecordingMeta& meta);
 
 /// Writes a tick's inputs losslessly and returns the bytes written: one byte if nothing moved, else
-/// one more for each axis; eight for an axis that is not at a whole count. Real-time safe.
+/// one more for each axis, or eight for an axis that is not at a whole count. Real-time safe.
 /// @pre q_m has the axes of state.encoder_step; out has room for kMostInputBytes
 WHOLEHAND_RT std::size_t logInput(InputLogState& state, const TickRecord& record,
                                   std::byte* out) noexcept;
 
-/// Reads a tick. Returns its bytes, 0 when damaged.
+/// Reads a tick's inputs. Returns the bytes read; 0 when they are damaged.
 [[nodiscard]] std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t bytes,
                                     TickInput& input);
 
-/// The inputs of a recording that is being written, synced to the disk every second. A power cut
-/// may leave the recording itself unreadable, since HDF5 orders no write between two syncs; by its
-/// inputs it is made again, to the bit. Removed when the recording is complete and on the disk.
-/// docs/recording.md. Not for the tick.
+/// Journal of the inputs of a recording that is being written, synced to the disk every second. A
+/// power cut may leave the recording itself unreadable, because HDF5 does not order writes between
+/// two syncs. The recording can then be rebuilt bit-exactly from the journal. The journal is
+/// removed when the recording is complete and on the disk. See docs/recording.md. Not real-time
+/// safe.
 class InputJournal {
  public:
   /// "run.h5" -> "run.inputs"
   [[nodiscard]] static std::string pathOf(const std::string& recording);
 
-  /// Creates the file. Replaces an older journal, nothing else.
-  /// @return what went wrong, or an empty text
+  /// Creates the file. Replaces an existing file only if it is a journal.
+  /// @return the error, or an empty text
   [[nodiscard]] static std::string create(const std::string& path, const RecordingMeta& meta,
                                           std::unique_ptr<InputJournal>& journal);
   ~InputJournal();
   InputJournal(const InputJournal&) = delete;
   InputJournal& operator=(const InputJournal&) = delete;
 
-  /// Keeps the inputs of a tick. After a failed write, or a tick that never came here, nothing more
-  /// is kept: what is made again from inputs with a gap never happened.
+  /// Appends the inputs of a tick. After a failed write or a missing tick nothing more is appended,
+  /// because a run repeated from inputs with a gap would differ from the real one.
   void append(const TickRecord& record);
-  /// Writes and syncs what was appended.
+  /// Writes and syncs the appended inputs.
   void flush();
   /// Removes the file.
   void remove();
@@ -91,29 +93,30 @@ class InputJournal {
   const int file_;
   InputLogState log_;
   std::vector<std::byte> waiting_;
-  std::size_t ticks_ = 0;  ///< in `waiting_`
+  std::size_t ticks_ = 0;  ///< number of ticks in `waiting_`
   std::optional<std::uint64_t> last_tick_;
   bool broken_ = false;
   std::mutex mutex_;
   std::condition_variable ends_;
   bool ending_ = false;  ///< guarded by mutex_
   std::atomic<bool> dirty_{false};
-  std::thread syncing_;  ///< a slow disk must not delay the recorder
+  std::thread
+      syncing_;  ///< syncs in its own thread, so that a slow disk does not delay the recorder
 };
 
-/// Reads a journal as far as it is whole.
+/// Reads a journal up to its first damaged block.
 class InputJournalReader {
  public:
   [[nodiscard]] static bool isJournal(const std::string& path);
   [[nodiscard]] static Expected<std::unique_ptr<InputJournalReader>> open(const std::string& path);
 
   [[nodiscard]] const RecordingMeta& meta() const noexcept { return meta_; }
-  /// The next tick's inputs. False at the end.
+  /// Reads the next tick's inputs. Returns false at the end.
   [[nodiscard]] bool next(TickInput& input);
 
  private:
   RecordingMeta meta_;
-  std::vector<std::byte> inputs_;  ///< of all whole blocks
+  std::vector<std::byte> inputs_;  ///< inputs of all undamaged blocks
   std::size_t at_ = 0;
   InputLogState log_;
 };

@@ -11,11 +11,12 @@
 namespace wholehand::recording {
 namespace {
 
-/// Far more rows than a byte of a file can hold; a damaged file must not cause huge allocations.
+/// Limit of rows per byte of the file. It is far above real files and prevents huge allocations for
+/// a damaged file.
 constexpr std::uint64_t kMostRowsPerByte = 10;
 
-/// Makes a record empty, faster than construction: of bodies and contacts, most of its bytes, only
-/// those that it has are cleared. @pre it is empty beyond its counts
+/// Empties a record faster than its constructor does: only the bodies and contacts in use are
+/// cleared. @pre the record is empty beyond its counts
 void clear(TickRecord& record) noexcept {
   static_assert(std::is_trivially_copyable_v<TickRecord>);
   static const TickRecord kEmpty;
@@ -89,14 +90,15 @@ std::string RecordedTables::open(TablesSource& file, WriterState writer) {
                                             : "";
 }
 
-// A row whose number, contacts, events or commands never reached the disk is a hole: later rows are
-// read nevertheless, and the gap in tick numbers shows it. Where a count cannot be read, read()
-// refuses the tick.
+// Finds the complete rows. A row whose number, contacts, events or commands never reached the disk
+// is left out; later rows are still read, and the gap in tick numbers shows the loss. If a count
+// cannot be read, read() refuses the tick.
 void RecordedTables::findRows() {
   constexpr std::int32_t kUnknown = -1;
   const std::uint64_t rows = ticks_.rows();
   std::vector<std::uint64_t> numbers;
   std::vector<std::int32_t> contacts, events, commands;
+  // Reads tick numbers and counts; unreadable ones get marker values.
   const std::uint64_t unread = ticks_.readSound("tick", block_, UINT64_MAX, numbers);
   if (unread > 0) {
     outline_.flaw = "/ticks has " + std::to_string(unread) + " rows of 'tick' that cannot be read";
@@ -104,10 +106,11 @@ void RecordedTables::findRows() {
   ticks_.readSound("contact_count", block_, kUnknown, contacts);
   ticks_.readSound("event_count", block_, kUnknown, events);
   ticks_.readSound("command_count", block_, kUnknown, commands);
+  // Finds the rows of the side tables for each block of ticks.
   contacts_.findBlocks(rows, block_);
   events_.findBlocks(rows, block_);
   commands_.findBlocks(rows, block_);
-  TickRecord counts;  // large: cleared once
+  TickRecord counts;  // large, so it is constructed once
   for (std::uint64_t i = 0; i < rows; ++i) {
     if (numbers[i] == UINT64_MAX) continue;
     counts.contact_count = contacts[i];
@@ -126,7 +129,7 @@ void RecordedTables::findRows() {
   }
 }
 
-// Reads no whole column when the ticks are consecutive.
+// Counts missing ticks. Does not read a whole column when the ticks are consecutive.
 void RecordedTables::countMissing() {
   if (rows_.empty() || outline_.numbers.back() - outline_.numbers.front() == rows_.size() - 1) {
     return;
@@ -139,7 +142,8 @@ void RecordedTables::countMissing() {
   }
 }
 
-// A damaged chunk affects no other one, and is not retried for each of its rows.
+// Loads the chunk of a row. A damaged chunk does not affect other chunks and is not retried for
+// each of its rows.
 bool RecordedTables::loadAround(std::uint64_t row) {
   if (row / block_ == unreadable_block_) return false;
   hdf5::beginHdf5();
@@ -207,7 +211,7 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   clear(record);
   ticks_.get(i, record);
   digest_ = ticks_.number<std::uint64_t>(kDigest, i);
-  // Damaged since it was opened, or no tick wrote these numbers.
+  // The file was damaged after opening, or the numbers cannot come from a tick.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record) || !isPlausible(record)) {
     return false;
   }

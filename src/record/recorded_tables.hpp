@@ -11,14 +11,14 @@
 
 namespace wholehand::recording {
 
-/// What the writer of a file did last.
+/// Last known state of the writer of a file.
 enum class WriterState : std::uint8_t {
   kClosed,
-  kLeft,  ///< it was killed: some datasets may be a little longer than others
+  kLeft,  ///< the writer was killed: some datasets may be slightly longer than others
   kWriting
 };
 
-/// The ticks of an open file: finds the complete ones and reads them. Private to telemetry.
+/// Finds and reads the complete ticks of an open file. Private to src/record.
 class RecordedTables {
  public:
   RecordedTables(const RecordingMeta& meta, const LeftOut& left_out);
@@ -30,11 +30,11 @@ class RecordedTables {
   [[nodiscard]] const RecordingOutline& outline() const noexcept { return outline_; }
   /// False when the last complete tick cannot be read.
   [[nodiscard]] bool endsWhole();
-  /// Drops unreadable ticks at the end; returns the number of the first of them.
+  /// Drops unreadable ticks at the end; returns the tick number of the first one.
   std::optional<std::uint64_t> leaveOutDamagedEnd();
-  /// Reads the i-th complete tick. False past the end, and where the file is damaged.
+  /// Reads the i-th complete tick. Returns false past the end and if the file is damaged there.
   bool read(std::uint64_t i, TickRecord& record);
-  /// Digest of the tick that was read last; 0 where it is left out.
+  /// Digest of the tick that was read last; 0 if the column is left out.
   [[nodiscard]] std::uint64_t digest() const noexcept { return digest_; }
 
  private:

@@ -11,10 +11,10 @@
 
 namespace wholehand {
 
-/// Schema version of recordings; files of another one are refused.
+/// Schema version of recordings; files of another version are refused.
 inline constexpr std::uint64_t kRecordingSchema = 9;
 
-/// Everything needed to understand a recording and to run it again; written once into its /meta.
+/// Everything needed to understand a recording and to repeat the run; written once into its /meta.
 struct RecordingMeta {
   std::string created_utc;  ///< ISO 8601
   std::string git_version;  ///< version of the program
@@ -22,19 +22,19 @@ struct RecordingMeta {
   double period_s = 1e-3;
   std::string engine;  ///< name of the physics engine
   bool simulated_clock = false;
-  bool uncertified = false;  ///< the gains failed the stability check and were allowed nevertheless
+  bool uncertified = false;  ///< the gains failed the stability check and were allowed by the user
   bool paper = false;
-  /// The rendered models differ from the files: they were changed in memory, or the files on disk
-  /// were. The recording cannot be run again.
+  /// The rendered models differ from the files, because the models were changed in memory or the
+  /// files on disk were changed. The run cannot be repeated.
   bool models_changed = false;
-  bool simulated_device = true;  ///< late ticks and stuck encoders were only counted
+  bool simulated_device = true;  ///< simulated: late ticks and stuck encoders were only counted
   /// Digest of the passport of a real device, or "without" if it had none and --without-passport
   /// was given; empty for other devices.
   std::string passport;
   std::string title;    ///< "Reach and grasp"; shown by the report
   std::string profile;  ///< code of the person whose profile was open;
                         ///< empty: none
-  /// Visit of the clinic's records and item of its plan; 0: none.
+  /// Visit in the clinic's records and item of its plan; 0: none.
   std::uint64_t clinic_visit = 0, clinic_item = 0;
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]
@@ -42,13 +42,14 @@ struct RecordingMeta {
   std::vector<double> encoder_step;                 ///< per axis [m or rad]; 0: none
   std::vector<double> armed_position;               ///< device position at arming
   std::vector<std::string> joint_names, body_names, capsule_names;
-  /// Slots for the bodies of a game, the last of body_names. With 0 the commands have no numbers.
+  /// Number of slots for the bodies of a game; they are the last entries of body_names. With 0 the
+  /// commands have no numbers.
   std::uint64_t game_slots = 0;
   std::string exercise;  ///< empty: none
   int level = 0;
   std::vector<std::string> parameter_names, value_names, event_names;
-  /// The value_names that are results: labels and units as shown, factors from value to shown
-  /// number, and decimals. Empty in files older than results, and in black boxes.
+  /// Results among value_names: labels and units as shown, factors from the value to the shown
+  /// number, and decimals. Empty in older files and in black box files.
   std::vector<std::string> result_names, result_labels, result_units;
   std::vector<double> result_factors, result_decimals;
   std::vector<double> parameter_values;  ///< live parameters at arming, one per name
@@ -57,24 +58,24 @@ struct RecordingMeta {
   std::vector<std::pair<std::string, std::string>> files;
 };
 
-/// Writes every tick to HDF5 in single-writer-multiple-reader mode. Not for the real-time thread.
-/// Layout: docs/recording.md.
+/// Writes every tick to HDF5 in single-writer-multiple-reader mode. Not real-time safe. Layout:
+/// docs/recording.md.
 class RecordingWriter {
  public:
   /// Creates the file under a temporary name and renames it when its parameters are completely
-  /// written; only then is an existing file replaced. Beside it stand its inputs until it is
-  /// complete (record/input_log.hpp).
+  /// written; an existing file is replaced only then. A journal of the inputs exists in the same
+  /// folder until the recording is complete (record/input_log.hpp).
   static Expected<std::unique_ptr<RecordingWriter>> create(const std::string& path,
                                                            const RecordingMeta& meta);
   virtual ~RecordingWriter() = default;
 
-  /// Appends a tick. False when it could not be written (disk full, or a disk error): the tick is
-  /// counted as dropped, and writing is retried later; after a disk error in a new part
+  /// Appends a tick. Returns false when it could not be written (disk full or disk error). The tick
+  /// is then counted as dropped and writing is retried later, after a disk error in a new part
   /// (recordingParts()). Never throws.
   virtual bool append(const TickRecord& record) = 0;
   /// Writes all data to disk; the recorder calls it at least once a second.
   virtual void flush() = 0;
-  /// Finishes the recording. If its file was removed meanwhile, every tick counts as dropped.
+  /// Completes the recording. If its file was removed meanwhile, every tick counts as dropped.
   /// Idempotent.
   virtual void close() = 0;
   [[nodiscard]] virtual std::uint64_t written() const = 0;
@@ -83,26 +84,26 @@ class RecordingWriter {
   [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 };
 
-/// The files that continue the recording at `path`: after the disk refused a write, a new part
-/// ("run.part2.h5") begins once it responds again. Accesses the disk.
+/// Paths of the files that continue the recording at `path`. After the disk refused a write, a new
+/// part ("run.part2.h5") begins when the disk responds again. Accesses the disk.
 [[nodiscard]] std::vector<std::string> recordingParts(const std::string& path);
 
-/// What is known of a recording's ticks without reading them.
+/// Facts about a recording's ticks that are known without reading them.
 struct RecordingOutline {
   std::vector<std::uint64_t> numbers;  ///< tick numbers in order (TickRecord::tick)
-  std::uint64_t missing = 0;           ///< ticks between them that ran, but are not in the file
-  /// The first tick that is missing although it has a row, since other rows contradict it, and how:
-  /// "has 1 row in /events, its event_count says 0".
+  std::uint64_t missing = 0;           ///< ticks between these that ran but are not in the file
+  /// First tick that counts as missing because other rows contradict its row, and the
+  /// contradiction: "has 1 row in /events, its event_count says 0".
   std::optional<std::uint64_t> contradicted_tick;
   std::string contradiction;
-  /// What of the tables cannot be read, or in what those of a file that was closed contradict each
-  /// other; empty: nothing.
+  /// Parts of the tables that cannot be read, or a contradiction between the tables of a closed
+  /// file; empty: none.
   std::string flaw;
   bool being_written = false;
 };
 
-/// Reads a recording, also one that was truncated by kill -9 or is still being written; or the last
-/// seconds of a black box.
+/// Reads a recording, including one whose writer was killed or is still writing, or the last
+/// seconds in a black box file.
 class RecordingReader {
  public:
   /// Opens a recording. Refuses a foreign, truncated or newer file with the reason.
@@ -110,21 +111,21 @@ class RecordingReader {
   virtual ~RecordingReader() = default;
 
   [[nodiscard]] virtual const RecordingMeta& meta() const = 0;
-  /// Number of complete ticks in the file. Lost ticks show as gaps between tick numbers.
+  /// Number of complete ticks in the file. Lost ticks appear as gaps between tick numbers.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
   /// Outline at opening, with size() numbers.
   [[nodiscard]] virtual const RecordingOutline& outline() const = 0;
-  /// Reads the i-th complete tick without stage times. False past the end, and where the file is
-  /// damaged (unreadable()).
+  /// Reads the i-th complete tick without stage times. Returns false past the end and if the file
+  /// is damaged there (unreadable()).
   virtual bool read(std::uint64_t i, TickRecord& record) = 0;
-  /// Digest of the tick that was read last, as it was computed (loop/core/tick_digest.hpp).
+  /// Digest of the tick that was read last, as the loop computed it (loop/core/tick_digest.hpp).
   [[nodiscard]] virtual std::uint64_t digest() const = 0;
-  /// Whether the numbers of read() are those of the tick to the bit. Those of a recording are
-  /// rounded to single precision, but for what a re-run needs.
+  /// True when the numbers of read() are bit-identical to those of the tick. The numbers of a
+  /// recording are rounded to single precision, except those that a re-run needs.
   [[nodiscard]] virtual bool isExact() const = 0;
 };
 
-/// Number of ticks missing between two consecutive ticks of a recording, without those that the
+/// Number of ticks missing between two consecutive ticks of a recording, without ticks that the
 /// loop skipped (elapsed_periods of the later one).
 [[nodiscard]] std::uint64_t missingBetween(std::uint64_t before, std::uint64_t tick,
                                            std::uint32_t elapsed_periods);
@@ -140,24 +141,25 @@ struct ViewedRecording {
   std::uint64_t last_tick = 0;  ///< number of the last tick, which may be unreadable
 };
 
-/// Datasets that a reader skips, and that may be missing: their numbers stay as in an empty record.
+/// Datasets that a reader skips and that may be missing. Their numbers stay as in an empty record.
 struct LeftOut {
   std::vector<std::string> of_ticks, of_contacts;
 };
 
-/// As RecordingReader::open(), but a file with unreadable ticks at its end is read up to them.
-/// Refuses black boxes. A file that is being written, or whose writer was killed, is not marked as
-/// read, so that a later reader can still distinguish these two cases
+/// Opens a recording like RecordingReader::open(), but reads a file with unreadable ticks at its
+/// end up to them. Refuses black box files. A file that is being written or whose writer was killed
+/// is not marked as being read, so that a later reader can still distinguish these two cases
 /// (RecordingOutline::being_written).
 [[nodiscard]] Expected<ViewedRecording> viewRecording(const std::string& path,
                                                       const LeftOut& left_out = {});
 
 /// Ticks of a recording that read() refused.
 struct UnreadTicks {
-  std::uint64_t count = 0, first = 0;  ///< `first`: the place of the first one
+  std::uint64_t count = 0, first = 0;  ///< `first`: index of the first one
 };
 
-/// What of a recording is not shown, and why; empty: all of it is.
+/// Notices about the parts of a recording that are not shown, with reasons; empty: everything is
+/// shown.
 [[nodiscard]] Diagnostics notShown(const ViewedRecording& viewed, const UnreadTicks& unread,
                                    const std::string& path);
 

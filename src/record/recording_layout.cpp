@@ -13,7 +13,7 @@ namespace {
 using hdf5::NumberType;
 using Texts = std::vector<std::string>;
 
-/// What a number of the loop is stored as: a double that a re-run needs as one, or as a float.
+/// File type for a number of the loop: double if a re-run needs it exactly, else float.
 template <class T>
 constexpr NumberType numberType() {
   if constexpr (std::is_same_v<T, float>) return NumberType::kFloat32;
@@ -27,8 +27,8 @@ constexpr NumberType numberType() {
   return NumberType::kInt32;
 }
 
-/// Marks a missing value: an axis array shorter than the device (no virtual patient). A quiet NaN
-/// with its own payload, so that a computed NaN stays distinguishable.
+/// Marks a missing value of an axis array that is shorter than the device (no virtual patient). It
+/// is a quiet NaN with its own payload, so that a computed NaN stays distinguishable.
 template <class Stored>
 constexpr auto absent() {
   if constexpr (sizeof(Stored) == sizeof(std::uint32_t)) {
@@ -38,7 +38,7 @@ constexpr auto absent() {
   }
 }
 
-/// Row& -> T& of a member, and of a member's member.
+/// Accessors Row& -> T& for a member and for a member's member.
 template <class Row, class T>
 auto path(T Row::*member) {
   return [member](Row& row) -> T& { return row.*member; };
@@ -48,7 +48,7 @@ auto path(Part Row::*part, T Part::*member) {
   return [part, member](Row& row) -> T& { return row.*part.*member; };
 }
 
-/// A plain number of a row, reached by `at`: Row& -> T&, stored as itself or as Stored.
+/// Column of a plain number that `at` accesses (Row& -> T&), stored in its own type or as Stored.
 template <class Row, class Stored = void, class At>
 Column<Row> number(const char* name, const char* unit, At at) {
   using T = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
@@ -69,13 +69,13 @@ Column<Row> number(const char* name, const char* unit, At at) {
   return c;
 }
 
-/// As number(), of a double that no re-run needs.
+/// Column of a double that no re-run needs, stored in single precision.
 template <class Row, class At>
 Column<Row> single(const char* name, const char* unit, At at) {
   return number<Row, float>(name, unit, at);
 }
 
-/// `width` numbers that lie contiguous in the row, each stored as Stored.
+/// Column of `width` contiguous numbers of the row, each stored as Stored.
 template <class Row, class Stored, class At>
 Column<Row> block(const char* name, std::uint64_t width, const Texts& units, const Texts& labels,
                   At at) {
@@ -104,8 +104,8 @@ Column<Row> block(const char* name, std::uint64_t width, const Texts& units, con
   return c;
 }
 
-/// A value per axis or per joint, reached by `at`: Row& -> array&; the array may be shorter than
-/// the recording's.
+/// Column with a value per axis or per joint that `at` accesses (Row& -> array&). The array may be
+/// shorter than the recording's.
 template <class Row, class Stored = float, class At>
 Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& labels) {
   using Array = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
@@ -158,7 +158,8 @@ Texts perUnit(const Texts& units, const char* per_m, const char* per_rad) {
   return out;
 }
 
-/// The digest is computed where a row is stored; a reader asks for it by TableReader::loaded().
+/// Column of the digest, which is computed when a row is stored. A reader gets it with
+/// TableReader::loaded().
 Column<TickRecord> digestColumn() {
   Column<TickRecord> c;
   c.name = kDigest;
@@ -172,7 +173,8 @@ Column<TickRecord> digestColumn() {
   return c;
 }
 
-/// A number below `count`, stored as int32; anything else in a file is 0, which says nothing.
+/// Column of a number below `count`, stored as int32. Any other number in a file is read as 0,
+/// which means unknown.
 template <class T>
 Column<TickRecord> named(const char* name, T TickRecord::*member, int count) {
   Column<TickRecord> c;

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-/// The table, shared by writer and reader, of where each number of a tick is stored in the file.
-/// Documented in docs/recording.md. Private to telemetry.
+/// The table that writer and reader share; it states where each number of a tick is stored in the
+/// file. Documented in docs/recording.md. Private to src/record.
 namespace wholehand::recording {
 
 /// One dataset: a row per tick (or per contact).
 struct ColumnShape {
   std::string name;
   hdf5::NumberType type = hdf5::NumberType::kFloat32;
-  std::vector<std::uint64_t> shape;  ///< of one row; empty for a scalar
+  std::vector<std::uint64_t> shape;  ///< shape of one row; empty for a scalar
   std::vector<std::string> units;    ///< one, or one per element of the last dimension
   std::vector<std::string> labels;   ///< one per element of a row's first dimension
   std::vector<std::string> columns;  ///< names along the last dimension when there are two
@@ -30,7 +30,7 @@ struct ColumnShape {
   }
 };
 
-/// A dataset and the conversion between its row and a structure.
+/// A dataset and the conversion between its rows and a structure.
 template <class Row>
 struct Column : ColumnShape {
   std::function<void(const Row&, std::byte*)> store;
@@ -49,13 +49,13 @@ struct EventRow {
   ExerciseEvent event;
 };
 
-/// One command and the row of /ticks that obeyed it.
+/// One command and the row of /ticks of the tick that executed it.
 struct CommandRow {
   std::uint64_t row = 0;
   Command command;
 };
 
-/// The datasets of /ticks, without those that would have no columns (no bodies, no joints).
+/// The datasets of /ticks. Datasets without columns (no bodies, no joints) are left out.
 [[nodiscard]] std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta);
 /// The column of digests (loop/core/tick_digest.hpp).
 inline constexpr const char* kDigest = "digest";
@@ -66,7 +66,7 @@ inline constexpr const char* kDigest = "digest";
 /// The datasets of /commands.
 [[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
 
-/// Rows per chunk: a second, so that a write fills one chunk.
+/// Rows per chunk: one second of ticks, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;
 inline constexpr std::uint64_t kContactChunkRows = 256;
 inline constexpr std::uint64_t kRareChunkRows = 64;  ///< events and commands

@@ -18,8 +18,8 @@ namespace {
 
 using hdf5::Handle;
 
-/// Every field of a description but its files: archive(name, value) reads or writes one. Ends with
-/// false at the first that fails.
+/// Calls archive(name, value), which reads or writes one field, for every field of a description
+/// except its files. Stops with false at the first failure.
 template <class Archive, class Meta>
 bool visitMeta(Archive&& a, Meta& m) {
   return a("created_utc", m.created_utc) && a("git_version", m.git_version) &&
@@ -69,7 +69,7 @@ class Reader {
     return ok;
   }
   bool operator()(const char* name, int& value) const {
-    constexpr std::uint64_t kMost = 1000;  // of a damaged file, too
+    constexpr std::uint64_t kMost = 1000;  // limit for the numbers of a damaged file
     std::uint64_t number = 0;
     const bool ok = (*this)(name, number);
     value = static_cast<int>(std::min(number, kMost));
@@ -101,7 +101,7 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
 
 constexpr const char *kVisit = "clinic_visit", *kItem = "clinic_item";
 
-// Far beyond any loop's rate: a file with such a period is damaged.
+// Limits far beyond any loop's period; a file with a period outside them is damaged.
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 constexpr std::int32_t kMostContactsDropped = 1'000'000;
 
@@ -145,7 +145,7 @@ bool hasVariableText(hid_t file) {
 std::string readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   std::string missing;
   if (!visitMeta(Reader(id, missing), meta)) return "'" + missing + "' of /meta";
-  // Only a visit's recording has them.
+  // Only the recording of a visit has these attributes.
   if (H5Aexists(id, kVisit) > 0 && !(hdf5::readAttribute(id, kVisit, meta.clinic_visit) &&
                                      hdf5::readAttribute(id, kItem, meta.clinic_item))) {
     return fmt::format("'{}' or '{}' of /meta", kVisit, kItem);
@@ -268,7 +268,7 @@ class Packer {
   }
 };
 
-/// Reads them back; each call says whether the value was present.
+/// Reads the values back; each call returns whether the value was present.
 class Unpacker {
  public:
   Unpacker(const std::byte* at, std::size_t bytes) : at_(at), left_(bytes) {}

@@ -8,20 +8,20 @@
 #include <string>
 #include <vector>
 
-/// Description of a recording in its file: attributes of /meta, file texts in /meta/files; packed
-/// in a black box and beside its inputs. And the limits of a file's description and ticks, checked
-/// when it is opened and for every tick read. Documented in docs/recording.md. Private to
-/// telemetry.
+/// Reads and writes the description of a recording: attributes of /meta and file texts in
+/// /meta/files; a packed form is stored in a black box file and in the journal of inputs. Also
+/// checks the limits of a file's description at opening and of every tick read. Documented in
+/// docs/recording.md. Private to src/record.
 namespace wholehand::recording {
 
 inline constexpr const char* kFormat = "wholehand-recording";
 
 /// Writes the description; false when HDF5 refuses a part of it.
 [[nodiscard]] bool writeMeta(hid_t file, const RecordingMeta& meta);
-/// Reads the description from the group /meta, `id`. Returns what is missing or of another type, or
-/// an empty text.
+/// Reads the description from the group /meta with the identifier `id`. Returns the name of an item
+/// that is missing or has another type, or an empty text.
 [[nodiscard]] std::string readMeta(hid_t file, hid_t id, RecordingMeta& meta);
-/// True where a text of the description has a variable length, as h5py writes them.
+/// True when a text of the description has a variable length, as h5py writes texts.
 [[nodiscard]] bool hasVariableText(hid_t file);
 
 /// Reason why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or an
@@ -37,7 +37,8 @@ inline constexpr const char* kFormat = "wholehand-recording";
 
 namespace wholehand::black_box {
 
-/// Serialises a recording's meta, and parses it. False when damaged.
+/// Serialises and parses the description of a recording. Parsing returns false when the bytes are
+/// damaged.
 [[nodiscard]] std::vector<std::byte> packMeta(const RecordingMeta& meta);
 [[nodiscard]] bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta);
 

@@ -29,8 +29,8 @@ constexpr const char* kGiveRecording = "give a .h5 file that `wholehand run --re
 constexpr const char* kBrokenCopy =
     "copy it again from where it was recorded; what is missing cannot be restored";
 
-/// Looks at the first bytes, by the HDF5 format's description of the superblock: is it HDF5, and
-/// did its writer leave it open (killed, or still writing)?
+/// Checks the superblock in the first bytes: returns an error if the file is not HDF5, and true if
+/// its writer left it open (killed or still writing).
 Expected<bool> leftOpen(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) {
@@ -47,11 +47,12 @@ Expected<bool> leftOpen(const std::string& path) {
       !std::equal(hdf5::kSignature.begin(), hdf5::kSignature.end(), head.begin())) {
     return fileFault(path, "is no HDF5 file", kGiveRecording);
   }
-  constexpr char kWriteBits = 0x01 | 0x04;  // open for writing; for single writer, many readers
+  // Open for writing; open in single-writer-multiple-reader mode.
+  constexpr char kWriteBits = 0x01 | 0x04;
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
 }
 
-/// The description as a child process reads it, or none where that process fails: HDF5 1.10 reads
+/// Reads the description in a child process; returns none if that process fails. HDF5 1.10 reads
 /// beyond its memory in damaged texts of variable length, which only other programs write.
 std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
   constexpr unsigned kPatience_s = 10;
@@ -95,11 +96,11 @@ std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
 
 class Hdf5Reader final : public RecordingReader {
  public:
-  /// @param marks a file that its writer left open as one that is read
+  /// @param marks true: marks a file that its writer left open as being read
   Hdf5Reader(bool marks, LeftOut left_out) : marks_(marks), left_out_(std::move(left_out)) {}
-  /// Opens and checks. What is wrong, or Done.
+  /// Opens and checks the file. Returns the error, or Done.
   Expected<Done> open(const std::string& path, bool left_open);
-  /// As RecordedTables. @pre it was opened
+  /// Forwarded to RecordedTables. @pre open() succeeded
   [[nodiscard]] bool endsWhole() { return tables_->endsWhole(); }
   std::optional<std::uint64_t> leaveOutDamagedEnd() { return tables_->leaveOutDamagedEnd(); }
 
@@ -126,10 +127,11 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
                                                            : recording::WriterState::kLeft;
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_file_locking(access.get(), marks_ || !left_open, true);
-  // HDF5 waits twice as long before each new attempt, from 1 ns on: of its usual 100 attempts at a
-  // broken piece of a file left open, nobody would see the end.
+  // HDF5 doubles its waiting time before each new attempt, starting at 1 ns. Its default of 100
+  // attempts on a damaged part of a file left open would practically never end.
   if (left_open) H5Pset_metadata_read_attempts(access.get(), 25);
-  // A file whose writer was killed is opened as one that is still written: no repair is needed.
+  // A file whose writer was killed is opened like one that is still being written, so it needs no
+  // repair.
   const unsigned mode = H5F_ACC_RDONLY | (left_open ? H5F_ACC_SWMR_READ : 0U);
   file_ = Handle(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
   if (!file_.ok()) return fileFault(path, "is truncated or damaged", kBrokenCopy);
@@ -200,7 +202,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
   }
   auto reader = openHdf5(path, true, {});
   if (!reader) return reader.errors();
-  // The last rows lie at the end of the file: a copy that stopped early shows here.
+  // The last rows lie at the end of the file, so this check detects an incomplete copy.
   if (!(*reader)->endsWhole()) {
     return fileFault(path, "is truncated: its last ticks cannot be read", kBrokenCopy);
   }

@@ -32,7 +32,7 @@ namespace {
 
 using hdf5::Handle;
 
-/// Growing datasets of equal length with their buffered rows. Not for the tick.
+/// Growing datasets of equal length with their buffered rows. Not real-time safe.
 template <class Row>
 class TableWriter {
  public:
@@ -40,28 +40,28 @@ class TableWriter {
       : columns_(std::move(columns)), chunk_rows_(chunk_rows), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// Begins a chunk with every write: a chunk that grows is compressed anew, at another place of
-  /// the file. The rows in between stay unwritten.
+  /// Makes every write begin a new chunk, because a growing chunk is compressed again at another
+  /// place of the file. The rows in between stay unwritten.
   void beginChunks() noexcept { begins_chunks_ = true; }
 
   /// Creates the datasets with their attributes in `group`.
   bool create(hid_t group);
   /// Buffers a row until the next write().
   void push(const Row& row);
-  /// Writes the buffered rows after the committed ones, and keeps them: if a later step fails, the
-  /// same rows are written to the same place again.
+  /// Writes the buffered rows after the committed rows and keeps them in the buffer. If a later
+  /// step fails, the same rows are written to the same place again.
   bool write();
-  /// Marks the written rows as safe on disk: drops them from the buffer and continues after them.
+  /// Marks the written rows as safe on disk, drops them from the buffer and continues after them.
   void commit();
-  /// Takes over the buffered rows of another table. In a side table, subtracts `ticks`, the number
-  /// of tick rows in the other's file, from the tick row numbers.
+  /// Takes over the buffered rows of another table. In a side table it subtracts `ticks`, the
+  /// number of tick rows in the other table's file, from the tick row numbers.
   void takeRowsOf(TableWriter& other, std::uint64_t ticks);
   /// Closes the datasets.
   void close() { datasets_.clear(); }
 
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t pending() const noexcept { return pending_; }
-  /// True when the buffered rows complete a chunk: the cheapest time to write.
+  /// True when the buffered rows complete a chunk, which is the cheapest time to write.
   [[nodiscard]] bool atChunkEnd() const noexcept {
     return pending_ > 0 && (written_ + pending_) % chunk_rows_ == 0;
   }
@@ -138,10 +138,10 @@ std::uint64_t TableWriter<Row>::pendingBytes() const noexcept {
   return n * pending_;
 }
 
-/// One HDF5 file of a recording, with its buffered rows. Not for the tick.
+/// One HDF5 file of a recording with its buffered rows. Not real-time safe.
 class RecordingFile {
  public:
-  enum class Written { kAll, kNoRoom, kRefused };
+  enum class WriteResult { kAll, kNoRoom, kRefused };
 
   explicit RecordingFile(const RecordingMeta& meta);
 
@@ -150,9 +150,9 @@ class RecordingFile {
   std::string create(const std::string& path, const RecordingMeta& meta);
   /// Buffers a tick until the next write().
   void push(const TickRecord& record);
-  /// Writes the buffered rows to disk, or keeps them. After kRefused, HDF5's state of this file is
-  /// unreliable: another file must continue.
-  [[nodiscard]] Written write();
+  /// Writes the buffered rows to disk, or keeps them in the buffer. After kRefused, HDF5's state of
+  /// this file is unreliable, and another file must continue the recording.
+  [[nodiscard]] WriteResult write();
   /// Takes over the buffered rows of `before` as the first rows of this file.
   void takeRowsOf(RecordingFile& before);
   /// Closes the file; buffered rows are lost.
@@ -179,7 +179,7 @@ class RecordingFile {
   std::uint64_t bytes_ = 0;
 };
 
-/// Growth limit of HDF5's own structures per write, beside the rows.
+/// Upper bound for the growth of HDF5's own structures per write, in addition to the rows.
 constexpr std::uint64_t kTablesBytes = std::uint64_t{1} << 20U;
 
 std::uint64_t metaBytes(const RecordingMeta& meta) {
@@ -188,7 +188,7 @@ std::uint64_t metaBytes(const RecordingMeta& meta) {
   return n;
 }
 
-/// Limit of parts, so that a failing disk does not fill a folder with files.
+/// Maximum number of parts, so that a failing disk does not fill a folder with files.
 constexpr int kMostParts = 99;
 
 /// "a/run.h5", 2: "a/run.part2.h5".
@@ -247,9 +247,9 @@ std::string RecordingFile::createAt(const std::string& path, const RecordingMeta
   if (error != 0) return std::string("cannot be created: ") + std::strerror(error);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  H5Pset_file_locking(access.get(), true, true);  // not every file system supports locking
+  H5Pset_file_locking(access.get(), true, true);  // ignores missing lock support of a file system
   file_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
-  // After H5Fcreate, which truncates the file and would release the reserved space.
+  // Space is reserved after H5Fcreate, which truncates the file and would release it.
   if (!reserve_.claim(metaBytes(meta))) return "cannot be created: the disk is full";
   if (!file_.ok() || !writeMeta(file_.get(), meta)) return "cannot be written by HDF5";
   const auto make_table = [this](const char* name, auto& table) {
@@ -261,7 +261,7 @@ std::string RecordingFile::createAt(const std::string& path, const RecordingMeta
       !make_table("events", events_) || !make_table("commands", commands_)) {
     return "cannot be written by HDF5";
   }
-  // From here on, readers may follow, and a kill leaves a readable file.
+  // From now on readers can follow, and a kill leaves a readable file.
   if (H5Fstart_swmr_write(file_.get()) < 0) return "cannot be opened to readers (SWMR)";
   reserve_.mark();
   noteBytes();
@@ -295,19 +295,20 @@ bool RecordingFile::claimRoom() {
   return reserve_.claim(end + 2 * rows + kTablesBytes);
 }
 
-RecordingFile::Written RecordingFile::write() {
-  if (!claimRoom()) return Written::kNoRoom;
-  // Ticks last: a tick on disk then has its contacts, events and commands on disk as well.
+RecordingFile::WriteResult RecordingFile::write() {
+  if (!claimRoom()) return WriteResult::kNoRoom;
+  // Ticks are written last, so that a tick on disk has its contacts, events and commands on disk as
+  // well.
   if (!contacts_.write() || !events_.write() || !commands_.write() || !ticks_.write() ||
       H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) {
-    return Written::kRefused;
+    return WriteResult::kRefused;
   }
   contacts_.commit();
   events_.commit();
   commands_.commit();
   ticks_.commit();
   noteBytes();
-  return Written::kAll;
+  return WriteResult::kAll;
 }
 
 void RecordingFile::takeRowsOf(RecordingFile& before) {
@@ -335,9 +336,10 @@ namespace {
 using recording::RecordingFile;
 using Clock = std::chrono::steady_clock;
 
-/// Rows older than this are written although their chunk is not full: a kill costs less than 1.5 s.
+/// Rows older than this are written before their chunk is full, so that a kill loses less than 1.5
+/// s.
 constexpr auto kOldest = std::chrono::milliseconds(1200);
-/// How long a disk that took nothing is left alone before writing is tried again.
+/// Time before writing is retried after a disk refused a write.
 constexpr auto kRetryAfter = std::chrono::milliseconds(100);
 
 class Hdf5Writer final : public RecordingWriter {
@@ -349,7 +351,7 @@ class Hdf5Writer final : public RecordingWriter {
         file_(std::make_unique<RecordingFile>(meta_)) {}
   ~Hdf5Writer() override { close(); }
 
-  /// Creates the file with everything but ticks. What went wrong, or nothing.
+  /// Creates the file with everything except ticks. Returns the error, or an empty text.
   std::string create();
 
   bool append(const TickRecord& record) override;
@@ -374,7 +376,7 @@ class Hdf5Writer final : public RecordingWriter {
   std::unique_ptr<InputJournal> journal_;
   int part_ = 1;
   bool refused_ = false;                            ///< the disk refused a write to this file
-  std::uint64_t ended_rows_ = 0, ended_bytes_ = 0;  ///< of the parts before this one
+  std::uint64_t ended_rows_ = 0, ended_bytes_ = 0;  ///< rows and bytes of the previous parts
   Clock::time_point oldest_pending_{};
   Clock::time_point failed_at_ = Clock::time_point::min();
   bool failing_ = false;
@@ -412,9 +414,9 @@ bool Hdf5Writer::writeOut() {
   if (failing_ && Clock::now() - failed_at_ < kRetryAfter) return false;
   failing_ = true;
   if (!refused_ || beginPart()) {
-    const RecordingFile::Written done = file_->write();
-    failing_ = done != RecordingFile::Written::kAll;
-    refused_ = done == RecordingFile::Written::kRefused;
+    const RecordingFile::WriteResult done = file_->write();
+    failing_ = done != RecordingFile::WriteResult::kAll;
+    refused_ = done == RecordingFile::WriteResult::kRefused;
   }
   if (failing_) {
     failed_at_ = Clock::now();
@@ -425,7 +427,8 @@ bool Hdf5Writer::writeOut() {
   return true;
 }
 
-// HDF5 cannot fix a file after a write that the disk refused: a file beside it goes on.
+// Begins a new part of the recording. HDF5 cannot repair a file after a write that the disk
+// refused.
 bool Hdf5Writer::beginPart() {
   if (part_ >= recording::kMostParts) return false;
   const std::string path = recording::partPath(path_, part_ + 1);
@@ -454,7 +457,7 @@ void Hdf5Writer::endFile() {
 void Hdf5Writer::close() {
   hdf5::beginHdf5();
   if (file_ == nullptr) return;
-  failing_ = false;  // a last try, whenever the one before was
+  failing_ = false;  // one last attempt, without waiting for the retry interval
   if (!writeOut() && refused_) {
     failing_ = false;
     writeOut();
@@ -463,7 +466,7 @@ void Hdf5Writer::close() {
   endFile();
   file_.reset();
   if (journal_ && dropped_ > 0) journal_->flush();
-  // What could not be recorded can be made again by its inputs.
+  // Keeps the journal if ticks were dropped, because they can be rebuilt from it.
   if (journal_ && dropped_ == 0) journal_->remove();
   journal_.reset();
 }
@@ -494,7 +497,7 @@ Expected<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const std::st
   if (const std::string why = recording::reasonNotToReplace(path); !why.empty()) return refuse(why);
   auto writer = std::make_unique<Hdf5Writer>(path, meta);
   if (std::string problem = writer->create(); !problem.empty()) return refuse(std::move(problem));
-  recording::removeParts(path);  // of the recording whose place this one has taken
+  recording::removeParts(path);  // removes the parts of the replaced recording
   return Expected<std::unique_ptr<RecordingWriter>>(std::move(writer));
 }
 

@@ -17,7 +17,7 @@ using hdf5::Handle;
 constexpr const char* kKind = "wholehand-sweep";
 constexpr std::uint64_t kVersion = 1;
 
-/// Without times: the same contents give the same bytes.
+/// Creation properties without time stamps, so that equal contents give equal bytes.
 Handle datasetWithoutTimes() {
   Handle list(::H5Pcreate(H5P_DATASET_CREATE), ::H5Pclose);
   ::H5Pset_obj_track_times(list.get(), false);
@@ -100,7 +100,7 @@ Diagnostic cannotWrite(const std::string& path) {
   return fileFault(path, "cannot be written", "is the disk full, or the folder read-only?");
 }
 
-/// An open sweep file, or what it is instead.
+/// Opens a sweep file; the error says what the file is instead.
 Expected<Handle> openSweep(const std::string& path) {
   hdf5::beginHdf5();
   Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), ::H5Fclose);

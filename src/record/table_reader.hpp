@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-/// Reads the tables of a recording from what holds them. Private to telemetry.
+/// Reads the tables of a recording from a source. Private to src/record.
 namespace wholehand::recording {
 
 /// The datasets of one table.
@@ -22,24 +22,24 @@ class TableSource {
   /// Opens a column's dataset and checks the type and shape of its rows. Returns the error, or an
   /// empty text.
   virtual std::string open(const ColumnShape& column, std::uint64_t& rows) = 0;
-  /// Reads `count` rows from row `first` of the i-th dataset opened, that of `column`. False where
-  /// it is damaged. @pre `rows` has room for them
+  /// Reads `count` rows from row `first` of the i-th opened dataset, which belongs to `column`.
+  /// Returns false if it is damaged. @pre `rows` has room for them
   virtual bool read(std::size_t i, const ColumnShape& column, std::uint64_t first,
                     std::uint64_t count, std::byte* rows) = 0;
 };
 
-/// The tables of a recording: of an HDF5 file, or bytes in a test.
+/// Source of the tables of a recording: an HDF5 file, or bytes in a test.
 class TablesSource {
  public:
   virtual ~TablesSource() = default;
 
   /// A table by its name; null when there is none.
   virtual std::unique_ptr<TableSource> table(const std::string& name) = 0;
-  /// Size of the whole file [bytes]; 0 when it is unknown.
+  /// Size of the whole file [bytes]; 0: unknown.
   virtual std::uint64_t bytes() = 0;
 };
 
-/// Reads the datasets of a TableWriter, block by block. Not for the tick.
+/// Reads the datasets of a TableWriter block by block. Not real-time safe.
 template <class Row>
 class TableReader {
  public:
@@ -47,15 +47,17 @@ class TableReader {
       : columns_(std::move(columns)), left_out_(columns_.size()), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// Skips these columns, which the file need not have: their numbers are zero. Before open().
+  /// Skips these columns, which may be missing in the file; their numbers are zero. Call it before
+  /// open().
   void leaveOut(const std::vector<std::string>& names);
 
   /// Opens every dataset of the table. Returns the error, or an empty text.
   std::string open(std::unique_ptr<TableSource> source);
-  /// What the datasets contradict each other in, or which one of those left out is missing; empty:
-  /// nothing. E.g. "has 99 rows of 'sent', 100 of 'tick'".
+  /// Contradiction between the datasets, or the name of a skipped dataset that is missing; empty:
+  /// none. Example: "has 99 rows of 'sent', 100 of 'tick'".
   [[nodiscard]] const std::string& flaw() const noexcept { return flaw_; }
-  /// Number of rows that every dataset has: after a killed writer some are a little longer.
+  /// Number of rows that every dataset has. After a killed writer some datasets are slightly
+  /// longer.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
   /// Loads the rows first .. first+count-1 for get().
   bool load(std::uint64_t first, std::uint64_t count);
@@ -64,16 +66,16 @@ class TableReader {
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// Reads a dataset by name, one number of type T per row. What cannot be read is `unknown`,
-  /// `step` rows at a time. Returns how many these are.
+  /// Reads a dataset by name, one number of type T per row, in steps of `step` rows. Rows of an
+  /// unreadable step get `unknown`. Returns the number of these rows.
   template <class T>
   std::uint64_t readSound(const std::string& name, std::uint64_t step, T unknown,
                           std::vector<T>& out);
   /// The loaded rows of a dataset by name. @pre as readSound()
   template <class T>
   bool loaded(const std::string& name, std::vector<T>& out) const;
-  /// One number of the i-th row by its dataset; T() where it is left out. @pre as readSound(),
-  /// loaded
+  /// One number of the i-th row by its dataset; T() if the dataset is left out. @pre as
+  /// readSound(); the row is loaded
   template <class T>
   [[nodiscard]] T number(const std::string& name, std::uint64_t i) const;
 
@@ -88,7 +90,7 @@ class TableReader {
   std::vector<std::size_t> row_bytes_;
   std::vector<bool> left_out_;
   std::vector<std::vector<std::byte>> buffers_;
-  std::unique_ptr<TableSource> source_;  ///< its i-th dataset is the i-th column's
+  std::unique_ptr<TableSource> source_;  ///< its i-th dataset belongs to the i-th column
   std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
   std::string flaw_;
 };
@@ -208,8 +210,8 @@ class SideTable {
  public:
   explicit SideTable(std::vector<Column<Row>> columns) : table(std::move(columns)) {}
 
-  /// Finds the rows of every block of /ticks, which has so many rows. Until the next load(), their
-  /// assignment to ticks is known. Rows that cannot be read belong to no tick.
+  /// Finds the rows of every block of `block_rows` rows of /ticks. Their assignment to ticks is
+  /// valid until the next load(). Unreadable rows belong to no tick.
   void findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
     std::vector<std::uint64_t> owners;
     table.readSound("row", kContactChunkRows, UINT64_MAX, owners);
@@ -218,7 +220,7 @@ class SideTable {
       blocks_.push_back(rowsOf(tick, std::min(ticks, tick + block_rows)));
     }
   }
-  /// True when all rows of that tick are present. @pre it was found or loaded
+  /// True when all rows of that tick are present. @pre the tick was found or loaded
   [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
     return countOf(tick) == static_cast<std::uint64_t>(std::clamp(count, 0, most));
   }
@@ -259,8 +261,8 @@ class SideTable {
     [[nodiscard]] std::uint64_t end() const noexcept { return first + count; }
   };
 
-  /// Assigns rows to ticks. Rows that never reached the disk hold UINT64_MAX and belong to no tick,
-  /// nor do those of an earlier tick than the one before.
+  /// Assigns rows to ticks. Rows that never reached the disk hold UINT64_MAX and belong to no tick;
+  /// rows of an earlier tick than their predecessor belong to no tick either.
   void assign(const std::vector<std::uint64_t>& owners, std::uint64_t first_row,
               std::uint64_t first_tick, std::uint64_t end_tick) {
     first_tick_ = first_tick;
@@ -282,7 +284,7 @@ class SideTable {
       begin = std::min(begin, rows.first);
       end = std::max(end, rows.end());
     }
-    // An empty range lies at the end of the one before it.
+    // An empty range lies at the end of the previous range.
     if (begin < end) return {begin, end - begin};
     return {blocks_.empty() ? 0 : blocks_.back().end(), 0};
   }
@@ -290,8 +292,8 @@ class SideTable {
     return of_tick_[tick - first_tick_].count;
   }
 
-  std::vector<Rows> blocks_;   ///< per chunk of /ticks
-  std::vector<Rows> of_tick_;  ///< per tick from first_tick_ on
+  std::vector<Rows> blocks_;   ///< row range per chunk of /ticks
+  std::vector<Rows> of_tick_;  ///< row range per tick, beginning with first_tick_
   std::uint64_t first_tick_ = 0;
 };
 

@@ -36,7 +36,8 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
   return names;
 }
 
-// Poses of one hand must not be shown on the links of another.
+// Name of the first part in which the recording differs from the facts; empty: none. Poses of one
+// hand must not be shown on the links of another.
 std::string differenceFrom(const RecordingMeta& meta, const SceneFacts& facts) {
   if (meta.axis_names != namesOf(facts.device.axes)) return "axes";
   if (meta.joint_names != facts.hand.joint_names) return "joints";
@@ -59,7 +60,7 @@ Json axesOf(const RecordingMeta& meta) {
   return axes;
 }
 
-// Results in the last tick.
+// The exercise's results at the last tick.
 Json resultsOf(RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   Json results = Json::array();
@@ -80,7 +81,7 @@ Json resultsOf(RecordingReader& recording) {
   return results;
 }
 
-// The checks that resimulate() makes first.
+// True when resimulate() accepts the recording; makes the same checks.
 bool canRunAgain(const RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   const RecordingOutline& outline = recording.outline();

@@ -8,23 +8,23 @@
 
 namespace wholehand {
 
-/// Name stated in the embedded file of a kind ("device", "hand", "scene" ...), e.g. "lambda-pride";
-/// empty when there is none.
+/// Name stated in the recorded model file of a kind ("device", "hand", "scene" ...), e.g.
+/// "lambda-pride"; empty when there is none.
 [[nodiscard]] std::string embeddedName(const RecordingMeta& meta, const std::string& kind);
 
-/// Session number of all replayed states and their scene.
+/// Session number of all replayed states and of their scene.
 inline constexpr std::uint32_t kReplayedSession = 1;
 
-/// Scene facts of a recording, rebuilt from the model files that it carries. Refused when these
-/// cannot be read, or differ from the models that were rendered.
+/// Scene facts of a recording, rebuilt from the model files that it contains. Refused when these
+/// cannot be read, or differ from the rendered models.
 [[nodiscard]] Expected<SceneFacts> recordedScene(const RecordingMeta& meta,
                                                  const std::string& recording_path);
 
-/// Loop status of a tick, as far as it is recorded.
+/// Loop status at a tick, as far as it was recorded.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
 
-/// Description of a recording, which a page requests first, as JSON: replay_question.hpp.
-/// @param facts of its scene; unknown ones are empty
+/// Description of a recording as JSON, which a page requests first: replay_question.hpp.
+/// @param facts scene facts; unknown ones are empty
 /// @param no_picture_because reason; empty: there is a picture
 /// @pre the recording holds ticks
 [[nodiscard]] std::string replayAbout(const ViewedRecording& viewed, const std::string& name,

@@ -32,7 +32,7 @@ Json ratio(double part, double whole) {
   return whole > 0.0 ? Json(part / whole) : Json();
 }
 
-/// How the session ended, by its last tick: a fault, or a stop that somebody asked for.
+/// How the session ended, according to its last tick: by a fault, or by an ordered stop.
 const char* endedBy(const TickRecord& last) {
   return last.safety_state == SafetyState::kFaulted ? "fault" : "stop";
 }
@@ -59,6 +59,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
   if (reader.outline().being_written) {
     return fileFault(path, "is still being written", "measure it when its session has ended");
   }
+  // Reads all ticks.
   TherapyFacts facts(meta);
   auto record = std::make_unique<TickRecord>();
   std::uint64_t ticks = 0, last = 0;
@@ -71,6 +72,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
   }
   const auto digest = digestOf(path);
   if (!digest) return digest.errors();
+  // Selects the measures from the facts.
   const Json told = facts.json();
   const Json& reaches = told["reaches"];
   const Json &by = told["moved"]["by"], &helped = told["moved"]["helped"];

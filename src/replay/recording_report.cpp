@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Bin width as a fraction of the period; up to three periods and one overflow bin.
+/// Bin width of the histogram as a fraction of the period: three periods and one overflow bin.
 constexpr double kStep = 0.01;
 constexpr std::size_t kSteps = 301;
 
@@ -37,7 +37,7 @@ Json percentilesJson(const Percentiles& p) {
           {"max_s", 1e-9 * p.max_ns}};
 }
 
-/// Faults that occurred, with their most frequent axis.
+/// Faults that occurred, each with its most frequent axis.
 Json faultsJson(const TickSummary& summary, const RecordingMeta& meta) {
   Json faults = Json::array();
   for (std::size_t bit = 0; bit < kFaultTable.size(); ++bit) {
@@ -121,7 +121,8 @@ namespace {
 /// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;
 constexpr std::uint64_t kTicksBetweenProgress = 10'000;
-/// Limits that keep a page below 2 MB: states before packing, and afterwards.
+/// Limits that keep a page below 2 MB: number and bytes of states before compression, and
+/// compressed sizes.
 constexpr std::uint64_t kMostShownStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
 constexpr std::size_t kMostSeries_bytes = 360'000, kMostBodies_bytes = 300'000;
@@ -129,7 +130,7 @@ constexpr int kMostShownColumns = 800, kFewestColumns = 100;
 
 /// Datasets that a report does not need.
 const LeftOut kLeftOut = {{"digest", "patient_effort", "tank"}, {}};
-/// Datasets that it needs only for the states that it shows, one tick in hundreds.
+/// Datasets that a report needs only for the states that it shows, one tick in hundreds.
 const LeftOut kLeftOutBetweenStates = {
     {"digest", "patient_effort", "tank", "theta", "parameters", "palm_distance_m"},
     {"link", "point_m", "normal", "torque_nm", "distance_m"}};
@@ -158,7 +159,7 @@ class StateSample {
 
   [[nodiscard]] const std::vector<std::uint64_t>& rows() const { return rows_; }
   [[nodiscard]] bool wants(std::uint64_t row) const { return row % step_ == 0 || row == last_; }
-  /// @pre wants(row)
+  /// Adds a state, unless the page has enough. @pre wants(row)
   void add(std::uint64_t row, const TickRecord& record) {
     const auto message =
         encoder_.encode(record, recordedStatus(record), wire::Detail::kRecorded, 0);
@@ -170,7 +171,7 @@ class StateSample {
     bytes_ += added.size();
     if (bytes_ > kMostStates_bytes) dropEverySecond();
   }
-  /// Adds a state out of order, which is never dropped. @pre all others were added
+  /// Adds a state out of order; it is never dropped. @pre all other states were added
   void insert(std::uint64_t row, const TickRecord& record) {
     inserted_ = row;
     const auto at = std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin();
@@ -217,7 +218,7 @@ class StateSample {
   std::size_t bytes_ = 0;
 };
 
-/// Column width from the length of the whole recording; edges lie between two ticks.
+/// Plot question for the whole recording. The interval's edges lie between two ticks.
 SeriesQuestion wholeOf(const ViewedRecording& viewed, Detail detail) {
   const RecordingMeta& meta = viewed.reader->meta();
   const auto time_s = [&](std::uint64_t tick) {
@@ -235,7 +236,7 @@ SeriesQuestion wholeOf(const ViewedRecording& viewed, Detail detail) {
   return whole;
 }
 
-/// Takes the ticks of a recording in their order.
+/// Collects the ticks of a recording in order.
 class ReportCollector {
  public:
   ReportCollector(const ViewedRecording& viewed, std::shared_ptr<const SceneFacts> facts,
@@ -247,6 +248,7 @@ class ReportCollector {
         therapy_(meta_),
         engineering_(meta_) {}
 
+  /// Adds a tick.
   /// @param before the previous tick; null when unknown
   void add(std::uint64_t row, const TickRecord& record, const TickRecord* before) {
     series_.add(record, before);
@@ -254,10 +256,10 @@ class ReportCollector {
         before != nullptr && missingBetween(before->tick, record.tick, record.elapsed_periods) == 0;
     therapy_.add(record, follows, row);
     engineering_.add(record);
-    bodies_.see(record);
+    bodies_.onRecord(record);
   }
   [[nodiscard]] bool wantsState(std::uint64_t row) const { return states_.wants(row); }
-  /// @pre wantsState(row)
+  /// Adds the state of a tick. @pre wantsState(row)
   void addState(std::uint64_t row, const TickRecord& record) {
     states_.add(row, record);
     bodies_.keep(row);
@@ -281,7 +283,7 @@ class ReportCollector {
   }
 
  private:
-  /// At the states that are shown; where that is too much, at fewer.
+  /// Bodies at the shown states; at fewer states if the data would be too large.
   [[nodiscard]] std::string packedBodies() const {
     std::string packed;
     for (std::size_t step = 1; step <= states_.rows().size(); step *= 2) {
@@ -299,8 +301,10 @@ class ReportCollector {
   EngineeringFacts engineering_;
 };
 
-/// @param states the same recording with all that a state shows; null: no states
-/// @param size ticks to collect: while it is written, a recording opened later has more
+/// Reads a recording into the collector.
+/// @param reader the recording
+/// @param states the same recording with all datasets that a state needs; null: no states
+/// @param size number of ticks to collect: a recording in progress may have grown since
 UnreadTicks collect(RecordingReader& reader, RecordingReader* states, std::uint64_t size,
                     ReportCollector& collector, const std::function<void(double)>& progress) {
   TickRecord state;
@@ -340,7 +344,8 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
-  // Of a long recording, whole ticks are read only for states. Of a short one, each chunk has some.
+  // In a long recording, whole ticks are read only for the shown states. In a short one, each chunk
+  // contains such a state anyway.
   Expected<ViewedRecording> between = ViewedRecording{}, whole = ViewedRecording{};
   const bool is_long = detail == Detail::kAll && reader.size() >= long_from &&
                        !BlackBoxReader::isBox(recording_path);
@@ -381,7 +386,7 @@ Expected<Json> reportData(const std::string& recording_path, const std::string& 
     return keyFault(before_path, "--before", "", "is the recording of the report itself",
                     "name the recording of the session before");
   }
-  // The previous session first: if it is refused, the long one is not read in vain.
+  // The previous session is read first: if it is refused, no time is lost on the long one.
   Json before;
   if (!before_path.empty()) {
     auto figures = dataOf(before_path, Detail::kFigures, progress, long_from);

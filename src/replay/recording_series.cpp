@@ -34,7 +34,7 @@ double contactForce_n(const TickRecord& record) {
   return sum_n;
 }
 
-/// Wall-clock time; on a simulated clock, CPU time.
+/// Duration of a tick: wall-clock time, or CPU time on a simulated clock.
 double duration_s(const TickRecord& record, const RecordingMeta& meta) {
   const bool wall = !meta.simulated_clock && record.wall_ns > 0;
   const std::int64_t duration_ns = wall ? record.wall_ns : record.cpu_ns;
@@ -45,7 +45,7 @@ using Json = nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Limits per interval: a page draws no more, and a flood cannot exhaust memory.
+/// Limits per interval. A page draws no more, and a corrupt recording cannot exhaust memory.
 constexpr std::size_t kMostEvents = 20'000, kMostMarks = 5'000, kMostSeriesGaps = 5'000;
 
 }  // namespace
@@ -149,8 +149,8 @@ SeriesCollector::SeriesCollector(const RecordingMeta& meta, const SeriesQuestion
 std::size_t SeriesCollector::columnOf(double time_s) const {
   const double share = (time_s - question_.from_s) / (question_.to_s - question_.from_s);
   const double column = std::floor(share * question_.columns);
-  // Also of an interval without length, whose share is no number: ticks numbered beyond 2^53 have
-  // the same time.
+  // The negated comparison also catches NaN, the share of an interval without length: ticks
+  // numbered beyond 2^53 have equal times.
   if (!(column > 0.0)) return 0;
   return static_cast<std::size_t>(std::min(column, question_.columns - 1.0));
 }
@@ -215,7 +215,7 @@ std::string SeriesCollector::message(std::uint64_t first_tick) const {
                        {"unreadable", unreadable_},
                        {"truncated", truncated_}};
   std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
-  text.append((4 - text.size() % 4) % 4, ' ');  // aligns the following floats
+  text.append((4 - text.size() % 4) % 4, ' ');  // aligns the floats that follow
   const auto bytes = static_cast<std::uint32_t>(text.size());
   std::string out(sizeof bytes, '\0');
   std::memcpy(out.data(), &bytes, sizeof bytes);

@@ -21,7 +21,7 @@ struct RecordingMark {
   std::string axis;  ///< axis whose limit was exceeded; empty: none
 };
 
-/// The marks that begin in a tick.
+/// Marks that begin in a tick.
 /// @param before the previous tick of the recording; null for the first
 [[nodiscard]] std::vector<RecordingMark> marksOf(const TickRecord& record, const TickRecord* before,
                                                  const RecordingMeta& meta);
@@ -29,19 +29,19 @@ struct RecordingMark {
 /// One line of a plot.
 struct SeriesChannel {
   std::string name;
-  int axis = 0;  ///< device axis; for the name "value", index of the exercise's value
+  int axis = 0;  ///< device axis; for the channel "value", index of the exercise's value
 };
 
 /// The plotted channels of a recording, in order.
 [[nodiscard]] std::vector<SeriesChannel> seriesChannels(const RecordingMeta& meta);
 
-/// Fills the channels' values of a tick, in SI units; NaN where a tick has none.
+/// Writes the channels' values of a tick, in SI units; NaN where a tick has none.
 /// @pre values has one element for each of seriesChannels(meta)
 void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
                       std::vector<double>& values);
 
-/// Datasets that no channel, mark or other dataset's prediction needs. Reading them is most of the
-/// work of reading a recording.
+/// Datasets that no channel or mark needs, and from which no other dataset is predicted. Leaving
+/// them out saves most of the reading time.
 [[nodiscard]] LeftOut leftOutOfSeries();
 
 /// Minimum and maximum of every channel in every column.
@@ -60,9 +60,10 @@ class Extremes {
 /// Collects the ticks of a time interval, in order, into the data of a plot.
 class SeriesCollector {
  public:
-  /// @pre meta outlives it
+  /// @pre meta and question outlive this object
   SeriesCollector(const RecordingMeta& meta, const SeriesQuestion& question);
 
+  /// Adds a tick.
   /// @param before the previous tick; null when unknown
   void add(const TickRecord& record, const TickRecord* before);
   void skipUnreadable(double time_s);

@@ -51,12 +51,13 @@ ReplayAnswer answerOne(ReplayedRecording& recording, const std::string& words) {
   }
 }
 
-/// A recording may claim texts of up to 2 GB.
+/// Memory limit of a child. A malicious recording may declare texts of up to 2 GB.
 constexpr std::uint64_t kMemory_bytes = 3ULL << 30;
-/// Largest answer: a scene with many meshes.
+/// Limit of an answer [bytes]; enough for a scene with many meshes.
 constexpr std::uint64_t kLargest_bytes = 512ULL << 20;
 
-/// Ctrl-C in a terminal also reaches the children; it does not indicate a bad file.
+/// True for signals that indicate a bad file. Ctrl-C in a terminal also reaches the children and
+/// does not count.
 bool isCrash(int signal) {
   return std::find(kCrashSignals.begin(), kCrashSignals.end(), signal) != kCrashSignals.end();
 }
@@ -64,7 +65,7 @@ bool isCrash(int signal) {
 }  // namespace
 
 void answerQuestions(const std::string& recording_path) {
-  // When memory runs out, the kernel kills this process first instead of the one with the loop.
+  // When memory runs out, the kernel kills this process first, not the one with the loop.
   std::ofstream("/proc/self/oom_score_adj") << 1000;
   ReplayedRecording recording(recording_path);
   for (std::string words; std::getline(std::cin, words);) {
@@ -79,13 +80,13 @@ ReplayChildren::Stamp ReplayChildren::stampOf(const std::string& path) {
           status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
-// A recording is shown in its state at the page's "about" question; only that question checks
-// whether the file has changed.
+// Finds or starts the reader of a recording. The question "about" checks whether the file has
+// changed; all later questions refer to that state of the file.
 std::shared_ptr<ReplayChildren::Reader> ReplayChildren::readerOf(const std::string& path,
                                                                  const ReplayQuestion& question) {
   Readers gone;  // destroyed outside the lock
-  const bool plots = question.what == ReplayQuestion::What::kSeries;
-  const bool looks = question.what == ReplayQuestion::What::kAbout;
+  const bool plots = question.what == ReplayQuestion::Kind::kSeries;
+  const bool looks = question.what == ReplayQuestion::Kind::kAbout;
   const Stamp stamp = stampOf(path);
   const std::lock_guard lock(mutex_);
   for (auto it = readers_.begin(); it != readers_.end();) {

@@ -26,18 +26,18 @@ struct AnswerHead {
 static_assert(sizeof(AnswerHead) == 16);
 
 /// Main loop of the reader process: opens the recording and answers one question per line of
-/// standard input, until its end. When the file is refused, every answer is the refusal.
+/// standard input, until the input ends. If the file is refused, every answer is the refusal.
 void answerQuestions(const std::string& recording_path);
 
-/// Answers pages' questions about recordings in child processes: HDF5 may be writing in this
-/// process, and an untrusted file may crash its reader. Each recording has two children, so that a
-/// request for a state does not wait for one for plot data. A limited number of children stay for
-/// further questions; the least recently used one is ended first. Any thread.
+/// Answers pages' questions about recordings in child processes, because HDF5 may be writing in
+/// this process and a malicious file may crash its reader. Each recording has two children, so that
+/// a request for a state does not wait for one for plot data. A limited number of children stay for
+/// further questions; the least recently used one ends first. Any thread.
 class ReplayChildren {
  public:
   struct Options {
     std::string program = "/proc/self/exe";  ///< run as `program replay RECORDING --answer`
-    bool idle_disk = true;                   ///< lowest disk priority, for use beside a recorder
+    bool idle_disk = true;                   ///< lowest disk priority, for use next to a recorder
     std::size_t most = 8;                    ///< limit of idle children: two for each of four
                                              ///< recordings
     std::chrono::milliseconds patience = std::chrono::seconds(60);  ///< timeout of an answer
@@ -45,13 +45,13 @@ class ReplayChildren {
 
   explicit ReplayChildren(Options options) : options_(std::move(options)) {}
 
-  /// Waits for the answer, or until the timeout, end(), or the end of the child. For ReplayService.
+  /// Waits for the answer, or until the timeout, end(), or the end of the child. A ReplayService.
   [[nodiscard]] ReplayAnswer answer(const std::string& path, const std::string& question);
   /// Cancels the waiting calls; refuses later questions.
   void end() noexcept { ending_.store(true); }
 
  private:
-  /// File that a child has open, and its size at that time: the child does not see data that was
+  /// Identity and size of the file that a child has open. The child does not see data that were
   /// added later.
   struct Stamp {
     std::uint64_t device = 0, inode = 0, bytes = 0;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMostRows = 1'000'000'000'000;
 constexpr double kLongestTime_s = 1e9;
 
-/// Reads a query's numbers and collects errors.
+/// Reads the numbers of a query and collects errors.
 class Numbers {
  public:
   explicit Numbers(std::string_view query) : query_(query) {}
@@ -75,16 +75,16 @@ Expected<ReplayQuestion> parseReplayQuestion(std::string_view question) {
   Numbers numbers(mark == std::string_view::npos ? std::string_view() : question.substr(mark + 1));
   ReplayQuestion q;
   if (what == "about") {
-    q.what = ReplayQuestion::What::kAbout;
+    q.what = ReplayQuestion::Kind::kAbout;
   } else if (what == "scene") {
-    q.what = ReplayQuestion::What::kScene;
+    q.what = ReplayQuestion::Kind::kScene;
   } else if (what == "bodies") {
-    q.what = ReplayQuestion::What::kBodies;
+    q.what = ReplayQuestion::Kind::kBodies;
   } else if (what == "states") {
-    q.what = ReplayQuestion::What::kStates;
+    q.what = ReplayQuestion::Kind::kStates;
     q.states = readStates(numbers);
   } else if (what == "series") {
-    q.what = ReplayQuestion::What::kSeries;
+    q.what = ReplayQuestion::Kind::kSeries;
     q.series = readSeries(numbers);
   } else {
     return keyFault("", "", printable(what, 40), "is nothing that a recording is asked",
@@ -98,16 +98,16 @@ std::string textOf(const ReplayQuestion& question) {
   const StatesQuestion& states = question.states;
   const SeriesQuestion& series = question.series;
   switch (question.what) {
-    case ReplayQuestion::What::kAbout:
+    case ReplayQuestion::Kind::kAbout:
       return "about";
-    case ReplayQuestion::What::kScene:
+    case ReplayQuestion::Kind::kScene:
       return "scene";
-    case ReplayQuestion::What::kBodies:
+    case ReplayQuestion::Kind::kBodies:
       return "bodies";
-    case ReplayQuestion::What::kStates:
+    case ReplayQuestion::Kind::kStates:
       return fmt::format("states?tick={}&count={}&step={}", states.first, states.count,
                          states.step);
-    case ReplayQuestion::What::kSeries:
+    case ReplayQuestion::Kind::kSeries:
       return fmt::format("series?from_s={}&to_s={}&columns={}", series.from_s, series.to_s,
                          series.columns);
   }

@@ -12,7 +12,7 @@ inline constexpr std::uint64_t kMostStates = 256;
 inline constexpr double kLongestSeries_s = 60.0;
 inline constexpr int kMostColumns = 2000;
 
-/// Asks for the rows first, first + step, ... of a recording.
+/// Asks for the states at the rows first, first + step, ... of a recording.
 struct StatesQuestion {
   std::uint64_t first = 0, count = 0, step = 1;
 };
@@ -53,8 +53,8 @@ struct SeriesQuestion {
 /// fault (stopping ones, named in text), controls_lost, neutral (no effort)), unreadable (stretches
 /// of damaged ticks) and truncated (there are such, or over 20,000 events or 5,000 marks or gaps).
 struct ReplayQuestion {
-  enum class What { kAbout, kScene, kStates, kSeries, kBodies };
-  What what = What::kAbout;
+  enum class Kind { kAbout, kScene, kStates, kSeries, kBodies };
+  Kind what = Kind::kAbout;
   StatesQuestion states;
   SeriesQuestion series;
 };
@@ -64,7 +64,7 @@ struct ReplayQuestion {
 /// refused with key "", a missing or out-of-range number with its key.
 [[nodiscard]] Expected<ReplayQuestion> parseReplayQuestion(std::string_view question);
 
-/// The question in the form that parseReplayQuestion() reads, without other keys.
+/// The question in the form that parseReplayQuestion() reads, without ignored keys.
 [[nodiscard]] std::string textOf(const ReplayQuestion& question);
 
 }  // namespace wholehand

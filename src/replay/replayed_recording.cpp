@@ -25,13 +25,13 @@ namespace {
 
 constexpr int kMostChanges = 20'000;
 
-/// Gathers the shapes that the commands of a recording hand over to the loop.
+/// Collects shapes from the recorded commands that handed them to the loop.
 class ShapeGatherer {
  public:
-  /// Takes a command; returns the shapes of a set when it was the last one of theirs.
+  /// Reads a command. Returns the shapes of a set when this was its last command.
   std::optional<CheckedOrders> take(const Command& command) {
     switch (command.type) {
-      case CommandType::kShapeSet:  // of a file: any number may stand there
+      case CommandType::kShapeSet:  // from a file, so any number is possible
         set_ = command.index >= 0 && command.index < kMaxShapeSets ? command.index : kNone;
         head_ = shapeSetHeadOf(command);
         pieces_.clear();
@@ -60,7 +60,8 @@ class ShapeGatherer {
     out.shape.half_extents_m = in.half_extents_m;
     out.shape.radius_m = in.radius_m;
     out.shape.length_m = in.length_m;
-    // The loop has pieces in the frame of inertia, a picture in that of the body.
+    // The loop has the pieces in the frame of the principal axes of inertia; pictures need the
+    // frame of the body.
     out.shape.in_body = Pose{head_.from_body.toRotationMatrix(), Eigen::Vector3d::Zero()} *
                         Pose{in.orientation.toRotationMatrix(), in.position_m};
     out.vertices = std::clamp(in.vertices, 0, kMaxPieceVertices);
@@ -79,7 +80,8 @@ class ShapeGatherer {
     });
     return filled && !pieces_.empty() && static_cast<int>(pieces_.size()) == head_.pieces;
   }
-  /// Faces of a mesh are not in the commands: those of its hull are the same.
+  /// Finishes the set. The commands do not contain the faces of a mesh; its convex hull has the
+  /// same.
   CheckedOrders finished() {
     std::vector<Shape> shapes;
     for (Piece& piece : pieces_) {
@@ -111,7 +113,7 @@ class ShapeGatherer {
   std::uint32_t last_id_ = 0;
 };
 
-/// Writes the changes one after another.
+/// Writes changes one after another in the format of gameBodiesOf().
 class Changes {
  public:
   void add(std::uint64_t row, const GameBodies& bodies) {
@@ -144,12 +146,12 @@ class Changes {
 
 }  // namespace
 
-/// Knows the bodies after each tick.
+/// Tracks the bodies after each tick.
 class SampledBodies::Follower {
  public:
   explicit Follower(const RecordingMeta& meta) { tracker_.reset(meta.event_names); }
 
-  void see(const TickRecord& record) {
+  void onRecord(const TickRecord& record) {
     for (int i = 0; i < record.command_count; ++i) {
       const Command& command = record.commands[static_cast<std::size_t>(i)];
       if (const auto set = shapes_.take(command)) tracker_.note(*set);
@@ -158,7 +160,7 @@ class SampledBodies::Follower {
       const int set = spawns ? spawnOrderOf(command).shape_set : -1;
       if (set >= 0 && set < kMaxShapeSets && tracker_.shapesOf(set)) tracker_.noteSpawn(command);
     }
-    tracker_.see(record);
+    tracker_.onRecord(record);
   }
   [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const { return tracker_.bodies(); }
 
@@ -175,7 +177,7 @@ std::string gameBodiesOf(RecordingReader& recording) {
   TickRecord record;
   for (std::uint64_t row = 0; row < recording.size() && !changes.full(); ++row) {
     if (!recording.read(row, record)) continue;
-    follower.see(record);
+    follower.onRecord(record);
     const auto now = follower.bodies();
     if (now == shown) continue;
     shown = now;
@@ -188,8 +190,8 @@ SampledBodies::SampledBodies(const RecordingMeta& meta)
     : follower_(meta.game_slots == 0 ? nullptr : std::make_unique<Follower>(meta)) {}
 SampledBodies::~SampledBodies() = default;
 
-void SampledBodies::see(const TickRecord& record) {
-  if (follower_) follower_->see(record);
+void SampledBodies::onRecord(const TickRecord& record) {
+  if (follower_) follower_->onRecord(record);
 }
 
 void SampledBodies::keep(std::uint64_t row) {
@@ -244,8 +246,8 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as,
 }
 
 ReplayAnswer ReplayedRecording::answer(const ReplayQuestion& question) {
-  const bool bodies = question.what == ReplayQuestion::What::kBodies;
-  const bool plots = bodies || question.what == ReplayQuestion::What::kSeries;
+  const bool bodies = question.what == ReplayQuestion::Kind::kBodies;
+  const bool plots = bodies || question.what == ReplayQuestion::Kind::kSeries;
   const auto& viewed = plots ? open(plotted_, leftOutOfSeries()) : open(shown_, {});
   if (!viewed) return replayRefusal(kCannotBeRead, format(viewed.errors()));
   if (bodies) return {200, kBytes, gameBodiesOf(*viewed->reader)};
@@ -256,8 +258,8 @@ ReplayAnswer ReplayedRecording::answer(const ReplayQuestion& question) {
 
 ReplayAnswer ReplayedRecording::answerShown(const ViewedRecording& viewed,
                                             const ReplayQuestion& question) {
-  if (question.what == ReplayQuestion::What::kAbout) return about(viewed);
-  if (question.what == ReplayQuestion::What::kScene) return scene();
+  if (question.what == ReplayQuestion::Kind::kAbout) return about(viewed);
+  if (question.what == ReplayQuestion::Kind::kScene) return scene();
   return states(*viewed.reader, question.states);
 }
 
@@ -271,7 +273,7 @@ void ReplayedRecording::prepareScene(const RecordingMeta& meta) {
 
 ReplayAnswer ReplayedRecording::about(const ViewedRecording& viewed) const {
   const std::string name = std::filesystem::path(path_).filename().string();
-  // Its writer may have finished or been killed since.
+  // The writer may have finished or been killed since the file was opened.
   const bool still_written =
       viewed.reader->outline().being_written && DiskReserve::isOpenElsewhere(path_);
   return {200, "application/json",

@@ -16,12 +16,12 @@
 
 namespace wholehand {
 
-/// Bodies of a game in a recording, as reported to live clients: for each change the row
-/// (uint32), the length (uint32) and a message with GameBodies. Empty for scenes that take none;
-/// at most 20,000 changes. Ticks that cannot be read are passed over.
+/// Bodies of a game in a recording, in the form that live clients receive: for each change the row
+/// (uint32), the length (uint32) and a message with GameBodies. Empty for scenes that take none; at
+/// most 20,000 changes. Ticks that cannot be read are skipped.
 [[nodiscard]] std::string gameBodiesOf(RecordingReader& recording);
 
-/// The same for a page that shows some rows only: at those rows.
+/// Bodies for a page that shows some rows only; the same format as gameBodiesOf().
 class SampledBodies {
  public:
   explicit SampledBodies(const RecordingMeta& meta);
@@ -29,10 +29,12 @@ class SampledBodies {
   SampledBodies(const SampledBodies&) = delete;
   SampledBodies& operator=(const SampledBodies&) = delete;
 
-  void see(const TickRecord& record);  ///< every tick that can be read, in order
-  void keep(std::uint64_t row);        ///< of the tick that was seen last
-  /// @param rows ascending; those that were not kept show the bodies of the row before
-  /// @param step only every n-th of them, and the last: fewer bytes, and bodies come and go later
+  void onRecord(const TickRecord& record);  ///< receives every readable tick in order
+  void keep(std::uint64_t row);             ///< keeps the bodies of the last tick received
+  /// Encodes the bodies at some rows.
+  /// @param rows ascending; a row that was not kept shows the bodies of the kept row before it
+  /// @param step uses only every n-th row and the last one: fewer bytes, but bodies appear and
+  /// vanish later
   [[nodiscard]] std::string at(const std::vector<std::uint64_t>& rows, std::size_t step) const;
 
  private:
@@ -57,10 +59,10 @@ class ReplayedRecording {
   [[nodiscard]] ReplayAnswer answer(const ReplayQuestion& question);
 
  private:
-  /// Opened once, at first use.
+  /// Opens the recording at first use.
   using Opened = std::optional<Expected<ViewedRecording>>;
   [[nodiscard]] const Expected<ViewedRecording>& open(Opened& as, const LeftOut& left_out) const;
-  /// Reads the files that the recording carries, once.
+  /// Reads the model files in the recording, once.
   void prepareScene(const RecordingMeta& meta);
   [[nodiscard]] ReplayAnswer answerShown(const ViewedRecording& viewed,
                                          const ReplayQuestion& question);

@@ -40,7 +40,7 @@ Help MovedTime::mostHelp() const {
   for (const Help help : {Help::kFull, Help::kSome, Help::kNone}) {
     if (helped[static_cast<std::size_t>(help)] > 0) return help;
   }
-  return Help::kUnsaid;
+  return Help::kUnspecified;
 }
 
 nlohmann::json MovedTime::json() const {
@@ -65,11 +65,12 @@ namespace {
 using Json = nlohmann::json;
 using Names = std::initializer_list<std::string_view>;
 
-/// A page lists so many parts; its sums are over all.
+/// Limit of parts in a page's list; the sums include all parts.
 constexpr std::size_t kMostParts = 400;
 constexpr std::array kEnds = {"drink_done", "band_held", "level_done"};
 constexpr Names kBegins = {"engaged", "pour_began", "band_entered"};
-/// After these the hand is free to reach, and with these it has reached.
+/// Events after which the hand is free to reach (kFrees), and events at which it has reached
+/// (kReached).
 constexpr Names kFrees = {"disengaged", "step_done", "band_held",
                           "resumed",    "restarted", "drink_done"};
 constexpr Names kReached = {"engaged", "band_entered"};
@@ -88,7 +89,7 @@ std::vector<bool> marked(const std::vector<std::string>& names, Names among) {
   return out;
 }
 
-constexpr double kStep_m = 1e-3;  ///< shorter ones are resolution or tremor
+constexpr double kStep_m = 1e-3;  ///< shorter steps are sensor resolution or tremor
 
 double valueAt(const TickRecord& record, int index) {
   return index >= 0 && index < record.exercise.value_count ? record.exercise.values[index] : 0.0;
@@ -118,7 +119,7 @@ void HandPath::add(const TickRecord& record) {
   }
 }
 
-PartLog::PartLog(const RecordingMeta& meta)
+ExerciseParts::ExerciseParts(const RecordingMeta& meta)
     : meta_(meta),
       begins_(marked(meta.event_names, kBegins)),
       frees_(marked(meta.event_names, kFrees)),
@@ -135,10 +136,10 @@ PartLog::PartLog(const RecordingMeta& meta)
   for (PartSums& sums : sums_) sums.gained.assign(results_.size(), 0.0);
 }
 
-void PartLog::add(const TickRecord& record, const MovedTime& before, const MovedTime& now) {
+void ExerciseParts::add(const TickRecord& record, const MovedTime& before, const MovedTime& now) {
   path_.add(record);
   free_.peak_m_s = std::max(free_.peak_m_s, path_.speed_m_s());
-  if (now.sum() == (now - before).sum()) {  // the first tick
+  if (now.sum() == (now - before).sum()) {  // true at the first tick
     keepResults(record);
     free_ = {true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
     after_.fill(free_);
@@ -153,18 +154,18 @@ void PartLog::add(const TickRecord& record, const MovedTime& before, const Moved
   all_ = now;
 }
 
-void PartLog::keepResults(const TickRecord& record) {
+void ExerciseParts::keepResults(const TickRecord& record) {
   for (std::size_t i = 0; i < results_.size(); ++i)
     results_[i] = valueAt(record, result_values_[i]);
 }
 
-void PartLog::addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
-                       const MovedTime& now) {
+void ExerciseParts::addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
+                             const MovedTime& now) {
   if (event.type < 0 || std::cmp_greater_equal(event.type, begins_.size())) return;
   const auto type = static_cast<std::size_t>(event.type);
   if (reached_[type]) reach(record.time_s, now);
   if (restarts_[type]) {
-    // What was begun is not finished; what the exercise counts begins at 0.
+    // Parts under way are discarded, and the exercise's counts begin at 0.
     steps_.clear();
     std::fill(here.results.begin(), here.results.end(), 0.0);
     began_.fill({});
@@ -184,7 +185,7 @@ void PartLog::addEvent(const ExerciseEvent& event, const TickRecord& record, Beg
   if (frees_[type]) free_ = here;
 }
 
-void PartLog::reach(double time_s, const MovedTime& now) {
+void ExerciseParts::reach(double time_s, const MovedTime& now) {
   if (!free_.known) return;
   const MovedTime moved = now - free_.moved;
   if (moved.isPersons()) {
@@ -199,8 +200,8 @@ void PartLog::reach(double time_s, const MovedTime& now) {
   free_.known = false;
 }
 
-void PartLog::finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
-                     const MovedTime& now) {
+void ExerciseParts::finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
+                           const MovedTime& now) {
   const Begin& began = began_[kind].known ? began_[kind] : after_[kind];
   FinishedPart part{meta_.event_names[event.type],
                     event.index,
@@ -234,9 +235,10 @@ void PartLog::finish(Kind kind, const ExerciseEvent& event, const TickRecord& re
   for (const int value : result_values_) after_[kind].results.push_back(valueAt(record, value));
 }
 
-/// The results of the exercise over the session: what it counts, added over the person's finished
-/// parts; its score, their mean. An exercise without parts is one, from the first tick to the last.
-Json PartLog::resultsJson() const {
+/// Results of the exercise over the session. Counts are summed over the person's finished parts;
+/// the score is their mean. An exercise without parts counts as one part, from the first tick to
+/// the last.
+Json ExerciseParts::resultsJson() const {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Json results = Json::array();
   for (std::size_t i = 0; i < meta_.result_names.size(); ++i) {
@@ -264,7 +266,7 @@ Json PartLog::resultsJson() const {
   return results;
 }
 
-void PartLog::write(Json& out) const {
+void ExerciseParts::write(Json& out) const {
   Json parts = Json::array(), sums = Json::object();
   for (const FinishedPart& part : parts_) {
     Json reported = part.moved.json();
@@ -300,19 +302,22 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Shortest grip, and the time in which its force rises and falls.
+/// Shortest grip, and the time in which its force rises or falls [s].
 constexpr double kShortest_s = 1.0, kRise_s = 0.25;
-/// Longest gap within one touch, and the length of a body's step that is solver jitter.
+/// Longest gap that is bridged within one touch, and the largest step of a body that counts as
+/// solver jitter.
 constexpr double kBridge_s = 0.2, kJitter_m = 1e-3;
 
-constexpr double kEmptyBelow_m = -8.0;  ///< where empty slots of a game are; a body is within 5 m
-/// Exercise value that is the grip force [N].
+constexpr double kEmptyBelow_m = -8.0;  ///< below it are empty slots of a game; a body is within 5
+                                        ///< m of the origin
+/// Exercise value that holds the grip force [N].
 constexpr const char* kSqueeze = "squeeze_n";
-/// Interval of recorded changes: a limit ramps over many ticks.
+/// Shortest interval between recorded changes; a limit ramps over many ticks.
 constexpr double kBetweenChanges_s = 0.1;
-/// A page holds so many of an axis; of more, closer ones are left out, never the last.
+/// Limit of changes per axis in a page. If there are more, close changes are merged; the last one
+/// always stays.
 constexpr std::size_t kMostLimitChanges = 2'000;
-/// A page draws so many; its sums are over all.
+/// Limit of touches and runs that a page draws; the sums include all.
 constexpr std::size_t kMostTouches = 1'000, kMostRuns = 1'000;
 
 enum GripSide : int { kFingers, kThumb, kPalm, kGripSides };
@@ -325,7 +330,7 @@ int gripSideOf(const std::string& capsule) {
   return kPalm;
 }
 
-/// Sum of one tick's contacts with one body.
+/// Sum over one tick's contacts with one body.
 struct Grasp {
   bool touching = false;
   double force_n = 0.0;
@@ -371,15 +376,16 @@ void GripLog::end() {
   grips_.push_back(grip_);
 }
 
-std::vector<Touch> BodyStory::persons() const {
+std::vector<Touch> BodyTimeline::persons() const {
   std::vector<Touch> out;
   std::copy_if(touches.begin(), touches.end(), std::back_inserter(out),
                [](const Touch& touch) { return touch.moved.isPersons(); });
   return out;
 }
 
-void TouchLog::contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now) {
-  std::vector<Touch>& touches = story_.touches;
+void BodyContacts::contact(const BodyContact& contact, const MovedTime& before,
+                           const MovedTime& now) {
+  std::vector<Touch>& touches = timeline_.touches;
   if (touches.empty() || contact.time_s - touches.back().to_s > kBridge_s) {
     touches.push_back({body_, contact.time_s, contact.time_s, 0.0, 0.0, {}});
     begin_ = before;
@@ -391,16 +397,17 @@ void TouchLog::contact(const BodyContact& contact, const MovedTime& before, cons
   touch.moved = now - begin_;
 }
 
-void TouchLog::position(const Eigen::Vector3d& position_m, double time_s, bool person) {
+void BodyContacts::position(const Eigen::Vector3d& position_m, double time_s, bool person) {
   if (!position_m.allFinite()) return;
   if (!here_) anchor_m_ = position_m;
   seen_ = here_ = true;
   const double step_m = (position_m - anchor_m_).norm();
   if (step_m < kJitter_m) return;
-  // What nobody touches is moved by the exercise, or goes on by itself.
-  const std::vector<Touch>& touches = story_.touches;
+  // A body that nobody touches is moved by the exercise, or keeps moving by itself; that path is
+  // not counted.
+  const std::vector<Touch>& touches = timeline_.touches;
   const bool touched = !touches.empty() && time_s - touches.back().to_s <= kBridge_s;
-  if (person && touched) story_.travelled_m += step_m;
+  if (person && touched) timeline_.travelled_m += step_m;
   anchor_m_ = position_m;
 }
 
@@ -426,7 +433,7 @@ void TherapyFacts::add(const TickRecord& record, bool follows, std::uint64_t row
   const double grip_n = has_grip ? record.exercise.values[squeeze_value_] : 0.0;
   addMover(record);
   parts_.add(record, before_, now_);
-  // An exercise's wall may hold the fingers off the body: then its grip force counts as contact.
+  // An exercise's wall may keep the fingers off the body; the grip force then counts as contact.
   addContacts(record, grip_n >= kLeastGrip_n, row);
   addLimits(record);
   if (!follows) grips_.end();
@@ -529,8 +536,8 @@ Json TherapyFacts::movedJson() const {
 
 Json TherapyFacts::bodiesJson() const {
   Json bodies = Json::array();
-  for (const TouchLog& log : bodies_) {
-    const BodyStory& body = log.story();
+  for (const BodyContacts& log : bodies_) {
+    const BodyTimeline& body = log.timeline();
     const std::vector<Touch> touches = body.persons();
     if (touches.empty()) continue;
     double longest_s = 0.0, held_s = 0.0, force_n = 0.0;
@@ -550,16 +557,16 @@ Json TherapyFacts::bodiesJson() const {
   return bodies;
 }
 
-/// Whosever they are: the page shades them beneath what was recorded.
+/// Writes the touches, whoever moved the hand: the page shades them in its plots.
 void TherapyFacts::writeTouches(Json& out) const {
   Json touches = Json::array();
   std::size_t all = 0, not_persons = 0;
-  for (const TouchLog& log : bodies_) {
-    for (const Touch& touch : log.story().touches) {
+  for (const BodyContacts& log : bodies_) {
+    for (const Touch& touch : log.timeline().touches) {
       ++all;
       if (!touch.moved.isPersons()) ++not_persons;
       if (touches.size() >= kMostTouches) continue;
-      touches.push_back({{"body", log.story().name},
+      touches.push_back({{"body", log.timeline().name},
                          {"from_s", touch.from_s},
                          {"to_s", touch.to_s},
                          {"held_s", touch.held_s},
@@ -584,7 +591,7 @@ void TherapyFacts::writeLimits(Json& out) const {
   out["limits_between_s"] = between_s;
 }
 
-/// Mean and coefficient of variation of the person's grips, each as it lasted.
+/// Mean and coefficient of variation of the person's grips, weighted by their duration.
 Json TherapyFacts::gripsJson() const {
   double sum_s = 0.0, mean = 0.0, variation = 0.0;
   std::size_t count = 0, shared = 0, others = 0;
@@ -609,7 +616,7 @@ Json TherapyFacts::gripsJson() const {
 
 Json TherapyFacts::json() {
   grips_.end();
-  std::size_t there = 0;  // a slot of a game counts if it ever held a body
+  std::size_t there = 0;  // slots of a game count only if they ever held a body
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (!ofGame(b) || bodies_[b].wasThere()) ++there;
   }

@@ -18,16 +18,16 @@ namespace wholehand {
 
 /// Time by who moved the hand [periods].
 ///
-/// Whose a part of a session is (a drink, a level, a band of force, a reach, a grip, a touch): it
-/// is the person's if the person moved the hand in the tick in which it began and in every tick
-/// until the one in which it finished. If somebody else moved in some of them, it is shared: it is
-/// named with the person's share of the time, and no sum counts it. If the person moved in none of
-/// them, it is somebody else's. Ticks that are missing in the recording are nobody's word and do
-/// not matter. A drink begins when a grasp of a dispenser begins or the first of it flows, a band
-/// when the force first enters it, and a level with the first of its drinks or bands.
+/// A part of a session (a drink, a level, a band of force, a reach, a grip, a touch) is the
+/// person's if the person moved the hand in the tick in which it began and in every tick until the
+/// one in which it finished. It is shared if somebody else moved the hand in some of these ticks:
+/// it is listed with the person's share of the time, and no sum includes it. It is somebody else's
+/// if the person moved the hand in none of them. Ticks that are missing in the recording do not
+/// matter. A drink begins when a grasp of a dispenser begins or liquid first flows, a band when the
+/// force first enters it, and a level with its first drink or band.
 struct MovedTime {
   std::array<std::uint64_t, kMovers> by{};
-  std::array<std::uint64_t, kHelps> helped{};  ///< of the person's time
+  std::array<std::uint64_t, kHelps> helped{};  ///< part of the person's time, by help
 
   void add(Mover mover, Help help, std::uint32_t elapsed_periods);
   [[nodiscard]] std::uint64_t sum() const;
@@ -36,74 +36,74 @@ struct MovedTime {
   }
   [[nodiscard]] bool isPersons() const { return persons() > 0 && persons() == sum(); }
   [[nodiscard]] bool isShared() const { return persons() > 0 && persons() < sum(); }
-  /// The person's share, 0 .. 1.
+  /// The person's share of the time, 0 to 1.
   [[nodiscard]] double share() const;
-  /// Who moved longest.
+  /// Who moved the hand for the longest time.
   [[nodiscard]] Mover mostly() const;
-  /// The most help that was given in any tick of the person; kUnsaid where none was named.
+  /// The greatest help in any tick of the person; kUnspecified where none was recorded.
   [[nodiscard]] Help mostHelp() const;
-  /// "by", "share", "help" as web/src/report/report_data.ts reads them.
+  /// The fields "by", "share", "help" as web/src/report/report_data.ts reads them.
   [[nodiscard]] nlohmann::json json() const;
 };
 
 /// The time between two moments.
 [[nodiscard]] MovedTime operator-(const MovedTime& end, const MovedTime& begin);
 
-/// A part of an exercise that was finished.
+/// A finished part of an exercise.
 struct FinishedPart {
-  std::string event;   ///< that finished it: "drink_done", "band_held", "level_done"
-  int index = -1;      ///< of the event
-  double value = 0.0;  ///< of the event
+  std::string event;   ///< event that finished it: "drink_done", "band_held", "level_done"
+  int index = -1;      ///< index of that event
+  double value = 0.0;  ///< value of that event
   double from_s = 0.0, to_s = 0.0;
   MovedTime moved;
-  /// Steps of a drink: index and litres.
+  /// Steps of a drink: index and volume [l].
   std::vector<std::pair<int, double>> steps;
-  double stars = 0.0;  ///< the exercise's value at the end; 0 without one
+  double stars = 0.0;  ///< the exercise's value "stars" at the end; 0 without one
 };
 
-/// Sums over the finished parts of one kind; all but `shared` and `others` are over the person's.
+/// Sums over the finished parts of one kind. All except `shared` and `others` include only the
+/// person's parts.
 struct PartSums {
   std::uint64_t count = 0, shared = 0, others = 0;
-  std::array<std::uint64_t, kHelps> helps{};  ///< parts by their most help
+  std::array<std::uint64_t, kHelps> helps{};  ///< number of parts, by their greatest help
   double values = 0.0, stars = 0.0;
-  std::vector<double> gained;  ///< rise of each result of the exercise from begin to end
+  std::vector<double> gained;  ///< increase of each result of the exercise from begin to end
 };
 
-/// Path of the hand in the room by the device's axes x, y and z; a device without them has none.
+/// Path of the hand in space from the device's axes x, y and z; zero for a device without them.
 class HandPath {
  public:
   explicit HandPath(const std::vector<std::string>& axis_names);
 
   void add(const TickRecord& record);
   [[nodiscard]] const Eigen::Vector3d& place_m() const { return place_m_; }
-  /// Length since the first tick, steps under 1 mm (resolution, tremor) left out.
+  /// Path length since the first tick, without steps under 1 mm (resolution, tremor).
   [[nodiscard]] double length_m() const { return length_m_; }
   [[nodiscard]] double speed_m_s() const { return speed_m_s_; }
 
  private:
-  std::array<int, 3> axes_{};  ///< -1: no such axis
+  std::array<int, 3> axes_{};  ///< index of x, y, z; -1: no such axis
   bool begun_ = false;
   Eigen::Vector3d place_m_ = Eigen::Vector3d::Zero(), anchor_m_ = Eigen::Vector3d::Zero();
   double length_m_ = 0.0, speed_m_s_ = 0.0;
 };
 
-/// Finds the finished parts of an exercise by its events, and whose they are: therapy_facts.hpp.
-/// Levels that begin again, or whose exercise the virtual patient begins again, are parts of their
-/// own.
-class PartLog {
+/// Finds the finished parts of an exercise by its events, and whose they are (MovedTime). A level
+/// that is restarted, by whomever, is a new part.
+class ExerciseParts {
  public:
-  /// @pre meta outlives it
-  explicit PartLog(const RecordingMeta& meta);
+  /// @pre meta outlives this object
+  explicit ExerciseParts(const RecordingMeta& meta);
 
-  /// Adds a tick. @param before time moved before it @param now the same with it
+  /// Adds a tick. @param before time moved before this tick @param now time moved including it
   void add(const TickRecord& record, const MovedTime& before, const MovedTime& now);
 
-  /// "parts", "parts_left_out", "sums", "reaches" and "results".
+  /// Writes "parts", "parts_left_out", "sums", "reaches" and "results".
   void write(nlohmann::json& out) const;
 
  private:
   enum Kind : int { kDrink, kBand, kLevel, kKinds };
-  /// Where a part or a reach began.
+  /// State at the begin of a part or a reach.
   struct Begin {
     bool known = false;
     double time_s = 0.0;
@@ -111,14 +111,15 @@ class PartLog {
     std::vector<double> results;
     Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
     double path_m = 0.0;
-    double peak_m_s = 0.0;  ///< since then
+    double peak_m_s = 0.0;  ///< peak speed since then
   };
-  /// The sums, and the peak, are over the person's.
+  /// Sums over reaches. All except `shared` and `others` include only the person's reaches.
   struct Reaches {
     std::uint64_t count = 0, shared = 0, others = 0;
     double sum_s = 0.0, path_m = 0.0, straight_m = 0.0, peak_m_s = 0.0;
   };
-  /// @param here the tick, as something that begins in it; a restart takes its counts to 0
+  /// Handles an event.
+  /// @param here this tick as the begin of a part; a restart sets its counts to 0
   void addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
                 const MovedTime& now);
   void finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
@@ -128,14 +129,15 @@ class PartLog {
   [[nodiscard]] nlohmann::json resultsJson() const;
 
   const RecordingMeta& meta_;
-  std::array<int, kKinds> ends_{};  ///< event that finishes a part; -1: the exercise has none
-  std::vector<bool> begins_, frees_, reached_, restarts_;  ///< per event
+  std::array<int, kKinds> ends_{};  ///< event type that finishes a part; -1: the exercise has none
+  std::vector<bool> begins_, frees_, reached_, restarts_;  ///< by event type
   int step_done_ = -1, stars_value_ = -1;
   std::vector<int> result_values_;     ///< index of each result among the values; -1: none
-  std::vector<double> results_;        ///< at the end of the tick before
-  std::array<Begin, kKinds> began_{};  ///< of the part that is being done
-  std::array<Begin, kKinds> after_{};  ///< end of the part before, for one that never began
-  Begin free_;                         ///< since the hand is free to reach
+  std::vector<double> results_;        ///< results at the end of the previous tick
+  std::array<Begin, kKinds> began_{};  ///< begin of the part under way
+  std::array<Begin, kKinds> after_{};  ///< end of the previous part, used for a part without a
+                                       ///< begin
+  Begin free_;                         ///< since when the hand is free to reach
   HandPath path_;
   std::vector<std::pair<int, double>> steps_;
   std::array<PartSums, kKinds> sums_{};
@@ -145,14 +147,14 @@ class PartLog {
   MovedTime all_;
 };
 
-/// A smaller grip force counts as a touch only.
+/// Smallest grip force of a grip; a smaller one counts as a touch only.
 inline constexpr double kLeastGrip_n = 1.0;
 
 /// An interval of at least one second in which the grip force was at least kLeastGrip_n.
 struct Grip {
   double from_s = 0.0, to_s = 0.0;
   /// Mean and standard deviation of the grip force, without the first and last quarter of a second,
-  /// in which it rises and falls.
+  /// in which the force rises and falls.
   double mean_n = 0.0, deviation_n = 0.0;
   double largest_n = 0.0;
   MovedTime moved;
@@ -161,11 +163,11 @@ struct Grip {
 /// Finds the grips in a recording.
 class GripLog {
  public:
-  /// Adds a tick. @param before time moved before it @param now the same with it
+  /// Adds a tick. @param before time moved before this tick @param now time moved including it
   void add(double time_s, double force_n, const MovedTime& before, const MovedTime& now);
-  /// Ends the current grip, where ticks are missing.
+  /// Ends the current grip; called where ticks are missing.
   void end();
-  /// Grips that have ended; each lasts a second at least, so that a day has 86,400 at most.
+  /// Grips that have ended. Each lasts at least a second, so a day has at most 86,400.
   [[nodiscard]] const std::vector<Grip>& grips() const { return grips_; }
 
  private:
@@ -179,7 +181,8 @@ class GripLog {
   Grip grip_;
   MovedTime begin_;
   bool gripping_ = false;
-  double count_ = 0.0, mean_n_ = 0.0, squares_n2_ = 0.0;  ///< of accepted samples (Welford)
+  double count_ = 0.0, mean_n_ = 0.0, squares_n2_ = 0.0;  ///< statistics of accepted samples
+                                                          ///< (Welford)
 };
 
 /// An interval in which the hand touched a body; gaps shorter than 0.2 s are bridged.
@@ -191,7 +194,7 @@ struct Touch {
   MovedTime moved;
 };
 
-/// One tick of a hand and a body.
+/// Contact of the hand with a body in one tick.
 struct BodyContact {
   double time_s = 0.0, duration_s = 0.0;
   double force_n = 0.0;  ///< sum of the contact forces' magnitudes
@@ -199,56 +202,60 @@ struct BodyContact {
 };
 
 /// The hand's interaction with one body.
-struct BodyStory {
+struct BodyTimeline {
   std::string name;
   std::vector<Touch> touches;
-  /// Length of its path while the person moved the hand, steps under 1 mm (solver jitter) left out.
+  /// Path length of the body while the person moved the hand, without steps under 1 mm (solver
+  /// jitter).
   double travelled_m = 0.0;
 
-  /// The person's touches (therapy_facts.hpp).
+  /// Touches that are the person's (MovedTime).
   [[nodiscard]] std::vector<Touch> persons() const;
 };
 
 /// Follows one body through a recording.
-class TouchLog {
+class BodyContacts {
  public:
-  TouchLog(int body, std::string name) : body_(body) { story_.name = std::move(name); }
+  BodyContacts(int body, std::string name) : body_(body) { timeline_.name = std::move(name); }
 
-  /// Adds a tick in which the hand touches the body. @param before time moved before it @param now
-  /// the same with it
+  /// Adds a tick in which the hand touches the body. @param before time moved before this tick
+  /// @param now time moved including it
   void contact(const BodyContact& contact, const MovedTime& before, const MovedTime& now);
-  /// Adds the body's position of a tick. @param person the person moves the hand in it
+  /// Adds the body's position in a tick. @param person the person moves the hand in this tick
   void position(const Eigen::Vector3d& position_m, double time_s, bool person);
-  /// A slot of a game is empty: where the next body appears is no way.
+  /// Records that the game's slot is empty: the jump to the place of the next body is not part of
+  /// the path.
   void leave() { here_ = false; }
   [[nodiscard]] bool wasThere() const { return seen_; }
-  [[nodiscard]] const BodyStory& story() const { return story_; }
+  [[nodiscard]] const BodyTimeline& timeline() const { return timeline_; }
 
  private:
   int body_;
-  BodyStory story_;
-  MovedTime begin_;  ///< of the last touch
+  BodyTimeline timeline_;
+  MovedTime begin_;  ///< time moved at the begin of the last touch
   bool seen_ = false, here_ = false;
   Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();
 };
 
-/// The strongest contact: sum of the contact forces' magnitudes in a tick.
+/// The strongest contact: largest sum of the contact forces' magnitudes in a tick.
 struct StrongestContact {
   double force_n = 0.0, time_s = 0.0;
   std::uint64_t row = 0;
   Mover by = Mover::kNobody;
 };
 
-/// What the person did (therapy_facts.hpp), what the hand held, how hard and how steadily, and the
-/// limits in force, from every tick of a recording.
+/// Collects from every tick of a recording what the person did (MovedTime), what the hand held, how
+/// strongly and steadily, and the limits in force.
 class TherapyFacts {
  public:
-  /// @pre meta outlives it
+  /// @pre meta outlives this object
   explicit TherapyFacts(const RecordingMeta& meta);
 
-  /// @param row of the recording @param follows false when ticks are missing before this one
+  /// Adds a tick.
+  /// @param row index in the recording @param follows false when ticks are missing before this one
   void add(const TickRecord& record, bool follows, std::uint64_t row = 0);
-  /// The strongest contact while the person moved the hand; where there is none, of all others.
+  /// The strongest contact while the person moved the hand; without any, the strongest of all
+  /// others.
   [[nodiscard]] const StrongestContact& strongest() const {
     return strongest_.force_n > 0.0 ? strongest_ : strongest_of_others_;
   }
@@ -263,10 +270,10 @@ class TherapyFacts {
   /// Limits of an axis in force.
   struct Limits {
     std::vector<Change> changes;
-    double between_s = 0.0;  ///< changes closer than this are one
+    double between_s = 0.0;  ///< shortest time between two kept changes
     void add(double time_s, double value);
   };
-  /// An interval in which the same one moved.
+  /// An interval in which the same one moved the hand.
   struct Run {
     double from_s, to_s;
     Mover by;
@@ -282,13 +289,13 @@ class TherapyFacts {
   [[nodiscard]] nlohmann::json gripsJson() const;
 
   const RecordingMeta& meta_;
-  MovedTime before_, now_;  ///< time moved before the present tick, and with it
+  MovedTime before_, now_;  ///< time moved before the present tick, and including it
   std::vector<Run> runs_;
   std::uint64_t runs_left_out_ = 0;
-  PartLog parts_;
-  std::vector<TouchLog> bodies_;
+  ExerciseParts parts_;
+  std::vector<BodyContacts> bodies_;
   std::vector<int> grip_sides_;  ///< side of each capsule: fingers, thumb or palm
-  int squeeze_value_ = -1;       ///< index among the exercise's values; -1: no grip force
+  int squeeze_value_ = -1;       ///< index of the grip force among the exercise's values; -1: none
   GripLog grips_;
   std::vector<Limits> limits_;  ///< per axis [N or N·m]
   StrongestContact strongest_, strongest_of_others_;

@@ -11,22 +11,22 @@
 namespace wholehand {
 namespace {
 
-/// Where a run of it begins.
+/// Start pose of a run of these models.
 AxisPosition startOf(const Models& models) {
   const auto player = makeExercisePlayer(models, 1);
   return player ? player->start() : restPose(models);
 }
 
-/// Measured whatever comes out.
+/// Rehearses without a limit, so that the measurement succeeds even if ticks take too long.
 Expected<Rehearsal> measure(const Models& models, const RigOptions& rig,
                             const RehearsalOptions& options) {
   constexpr double kAnything = 1e6;
   RehearsalOptions finding_out = options;
-  finding_out.most_of_period = kAnything;
+  finding_out.allowed_period_share = kAnything;
   finding_out.attempts = 1;
   finding_out.fill_pool = false;
   finding_out.most_bodies = std::min(options.most_bodies, kAdmissionBodies);
-  const double limit_us = 1e6 * options.most_of_period * rig.period_s;
+  const double limit_us = 1e6 * options.allowed_period_share * rig.period_s;
   std::optional<Rehearsal> best;
   for (int attempt = 0; attempt < std::max(1, options.attempts); ++attempt) {
     auto now = rehearse(models, startOf(models), rig, finding_out);
@@ -42,7 +42,7 @@ bool passes(const Rehearsal& r) {
   return 1e-3 * r.summary.cpu.p999_ns <= r.limit_us;
 }
 
-/// Bodies that move, the highest first.
+/// Indices of the moving bodies, the highest first.
 std::vector<std::size_t> fromTheTop(const SceneModel& scene) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
@@ -70,11 +70,11 @@ Models without(const Models& models, const std::vector<std::string>& names) {
 Expected<Admission> admit(const Models& models, const RigOptions& rig,
                           const RehearsalOptions& options,
                           const std::function<void(const std::string&)>& status) {
-  const auto tell = [&](const std::string& what) {
+  const auto report = [&](const std::string& what) {
     if (status) status(what);
   };
   Admission out;
-  tell(fmt::format("all {} bodies", models.scene.bodies.size()));
+  report(fmt::format("all {} bodies", models.scene.bodies.size()));
   auto measured = measure(models, rig, options);
   if (!measured) return measured.errors();
   out.measured = *measured;
@@ -90,7 +90,7 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
   if (out.admitted || out.pool) return out;
 
   const auto leave_out = [&](std::vector<std::string> names) -> Expected<bool> {
-    tell(fmt::format("without {} of {} bodies", names.size(), models.scene.bodies.size()));
+    report(fmt::format("without {} of {} bodies", names.size(), models.scene.bodies.size()));
     auto now = measure(without(models, names), rig, options);
     if (!now) return now.errors();
     if (!passes(*now)) return false;
@@ -103,7 +103,7 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
     if (!enough) return enough.errors();
     if (*enough) return out;
   }
-  // The fewest from the top down, by halving.
+  // Finds the least number of bodies to remove, from the top down, by bisection.
   const std::vector<std::size_t> order = fromTheTop(models.scene);
   const auto leave_out_top = [&](std::size_t count) {
     std::vector<std::string> names;
@@ -115,7 +115,8 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
   for (std::size_t count = most; most - too_few > 1; count = too_few + (most - too_few) / 2) {
     auto enough = leave_out_top(count);
     if (!enough) return enough.errors();
-    if (!*enough && count == order.size()) return out;  // not even without all that move
+    if (!*enough && count == order.size())
+      return out;  // even the removal of all moving bodies does not help
     (*enough ? most : too_few) = count;
   }
   return out;

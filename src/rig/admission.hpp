@@ -14,21 +14,23 @@ namespace wholehand {
 /// Result of an admission test of a scene on this machine.
 struct Admission {
   bool admitted = false;
-  Rehearsal measured;               ///< of the whole scene
+  Rehearsal measured;               ///< measurement of the whole scene
   std::vector<std::string> remove;  ///< bodies to remove; empty if admitted, or if no removal helps
-  Rehearsal without;                ///< measured without those bodies
-  /// With the slots of a game's scene filled; empty: it has none, or its own bodies are too slow.
+  Rehearsal without;                ///< measurement without those bodies
+  /// Measurement with the slots of a game's scene filled; empty: the scene has no slots, or its own
+  /// bodies already take too long.
   std::optional<PoolRehearsal> pool;
 };
 
-/// Most bodies that the hand visits in one measurement; limits the time for a large scene.
+/// Maximum number of bodies that the hand visits in one measurement; limits the time for a large
+/// scene.
 inline constexpr int kAdmissionBodies = 12;
 
-/// Measures the scene's tick in a rehearsal, against the share of the period that arming requires.
-/// If it takes longer, searches for bodies to remove: first the body touched in the slow ticks,
-/// then the fewest moving bodies, from the top down, so that no body loses its support. The slots
-/// of a game's scene are filled as before arming (rehearsePool()); too slow, the most awake bodies
-/// that pass are found. Not real-time safe.
+/// Measures the scene's tick in a rehearsal and compares it with the share of the period that
+/// arming requires. If the tick takes longer, searches for bodies to remove: first the body touched
+/// in the slow ticks, then the fewest moving bodies from the top down, so that no body loses its
+/// support. The slots of a game's scene are filled as before arming (rehearsePool()); if that takes
+/// too long, the largest number of awake bodies that passes is found. Not real-time safe.
 /// @param status called before each measurement with its description; may be null
 [[nodiscard]] Expected<Admission> admit(const Models& models, const RigOptions& rig,
                                         const RehearsalOptions& options = {},

@@ -23,7 +23,7 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// Moves the value into `into`, or the errors into the common list.
+// Moves the value into `into`, or the errors into the common list. Returns true for a value.
 template <class T>
 bool take(Expected<T> from, T& into, Diagnostics& errors) {
   if (from) {
@@ -145,7 +145,7 @@ Intention intentionOf(const Models& models, std::vector<std::string>* sentences)
 
 std::unique_ptr<Player> makeExercisePlayer(const Models& models, std::uint64_t seed) {
   if (!models.exercise) return nullptr;
-  return models.exercise->makePlayer({seed, uncaughtOpening(models.patient)});
+  return models.exercise->makePlayer({seed, reflexFreeOpeningSpeed(models.patient)});
 }
 
 std::unique_ptr<Player> makeMotionPlayer(const Models& models) {
@@ -166,13 +166,13 @@ AxisMatrix reducedInertiaAt(const HandModel& hand, ArticulatedBody& body, const 
 // A posture: lower end, middle or upper end on every axis.
 using Places = std::vector<int>;
 
-// All combinations for few axes. For more, as many as for six axes, drawn at random but the same
-// each time.
+// All combinations for up to six axes. For more axes, as many as for six, drawn from a fixed random
+// sequence.
 std::vector<Places> choosePlaces(std::size_t axes) {
-  constexpr std::size_t kFew = 6;
+  constexpr std::size_t kFewAxes = 6;
   constexpr int kMost = 729;  // 3^6
   std::vector<Places> chosen;
-  if (axes <= kFew) {
+  if (axes <= kFewAxes) {
     int count = 1;
     for (std::size_t i = 0; i < axes; ++i) count *= 3;
     for (int index = 0; index < count; ++index) {
@@ -183,7 +183,7 @@ std::vector<Places> choosePlaces(std::size_t axes) {
     return chosen;
   }
   for (int place = 0; place < 3; ++place) chosen.emplace_back(axes, place);
-  std::mt19937_64 random(1);  // same postures in every run
+  std::mt19937_64 random(1);  // fixed seed: the same postures in every run
   while (chosen.size() < kMost) {
     Places places;
     while (places.size() < axes) places.push_back(static_cast<int>(random() % 3));

@@ -20,7 +20,7 @@
 
 namespace wholehand {
 
-/// Files of a run. Without a motion the patient rests.
+/// Files of a run. Without a motion file the patient rests.
 struct ModelFiles {
   std::string scene = "config/scenes/four-shapes.toml";
   std::string hand = "config/hands/adult-median-right.toml";
@@ -28,8 +28,8 @@ struct ModelFiles {
   std::string rendering = "config/rendering/lambda-pride.toml";
   std::string patient = "config/patients/relaxed-adult.toml";
   std::string motion;
-  std::string exercise;  ///< names its own scene; empty: only the scene above
-  int level = 1;         ///< of the exercise
+  std::string exercise;  ///< exercise file, which names its own scene; empty: only the scene above
+  int level = 1;         ///< level of the exercise
 
   /// All paths; unused ones are empty.
   [[nodiscard]] std::vector<std::string> all() const {
@@ -39,7 +39,7 @@ struct ModelFiles {
 
 /// Contents of all files, checked against each other.
 struct Models {
-  // Out of line: inline, each is 3 KB of code in every source that copies models.
+  // Defined in the source file, because each is 3 KB of code in every source that copies models.
   Models();
   Models(const Models&);
   Models(Models&&) noexcept;
@@ -78,15 +78,16 @@ struct Models {
 /// of the changes made to the motion.
 [[nodiscard]] Intention intentionOf(const Models& models, std::vector<std::string>* sentences);
 
-/// The virtual patient who plays the exercise; null without an exercise or where it has none.
+/// The virtual patient who plays the exercise; null without an exercise or if the exercise has no
+/// player.
 [[nodiscard]] std::unique_ptr<Player> makeExercisePlayer(const Models& models, std::uint64_t seed);
 
 /// A player that follows intentionOf(), for exercises without a player of their own.
 [[nodiscard]] std::unique_ptr<Player> makeMotionPlayer(const Models& models);
 
-/// Reduced inertia of the hand at its reference, and at lower end, middle and upper end of the
-/// device's rotations: every combination of up to six of them, 729 random ones beyond. Translations
-/// stay at rest; the inertia does not depend on them.
+/// Reduced inertia of the hand at its reference and in sampled postures, with each rotation of the
+/// device at its lower end, middle or upper end. Up to six rotations give every combination, more
+/// give 729 random ones. Translations stay at rest, because the inertia does not depend on them.
 struct SampledInertia {
   AxisMatrix at_reference;
   std::vector<AxisMatrix> samples;

@@ -2,8 +2,8 @@
 
 namespace wholehand {
 
-/// Version and revision of the program, as recordings state it: "0.1.0 (b88b2c58)". The only source
-/// that is compiled anew when the revision changes defines it.
+/// Version and revision of the program as stored in recordings: "0.1.0 (b88b2c58)". Only its source
+/// file is recompiled when the revision changes.
 [[nodiscard]] const char* programVersion();
 
 }  // namespace wholehand

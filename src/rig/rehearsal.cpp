@@ -35,11 +35,12 @@
 namespace wholehand {
 namespace {
 
-/// One contact of a rehearsal, from free space to full press.
+/// One contact of a rehearsal, from free space to full pressure.
 struct RehearsalMove {
-  int body = -1;                     ///< index into SceneModel::bodies
-  std::vector<AxisPosition> starts;  ///< start poses; the first one without contact is used
-  AxisPosition goal;                 ///< arm inside the body, hand closed or straight
+  int body = -1;  ///< index into SceneModel::bodies
+  std::vector<AxisPosition>
+      starts;         ///< candidate start poses; the first one without contact is used
+  AxisPosition goal;  ///< arm inside the body, hand closed or straight
 };
 
 /// Plans the moves that press a hand against bodies as hard as possible: the palm while all fingers
@@ -50,7 +51,7 @@ class RehearsalPlan {
   RehearsalPlan(const HandModel& hand, const DeviceModel& device, const SceneModel& scene,
                 const AxisPosition& start);
 
-  /// Moves that reach the body at its present place; none where it is out of the device's reach.
+  /// Moves that reach the body at its current place; none if it is out of the device's reach.
   /// @param observed the newest record; null: bodies are at their places in the scene
   [[nodiscard]] std::vector<RehearsalMove> movesFor(int index, const TickRecord* observed) const;
 
@@ -65,24 +66,24 @@ class RehearsalPlan {
   const DeviceModel& device_;
   const SceneModel& scene_;
   AxisPosition start_;
-  // In the world, with the base translations at 0.
+  // World coordinates with the base translations at 0.
   Eigen::Vector3d palmar_;    ///< outward normal of the palm, unit
   Eigen::Vector3d pocket_m_;  ///< centre of the space in a half-closed hand
   Eigen::Vector3d back_m_;    ///< back of the straight fingers
 };
 
-/// A strong, compliant person instead of the patient, who makes the worst contacts.
+/// A strong, compliant person who replaces the patient and makes the worst contacts.
 [[nodiscard]] PatientConfig strongPerson(const DeviceModel& device);
 
-/// Player of one move at a time, at a share of the device's speed: the hand takes its posture at
-/// the start, then the arm presses.
+/// Player that performs one move at a time at a share of the device's speed. The hand takes its
+/// posture at the start, then the arm presses.
 class Rehearser final : public Player {
  public:
   explicit Rehearser(const DeviceModel& device) : device_(device) {}
-  /// Sets the move that begins with the device's open(). Not real-time safe.
+  /// Sets the move that begins when the device is opened with open(). Not real-time safe.
   void begin(const AxisPosition& from, const AxisPosition& goal);
   void press() noexcept;
-  /// Moves on to another goal, from where the hand is.
+  /// Continues from the hand's current pose to another goal.
   void moveTo(const AxisPosition& goal) noexcept;
   [[nodiscard]] bool pressing() const noexcept { return pressing_; }
   [[nodiscard]] bool arrived() const noexcept { return reach_.done(); }
@@ -90,7 +91,7 @@ class Rehearser final : public Player {
   [[nodiscard]] AxisPosition start() const override { return from_; }
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord&) noexcept override {}
+  WHOLEHAND_RT void onRecord(const TickRecord&) noexcept override {}
 
  private:
   void reachFor(const AxisPosition& goal) noexcept;
@@ -102,11 +103,13 @@ class Rehearser final : public Player {
   Reach reach_;
 };
 
-constexpr double kSpeedShare = 0.7;      // share of each axis's limit, at peak speed
-constexpr double kPush_m = 0.04;         // beyond the first touch
-constexpr double kWithinReach_m = 0.06;  // distance from the hand's nearest pose
-constexpr double kGraspable_m = 0.12;    // wider bodies are pressed at their nearest point
-constexpr double kBackAway_m = 0.05;     // start of the back of the fingers, from the body's middle
+constexpr double kSpeedShare = 0.7;  // peak speed, as a share of each axis's speed limit
+constexpr double kPush_m = 0.04;     // depth of the goal beyond the first touch
+// A body within this distance of the nearest pose counts as reachable.
+constexpr double kWithinReach_m = 0.06;
+constexpr double kGraspable_m = 0.12;  // wider bodies are pressed at their nearest point
+// Start distance of the back of the fingers from the body's middle.
+constexpr double kBackAway_m = 0.05;
 constexpr std::array kFurther_m{0.0, 0.02, 0.04, 0.06, 0.08};
 constexpr std::array kLift_m{0.0, 0.03, 0.06, 0.09};
 
@@ -114,7 +117,7 @@ Eigen::Vector3d middle(const Capsule& capsule, const ArticulatedBody& hand) {
   return hand.linkPose(capsule.link) * (0.5 * (capsule.a_m + capsule.b_m));
 }
 
-// Bounding box of a body about its own axes.
+// Bounding box of a body along its own axes.
 struct Box {
   Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d upper = -lower;
@@ -198,7 +201,7 @@ RehearsalPlan::RehearsalPlan(const HandModel& hand, const DeviceModel& device,
     return Eigen::Vector3d(count > 0 ? Eigen::Vector3d(sum / count) : sum);
   };
   at(0.5);
-  // Palm, fingers and thumb surround it.
+  // The pocket is the space between palm, fingers and thumb.
   pocket_m_ = (mean_of([](const Capsule& c) { return c.part == HandPart::kPalm; }) +
                mean_of([](const Capsule& c) { return c.part == HandPart::kThumb; }) +
                2.0 * mean_of([](const Capsule& c) {
@@ -248,7 +251,7 @@ RehearsalMove RehearsalPlan::move(int body, const Eigen::Vector3d& target_m,
   const Eigen::Vector3d there = target_m - point_m - moveBy(open);
   RehearsalMove move;
   move.body = body;
-  for (const double lift_m : kLift_m) {  // bodies on a table are reached from above
+  for (const double lift_m : kLift_m) {  // reaches bodies on a table from above
     for (const double further_m : kFurther_m) {
       const Eigen::Vector3d by_m = there - further_m * push + lift_m * Eigen::Vector3d::UnitZ();
       move.starts.push_back(moved(open, by_m));
@@ -339,7 +342,7 @@ void Rehearser::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noex
   qd_ = qd;
 }
 
-/// A rig of its own, in which the hand of a strong person makes moves.
+/// A separate rig in which the hand of a strong person performs moves.
 struct RehearsalRig {
   std::unique_ptr<Rig> rig;
   Rehearser* hand = nullptr;
@@ -347,7 +350,7 @@ struct RehearsalRig {
   TickRecord record;
   std::uint64_t ticks = 0;
 
-  /// @pre models outlive it
+  /// @pre models outlive the result
   [[nodiscard]] static Expected<std::unique_ptr<RehearsalRig>> build(const Models& models,
                                                                      const GameBudget& game,
                                                                      const AxisPosition& start,
@@ -365,7 +368,8 @@ struct RehearsalRig {
     return out;
   }
 
-  /// One tick of the loop. False for the first ones, with cold caches: they do not count.
+  /// Runs one tick of the loop. Returns false for the first ticks, which have cold caches and do
+  /// not count.
   bool tick() {
     constexpr std::uint64_t kFirst_ticks = 20;
     record.tick = ticks;
@@ -386,18 +390,20 @@ Expected<Done> unlessCancelled(const RehearsalOptions& options) {
   return fileFault("", "the rehearsal was stopped", "");
 }
 
-constexpr double kPiece_m = 0.012;     // thin rods: many fit round a hand ...
-constexpr double kLength = 5.0;        // ... and touch each other along their length
-constexpr double kClosest = 0.5;       // pieces of a body overlap: spacing, of their extents ...
-constexpr double kCloser = 0.05;       // ... and the step to the least that is allowed
-constexpr double kMass_kg = 0.1;       // a driven body of 0.1 kg moves at 0.5 m/s, the most
-constexpr double kClear = 1.02;        // bodies appear that share of their size apart
-constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
-constexpr double kTargetStep_m = 0.2;  // targets of 0.25 m or more are teleports
+constexpr double kPiece_m = 0.012;  // thickness of thin rods: many fit around a hand ...
+constexpr double kLength = 5.0;  // length per thickness: they touch each other along their length
+// Least spacing of the overlapping pieces of a body, in extents of a piece.
+constexpr double kClosest = 0.5;
+constexpr double kCloser = 0.05;  // step of the search for the least allowed spacing
+constexpr double kMass_kg = 0.1;  // a driven body of 0.1 kg reaches the largest speed of 0.5 m/s
+constexpr double kClear = 1.02;   // distance between appearing bodies, in sizes of a body
+constexpr double kReach_m = 0.3;  // a body farther than this from the pocket is brought back
+// Largest step of a target; steps of 0.25 m or more are teleports.
+constexpr double kTargetStep_m = 0.2;
 constexpr int kPause = 20;
 constexpr double kEmpty_m = -9.0;  // empty slots lie 10 m below the origin
 
-/// Lattice points, the nearest to the origin first.
+/// Points of a cubic lattice, the nearest to the origin first.
 std::vector<Eigen::Vector3d> lattice(int half) {
   std::vector<Eigen::Vector3d> points;
   for (int x = -half; x <= half; ++x) {
@@ -410,8 +416,8 @@ std::vector<Eigen::Vector3d> lattice(int half) {
   return points;
 }
 
-/// A prism with at most that many vertices. Flat faces that lie on each other cost more than round
-/// ones.
+/// A prism with at most `vertices` vertices. Flat faces in contact with each other cost more than
+/// round ones.
 Expected<Shape> prismMesh(int vertices, double size_m, double length_m) {
   std::vector<Eigen::Vector3d> points;
   const int corners = vertices / 2;
@@ -434,7 +440,7 @@ Shape box(double size_m) {
   return shape;
 }
 
-/// The costliest piece of the budget: a mesh, or a box where every extent has to be the same.
+/// The costliest piece that the budget admits: a mesh, or a box if all extents must be equal.
 Shape worstPiece(const GameBudget& budget, double size_m) {
   const double length_m =
       std::clamp(kLength * size_m, size_m, std::max(size_m, 0.7 * budget.most_m));
@@ -462,29 +468,29 @@ ArticulatedBody handAt(const HandModel& hand, const AxisPosition& q_s) {
   return body;
 }
 
-constexpr double kGather_s = 0.3;        // driven bodies come to the hand
-constexpr double kMove_s = 0.3;          // at most, for each move of the hand
-constexpr int kPoolHopeless_ticks = 50;  // slow ticks that noise does not explain
-constexpr double kToSpare = 0.9;         // of the limit, for a budget that is named as a remedy
+constexpr double kGather_s = 0.3;        // time in which driven bodies come to the hand
+constexpr double kMove_s = 0.3;          // time limit for each move of the hand
+constexpr int kPoolHopeless_ticks = 50;  // number of slow ticks that noise cannot explain
+constexpr double kToSpare = 0.9;  // share of the limit that a budget named as a remedy may use
 constexpr Fault kOfTheWorld = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia;
 
-/// A move of the hand through the bodies, from where it is.
+/// A move of the hand through the bodies.
 struct Move {
-  std::array<double, 3> by_m;  ///< of the arm, from the start
-  double closed;               ///< share of the fingers' range
+  std::array<double, 3> by_m;  ///< displacement of the arm from the start
+  double closed;               ///< finger posture as a share of the range; 1: closed
 };
 constexpr std::array kMoves{Move{{0.0, 0.0, 0.0}, 1.0}, Move{{0.0, 0.0, -0.04}, 1.0},
                             Move{{0.0, 0.0, 0.0}, 0.0}, Move{{0.04, 0.0, 0.0}, 1.0},
                             Move{{0.0, 0.04, 0.0}, 0.0}};
 
-/// One filled world, and a hand that moves through it.
+/// One world with filled slots and a hand that moves through it.
 class FilledWorld {
  public:
-  FilledWorld(RehearsalRig& its, PoolFilling& filling, const RehearsalOptions& options)
+  FilledWorld(RehearsalRig& its, WorstCaseBodies& filling, const RehearsalOptions& options)
       : its_(its), rig_(*its.rig), filling_(filling), options_(options) {}
 
-  /// @param limit_ns of a tick; an attempt with too many slow ticks ends early
+  /// @param limit_ns limit of a tick's CPU time; an attempt with too many slow ticks ends early
   [[nodiscard]] Expected<Done> run(const AxisPosition& start, double limit_ns) {
     limit_ns_ = limit_ns;
     its_.hand->begin(start, start);
@@ -536,7 +542,7 @@ class FilledWorld {
     return q;
   }
 
-  /// Ticks for a time, or until the hand has arrived.
+  /// Runs ticks for a time or, if `moving`, until the hand has arrived.
   [[nodiscard]] Expected<Done> ticks(double time_s, bool moving) {
     const int count = its_.ticksIn(time_s);
     for (int k = 0; k < count && !ended_ && !hopeless(); ++k) {
@@ -552,7 +558,7 @@ class FilledWorld {
     if (its_.tick()) count();
     countBodies();
     if (!any(record_.faults & kStoppingFaults)) return Done{};
-    ended_ = true;  // by the strong hand's own motion, or by what it threw
+    ended_ = true;  // the strong hand's own motion or a body that it threw caused the fault
     stopped_by_ = record_.faults & kStoppingFaults;
     const Fault fault = record_.faults & kOfTheWorld;
     if (!any(fault)) return Done{};
@@ -581,7 +587,7 @@ class FilledWorld {
     const std::size_t first = rig_.models.scene.bodies.size();
     for (std::size_t slot = 0; slot < filling_.owners().size(); ++slot) {
       const BodyState& state = record_.bodies[first + slot];
-      if (PoolFilling::isEmpty(state)) continue;
+      if (WorstCaseBodies::isEmpty(state)) continue;
       ++bodies;
       if (state.velocity_m_s.eigen().norm() > 0.0) ++moving;
     }
@@ -591,7 +597,7 @@ class FilledWorld {
 
   RehearsalRig& its_;
   Rig& rig_;
-  PoolFilling& filling_;
+  WorstCaseBodies& filling_;
   const RehearsalOptions& options_;
   TickRecord& record_ = its_.record;
   double limit_ns_ = 0.0;
@@ -601,16 +607,16 @@ class FilledWorld {
   Fault stopped_by_ = Fault::kNone;
 };
 
-/// Measures a budget; the best of the attempts counts.
+/// Measures a budget several times and returns the best attempt.
 Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget,
                                   const AxisPosition& start, const RigOptions& rig_options,
                                   const RehearsalOptions& options, double share, int attempts) {
-  const double limit_ns = share * options.most_of_period * rig_options.period_s * 1e9;
+  const double limit_ns = share * options.allowed_period_share * rig_options.period_s * 1e9;
   std::optional<PoolMeasurement> best;
   for (int attempt = 1; attempt <= std::max(1, attempts); ++attempt) {
     auto rig = RehearsalRig::build(models, budget, start, rig_options);
     if (!rig) return rig.errors();
-    PoolFilling filling((*rig)->rig->models, budget, start);
+    WorstCaseBodies filling((*rig)->rig->models, budget, start);
     FilledWorld world(**rig, filling, options);
     if (Expected<Done> done = world.run(start, limit_ns); !done) return done.errors();
     PoolMeasurement now = world.result();
@@ -630,8 +636,8 @@ Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget
 
 }  // namespace
 
-PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at,
-                         std::vector<Shape> pieces)
+WorstCaseBodies::WorstCaseBodies(const Models& models, const GameBudget& budget,
+                                 const AxisPosition& at, std::vector<Shape> pieces)
     : models_(models),
       mass_kg_(std::clamp(kMass_kg, budget.least_kg, budget.most_kg)),
       pieces_(std::move(pieces)) {
@@ -639,15 +645,15 @@ PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const A
   centerPieces();
   findPlaces(budget, at);
   auto prepared = prepareShapes(pieces_, budget);
-  if (!prepared) return;  // no body fits: the slots stay empty
+  if (!prepared) return;  // no body fits, so the slots stay empty
   for (const Command& command : shapeCommands(0, *prepared)) waiting_.push_back(command);
   for (std::size_t slot = 0; slot < owners_.size(); ++slot) {
     waiting_.push_back(spawnCommand(spawnOf(static_cast<int>(slot))));
   }
 }
 
-// Two columns of pieces, as close together as prepareShapes() admits.
-void PoolFilling::makePieces(const GameBudget& budget) {
+// Arranges pieces in two columns, as close together as prepareShapes() admits.
+void WorstCaseBodies::makePieces(const GameBudget& budget) {
   const double size_m = std::clamp(kPiece_m, budget.least_m, budget.most_m);
   const Shape piece = worstPiece(budget, size_m);
   const Eigen::Vector3d extent_m = extents(piece);
@@ -662,8 +668,8 @@ void PoolFilling::makePieces(const GameBudget& budget) {
   }
 }
 
-// Bodies have their origin in the centre of mass of these equal pieces.
-void PoolFilling::centerPieces() {
+// Moves the pieces so that their common centre of mass is the body's origin.
+void WorstCaseBodies::centerPieces() {
   Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
   for (const Shape& piece : pieces_) {
     middle_m += moments(piece).center_m / static_cast<double>(pieces_.size());
@@ -675,13 +681,14 @@ void PoolFilling::centerPieces() {
   }
 }
 
-// The nearest free places; the lowest of them are for fixed bodies, a bed for the others.
-void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
-  const Eigen::Vector3d pocket_m = pocketAt(at);
+// Finds the free places nearest to the hand. The lowest ones are for fixed bodies, which support
+// the others.
+void WorstCaseBodies::findPlaces(const GameBudget& budget, const AxisPosition& at) {
+  const Eigen::Vector3d grasp_centre_m = graspCentre(at);
   const ArticulatedBody hand = handAt(models_.hand, at);
   for (const Eigen::Vector3d& site : lattice(6)) {
     if (std::cmp_equal(places_m_.size(), budget.slots)) break;
-    const Eigen::Vector3d place_m = pocket_m + 2.0 * kClear * radius_m_ * site;
+    const Eigen::Vector3d place_m = grasp_centre_m + 2.0 * kClear * radius_m_ * site;
     if (isClear(place_m, hand)) places_m_.push_back(place_m);
   }
   owners_.assign(places_m_.size(), BodyOwner::kFixed);
@@ -699,11 +706,11 @@ void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   }
 }
 
-bool PoolFilling::isEmpty(const BodyState& slot) noexcept {
+bool WorstCaseBodies::isEmpty(const BodyState& slot) noexcept {
   return slot.position_m.z < kEmpty_m;
 }
 
-bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const {
+bool WorstCaseBodies::isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const {
   const double clear_m = kClear * radius_m_;
   for (const Capsule& capsule : models_.hand.capsules) {
     const Pose& link = hand.linkPose(capsule.link);
@@ -720,7 +727,7 @@ bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const ArticulatedBody&
   return true;
 }
 
-Eigen::Vector3d PoolFilling::pocketAt(const AxisPosition& q_s) const {
+Eigen::Vector3d WorstCaseBodies::graspCentre(const AxisPosition& q_s) const {
   AxisPosition half_closed = q_s;
   for (int i = 0; i < half_closed.size(); ++i) {
     const DeviceAxis& axis = models_.device.axes[i];
@@ -739,7 +746,7 @@ Eigen::Vector3d PoolFilling::pocketAt(const AxisPosition& q_s) const {
   return 0.5 * (palm_m / palm + fingers_m / fingers);
 }
 
-SpawnOrder PoolFilling::spawnOf(int slot) const {
+SpawnOrder WorstCaseBodies::spawnOf(int slot) const {
   SpawnOrder order;
   order.slot = slot;
   order.generation = generations_[slot];
@@ -749,14 +756,15 @@ SpawnOrder PoolFilling::spawnOf(int slot) const {
   return order;
 }
 
-void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m) {
+void WorstCaseBodies::respawnLost(int slot, const TickRecord& seen,
+                                  const Eigen::Vector3d& grasp_centre_m) {
   const auto index = static_cast<std::size_t>(slot);
   if (owners_[index] == BodyOwner::kFixed || pause_[index]-- > 0) return;
   pause_[index] = 0;
   const auto body = models_.scene.bodies.size() + index;
   if (body >= static_cast<std::size_t>(seen.body_count)) return;
   const Eigen::Vector3d at_m = seen.bodies[body].position_m.eigen();
-  if (isEmpty(seen.bodies[body])) {  // it was taken out
+  if (isEmpty(seen.bodies[body])) {  // the body was removed from the world
     ++generations_[index];
     targets_m_[index] = places_m_[index];
     pause_[index] = kPause;
@@ -765,22 +773,22 @@ void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& 
   }
   const int generation = generations_[index];
   if (owners_[index] == BodyOwner::kLoop) {
-    if ((at_m - pocket_m).norm() < kReach_m) return;
+    if ((at_m - grasp_centre_m).norm() < kReach_m) return;
     waiting_.push_back(teleportCommand(slot, generation, {Vec3::from(places_m_[slot]), {}}));
     return;
   }
-  Eigen::Vector3d step_m = pocket_m - targets_m_[index];
+  Eigen::Vector3d step_m = grasp_centre_m - targets_m_[index];
   if (step_m.norm() > kTargetStep_m) step_m *= kTargetStep_m / step_m.norm();
   targets_m_[index] += step_m;
   waiting_.push_back(bodyTargetCommand(slot, generation, {Vec3::from(targets_m_[index]), {}}));
 }
 
-void PoolFilling::order(TickRecord& record) {
+void WorstCaseBodies::order(TickRecord& record) {
   record.command_count = 0;
   if (spawned_) {
-    const Eigen::Vector3d pocket_m = pocketAt(record.q_s);
+    const Eigen::Vector3d grasp_centre_m = graspCentre(record.q_s);
     for (int i = 0; i < kMaxCommands && !owners_.empty(); ++i) {
-      tend(static_cast<int>(next_), record, pocket_m);
+      respawnLost(static_cast<int>(next_), record, grasp_centre_m);
       next_ = (next_ + 1) % owners_.size();
     }
   }
@@ -794,13 +802,13 @@ void PoolFilling::order(TickRecord& record) {
 Expected<PoolRehearsal> rehearsePool(const Models& models, const AxisPosition& start,
                                      const RigOptions& rig, const RehearsalOptions& options) {
   const GameBudget whole = models.scene.game;
-  const auto tell = [&](const GameBudget& budget) {
+  const auto report = [&](const GameBudget& budget) {
     if (!options.status) return;
     options.status(fmt::format("{} awake bodies of a game, {} pieces of {} vertices each",
                                budget.awake, budget.pieces, budget.vertices));
   };
   PoolRehearsal out;
-  tell(whole);
+  report(whole);
   auto measured = measure(models, whole, start, rig, options, 1.0, options.attempts);
   if (!measured) return measured.errors();
   out.measured = *measured;
@@ -808,12 +816,12 @@ Expected<PoolRehearsal> rehearsePool(const Models& models, const AxisPosition& s
     out.awake = whole.awake;
     return out;
   }
-  // The most awake bodies that pass, by halving.
+  // Finds the largest number of awake bodies that passes, by bisection.
   const auto largest = [&](GameBudget budget, int most) -> Expected<int> {
     int passes = 0;
     while (most - passes > 1) {
       budget.awake = passes + (most - passes) / 2;
-      tell(budget);
+      report(budget);
       auto now = measure(models, budget, start, rig, options, kToSpare, 1);
       if (!now) return now.errors();
       (now->passes() ? passes : most) = budget.awake;
@@ -868,30 +876,32 @@ std::string describe(const PoolMeasurement& p) {
 
 namespace {
 
-constexpr double kHold_s = 0.1;       // pressing goes on after the last movement
+constexpr double kHold_s = 0.1;       // time of pressing after the last movement
 constexpr double kBlocked_s = 0.06;   // fingers at rest this long count as closed
-constexpr double kNeutral_s = 1.0;    // longer than any ramp to neutral
-constexpr int kHopeless_ticks = 100;  // slow ticks that noise does not explain ...
-constexpr double kHopeless_ns = 1e9;  // ... or total time in them
+constexpr double kNeutral_s = 1.0;    // wait for the ramp to neutral, longer than any ramp
+constexpr int kHopeless_ticks = 100;  // number of slow ticks that noise cannot explain ...
+constexpr double kHopeless_ns = 1e9;  // ... or their total time
 constexpr double kStill_rad_s = 0.2;
 
-/// Faults of the world, caused by the scene. Faults of the device's motion are the rehearsal's own.
+/// Faults of the world, caused by the scene. Faults of the device's motion are caused by the
+/// rehearsal's own moves.
 constexpr Fault kOfTheScene = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia |
                               Fault::kBodiesExploded;
 
-/// Cost of a tick, to find what slow ticks have in common.
+/// Cost of one tick; used to find what slow ticks have in common.
 struct TickCost {
   std::int64_t cpu_ns = 0;
   std::array<std::int32_t, kStages> stage_ns{};
-  int body = -1;  // most touched body, else the target of the move
+  int body = -1;  // body with the most contacts, else the target of the move
   int contacts = 0;
 };
 
-/// One attempt: all moves, once.
+/// One attempt, in which every move is made once.
 class Attempt {
  public:
-  /// @param home initial pose of the session; a scene without anything in reach is rehearsed there
+  /// @param home initial pose of the session; if no body is in reach, the rehearsal takes place
+  /// there
   Attempt(RehearsalRig& its, const RehearsalPlan& plan, const AxisPosition& home,
           const RehearsalOptions& options)
       : its_(its),
@@ -900,12 +910,12 @@ class Attempt {
         plan_(plan),
         home_(home),
         options_(options),
-        limit_ns_(options.most_of_period * rig_.options.period_s * 1e9) {}
+        limit_ns_(options.allowed_period_share * rig_.options.period_s * 1e9) {}
 
   [[nodiscard]] Expected<Done> run() {
     const auto bodies = static_cast<int>(rig_.models.scene.bodies.size());
     touched_.assign(bodies, false);
-    // A subset is spread evenly over the bodies.
+    // If there are too many bodies, visits a subset spread evenly over them.
     const int step = std::max(1, (bodies + options_.most_bodies - 1) / options_.most_bodies);
     for (int body = 0; body < bodies && !hopeless(); body += step) {
       for (const RehearsalMove& move : plan_.movesFor(body, its_.ticks > 0 ? &record_ : nullptr)) {
@@ -940,7 +950,7 @@ class Attempt {
       player_.begin(start, move.goal);
       if (rig_.renderer->arm()) return true;
     }
-    player_.begin(home_, move.goal);  // from the initial pose instead
+    player_.begin(home_, move.goal);  // starts from the initial pose instead
     return rig_.renderer->arm().ok();
   }
 
@@ -952,7 +962,7 @@ class Attempt {
     return perform(rest);
   }
 
-  // Closes the fingers as far as possible, then presses with the arm.
+  // Performs a move: closes the fingers as far as possible, then presses with the arm.
   [[nodiscard]] Expected<Done> perform(const RehearsalMove& move) {
     const int hold = its_.ticksIn(kHold_s), still_for = its_.ticksIn(kBlocked_s);
     int held = 0, blocked = 0;
@@ -1008,7 +1018,8 @@ class Attempt {
     return true;
   }
 
-  // A fault of the device's motion ends the move. A fault of the world refuses the scene.
+  // Handles a fault. A fault of the device's motion ends the move; a fault of the world refuses the
+  // scene.
   [[nodiscard]] Expected<Done> recover(const RehearsalMove& move) {
     const Fault fault = record_.faults & kOfTheScene;
     if (any(fault)) return broken(fault, move);
@@ -1025,7 +1036,7 @@ class Attempt {
                     "correct or remove what lies there: its mass, or what it overlaps");
   }
 
-  // Finds the stage and the body behind the slowest hundredth of the ticks.
+  // Finds the stage and the body that dominate the slowest hundredth of the ticks.
   void explainSlowTicks(Rehearsal& out) const {
     std::vector<TickCost> slow = costs_;
     const std::size_t count =
@@ -1113,7 +1124,7 @@ Diagnostic tooSlow(const Rehearsal& r, const Models& models) {
 
 }  // namespace
 
-double mostOfPeriod() noexcept {
+double allowedPeriodShare() noexcept {
 #if WHOLEHAND_SANITIZED || !defined(__OPTIMIZE__)
   return 100.0;
 #else
@@ -1123,7 +1134,7 @@ double mostOfPeriod() noexcept {
 
 Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
                              const RigOptions& rig_options, const RehearsalOptions& options) {
-  const DenormalsFlushed scope;  // as in the loop
+  const DenormalsFlushed scope;  // denormals are flushed as in the loop
   const RehearsalPlan plan(models.hand, models.device, models.scene, start);
   const bool has_pool = models.scene.game.slots > 0;
   std::optional<Rehearsal> best;
@@ -1151,7 +1162,7 @@ Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
   }
   const auto bodies = static_cast<int>(models.scene.bodies.size());
   const bool whole = options.most_bodies >= bodies && (!has_pool || best->pool);
-  if (options.most_of_period <= mostOfPeriod() && whole) {
+  if (options.allowed_period_share <= allowedPeriodShare() && whole) {
     best->passed = RehearsalPassed(fingerprint);
   }
   return *best;

@@ -29,18 +29,18 @@ void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                              std::string("at most ") + std::to_string(most) + " " + what));
 }
 
-// Slew from one limit to the other at the ramp's steepest. With less, neutral would be reached too
-// late.
+// Slew rate of the ramp to neutral at its steepest, from one effort limit to the other. A lower
+// slew limit would reach neutral too late.
 double leastSlew(const DeviceAxis& axis) {
   return 2.0 * axis.effort_limit * 1.5 / NeutralRampConfig{}.ramp_s;
 }
 
-// A limit of 0 renders nothing; a NaN limits nothing.
+// True for a usable limit. A limit of 0 renders nothing and NaN limits nothing.
 bool isLimit(double value) {
   return std::isfinite(value) && value > 0.0;
 }
 
-// These checks are not only in the loaders, because a program may change its models after loading.
+// These checks repeat those of the loaders, because a program may change its models after loading.
 
 /// Refuses models larger than a tick has room for.
 Diagnostics refuseTooLarge(const Models& m) {
@@ -94,13 +94,13 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
              "the device could not carry its own weight");
     }
   }
-  if (!(device.power_limit_w > 0.0)) {  // infinity: no limit
+  if (!(device.power_limit_w > 0.0)) {  // infinity means no limit
     refuse("", "power_limit_w", device.power_limit_w, "is not a valid limit", "must be > 0");
   }
   return refused;
 }
 
-/// Refuses a stated armature with which the avatar feels heavier in free motion than the device's
+/// Refuses a stated armature that makes the mass rendered in free motion larger than the device's
 /// own moving mass.
 Diagnostics refuseHeavyArmature(const Models& models, const CouplingGains& gains, double period_s) {
   Diagnostics refused;
@@ -141,7 +141,7 @@ void add(std::string& text, const Pose& pose) {
   add(text, pose.translation_m);
 }
 
-// Adds device properties that the certificate's fingerprint lacks.
+// Adds device properties that the certificate's fingerprint does not contain.
 void addDevice(std::string& text, const DeviceModel& device) {
   add(text, {device.mount_roll_rad, device.mount_pitch_rad, device.mount_yaw_rad});
   for (const DeviceAxis& axis : device.axes) {
@@ -191,7 +191,8 @@ void addScene(std::string& text, const SceneModel& scene) {
   add(text, {game.least_kg, game.most_kg, game.least_m, game.most_m});
 }
 
-// The device at the worst of its file and every measured corner: what every part goes by.
+// The device with the worst values of its file and of every measured corner. All parts of the rig
+// use it.
 DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& measured) {
   for (const DeviceModel& corner : measured) {
     for (std::size_t i = 0; i < device.axes.size(); ++i) {
@@ -228,7 +229,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
   return config;
 }
 
-// Whether the device moves a person. It decides what arm() requires.
+// States whether the device may move a person, which decides what arm() requires.
 enum class Moves { kMaybeAPerson, kNobody };
 
 Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<HapticDevice> device,
@@ -262,8 +263,8 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   return rig;
 }
 
-/// refuseUncertified() with a cache of inputs that passed in this process. Sessions, rehearsals and
-/// levels ask for the same certificate, which takes most of the time of building a rig.
+/// Calls refuseUncertified() unless the input already passed in this process. Sessions, rehearsals
+/// and levels need the same certificate, which takes most of the time of building a rig.
 Diagnostics refuseUnlessPassed(const CertificateInput& input) {
   constexpr std::size_t kMost = 1000;
   static std::mutex mutex;
@@ -300,7 +301,7 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s,
   for (const DeviceModel& corner : measured) {
     CertificateInput at_corner = input;
     at_corner.device = corner;
-    at_corner.persons = Persons::kAny;  // what was measured moves a person
+    at_corner.persons = Persons::kAny;  // a measured device moves a person
     for (Diagnostic& refused : refuseUnlessPassed(at_corner)) {
       refused.problem = "at the worst corner of the passport: " + refused.problem;
       out.refused.push_back(std::move(refused));

@@ -84,7 +84,7 @@ void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const
   }
 }
 
-// Fills in the value and its limit, where the record contains them.
+// Fills in the value and its limit if the record contains them.
 void SafetyLog::measure(const TickRecord& record, SafetyTransition& out) const {
   const double elapsed_s = static_cast<double>(record.elapsed_periods) * period_s_;
   if (any(out.faults & Fault::kLongGap)) {

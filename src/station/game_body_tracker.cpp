@@ -102,7 +102,7 @@ std::optional<Problem> problemOf(const Command& command, const GameBudget& budge
   }
 }
 
-/// Index of the piece that a key like "pieces[3]" names; 0 for all of them.
+/// Index of the piece in a key such as "pieces[3]"; 0 when the key names all pieces.
 int pieceOf(const std::string& key) {
   int index = 0;
   const std::size_t at = key.find('[');
@@ -119,7 +119,8 @@ void refuseShapes(const Diagnostics& faults, std::vector<RefusedItem>& refused) 
   }
 }
 
-/// Faults that the loop would find in prepared pieces: they stand too far apart.
+/// Faults that the loop would report for prepared pieces: a piece lies too far from the centre of
+/// mass, or the inertia per mass is too large.
 std::vector<RefusedItem> spreadFaults(const PreparedShapes& shapes, const GameBudget& budget) {
   std::vector<RefusedItem> faults;
   const double most_m = 2.0 * budget.most_m, most_m2 = budget.most_m * budget.most_m;
@@ -144,7 +145,7 @@ std::vector<RefusedItem> spreadFaults(const PreparedShapes& shapes, const GameBu
   return faults;
 }
 
-/// The pieces, with their meshes verified and wound outward.
+/// Copies of the pieces whose meshes are verified and have outward normals.
 std::vector<Shape> verified(const std::vector<Shape>& pieces, std::vector<RefusedItem>& refused) {
   std::vector<Shape> out;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -226,10 +227,10 @@ OrderReply replyFor(std::vector<RefusedItem> refused) {
 
 namespace {
 
-/// Ticks within which the loop says what became of a spawn.
+/// Number of ticks within which the loop reports the result of a spawn.
 constexpr std::uint64_t kAnsweredWithin = 1000;
 
-/// Refusals that only a spawn meets.
+/// True for refusals that can only follow a spawn.
 bool endsSpawn(BodyRefusal refusal) {
   return refusal == BodyRefusal::kSlotTaken || refusal == BodyRefusal::kNoSuchShapes ||
          refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kOverlap ||
@@ -319,7 +320,7 @@ void GameBodyTracker::withdraw(int slot) {
   pending_[slot] = Pending{};
 }
 
-void GameBodyTracker::see(const TickRecord& record) {
+void GameBodyTracker::onRecord(const TickRecord& record) {
   tick_ = record.tick;
   for (int i = 0; i < record.exercise.event_count; ++i) take(record.exercise.events[i]);
   if (changed_) publish();

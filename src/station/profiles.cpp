@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestName = 60;
-const std::vector<std::string> kHelpNames = {"full", "some", "none"};  // from Help::kFull
+const std::vector<std::string> kHelpNames = {"full", "some", "none"};  // in the order of Help, from
+                                                                       // Help::kFull
 
 bool isNamePart(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -33,14 +34,14 @@ Diagnostic notAName(const std::string& name) {
 }
 
 std::string helpLine(Help help) {
-  if (help == Help::kUnsaid) return {};
+  if (help == Help::kUnspecified) return {};
   const auto index = static_cast<std::size_t>(help) - static_cast<std::size_t>(Help::kFull);
   return "help = \"" + kHelpNames.at(index) + "\"\n";
 }
 
-// Older profiles have no such key.
+// Profiles of earlier versions have no such key.
 Help readHelp(TomlTable& root) {
-  if (!root.has("help")) return Help::kUnsaid;
+  if (!root.has("help")) return Help::kUnspecified;
   const auto found =
       std::find(kHelpNames.begin(), kHelpNames.end(), root.choice("help", kHelpNames));
   return static_cast<Help>(static_cast<int>(Help::kFull) + (found - kHelpNames.begin()));
@@ -92,7 +93,7 @@ Expected<Profile> Profiles::load(const std::string& name) const {
   if (!kept() || !isProfileName(name)) return notAName(name);
   std::error_code error;
   const fs::file_status there = fs::status(pathOf(name), error);
-  if (fs::exists(there) && !fs::is_regular_file(there)) {  // a pipe would hold up every order
+  if (fs::exists(there) && !fs::is_regular_file(there)) {  // reading a pipe would block every order
     return fileFault(pathOf(name), "is no regular file", "move it away");
   }
   TomlFile file(pathOf(name), "profile");
@@ -160,7 +161,7 @@ void PersonSettings::changePerson(const Change& change, const Values& first,
   set_ = std::move(next);
   ++person_;
   if (help_asked_ < change.asked || change.visit) {
-    help_ = change.profile != nullptr ? change.profile->help : Help::kUnsaid;
+    help_ = change.profile != nullptr ? change.profile->help : Help::kUnspecified;
   }
 }
 

@@ -19,8 +19,8 @@ struct Profile {
   std::string hand;      ///< file of the hands folder without .toml; gives side and size
   std::string exercise;  ///< file of the exercises folder, without .toml
   int level = 1;
-  Help help = Help::kUnsaid;                 ///< help of the pages for the player; kUnsaid: no such
-                                             ///< key
+  Help help = Help::kUnspecified;  ///< help that the pages show the player; kUnspecified: not
+                                   ///< in the file
   std::map<std::string, double> parameters;  ///< live parameters by name, in their own units
 };
 
@@ -33,7 +33,7 @@ class Profiles {
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
   /// Names, sorted; other files are skipped.
   [[nodiscard]] std::vector<std::string> list() const;
-  /// Writes or replaces the profile of this name, atomically.
+  /// Writes a profile atomically; replaces one of the same name.
   [[nodiscard]] Expected<Done> save(const Profile& profile) const;
   /// Reads a profile, or returns every fault of the file.
   [[nodiscard]] Expected<Profile> load(const std::string& name) const;
@@ -46,39 +46,41 @@ class Profiles {
 /// True for a valid profile name: 1 to 60 letters, digits, '-' and '_'.
 [[nodiscard]] bool isProfileName(const std::string& name);
 
-/// What holds for the person at the device: live parameters and help that people set. It stays
+/// Settings of the person at the device: live parameters and help that people have set. They stay
 /// until another person or hand is loaded. One thread at a time.
 class PersonSettings {
  public:
-  /// Values by name, in place of the files' own.
+  /// Values by parameter name that replace the values of the files.
   using Values = std::map<std::string, double>;
 
   explicit PersonSettings(const Values& first) { put(first, 0, set_); }
 
-  /// @param asked number of the order that sets it; likewise below
+  /// Sets a live parameter.
+  /// @param asked number of the order, here and in setHelp()
   void set(const std::string& name, double value, std::uint64_t asked) {
     set_[name] = {value, asked};
   }
   void setHelp(Help help, std::uint64_t asked);
 
-  /// The file's value unless a person set one that is in the range. An effort limit outside of it
-  /// is the nearest within: the file's own is the greatest.
+  /// Value set for the person if it is in the range of the parameter, else the file's value. An
+  /// effort limit outside its range is clamped, so it never exceeds the file's own limit.
   [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
   [[nodiscard]] Help help() const { return help_; }
-  /// Counts persons and hands that were loaded.
+  /// Number of times that a person or a hand was loaded.
   [[nodiscard]] std::uint64_t person() const { return person_; }
 
   struct Change {
-    const Profile* profile = nullptr;  ///< whose values hold from then on; null: the first ones
+    const Profile* profile = nullptr;  ///< its values hold from now on; null: the values of `first`
     std::uint64_t asked = 0;
-    bool visit = false;  ///< the clinic's records name the person
+    bool visit = false;  ///< the person comes from the clinic's records
     bool may_raise_limits = false;
   };
-  /// Of the earlier person nothing stays, neither values nor help. What was set after the order to
-  /// change was given stays; in a visit, only a lower limit, since it may have been meant for the
-  /// person before. A limit goes up only for who may set it.
-  /// @param first values where the profile names none
-  /// @param parameters as published for what was loaded until now
+  /// Removes the values and the help of the earlier person. Values that were set after the order to
+  /// change (by order number) stay; in a visit only a lowered effort limit stays, because other
+  /// values may have been meant for the earlier person. A lowered effort limit rises only if
+  /// Change::may_raise_limits is set.
+  /// @param first values of parameters that the profile does not name
+  /// @param parameters published parameters of the models loaded until now
   void changePerson(const Change& change, const Values& first,
                     const std::vector<PublishedParameter>& parameters);
 
@@ -91,7 +93,7 @@ class PersonSettings {
   static void put(const Values& values, std::uint64_t asked, std::map<std::string, Setting>& in);
 
   std::map<std::string, Setting> set_;
-  Help help_ = Help::kUnsaid;
+  Help help_ = Help::kUnspecified;
   std::uint64_t help_asked_ = 0, person_ = 0;
 };
 

@@ -17,9 +17,10 @@ namespace wholehand {
 
 namespace {
 
-/// A recording may claim texts of up to 2 GB.
+/// Memory limit of the child process. A malicious recording may declare texts of up to 2 GB.
 constexpr std::uint64_t kMemory_bytes = 2ULL << 30;
-constexpr int kNotWhole = 1;  ///< exit code: the page is written, and says what it does not show
+constexpr int kNotWhole = 1;  ///< exit code: the page was written but is incomplete, and says what
+                              ///< is missing
 
 std::string markIn(const std::string& folder) {
   return folder + "/recording.txt";

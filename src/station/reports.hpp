@@ -8,9 +8,9 @@
 
 namespace wholehand {
 
-/// Makes report pages in a child process: HDF5 may be writing in this one, a page takes seconds of
-/// CPU time, and a malicious file may crash its reader. The child runs at the lowest CPU and disk
-/// priority, within limits of time and memory, and never keeps this program from exiting. Any
+/// Makes report pages in a child process: HDF5 may be writing in this process, a page takes seconds
+/// of CPU time, and a malicious file may crash its reader. The child runs at the lowest CPU and
+/// disk priority, within limits of time and memory, and never keeps this program from exiting. Any
 /// thread.
 class ReportChild {
  public:
@@ -30,17 +30,18 @@ class ReportChild {
   std::atomic<bool> ending_{false};
 };
 
-/// Of which file a report is. A recording that takes the name of another one has another identity:
-/// its device, inode, size and time of its last change. Empty when there is no such file.
+/// Identity of a recording file: its device, inode, size and modification time. A recording that
+/// replaces another one under the same name has a different identity. Empty when there is no such
+/// file.
 [[nodiscard]] std::string identityOf(const std::string& recording);
 
-/// Whether a folder holds the finished report of the file with that identity.
+/// True when the folder holds the finished report of the recording with that identity.
 [[nodiscard]] bool isReportOf(const std::string& folder, const std::string& identity);
 
-/// Marks a finished report. Without a mark it is made again when it is asked for.
+/// Marks a report as finished. A report without a mark is made again on the next request.
 void markReport(const std::string& folder, const std::string& identity);
 
-/// Removes the mark of a report that is made again.
+/// Removes the mark of a report that is about to be made again.
 void unmarkReport(const std::string& folder);
 
 }  // namespace wholehand

@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-/// Parameters of the person's arm and hand are shown in the person's group.
+/// Puts the parameters of the person's arm and hand into the person's groups.
 ParameterGroup groupOf(const std::string& name, ParameterGroup usual) {
   if (name.starts_with("reach_")) return ParameterGroup::kPatient;
   return name.starts_with("fingers_") ? ParameterGroup::kHand : usual;

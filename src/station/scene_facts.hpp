@@ -5,8 +5,8 @@
 
 namespace wholehand {
 
-/// What is reported to clients of these models; session, version, choices and recording are the
-/// caller's.
+/// Makes the facts about the models that clients receive. The caller fills in session, version,
+/// choices and recording.
 [[nodiscard]] SceneFacts sceneFacts(const Models& models, double period_s);
 
 }  // namespace wholehand

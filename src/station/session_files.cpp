@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Bytes from 0x80 on are parts of characters; printable() has removed all invalid ones.
+/// True for characters that a file name keeps. Bytes from 0x80 on are parts of UTF-8 characters;
+/// printable() has removed all invalid ones.
 bool stays(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
          static_cast<unsigned char>(c) >= 0x80;
@@ -31,7 +32,8 @@ bool beginsCharacter(char c) {
 }
 
 constexpr const char* kExtension = ".h5";
-constexpr std::uintmax_t kLargestNote_bytes = 65536;  // ours are about 200 bytes
+constexpr std::uintmax_t kLargestNote_bytes = 65536;  // the JSON files written here have about 200
+                                                      // bytes
 
 std::string notePath(const fs::path& recording) {
   return recording.string() + ".json";
@@ -130,7 +132,8 @@ void SessionFiles::note(const std::string& path, const std::string& title,
                                {"created_utc", began_utc},
                                {"duration_s", duration_s},
                                {"ticks_missing", ticks_missing}};
-  (void)writeText(notePath(path), note.dump(2) + "\n");  // else the list shows the file alone
+  (void)writeText(notePath(path), note.dump(2) + "\n");  // on failure the list describes the HDF5
+                                                         // file alone
 }
 
 std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written) const {
@@ -139,7 +142,7 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
     if (path.extension() != kExtension) continue;
-    std::error_code gone;  // skips symbolic links too, which path() refuses
+    std::error_code gone;  // path() refuses symbolic links, so they are skipped
     if (!fs::is_regular_file(it->symlink_status(gone))) continue;
     RecordingEntry entry;
     entry.name = path.filename().string();
@@ -149,10 +152,11 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
     if (unknown) continue;
     std::error_code elsewhere;
     entry.being_written = fs::equivalent(path, being_written, elsewhere);
-    if (entry.bytes == 0 && !entry.being_written) continue;  // a name that was taken, no more
+    if (entry.bytes == 0 && !entry.being_written) continue;  // only reserves its name
     if (!entry.being_written) readNote(path, entry);
     entries.push_back(std::move(entry));
   }
+  // Adds a recording in progress outside the folder.
   const fs::path outside = outsidePath(being_written);
   std::error_code unknown;
   if (const auto bytes = outside.empty() ? 0 : fs::file_size(outside, unknown);

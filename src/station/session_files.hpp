@@ -21,8 +21,9 @@ namespace wholehand {
 /// Current UTC time, ISO 8601, to the second.
 [[nodiscard]] std::string utcNow();
 
-/// The folder in which a station keeps its recordings. A small JSON file beside each holds what
-/// lists show, so that listing opens no HDF5 file while another is being written.
+/// The folder in which a station keeps its recordings. A small JSON file next to each recording
+/// holds the data shown in lists, so that listing opens no HDF5 file while another is being
+/// written.
 class SessionFiles {
  public:
   using WallClock = std::function<std::chrono::system_clock::time_point()>;
@@ -32,22 +33,23 @@ class SessionFiles {
       : folder_(std::move(folder)), now_(std::move(now)) {}
 
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
-  /// Takes the name of a new recording by creating an empty file, and the folder:
+  /// Reserves the name of a new recording by creating an empty file, and the folder if needed:
   /// "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5". The time comes first, so that
-  /// sorting by name sorts by time. No other program gets the name, whatever its clock says.
+  /// sorting by name sorts by time. No other program can get the name, whatever its clock says.
   /// @param person the loaded profile; empty: none
   [[nodiscard]] Expected<std::string> nameNew(const std::string& person,
                                               const std::string& exercise, int level) const;
-  /// Removes the empty file of a name that no recording has filled.
+  /// Removes the empty file of a reserved name that no recording has filled.
   void giveBack(const std::string& path) const;
   /// Removes a finished recording of this folder, with all its parts.
   void remove(const std::string& path) const;
   /// Writes the JSON file of a finished recording; does nothing for one outside the folder.
   void note(const std::string& path, const std::string& title, const std::string& person,
             const std::string& began_utc, double duration_s, std::uint64_t ticks_missing) const;
-  /// Recordings, newest first. Those without a JSON file are described from their HDF5 file.
-  /// @param being_written path of the recording in progress, which is listed wherever it is; empty:
-  /// none
+  /// Lists recordings, newest first. Recordings without a JSON file are described from their HDF5
+  /// file.
+  /// @param being_written path of the recording in progress, which is listed even outside the
+  /// folder; empty: none
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
   /// Path of a recording in the folder, or of the one in progress; empty for any other name.
   [[nodiscard]] std::string path(const std::string& name, const std::string& being_written) const;

@@ -6,14 +6,14 @@
 #include "loop/runtime/interrupt_scope.hpp"
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
-#include "record/run/run.hpp"
-#include "station/endings.hpp"
+#include "rig/run/run.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
 #include "station/server/logs.hpp"
 #include "station/session_files.hpp"
 #include "station/station_bodies.hpp"
+#include "station/stop_history.hpp"
 
 #include <fmt/format.h>
 
@@ -43,7 +43,7 @@ namespace fs = std::filesystem;
 
 using StationClock = std::chrono::steady_clock;
 
-/// Implementation of Station. Says which thread may call what.
+/// Implementation of Station. Comments above its functions name the threads that may call them.
 class Station::Core {
  public:
   explicit Core(StationConfig config)
@@ -80,7 +80,7 @@ class Station::Core {
     const std::lock_guard lock(mutex_);
     return being_written_;
   }
-  /// Number of the order by which run() arms at once; a stop before run() cancels it.
+  /// Order number of the arming by run() itself; a stop before run() cancels it.
   static constexpr std::uint64_t kFirstArming = 1;
   /// Limit of queued tasks. It bounds how long a client that floods the station can delay others.
   static constexpr std::size_t kMostTasks = 8;
@@ -93,16 +93,18 @@ class Station::Core {
     Order order;
     std::uint64_t asked = 0;  ///< its number
     StationClock::time_point asked_at;
-    std::uint32_t endings_seen = 0;  ///< LoopStatus::endings that the order is based on
-    bool starts = false;             ///< it is about to start the device, or goes on to that
+    std::uint32_t acknowledged_stop =
+        0;                        ///< value of LoopStatus::endings that the order is based on
+    bool starts = false;          ///< the order starts the device, or is about to
     bool refused_before = false;  ///< while it waited, an earlier order of its client was refused
-    std::chrono::duration<double> waited_s{0.0};  ///< behind others, once its turn has come
-    Profile profile;                              ///< of the moment when it was asked
-    std::uint64_t person = 0;                     ///< likewise
+    std::chrono::duration<double> waited_s{0.0};  ///< time spent behind other orders, set at its
+                                                  ///< turn
+    Profile profile;                              ///< profile at the time of the order
+    std::uint64_t person = 0;                     ///< PersonSettings::person() at that time
     std::function<void(OrderReply)> done;
   };
 
-  // Main thread.
+  // Called on the main thread:
   OrderReply arm(const Task& task, const std::string& record, std::uint64_t duration_ticks,
                  bool for_client);
   OrderReply armForClient(const Task& task);
@@ -126,7 +128,9 @@ class Station::Core {
   OrderReply rehearseNext(const Models& models, Task task, std::optional<Rehearsal>& passed);
   [[nodiscard]] OrderReply filesOf(const orders::LoadExercise& order, ModelFiles& files) const;
   OrderReply loadExercise(const orders::LoadExercise& order, const Task& task);
-  /// @param profile whose values hold from then on; null: those that hold, unless the hand changes
+  /// Loads models.
+  /// @param profile its values hold from now on; null: the present values stay unless the hand
+  /// changes
   OrderReply load(const Task& task, const ModelFiles& files, const Profile* profile);
   OrderReply carryOutTask(const Task& task);
   OrderReply saveProfile(const orders::SaveProfile& order, const Task& task);
@@ -139,9 +143,10 @@ class Station::Core {
   OrderReply loadVisit(Task task, const ModelFiles& files, const Profile& settings,
                        const Visit& visit);
   void stopGently(bool goes_on = false);
-  /// @param goes_on a load continues the rendering: no ending that a person must see
+  /// Ends the session and closes its files.
+  /// @param goes_on a load continues the rendering, so nobody has to see this ending
   void finishSession(bool goes_on = false);
-  bool discardUnjoined(RunOutcome& ended);
+  bool discardUnattended(RunOutcome& ended);
   void refreshStatus();
   [[nodiscard]] std::shared_ptr<SceneFacts> sceneOf(const Models& models,
                                                     const std::string& profile) const;
@@ -153,12 +158,13 @@ class Station::Core {
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
   [[nodiscard]] std::string title() const;
   bool forgetLatest();
-  /// Position in the level at which the player began to rest; empty: start at the beginning.
+  /// Position in the level at which the player began to rest; empty: the session starts at the
+  /// beginning.
   [[nodiscard]] std::optional<double> placeOfRest() const;
-  // Any thread.
-  [[nodiscard]] OrderReply stillDo(const Task& task) const;  ///< mayStillDo(), which it locks for
+  // Called on any thread:
+  [[nodiscard]] OrderReply stillDo(const Task& task) const;  ///< mayStillDo() under the lock
   OrderReply orderBodies(const BodyOrders& bodies, const Order& order);
-  // Any thread, mutex_ held.
+  // Called on any thread with mutex_ held:
   [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
   OrderReply takeStop(const Order& order, std::uint64_t asked);
@@ -173,14 +179,14 @@ class Station::Core {
   OrderReply setHelp(const orders::SetHelp& order, std::uint64_t asked);
   OrderReply aim(const orders::Aim& order);
   OrderReply setHolderAlive(bool alive);
-  OrderReply leaveAlone(const Order& order, std::uint64_t asked);
+  OrderReply markUnattended(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
   void sendUnsent();
   OrderReply setParameter(const orders::SetParameter& order, std::uint64_t asked);
   OrderReply push(const Command& command);
   OrderReply act(Act action);
-  void noteJoined(const Order& order);
+  void endUnattended(const Order& order);
   void beginStop(bool at_once);
   [[nodiscard]] StationClock::time_point now() const {
     return config_.now ? config_.now() : StationClock::now();
@@ -190,7 +196,7 @@ class Station::Core {
   void keepLatest(const TickRecord& record);
   void nameSafety(LoopStatus& status) const;
   void restartLevel();
-  void say(const std::string& line) const { log_.write(line); }
+  void log(const std::string& line) const { log_.write(line); }
 
   StationConfig config_;
   Models models_;
@@ -198,52 +204,57 @@ class Station::Core {
   SessionFiles files_;
   Profiles profiles_;
   std::string profile_;  ///< last profile loaded or saved, while it applies; empty: none
-  Visit visit_;          ///< that is open
+  Visit visit_;          ///< the open visit
   mutable AsyncLog log_;
   std::unique_ptr<SafetyLog> safety_;   ///< set by load()
   std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
   std::uint64_t arming_ = 0;
-  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};   ///< of a rehearsal under way
+  mutable std::atomic<std::uint32_t> rehearsed_ticks_{0};   ///< ticks done by the rehearsal under
+                                                            ///< way
   std::string record_path_, began_utc_, recorded_profile_;  ///< of the running session
   std::string being_written_;   ///< recording that scene_ names; guarded by mutex_
-  bool loss_reported_ = false;  ///< its loss of ticks was reported
+  bool loss_reported_ = false;  ///< the loss of ticks in this recording was reported
   StationClock::time_point status_at_;
   std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
   StationOutcome outcome_;
 
-  std::atomic<std::uint32_t> shapes_{0};  ///< GameShapes::id of the newest that a game prepared
-  mutable std::mutex mutex_;              ///< of the members below; held for microseconds
+  std::atomic<std::uint32_t> shapes_{0};  ///< GameShapes::id of the newest shapes that a game
+                                          ///< prepared
+  mutable std::mutex mutex_;              ///< guards the members below; held for microseconds
   std::mutex report_mutex_;               ///< held while a report is made
   std::condition_variable wake_;
   std::deque<Task> tasks_;
-  /// Order that is carried out and starts the device; none once its session renders.
+  /// Order under way that starts the device; none once its session renders.
   std::optional<Task> starting_;
   bool quit_ = false;
   // Orders are numbered as they arrive. A stop that follows an order to arm or to load cancels the
   // start, however far it has got.
   std::uint64_t orders_ = kFirstArming;
-  Endings endings_;
-  bool armed_for_client_ = false;        ///< else armed by the program itself
-  bool joined_ = false;                  ///< somebody takes part in the session, or in the next one
-  bool left_alone_ = false;              ///< all who took part have left
-  bool keep_recording_ = false;          ///< somebody took part before the session was to end
-  bool renewing_ = false;                ///< the session ends, and the program arms the next one
+  StopHistory stop_history_;
+  bool armed_for_client_ = false;        ///< true: a client armed; false: the program armed by
+                                         ///< itself
+  bool attended_ = false;                ///< somebody takes part in this session or in the next one
+  bool unattended_ = false;              ///< everybody who took part has left
+  bool keep_recording_ = false;          ///< somebody took part before the session's end was due
+  bool renewing_ = false;                ///< this session ends, and the program arms the next one
   StationClock::time_point began_at_;    ///< of the running session
   std::uint32_t claim_ = 0;              ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
   bool holder_alive_ = true;             ///< latest value; passed to a session that begins
-  std::optional<Command> unsent_steer_;  ///< the command queue was full
+  std::optional<Command> unsent_steer_;  ///< steering command that waits because the queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
-  StationBodies bodies_;  ///< of a game
+  StationBodies bodies_;  ///< bodies of a game
   PersonSettings person_;
-  std::optional<StationClock::time_point> person_at_;  ///< when it was loaded; none: at the start
-  Profile loaded_;                                     ///< what is loaded, without name and values
+  std::optional<StationClock::time_point> person_at_;  ///< when the person was loaded; none: at the
+                                                       ///< start
+  Profile loaded_;                                     ///< the loaded models as a profile, without
+                                                       ///< name and values
 
   TickRecord latest_;
-  int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
+  int level_done_ = -1;  ///< index of the event level_done in the loaded exercise; -1: none
   std::optional<StationClock::time_point> level_done_at_;
-  bool has_latest_ = false;  ///< latest_ is of this session
+  bool has_latest_ = false;  ///< latest_ belongs to this session
 
   std::unique_ptr<Run> live_;  ///< last member: its threads use the members above
 };
@@ -251,7 +262,8 @@ class Station::Core {
 namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
-constexpr auto kUnseenWithin = std::chrono::seconds(1);  // from a visit opened to seen
+constexpr auto kUnseenWithin = std::chrono::seconds(1);  // time from opening a visit until people
+                                                         // have seen it
 
 OrderReply visitOpen(std::uint64_t visit) {
   return refused(Refusal::kVisitOpen,
@@ -273,7 +285,7 @@ std::string sideName(const HandModel& hand) {
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
-constexpr double kLongestRun_s = 1e9;  // limit of the clock's range
+constexpr double kLongestRun_s = 1e9;  // bound that keeps durations within the clock's range
 constexpr auto kLogWithin = std::chrono::seconds(1);
 
 bool isSameFile(const std::string& a, const std::string& b) {
@@ -293,11 +305,11 @@ std::vector<std::string> stemsIn(const std::string& folder) {
 
 }  // namespace
 
-// Orders that wait for the station's main thread, and what must hold when their turn has come.
+// Orders that wait for the station's main thread, and the conditions that must hold at their turn.
 
-// Whether an order that waited, or that takes time, may take effect now: asked again in the moment
-// of starting. What its client may do was judged when it asked; here it is that all of it still
-// holds.
+// Decides whether an order that waited, or that takes time, may still take effect. Checked again at
+// the moment of starting. The client's permission was checked on arrival; this function checks that
+// its conditions still hold.
 OrderReply Station::Core::mayStillDo(const Task& task) const {
   const Order& order = task.order;
   if (quit_) return refused(Refusal::kEnding, "the program is ending");
@@ -311,15 +323,15 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
                                "look, then ask again",
                                task.waited_s.count(), kLongestWait.count()));
   }
-  if (order.asker && !order.asker->connected) {
+  if (order.requester && !order.requester->connected) {
     return refused(Refusal::kNotHolder, "the client that asked is gone");
   }
-  const bool lost = order.asker && order.asker->claim != order.claim;
+  const bool lost = order.requester && order.requester->claim != order.claim;
   if (order.claim != 0 && (lost || order.claim < claim_)) {
     return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
   }
   if (!task.starts) return {true, ""};
-  if (endings_.stoppedSince(task.asked) || InterruptScope::interrupted()) {
+  if (stop_history_.stoppedSince(task.asked) || InterruptScope::interrupted()) {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
   }
   if (task.person != person_.person()) {
@@ -327,7 +339,7 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
                    "another person or hand was loaded after this was asked: look who, then arm "
                    "again");
   }
-  return endings_.refuseUnseen(task.endings_seen);
+  return stop_history_.refuseUnacknowledged(task.acknowledged_stop);
 }
 
 OrderReply Station::Core::stillDo(const Task& task) const {
@@ -335,7 +347,7 @@ OrderReply Station::Core::stillDo(const Task& task) const {
   return mayStillDo(task);
 }
 
-// Refuses what would be refused when its turn comes, as things are now.
+// Queues an order, unless the present state already requires a refusal.
 OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
                                   const std::function<void(OrderReply)>& done) {
   Task task;
@@ -344,20 +356,20 @@ OrderReply Station::Core::enqueue(const Order& order, std::uint64_t asked,
   task.asked_at = now();
   const auto* arm = order.as<orders::Arm>();
   task.starts = arm != nullptr;
-  task.endings_seen = arm != nullptr ? arm->endings_seen : endings_.count();
+  task.acknowledged_stop = arm != nullptr ? arm->acknowledged_stop : stop_history_.count();
   if (order.is<orders::SaveProfile>()) task.profile = profileNow();
   task.person = person_.person();
   task.done = done;
   OrderReply may = mayStillDo(task);
   if (!may.accepted) return may;
-  if (task.starts) endings_.forgetPresses();
+  if (task.starts) stop_history_.forgetPresses();
   tasks_.push_back(std::move(task));
   wake_.notify_all();
   return may;
 }
 
-// The order whose turn it is. The others see whether it was refused: what its client asked for next
-// builds on it.
+// Carries out the next order in the queue. If it is refused, the later orders of the same client
+// are refused too, because they build on it.
 void Station::Core::runTask() {
   Task task;
   {
@@ -376,22 +388,24 @@ void Station::Core::runTask() {
     reply = carryOutTask(task);
   } catch (const std::exception& error) {  // a running loop continues
     reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
-    say("an order " + reply.reason);
+    log("an order " + reply.reason);
     const std::lock_guard lock(mutex_);
-    if (had_session && !live_) endings_.countOn();
+    if (had_session && !live_) stop_history_.keepRestPending();
   }
   {
     const std::lock_guard lock(mutex_);
     starting_.reset();
-    // Who loads a person and then arms, arms that person; another client does not know of it.
+    // A client that loads a person and then arms means that person. Another client's order to arm
+    // does not know of the load, and is refused.
     for (Task& next : tasks_) {
       const bool same = next.order.client == task.order.client && next.person == person;
       if (next.starts && same) next.person = person_.person();
     }
     if (!reply.accepted && task.order.client != 0) {
-      // What was asked after the stop that cancelled it builds on the stop.
-      const bool cancelled = task.starts && endings_.stoppedSince(task.asked);
-      const std::uint64_t seen = cancelled ? endings_.newestStop() : UINT64_MAX;
+      // Orders given after the stop that cancelled this one are not refused: their sender knew of
+      // the stop.
+      const bool cancelled = task.starts && stop_history_.stoppedSince(task.asked);
+      const std::uint64_t seen = cancelled ? stop_history_.newestStop() : UINT64_MAX;
       for (Task& next : tasks_) {
         next.refused_before |= next.order.client == task.order.client && next.asked < seen;
       }
@@ -424,7 +438,7 @@ void Station::Core::endTasks() {
   for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
 }
 
-// Orders and queries of clients: any thread.
+// Orders and queries of clients; any thread.
 
 void Station::Core::quit() {
   const std::lock_guard lock(mutex_);
@@ -450,7 +464,7 @@ OrderReply Station::Core::push(const Command& command) {
   return {true, ""};
 }
 
-// A level that is begun again is not done any more.
+// A restart or a new level clears the mark of a finished level.
 OrderReply Station::Core::act(Act action) {
   Command command;
   command.type = CommandType::kAction;
@@ -461,10 +475,10 @@ OrderReply Station::Core::act(Act action) {
   return pushed;
 }
 
-// Steering must reach the loop even when its queue is full of aims: the latest request is retried
-// with every record.
+// Steering must reach the loop even when its queue is full of aims. The latest request is therefore
+// retried with every record.
 OrderReply Station::Core::steer(Steering by) {
-  if (!live_ && renewing_) {  // from the first tick of the next session
+  if (!live_ && renewing_) {  // takes effect at the first tick of the next session
     status_.steering = by;
     return {true, ""};
   }
@@ -496,7 +510,7 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
                    fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
   }
-  // Who sets it may still see the person of before.
+  // The sender may still see the values of the previous person.
   const bool unseen =
       scene_->visit.number != 0 && person_at_ && now() - *person_at_ < kUnseenWithin;
   if (unseen && isEffortLimit(order.name) && order.value > person_.valueOf(*found)) {
@@ -521,17 +535,18 @@ bool Station::Core::superseded(const Order& order) {
   return false;
 }
 
-// Whether an order is about to start the device, and nothing has cancelled it.
+// True when an order is about to start the device and nothing has cancelled it.
 bool Station::Core::arming() const {
   const auto comes = [this](const Task& task) { return task.starts && mayStillDo(task).accepted; };
   if (starting_ && comes(*starting_)) return true;
   return !live_ && std::any_of(tasks_.begin(), tasks_.end(), comes);
 }
 
-// Takes effect and is published even when nothing renders: an order to arm may be under way.
+// A stop takes effect and is published even when nothing renders, because an order to arm may be
+// under way.
 OrderReply Station::Core::takeStop(const Order& order, std::uint64_t asked) {
   const RunState state = status_.run_state;
-  endings_.stop(order, asked, now(), state, arming());
+  stop_history_.stop(order, asked, now(), state, arming());
   if (!live_ && state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(order.is<orders::EmergencyStop>());
   return {true, ""};
@@ -554,23 +569,23 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
     } else {
       reply = enqueue(order, asked, done);
       if (reply.accepted) {
-        noteJoined(order);
+        endUnattended(order);
         return;
       }
     }
-    if (reply.accepted) noteJoined(order);
+    if (reply.accepted) endUnattended(order);
   }
   done(reply);
 }
 
-// What the program orders by itself is nobody's part.
-void Station::Core::noteJoined(const Order& order) {
+// Records that somebody takes part. Orders of the program itself do not count.
+void Station::Core::endUnattended(const Order& order) {
   const auto* steer = order.as<orders::Steer>();
   const bool own = order.is<orders::HolderAlive>() || order.is<orders::Unattended>() ||
                    (steer != nullptr && steer->by != Steering::kPerson);
   if (own) return;
-  joined_ = true;
-  left_alone_ = false;
+  attended_ = true;
+  unattended_ = false;
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
@@ -584,10 +599,10 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
                  [&](const orders::Steer& steer) { return this->steer(steer.by); },
                  [&](const orders::Action& action) { return act(action.act); },
                  [&](const orders::HolderAlive& holder) { return setHolderAlive(holder.alive); },
-                 [&](const orders::Unattended&) { return leaveAlone(order, asked); },
-                 [&](const orders::Attended&) {
+                 [&](const orders::Unattended&) { return markUnattended(order, asked); },
+                 [&](const orders::UnattendedEnds&) {
                    return OrderReply{true, ""};
-                 },  // noteJoined()
+                 },  // endUnattended() does the rest
                  [&](const orders::Answer&) { return notCommissioned(); },
                  [&](const orders::HoldToMove&) { return notCommissioned(); },
                  [&](const auto&) { return notHere(order); }},
@@ -622,13 +637,13 @@ OrderReply Station::Core::setHolderAlive(bool alive) {
   return {true, ""};
 }
 
-OrderReply Station::Core::leaveAlone(const Order& order, std::uint64_t asked) {
+OrderReply Station::Core::markUnattended(const Order& order, std::uint64_t asked) {
   if (!live_ || status_.run_state != RunState::kRendering) return {true, ""};
   if (!armed_for_client_) {
-    left_alone_ = joined_;
+    unattended_ = attended_;
     return {true, ""};
   }
-  say("nobody has held the controls or ordered anything for long: the session ends");
+  log("nobody has held the controls or ordered anything for long: the session ends");
   return takeStop(order, asked);
 }
 
@@ -638,16 +653,16 @@ LoopStatus Station::Core::status() const {
     const std::lock_guard lock(mutex_);
     status = status_;
     status.arming = arming();
-    status.endings = endings_.count();
-    status.rested = endings_.rested(status_.run_state);
-    status.rest_before_start = status.rested && endings_.restBeforeStart();
+    status.endings = stop_history_.count();
+    status.rested = stop_history_.rested(status_.run_state);
+    status.rest_before_start = status.rested && stop_history_.restBeforeStart();
     status.help = person_.help();
     status.bodies = bodies_.inSlots();
     status.registered = bodies_.registered();
     for (const auto& parameter : scene_->parameters) {
       status.parameters.push_back(person_.valueOf(parameter));
     }
-    // While nothing runs, the published values are those of the next session.
+    // While no session runs, the published values are those of the next session.
     if (has_latest_ && live_) {
       const auto count = std::min<std::size_t>(latest_.parameter_count, status.parameters.size());
       std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
@@ -659,15 +674,16 @@ LoopStatus Station::Core::status() const {
   return status;
 }
 
-// The supervisor's state is ahead of the thread that waits for a session's end.
+// Takes the safety state from the supervisor's log, which knows it earlier than the thread that
+// waits for the session's end.
 void Station::Core::nameSafety(LoopStatus& status) const {
   if (!safety_) return;
   status.safety_state = safety_->state();
-  // Likewise the loop, which stops by itself after a signal.
+  // After a signal the loop stops by itself, before the run state says so.
   if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
     status.run_state = RunState::kStopping;
   }
-  // Before the session's first record, the newest one is of the session before.
+  // Before the first record of this session, the newest fault belongs to the previous session.
   if (!has_latest_ && status.run_state == RunState::kRendering) return;
   const SafetyTransition fault = safety_->fault();
   if (fault.to != SafetyState::kFaulted) return;
@@ -678,15 +694,16 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   if (status.run_state == RunState::kRendering) status.run_state = RunState::kStopping;
 }
 
-// Telemetry thread.
+// Stores the newest record. Telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
   const std::lock_guard lock(mutex_);
   sendUnsent();
-  bodies_.see(record);
-  // While the next session is not there yet, what a person moves is the one that ends.
+  bodies_.onRecord(record);
+  // While the next session is being prepared, movement by a person belongs to the session that
+  // ends.
   if (record.moved_by == Mover::kPerson)
-    (starting_ && renewing_ ? keep_recording_ : joined_) = true;
+    (starting_ && renewing_ ? keep_recording_ : attended_) = true;
   latest_ = record;
   has_latest_ = true;
   for (int i = 0; i < record.exercise.event_count; ++i) {
@@ -724,14 +741,15 @@ std::string Station::Core::reportFolder(const std::string& name, std::string& wh
     why = format(made.errors());
     return {};
   }
-  // Replaced meanwhile: the next one who asks has the report made again.
+  // The report is not marked when the recording was replaced meanwhile; the next request makes it
+  // again.
   if (identityOf(recording) == identity) markReport(folder, identity);
   return folder;
 }
 
-// Orders of a game to its bodies: checked here, handed to the loop. Any thread.
+// Orders of a game to its bodies: checked here, then handed to the loop. Any thread.
 
-// Numbers are checked and shapes prepared before any lock is taken.
+// Checks numbers and prepares shapes before it takes any lock.
 OrderReply Station::Core::orderBodies(const BodyOrders& bodies, const Order& order) {
   const GameBudget budget = scene()->scene.game;
   if (budget.slots == 0) {
@@ -755,7 +773,7 @@ OrderReply Station::Core::orderBodies(const BodyOrders& bodies, const Order& ord
   return bodies_.handOver(checked);
 }
 
-// A therapist's settings per patient, kept across restarts: on the station's main thread.
+// Profiles: a therapist's settings per patient, kept across restarts. On the station's main thread.
 
 Profile Station::Core::profileOf(const Models& models) {
   Profile profile;
@@ -781,7 +799,7 @@ void Station::Core::changePerson(const Task& task, const Profile* profile, bool 
   person_.changePerson({profile, task.asked, visit, may_raise_limits}, config_.first_parameters,
                        scene_->parameters);
   person_at_ = now();
-  endings_.changePerson();
+  stop_history_.changePerson();
 }
 
 OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Task& task) {
@@ -795,13 +813,13 @@ OrderReply Station::Core::saveProfile(const orders::SaveProfile& order, const Ta
   if (auto saved = profiles_.save(profile); !saved) {
     return refused(Refusal::kOther, format(saved.errors()));
   }
-  say("profile " + profile.name + " is saved");
+  log("profile " + profile.name + " is saved");
   if (task.person == person_.person()) profile_ = profile.name;
   publishScene(record_path_);
   return {true, ""};
 }
 
-// Only while disarmed: a person must not suddenly feel another person's limits.
+// Refused while armed: a person must not suddenly feel another person's limits.
 OrderReply Station::Core::loadProfile(const orders::LoadProfile& order, const Task& task) {
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
   if (visit_.number != 0) return visitOpen(visit_.number);
@@ -834,7 +852,7 @@ OrderReply Station::Core::loadProfile(const orders::LoadProfile& order, const Ta
   return this->load(task, files, &*profile);
 }
 
-// A therapist may go on to another exercise or level in a visit, but not with another hand.
+// Refuses an order that changes the hand in a visit. Another exercise or level is allowed.
 OrderReply Station::Core::fitsVisit(const orders::LoadExercise& order) const {
   if (visit_.number == 0 || order.hand.empty() || order.hand == stem(models_.files.hand)) {
     return {true, ""};
@@ -842,7 +860,7 @@ OrderReply Station::Core::fitsVisit(const orders::LoadExercise& order) const {
   return visitOpen(visit_.number);
 }
 
-// Only while disarmed: a person must not suddenly feel another person's limits.
+// Refused while armed: a person must not suddenly feel another person's limits.
 OrderReply Station::Core::openVisit(const orders::OpenVisit& order, const Task& task) {
   if (config_.visit_hands_folder.empty()) {
     return refused(Refusal::kNotHere, "no visits here: the program runs without --clinic");
@@ -851,6 +869,7 @@ OrderReply Station::Core::openVisit(const orders::OpenVisit& order, const Task& 
   if (order.visit == 0) return refused(Refusal::kOther, "a visit has a number other than 0");
   const bool goes_on = visit_.number == order.visit;
   if (visit_.number != 0 && !goes_on) return visitOpen(visit_.number);
+  // Resolves the model files; the hand may be a file of the clinic.
   ModelFiles files;
   if (OrderReply known = filesOf({order.exercise, order.hand, order.level}, files);
       !known.accepted) {
@@ -870,6 +889,7 @@ OrderReply Station::Core::openVisit(const orders::OpenVisit& order, const Task& 
   const WaitingFor disk("the disk: a visit");
   const Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
+  // Checks the settings of the visit.
   Profile settings = profileOf(*models);
   settings.help = order.help;
   settings.parameters = order.parameters;
@@ -880,8 +900,8 @@ OrderReply Station::Core::openVisit(const orders::OpenVisit& order, const Task& 
   return loadVisit(task, files, settings, {order.visit, order.item});
 }
 
-// What the clinic's records name, and nothing of whoever came before. The next item of a visit
-// keeps the effort limits that a person has lowered.
+// Loads the models and settings of a visit from the clinic's records, and removes those of the
+// previous person. The next item of the same visit keeps effort limits that a person has lowered.
 OrderReply Station::Core::loadVisit(Task task, const ModelFiles& files, const Profile& settings,
                                     const Visit& visit) {
   task.order.may_raise_limits = visit_.number != visit.number || visit.number == 0;
@@ -897,13 +917,13 @@ OrderReply Station::Core::loadVisit(Task task, const ModelFiles& files, const Pr
     visit_ = before;
     return reply;
   }
-  say(visit.number == 0 ? fmt::format("visit {} is closed", before.number)
+  log(visit.number == 0 ? fmt::format("visit {} is closed", before.number)
                         : fmt::format("visit {}, item {}", visit.number, visit.item));
   return reply;
 }
 
 OrderReply Station::Core::closeVisit(const orders::CloseVisit& order, const Task& task) {
-  if (visit_.number == 0) return {true, ""};  // closed already: an answer was lost
+  if (visit_.number == 0) return {true, ""};  // closed already; the client missed an earlier answer
   if (visit_.number != order.visit) return visitOpen(visit_.number);
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then close the visit");
   return loadVisit(task, config_.files, {}, {});
@@ -931,7 +951,7 @@ OrderReply Station::Core::refuseParameters(const std::string& whose, const Profi
   return {true, ""};
 }
 
-// From an order to arm to a running loop: all on the station's main thread.
+// Steps from an order to arm to a running loop; all on the station's main thread.
 
 std::vector<double> Station::Core::parametersAtStart() const {
   const std::lock_guard lock(mutex_);
@@ -950,16 +970,16 @@ Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisP
     ++rehearsed_ticks_;
     return !stillDo(task).accepted;
   };
-  options.fill_pool = config_.make_device != nullptr;  // a simulated one may be late
-  options.status = [this](const std::string& what) { say("rehearsal: measuring " + what); };
+  options.fill_pool = config_.make_device != nullptr;  // a simulated device may be late
+  options.status = [this](const std::string& what) { log("rehearsal: measuring " + what); };
   auto rehearsal = rehearse(models, start, config_.rig, options);
   rehearsed_ticks_ = 0;
-  if (rehearsal) say("rehearsal " + describe(*rehearsal));
+  if (rehearsal) log("rehearsal " + describe(*rehearsal));
   return rehearsal;
 }
 
-// Rehearses the next models while the loop renders; a stop cancels it, and they are loaded
-// unrehearsed.
+// Rehearses the next models while the loop renders. A stop cancels the rehearsal; the models are
+// then loaded without one.
 OrderReply Station::Core::rehearseNext(const Models& models, Task task,
                                        std::optional<Rehearsal>& passed) {
   task.starts = true;
@@ -991,7 +1011,8 @@ OrderReply Station::Core::arm(const Task& task, const std::string& record,
   return startSession(std::move(player), task, record, duration_ticks, for_client);
 }
 
-// A real device, which a person holds, or a simulated one, moved by a virtual patient or a client.
+// Makes the rig around the real device, which a person holds, or around a simulated device, which a
+// virtual patient or a client moves.
 Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> player) const {
   if (!config_.make_device) {
     auto steered = std::make_unique<SteeredPlayer>(std::move(player), models_.device);
@@ -1002,7 +1023,7 @@ Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> pl
   return buildRig(models_, std::move(*device), config_.rig);
 }
 
-// All but enabled.
+// Prepares a run; the device is not enabled yet.
 Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player> player,
                                                          const std::vector<double>& parameters,
                                                          RunPlan plan) const {
@@ -1013,15 +1034,15 @@ Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player>
     const double period_s = config_.rig.period_s;
     const std::string room =
         roomNotice(plan.record, period_s, static_cast<double>(plan.duration_ticks) * period_s);
-    if (!room.empty()) say(room);
+    if (!room.empty()) log(room);
   }
   plan.real_time_required = config_.real_time_required;
   if (rehearsed_) plan.rehearsed = rehearsed_->passed;
   return Run::prepare(std::move(*rig), std::move(plan));
 }
 
-// Publishes the new session before its first record; if it cannot start, publishes the last one
-// again.
+// Publishes the new session before its first record. Publishes the last session again if the new
+// one cannot start.
 OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Task& task,
                                        const std::string& record, std::uint64_t duration_ticks,
                                        bool for_client) {
@@ -1043,8 +1064,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   {
     const std::lock_guard lock(mutex_);
     before = status_;
-    before.rested = endings_.rested(status_.run_state);
-    before.endings = endings_.count();
+    before.rested = stop_history_.rested(status_.run_state);
+    before.endings = stop_history_.count();
     ++status_.session;
     armed_for_client_ = for_client;
   }
@@ -1076,8 +1097,8 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
-    endings_.restoreRest(before.rested, before.endings);
-    if (endings_.stoppedSince(task.asked) && before.run_state == RunState::kDisarmed) {
+    stop_history_.restoreRest(before.rested, before.endings);
+    if (stop_history_.stoppedSince(task.asked) && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
     }
     status_ = before;
@@ -1091,7 +1112,7 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
 
 OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& record) {
   for (const SetupLine& line : live_->setup()) {
-    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
+    if (!line.granted && arming_ == 1) log(line.what + ": " + line.sentence);
   }
   record_path_ = record;
   began_utc_ = utcNow();
@@ -1105,8 +1126,9 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   return reply;
 }
 
-// From here on, a stop reaches the session, also before its first tick. One whose order may not be
-// carried out any more, as after a stop during its construction, is discarded and not published.
+// Makes the run the live session: from here on a stop reaches it, even before its first tick. If
+// the order may not be carried out any more, for example after a stop during construction, the run
+// is discarded and not published.
 OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
                                 const std::vector<double>& parameters,
                                 std::optional<double> place) {
@@ -1117,18 +1139,18 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
   const bool steered = renewing_ && status_.steering == Steering::kPerson;
   status_.steering = Steering::kVirtualPatient;
   unsent_steer_.reset();
-  left_alone_ = false;
+  unattended_ = false;
   began_at_ = now();
   status_.run_state = RunState::kRendering;
   starting_.reset();
-  endings_.beginSession();
+  stop_history_.beginSession();
   catchUp(parameters, place);
   if (steered) (void)steer(Steering::kPerson);
   bodies_.begin(models_, *live_, claim_);
   return {true, ""};
 }
 
-// Sends the session what was ordered during its construction.
+// Sends the session the orders that arrived during its construction.
 void Station::Core::catchUp(const std::vector<double>& parameters, std::optional<double> place) {
   live_->setHolderAlive(holder_alive_);
   if (place) {
@@ -1152,12 +1174,12 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
 std::optional<double> Station::Core::placeOfRest() const {
   const int value = models_.exercise ? models_.exercise->description().resume_value : -1;
   const std::lock_guard lock(mutex_);
-  if (value < 0 || !endings_.rested(status_.run_state)) return std::nullopt;
+  if (value < 0 || !stop_history_.rested(status_.run_state)) return std::nullopt;
   if (!has_latest_ || value >= latest_.exercise.value_count) return std::nullopt;
   return latest_.exercise.values[value];
 }
 
-// Remaining ticks of a run with an end; 0: no end.
+// Remaining ticks of a run with a duration; 0: no end.
 std::uint64_t Station::Core::ticksLeft() const {
   if (!ends_at_) return 0;
   const double left_s = std::chrono::duration<double>(*ends_at_ - StationClock::now()).count();
@@ -1174,8 +1196,9 @@ OrderReply Station::Core::armForClient(const Task& task) {
   return reply;
 }
 
-// The first session, which no client asked for, and those that follow it while nobody takes part.
-// Without a disk it runs unrecorded: there is nobody to whom a refusal could be reported.
+// Arms without an order of a client: the first session, and the later ones while nobody takes part.
+// If the disk fails, the session runs unrecorded, because there is nobody to whom a refusal could
+// be reported.
 OrderReply Station::Core::armUnasked(const Task& task, std::uint64_t duration_ticks) {
   const std::string record = config_.record.empty() ? newRecording() : config_.record;
   OrderReply reply = arm(task, record, duration_ticks, false);
@@ -1184,23 +1207,23 @@ OrderReply Station::Core::armUnasked(const Task& task, std::uint64_t duration_ti
   if (record.empty() || reply.refusal != Refusal::kCannotStart) return reply;
   const std::string why = reply.reason;
   reply = arm(task, "", duration_ticks, false);
-  if (reply.accepted) say("what follows is not recorded: " + why);
+  if (reply.accepted) log("what follows is not recorded: " + why);
   return reply;
 }
 
-// Takes the name of a new recording; empty when none can be made.
+// Reserves the name of a new recording; empty when that fails.
 std::string Station::Core::newRecording() {
   if (!files_.kept()) return {};
   const std::string whose = visit_.number != 0 ? fmt::format("visit-{}", visit_.number) : profile_;
   auto named = files_.nameNew(whose, scene()->exercise_name, models_.files.level);
   if (!named) {
-    say("what follows is not recorded: " + format(named.errors()));
+    log("what follows is not recorded: " + format(named.errors()));
     return {};
   }
   return *named;
 }
 
-// Lifecycle of sessions: all on the station's main thread.
+// Lifecycle of sessions; all on the station's main thread.
 
 Expected<Done> Station::Core::load() {
   Expected<Models> models = loadModels(config_.files);
@@ -1213,7 +1236,7 @@ Expected<Done> Station::Core::load() {
   watched.watch = watchLimits(watched, config_.make_device == nullptr);
   safety_ = std::make_unique<SafetyLog>(
       std::move(watched), config_.rig.period_s,
-      [this](const SafetyTransition& transition) { say(describe(transition)); });
+      [this](const SafetyTransition& transition) { log(describe(transition)); });
   publishScene("");
   return Done{};
 }
@@ -1260,7 +1283,7 @@ std::string Station::Core::title() const {
   return fmt::format("{}, level {}", models_.exercise->description().name, models_.files.level);
 }
 
-// Forgets the record of the previous session; true if there was one.
+// Forgets the last record of the previous session; true if there was one.
 bool Station::Core::forgetLatest() {
   const auto names =
       models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
@@ -1276,34 +1299,34 @@ void Station::Core::finishSession(bool goes_on) {
   live_->finish();
   RunOutcome ended = live_->outcome();
   for (const std::string& failure : ended.failures) {
-    say(failure + "; it was switched off, the loop ran on");
+    log(failure + "; it was switched off, the loop ran on");
   }
-  if (!ended.black_box.empty()) say("black box: " + ended.black_box);
+  if (!ended.black_box.empty()) log("black box: " + ended.black_box);
   ended.black_box.clear();  // already reported
   refreshStatus();
   const std::uint64_t missing =
       record_path_.empty() ? 0 : ended.dropped_records + ended.dropped_writes;
   if (missing > 0) {
-    say(fmt::format("the recording holds {} of {} ticks: {}", ended.written,
+    log(fmt::format("the recording holds {} of {} ticks: {}", ended.written,
                     ended.written + missing, record_path_));
   }
-  const bool discarded = discardUnjoined(ended);
+  const bool discarded = discardUnattended(ended);
   files_.note(record_path_, title(), recorded_profile_, began_utc_,
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
   outcome_.faulted = outcome_.faulted || ended.faulted;
-  // Clients to whom the end is reported find the recording in the list.
+  // The scene is published before the end, so that clients find the recording in the list.
   if (discarded || !record_path_.empty()) publishScene("");
   {
-    // Its world is destroyed outside the lock, so that no order waits for it.
+    // The session is moved out and destroyed outside the lock, so that no order waits for it.
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
-    endings_.endSession(ended.faulted, goes_on);
+    stop_history_.endSession(ended.faulted, goes_on);
     over = std::move(live_);
     bodies_.end();
   }
   over.reset();
-  if (discarded && goes_on) {  // nobody's session has no results
+  if (discarded && goes_on) {  // a session that nobody joined has no results
     --outcome_.sessions;
     return;
   }
@@ -1313,14 +1336,15 @@ void Station::Core::finishSession(bool goes_on) {
   record_path_.clear();
 }
 
-// After the last tick. Removes the recording that the program made of its own accord and that
-// nobody took part in. What faulted is kept.
-bool Station::Core::discardUnjoined(RunOutcome& ended) {
+// Called after the last tick. Removes a recording that the program started by itself and that
+// nobody took part in. A recording that ended by a fault is kept.
+bool Station::Core::discardUnattended(RunOutcome& ended) {
   bool joined = false, asked_for = false;
   {
     const std::lock_guard lock(mutex_);
-    joined = std::exchange(keep_recording_, false) || joined_;
-    joined_ = joined_ && renewing_;  // a client that joins while it ends is in the next one, too
+    joined = std::exchange(keep_recording_, false) || attended_;
+    attended_ = attended_ && renewing_;  // a client that joins while the session ends also takes
+                                         // part in the next one
     asked_for = armed_for_client_ || !config_.record.empty();
   }
   if (joined || asked_for || ended.faulted || record_path_.empty()) return false;
@@ -1330,24 +1354,24 @@ bool Station::Core::discardUnjoined(RunOutcome& ended) {
   return true;
 }
 
-// Ends a session that the program armed and that nobody has joined for long, or that everybody has
-// left, and arms the next one. False when it is not yet time.
+// Ends a session that the program armed, when nobody has joined it for long or everybody has left,
+// and arms the next one. False when it is not yet time.
 bool Station::Core::renewSession() {
   Task again;
   {
     const std::lock_guard lock(mutex_);
-    const bool alone = !joined_ && now() - began_at_ >= config_.renew_after;
-    if (armed_for_client_ || !config_.record.empty() || !(alone || left_alone_) ||
+    const bool alone = !attended_ && now() - began_at_ >= config_.renew_after;
+    if (armed_for_client_ || !config_.record.empty() || !(alone || unattended_) ||
         status_.run_state != RunState::kRendering) {
       return false;
     }
-    again.endings_seen = endings_.count();
+    again.acknowledged_stop = stop_history_.count();
     again.person = person_.person();
     again.asked = orders_;
     again.starts = true;
     starting_ = again;
     renewing_ = true;
-    keep_recording_ = std::exchange(joined_, false);
+    keep_recording_ = std::exchange(attended_, false);
   }
   stopGently(true);
   OrderReply reply;
@@ -1360,7 +1384,7 @@ bool Station::Core::renewSession() {
   const std::lock_guard lock(mutex_);
   renewing_ = false;
   starting_.reset();
-  if (!reply.accepted) endings_.countOn();
+  if (!reply.accepted) stop_history_.keepRestPending();
   return true;
 }
 
@@ -1422,7 +1446,7 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   const bool rendered =
       had_session && live_->running() && status().run_state == RunState::kRendering;
   std::optional<Rehearsal> rehearsal;
-  // A load that cannot be rendered stops nothing, and begins no visit.
+  // A load that cannot be rendered stops no session and opens no visit.
   if (config_.rehearse && (rendered || task.order.is<orders::OpenVisit>())) {
     OrderReply passed = rehearseNext(*models, task, rehearsal);
     if (!passed.accepted) return passed;
@@ -1435,7 +1459,8 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     const std::lock_guard lock(mutex_);
     starting_ = start;
   }
-  // Read before anything changes: whom the settings are for and what is shown change at once.
+  // These are computed before anything changes, because the person and the published scene must
+  // change together.
   const bool other_person = profile != nullptr || !isSameFile(files.hand, models_.files.hand);
   std::string name = profile != nullptr ? profile->name : other_person ? "" : profile_;
   auto scene = sceneOf(*models, name);
@@ -1443,26 +1468,26 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
   stopGently(true);
   bool again = false;
   {
-    // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
-    // remains. A limit does not rise without a press of Start.
+    // Rendering continues only if it was on until now and nobody stopped it. A stop or a fault
+    // remains in force. No limit rises without a press of Start.
     const std::lock_guard lock(mutex_);
     if (other_person) changePerson(task, profile, task.order.may_raise_limits && !rendered);
     show(std::move(scene), std::move(loaded), "");
     std::swap(models_, *models);
     profile_ = std::move(name);
     rehearsed_ = std::move(rehearsal);
-    bodies_.dropKept();  // checked against the scene of before
+    bodies_.dropKept();  // they were checked against the previous scene
     start.person = person_.person();
     if (starting_) starting_->person = start.person;
     again = rendered && mayStillDo(start).accepted && !any(status_.latched);
-    if (had_session && !again) endings_.countOn();
+    if (had_session && !again) stop_history_.keepRestPending();
   }
   forgetLatest();
   if (!again) return {true, ""};
   OrderReply reply = armForClient(start);
   if (!reply.accepted) {
     const std::lock_guard lock(mutex_);
-    endings_.countOn();
+    stop_history_.keepRestPending();
   }
   return reply;
 }
@@ -1496,13 +1521,13 @@ void Station::Core::refreshStatus() {
     state = status_.run_state;
   }
   if (dropped > 0 && !std::exchange(loss_reported_, true) && !record_path_.empty()) {
-    say(lossNotice(summary.time_s, record_path_));
+    log(lossNotice(summary.time_s, record_path_));
   }
   if (config_.status) config_.status(state, summary);
 }
 
-// Where nobody steers, the virtual patient plays a finished level again, also one that a person
-// finished and left.
+// Restarts a finished level while the virtual patient steers, also a level that a person finished
+// and left.
 void Station::Core::restartLevel() {
   if (config_.make_device) return;
   const std::lock_guard lock(mutex_);
@@ -1528,9 +1553,10 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
   const InterruptScope interrupts;
   const auto duration_ticks = static_cast<std::uint64_t>(
       std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
+  // Arms the first session, if requested.
   if (arm_at_once && !InterruptScope::interrupted()) {
     Task first;
-    first.endings_seen = 1;
+    first.acknowledged_stop = 1;
     first.asked = kFirstArming;
     first.starts = true;
     {
@@ -1542,7 +1568,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       const std::lock_guard lock(mutex_);
       starting_.reset();
     }
-    // The client that stopped may arm.
+    // After a stop, run() goes on, so that the client that stopped may arm.
     const bool stopped = reply.refusal == Refusal::kStopCame || reply.refusal == Refusal::kEnding;
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return fileFault("", "the loop could not be armed: " + reply.reason, "");
@@ -1553,6 +1579,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       StationClock::now() + std::chrono::duration_cast<StationClock::duration>(within);
   if (duration_ticks > 0 && arm_at_once) ends_at_ = until;
   bool ending = false;
+  // Carries out orders and watches the session until the end.
   while (!ending) {
     runTask();
     watchSession();

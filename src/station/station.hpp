@@ -1,10 +1,10 @@
 #pragma once
 
 #include "loop/runtime/statistics.hpp"
-#include "record/run/run.hpp"
 #include "rig/models.hpp"
 #include "rig/rehearsal.hpp"
 #include "rig/rig.hpp"
+#include "rig/run/run.hpp"
 #include "rig/safety_log.hpp"
 #include "vocabulary/backend.hpp"
 
@@ -28,21 +28,23 @@ struct EndedSession {
   std::string record;                  ///< recording; empty: none
 };
 
-/// File of a session when `path` is that of the first: "a.h5", "a-2.h5", "a-3.h5".
+/// Recording path of the session with this number, when `path` is that of the first session:
+/// "a.h5", "a-2.h5", "a-3.h5".
 [[nodiscard]] std::string pathOfSession(const std::string& path, std::uint64_t number);
 
 /// Configuration of a station.
 struct StationConfig {
   ModelFiles files;  ///< models to load first
   RigOptions rig;
-  bool rehearse = true;        ///< rehearse what is loaded before its first force
-  RehearsalOptions rehearsal;  ///< the station itself sets its cancellation
-  std::uint64_t seed = 1;      ///< of the virtual patient; incremented by every arming
+  bool rehearse = true;        ///< rehearse loaded models before their first force
+  RehearsalOptions rehearsal;  ///< the station itself sets the cancellation
+  std::uint64_t seed = 1;      ///< seed of the virtual patient; each arming adds 1
   std::string config_folder;   ///< holds exercises/ and hands/, which clients may load
-  /// Live parameters that hold in place of the files' values while neither a profile nor a visit
-  /// names them: a clinic's gentle limits. Names that an exercise does not have do not count.
+  /// Live parameters that replace the files' values while neither a profile nor a visit names them,
+  /// for example a clinic's low limits. Names that an exercise does not have are ignored.
   std::map<std::string, double> first_parameters;
-  /// Hand files that visits may name. Empty: visits are refused here (no clinic).
+  /// Folder of the hand files that visits may name. Empty: there is no clinic, and visits are
+  /// refused.
   std::string visit_hands_folder;
   std::string profiles_folder;    ///< patient profiles (station/profiles.hpp); empty: none
   std::string recordings_folder;  ///< recordings of all sessions; empty: none are made
@@ -54,17 +56,18 @@ struct StationConfig {
   /// How long a finished level is shown before the virtual patient plays it again.
   std::chrono::milliseconds repeat_after{8000};
   std::string program_version;
-  /// Makes each session's real device, which a person holds: no player, no steering from a screen,
-  /// no arming at start. Null: a simulated device that a virtual patient moves.
+  /// Makes each session's real device, which a person holds. There is then no virtual patient, no
+  /// steering from a screen and no arming at start. Null: a simulated device that a virtual patient
+  /// moves.
   std::function<Expected<std::unique_ptr<HapticDevice>>(const DeviceModel&)> make_device;
-  /// Arming is refused where the machine grants no real-time priority or locked memory: for a
-  /// device that moves a person.
+  /// Refuse to arm where the machine grants no real-time priority or locked memory. For a device
+  /// that moves a person.
   bool real_time_required = false;
   /// Status of the real device, for clients. Any thread; null: none.
   std::function<DeviceStatus()> device_status;
   /// Makes the player of a simulated device when the exercise has none of its own. Required.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
-  /// Clock of what waits; null: the steady one.
+  /// Clock for the waiting times; null: std::chrono::steady_clock.
   std::function<std::chrono::steady_clock::time_point()> now;
   /// Makes a report page of a recording in a child process: HDF5 may be writing in this one.
   std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
@@ -79,8 +82,8 @@ struct StationConfig {
 /// Result of a station's run.
 struct StationOutcome {
   std::uint64_t sessions = 0;
-  bool faulted = false;      ///< some session ended by a fault
-  bool interrupted = false;  ///< by Ctrl-C
+  bool faulted = false;      ///< a session ended by a fault
+  bool interrupted = false;  ///< ended by Ctrl-C
   std::optional<EndedSession> last;
 };
 
@@ -90,15 +93,16 @@ struct StationOutcome {
 /// before the ramp to neutral; an emergency stop ramps at once. After either, and after a fault,
 /// nothing pushes until somebody arms. A refused order to arm changes nothing.
 ///
-/// Every session is recorded from its first tick, or it is reported that it is not (an empty
+/// Every session is recorded from its first tick, or clients are told that it is not (an empty
 /// SceneFacts::recording). A session that run() armed is a demonstration until somebody takes part:
-/// takes the controls, steers, or orders anything. One that nobody joined within renew_after ends,
-/// its recording is removed, and the program arms again: recorded for ever, it would write 14 GB a
-/// day. The session itself ends, not only its recording: a recording that begins in the middle
-/// cannot be re-simulated. Whether anybody has joined is decided after the last tick, so a person
-/// who joins while the session ends keeps its recording, and steers the next session from its first
-/// tick. A session that somebody joined and left (orders::Unattended) ends in the same way, and
-/// its recording stays. Not renewed: a session whose file was named (StationConfig::record).
+/// takes the controls, steers, or orders anything. A demonstration that nobody joined within
+/// renew_after ends, its recording is removed, and the program arms again: an endless recording
+/// would write 14 GB a day. The session itself ends, not only its recording, because a recording
+/// that begins in the middle cannot be re-simulated. Whether anybody has joined is decided after
+/// the last tick. A person who joins while the session ends therefore keeps its recording, and
+/// steers the next session from its first tick. A session that somebody joined and left
+/// (orders::Unattended) ends in the same way, and its recording stays. A session whose file was
+/// named (StationConfig::record) is not renewed.
 class Station final : public ServerBackend {
  public:
   explicit Station(StationConfig config);
@@ -115,12 +119,12 @@ class Station final : public ServerBackend {
 
   /// Serves orders on the calling thread until Ctrl-C, quit(), or the end of the duration.
   /// @param arm_at_once the first session begins without an order
-  /// @param duration_s of the first session, after which the station ends; 0: endless
+  /// @param duration_s duration of the first session [s]; the station ends after it; 0: endless
   [[nodiscard]] Expected<StationOutcome> run(bool arm_at_once, double duration_s);
   /// Makes run() stop gently and return. Any thread.
   void quit();
 
-  // ServerBackend: any thread.
+  // Overrides of ServerBackend; any thread.
   void order(const Order& order, std::function<void(OrderReply)> done) override;
   [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override;
   [[nodiscard]] LoopStatus status() const override;

@@ -11,8 +11,9 @@
 namespace wholehand {
 namespace {
 
-/// Most commands of bodies that wait for the loop: the shapes of one body with the most pieces and
-/// vertices. The loop takes eight in a tick, so that an aim waits for 36 ms at most.
+/// Largest number of body commands that wait for the loop: enough for the shapes of one body with
+/// the most pieces and vertices. The loop takes eight commands in a tick, so an aim waits 36 ms at
+/// most.
 constexpr std::size_t kMostWaiting = 288;
 
 OrderReply busy(std::size_t waiting, const char* where) {
@@ -22,7 +23,7 @@ OrderReply busy(std::size_t waiting, const char* where) {
                              waiting, where, kMostWaiting));
 }
 
-/// Commands that are not for the registry.
+/// Number of commands that are for the loop and not for the registry.
 std::size_t forLoop(const CheckedOrders& orders) {
   const auto for_loop = [&](const Command& command) {
     return orders.shapes || !isRegistered(command.index);
@@ -30,7 +31,7 @@ std::size_t forLoop(const CheckedOrders& orders) {
   return std::count_if(orders.commands.begin(), orders.commands.end(), for_loop);
 }
 
-/// Most commands that the registry lets wait for the loop: an aim waits 8 ms for them at most.
+/// Largest number of registry commands that wait for the loop: an aim waits 8 ms for them at most.
 constexpr std::size_t kMostAhead = 64;
 constexpr auto kMovesEvery = std::chrono::milliseconds(50);
 
@@ -65,7 +66,7 @@ void StationBodies::begin(const Models& models, Run& loop, std::uint32_t claim) 
   registry_.begin(models.hand, models.device, models.scene.game,
                   static_cast<int>(models.scene.bodies.size()), tracker_.refusedEvent());
   loop_ = &loop;
-  if (kept_claim_ != claim) {  // of an earlier holder of the controls
+  if (kept_claim_ != claim) {  // they came from an earlier holder of the controls
     kept_.clear();
     registry_.clear();
   }
@@ -73,7 +74,7 @@ void StationBodies::begin(const Models& models, Run& loop, std::uint32_t claim) 
     tracker_.note(kept);
     for (const Command& command : kept.commands) {
       if (command.type == CommandType::kSpawn) registry_.leaveToOthers(command.index);
-      (void)loop.tryCommand(command);  // there is room
+      (void)loop.tryCommand(command);  // the queue of a new session has room
     }
   }
 }
@@ -122,7 +123,7 @@ OrderReply StationBodies::keep(CheckedOrders& orders, std::uint32_t claim) {
 }
 
 OrderReply StationBodies::handOver(CheckedOrders& orders) {
-  if (loop_ == nullptr) {  // they were checked against the scene of before
+  if (loop_ == nullptr) {  // the orders were checked against the previous scene
     return refused(Refusal::kNoBodies, "another scene was loaded meanwhile, without such bodies");
   }
   OrderReply reply = take(orders, loop_->waitingCommands(), "the loop");
@@ -132,7 +133,8 @@ OrderReply StationBodies::handOver(CheckedOrders& orders) {
   return reply;
 }
 
-// What is refused, or is the registry's, leaves the orders; where too many wait, all of them do.
+// Removes from `orders` the refused commands and those for the registry; the rest is for the loop.
+// When too many commands wait already, all are removed.
 OrderReply StationBodies::take(CheckedOrders& orders, std::size_t waiting, const char* where) {
   if (forLoop(orders) + waiting > kMostWaiting) {
     orders.commands.clear();
@@ -171,7 +173,7 @@ bool StationBodies::takeBack(const Command& removal) {
   return false;
 }
 
-// Takes the orders to registered bodies out of the message: they are not for the loop.
+// Removes the orders to registered bodies from the message and hands them to the registry.
 void StationBodies::orderRegistered(CheckedOrders& orders) {
   std::erase_if(orders.commands, [&](const Command& command) {
     if (orders.shapes || !isRegistered(command.index)) return false;
@@ -181,7 +183,7 @@ void StationBodies::orderRegistered(CheckedOrders& orders) {
       const auto shapes = tracker_.shapesOf(spawn.shape_set);
       refusal = shapes ? registry_.add(spawn, shapes->radius_m) : BodyRefusal::kNoSuchShapes;
     } else {
-      refusal = registry_.obey(command);
+      refusal = registry_.apply(command);
     }
     if (refusal != BodyRefusal::kNone) {
       orders.refused.push_back(
@@ -192,7 +194,8 @@ void StationBodies::orderRegistered(CheckedOrders& orders) {
   publish();
 }
 
-// A game that also names slots: none that a registered body has, and no shapes of one.
+// Applies to games that name slots themselves: refuses slots of registered bodies, and shape sets
+// that registered bodies use.
 void StationBodies::keepSlotsApart(CheckedOrders& orders) {
   if (orders.shapes && registry_.usesShapes(orders.shape_set)) {
     orders.refused.push_back({0, -1, BodyRefusal::kShapesBusy,
@@ -216,10 +219,10 @@ void StationBodies::keepSlotsApart(CheckedOrders& orders) {
   });
 }
 
-void StationBodies::see(const TickRecord& record) {
-  tracker_.see(record);
+void StationBodies::onRecord(const TickRecord& record) {
+  tracker_.onRecord(record);
   if (loop_ == nullptr) return;
-  registry_.see(record);
+  registry_.onRecord(record);
   auto& waiting = registry_.forLoop();
   while (!waiting.empty() && loop_->waitingCommands() < kMostAhead) {
     if (waiting.front().type == CommandType::kSpawn) tracker_.noteSpawn(waiting.front());
@@ -229,7 +232,7 @@ void StationBodies::see(const TickRecord& record) {
   publish();
 }
 
-// A change of place or state is reported at once, mere motion 20 times a second.
+// Publishes a change of place or state at once, and mere motion 20 times a second.
 void StationBodies::publish() {
   const Clock::time_point now = Clock::now();
   const bool moved = registry_.moves() != published_moves_ && now - published_at_ > kMovesEvery;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "record/run/run.hpp"
 #include "rig/models.hpp"
 #include "rig/registry/body_registry.hpp"
+#include "rig/run/run.hpp"
 #include "station/game_body_tracker.hpp"
 
 #include <chrono>
@@ -12,36 +12,36 @@
 
 namespace wholehand {
 
-/// The bodies of a game at a station: every order to them goes through here, and what became of
-/// them is published here. Orders wait for the next arming while nothing is armed; bodies beyond
-/// the slots of the loop are the registry's. One thread at a time.
+/// The bodies of a game at a station. All orders to them pass through here, and their state is
+/// published here. While nothing is armed, orders wait for the next arming. Bodies beyond the slots
+/// of the loop belong to the registry. One thread at a time.
 class StationBodies {
  public:
-  /// A session begins: it gets the orders that were kept, of the client that still holds the
-  /// controls. They stay kept until begun().
+  /// Begins a session and hands it the kept orders of the client that still holds the controls. The
+  /// orders stay kept until begun().
   /// @param claim newest claim on the controls
   /// @pre `loop` outlives the session, and its queue is empty
   void begin(const Models& models, Run& loop, std::uint32_t claim);
-  /// The session runs.
+  /// Confirms that the session runs; drops the kept orders.
   void begun() { kept_.clear(); }
-  /// The session never ran: what was kept waits for the next one.
+  /// Reports that the session failed to start; the kept orders wait for the next one.
   void giveBack();
-  /// The session is over: nothing stays.
+  /// Ends the session and forgets all bodies.
   void end();
-  /// Another scene is loaded: drops what was kept.
+  /// Drops the kept orders when another scene is loaded.
   void dropKept();
 
-  /// Shapes and spawns for the next arming. @pre no session
+  /// Keeps shapes and spawns for the next arming. @pre no session runs
   [[nodiscard]] OrderReply keep(CheckedOrders& orders, std::uint32_t claim);
-  /// All commands of a message are for the loop's next ticks, or none: a set of shapes must not
-  /// arrive in part. @pre a session
+  /// Hands the commands of a message to the loop for its next ticks: all of them or none, because a
+  /// set of shapes must not arrive in part. @pre a session runs
   [[nodiscard]] OrderReply handOver(CheckedOrders& orders);
-  /// Takes a record, in order, and hands the registry's commands to the loop.
-  void see(const TickRecord& record);
+  /// Receives the loop's records in order, and hands the registry's commands to the loop.
+  void onRecord(const TickRecord& record);
 
-  /// Bodies in slots; null: none. A change makes a new object.
+  /// Bodies in slots; null: none. Every change makes a new object.
   [[nodiscard]] std::shared_ptr<const GameBodies> inSlots() const { return tracker_.bodies(); }
-  /// Bodies of the registry, likewise.
+  /// Bodies of the registry; null: none. Every change makes a new object.
   [[nodiscard]] std::shared_ptr<const RegisteredBodies> registered() const { return registered_; }
 
  private:
@@ -56,10 +56,10 @@ class StationBodies {
 
   GameBodyTracker tracker_;
   BodyRegistry registry_;
-  Run* loop_ = nullptr;              ///< of the session that takes bodies; null: none
+  Run* loop_ = nullptr;              ///< loop of a session that takes bodies; null: none
   std::vector<CheckedOrders> kept_;  ///< shapes and spawns for the next arming
-  std::uint32_t kept_claim_ = 0;     ///< of the client that ordered them
-  std::shared_ptr<const RegisteredBodies> registered_;  ///< as published; null: none
+  std::uint32_t kept_claim_ = 0;     ///< claim of the client that ordered them
+  std::shared_ptr<const RegisteredBodies> registered_;  ///< as last published; null: none
   std::uint64_t published_version_ = 0, published_moves_ = 0;
   Clock::time_point published_at_;
 };

@@ -29,10 +29,10 @@
 
 namespace wholehand {
 
-/// An item of an order to bodies that was refused.
+/// A refused item of an order to bodies.
 struct RefusedItem {
   int item = 0;   ///< index in the message
-  int slot = -1;  ///< -1: an item without one
+  int slot = -1;  ///< slot of the item; -1: the item has none
   BodyRefusal refusal = BodyRefusal::kNone;
   std::string reason;  ///< for people, in English
 };
@@ -41,35 +41,35 @@ struct OrderReply {
   bool accepted = false;
   std::string reason;  ///< for people, in English; empty when accepted and carried out
   Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
-  std::vector<RefusedItem> items = {};  ///< of kBodiesRefused
+  std::vector<RefusedItem> items = {};  ///< the refused items; filled for kBodiesRefused
 };
 
 inline OrderReply refused(Refusal refusal, std::string reason) {
   return {false, std::move(reason), refusal, {}};
 }
 
-// Bodies of a game, as clients order them and as they are reported to clients
+// Bodies of a game: the orders of clients and the reports to clients
 // (docs/adr/0043-bodies-of-a-game.md). SI units; positions are those of the centre of mass.
 
-/// Most items of one message: one for each slot.
+/// Largest number of items in one message: one for each slot.
 inline constexpr int kMostBodyItems = kMaxSlots;
-/// Largest generation: the value of an event, a float, holds it exactly.
+/// Largest generation. The value of an event is a float, which holds it exactly.
 inline constexpr int kMostGeneration = (1 << 24) - 1;
 
-/// What one message orders. Its counts are verified; no number is.
+/// The body orders of one message. The counts are checked; the numbers are not checked yet.
 struct BodyOrders {
-  int shape_set = -1;               ///< of `pieces`; -1: a message without shapes
-  std::vector<Shape> pieces;        ///< as the game gave them
-  std::vector<Command> commands;    ///< one an item, in the order of the message
-  std::vector<RefusedItem> faults;  ///< found while the message was read
+  int shape_set = -1;             ///< shape set that `pieces` define; -1: the message has no shapes
+  std::vector<Shape> pieces;      ///< as sent by the game
+  std::vector<Command> commands;  ///< one per item, in the order of the message
+  std::vector<RefusedItem> faults;  ///< items refused while the message was read
 };
 
-/// Shapes of a game's bodies, for pictures.
+/// Shapes of a game's bodies, for clients that draw them.
 struct GameShapes {
   std::uint32_t id = 0;                             ///< unique while the program runs; > 0
-  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< in the frame of `pieces`
-  std::vector<Shape> pieces;                        ///< as the game gave them
-  double radius_m = 0.0;                            ///< of a ball about com_m that holds them
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< centre of mass in the frame of `pieces`
+  std::vector<Shape> pieces;                        ///< as sent by the game
+  double radius_m = 0.0;  ///< radius of a sphere about com_m that contains the pieces
 };
 
 /// A body of a game that is in the world.
@@ -83,7 +83,7 @@ struct GameBody {
 /// All bodies of a game that are in the world, in the order of their slots.
 using GameBodies = std::vector<GameBody>;
 
-/// A body beyond the slots of the loop, or one of those that has a slot.
+/// A registered body, with or without a slot in the loop, and its shapes.
 struct ShownBody {
   RegisteredBody body;
   std::shared_ptr<const GameShapes> shapes;
@@ -99,7 +99,7 @@ struct PublishedParameter {
   double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
 };
 
-/// A visit of the clinic's records, and the item of its plan.
+/// A visit in the clinic's records, and the item of its plan.
 struct Visit {
   std::uint64_t number = 0;  ///< 0: none is open
   std::uint32_t item = 0;
@@ -124,16 +124,16 @@ struct SceneFacts {
   std::vector<std::string> profiles;          ///< what LoadProfile accepts
   std::string profile;                        ///< profile in force; empty: none
   std::string recording;                      ///< name of the file being written; empty: none
-  Visit visit;                                ///< that is open
+  Visit visit;                                ///< the open visit
 };
 
 /// Status that a real device reports.
 struct DeviceStatus {
   bool enabled = false, homed = false, silenced = false;
-  /// highest of all axes; NaN: unknown
+  /// Highest temperature of all axes; NaN: unknown.
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
   double sample_age_s = -1.0;  ///< below 0: no sample yet
-  bool hosted = false;         ///< runs in its own process
+  bool hosted = false;         ///< the driver runs in its own process, the host
   double host_age_s = -1.0;    ///< time since the host's last cycle; below 0: none yet
   ReleaseReason let_go = ReleaseReason::kNone;
 };
@@ -147,41 +147,46 @@ struct LoopStatus {
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;
   Fault latched = Fault::kNone;
-  SafetyState safety_state = SafetyState::kDisarmed;  ///< of the supervisor
+  SafetyState safety_state = SafetyState::kDisarmed;  ///< state of the supervisor
   int fault_axis = -1;       ///< axis of the limit violation that stopped the run; -1: none
   double fault_value = 0.0;  ///< value that exceeded the limit, in the axis's unit (per second for
                              ///< a speed)
   double fault_limit = 0.0;  ///< limit that was exceeded; 0: unknown
-  std::array<std::uint64_t, kFaultBits> fault_ticks{};  ///< of this session, by fault bit
-  double rehearsal_p50_us = 0.0, rehearsal_p999_us = 0.0, rehearsal_max_us = 0.0;  ///< 0: none
+  /// Ticks of this session with each fault bit.
+  std::array<std::uint64_t, kFaultBits> fault_ticks{};
+  /// Durations of the rehearsal's ticks; 0: no rehearsal.
+  double rehearsal_p50_us = 0.0, rehearsal_p999_us = 0.0, rehearsal_max_us = 0.0;
   std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
-  std::uint32_t rehearsed_ticks = 0;  ///< of a rehearsal under way; 0: none
+  std::uint32_t rehearsed_ticks = 0;  ///< ticks done by a rehearsal under way; 0: none under way
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;
-  std::optional<DeviceStatus> device;  ///< none: simulated
-  bool arming = false;  ///< an order is about to start the device, and nothing has cancelled it
-  bool rested = false;  ///< the last ending is a rest that a player asked for
-  /// That rest came before anything was armed or being armed: it gives no right to arm that its
-  /// player did not have.
+  std::optional<DeviceStatus> device;  ///< empty: the device is simulated
+  bool arming = false;                 ///< an order is starting the device and was not cancelled
+  bool rested = false;                 ///< the last ending is a rest that a player requested
+  /// True when that rest came before anything was armed or being armed. It then gives its player no
+  /// right to arm that the player did not have before.
   bool rest_before_start = false;
-  Help help = Help::kUnsaid;       ///< as set by the therapist; kUnsaid: the player chooses
+  Help help = Help::kUnspecified;  ///< as set by the therapist; kUnspecified: the player chooses
   std::vector<double> parameters;  ///< current values, in the order of SceneFacts::parameters
-  std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
-  std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
+  /// Bodies of a game; null: none. Every change makes a new object.
+  std::shared_ptr<const GameBodies> bodies;
+  /// Registered bodies; null: none. Every change makes a new object.
+  std::shared_ptr<const RegisteredBodies> registered;
 };
 
-/// A client, as its orders that wait see it. Any thread.
-struct Asker {
+/// State of a client that its waiting orders can look up. Any thread.
+struct Requester {
   std::atomic<bool> connected{true};
-  std::atomic<std::uint32_t> claim{0};  ///< claim on the controls that it has now; 0: none
+  std::atomic<std::uint32_t> claim{0};  ///< the client's current claim on the controls; 0: none
 };
 
-/// Orders, each with its own fields; names are those of the schema. Their form is verified (finite
-/// numbers, known enums); who carries them out checks ranges and names.
+/// The kinds of orders, each with its own fields; the names are those of the schema. Their form is
+/// checked on receipt (finite numbers, known enums). The code that carries an order out checks
+/// ranges and names.
 namespace orders {
 
 struct Arm {
-  std::uint32_t endings_seen = 0;  ///< LoopStatus::endings as the client saw it; 0: unknown
+  std::uint32_t acknowledged_stop = 0;  ///< LoopStatus::endings as the client saw it; 0: unknown
 };
 struct Stop {};
 struct EmergencyStop {};
@@ -195,7 +200,7 @@ struct SetParameter {
 };
 struct Aim {
   AxisPosition q;
-  Help by = Help::kUnsaid;
+  Help by = Help::kUnspecified;
 };
 struct Steer {
   Steering by = Steering::kVirtualPatient;
@@ -208,7 +213,7 @@ struct TakeControls {
 };
 struct ReleaseControls {};
 struct Heartbeat {};
-struct Rest {};  ///< a stop by the player, who may end it again; cancels an arming
+struct Rest {};  ///< a pause requested by the player, who may also end it; cancels an arming
 struct SaveProfile {
   std::string name;
 };
@@ -216,7 +221,7 @@ struct LoadProfile {
   std::string name;
 };
 struct SetHelp {
-  Help help = Help::kUnsaid;
+  Help help = Help::kUnspecified;
 };
 struct Answer {
   std::uint32_t question = 0;
@@ -226,14 +231,14 @@ struct HoldToMove {
   std::uint32_t press = 0;
   bool held = false;
 };
-/// What one visit renders. Only the clinic's records give it.
+/// Opens a visit and says what it renders. Only the clinic's records give this order.
 struct OpenVisit {
   std::uint64_t visit = 0;
   std::uint32_t item = 0;
   std::string exercise, hand;
-  std::string hand_file;  ///< in StationConfig::visit_hands_folder, if `hand` is empty
+  std::string hand_file;  ///< file in StationConfig::visit_hands_folder; used when `hand` is empty
   int level = 1;
-  Help help = Help::kUnsaid;
+  Help help = Help::kUnspecified;
   std::map<std::string, double> parameters;  ///< by name, in their own units
 };
 struct CloseVisit {
@@ -249,20 +254,20 @@ struct Remove : OfBodies {};
 struct Teleport : OfBodies {};
 struct SetOwner : OfBodies {};
 struct BodyTargets : OfBodies {};
-// Those that the program gives by itself.
+// Orders that the program itself gives.
 struct HolderAlive {
-  bool alive = false;  ///< the game that holds the controls; false: it went silent
+  bool alive = false;  ///< the game that holds the controls is alive; false: it is silent
 };
-/// Nobody has held the controls or ordered anything for long: a loop armed by a client is to stop,
-/// another one that somebody joined is to begin anew.
+/// Nobody has held the controls or given an order for a long time. A loop that a client armed
+/// stops; another loop that a client has joined restarts from the beginning.
 struct Unattended {};
-struct Attended {};  ///< somebody has taken the controls
+struct UnattendedEnds {};  ///< a client has taken the controls
 
 using Any =
     std::variant<Arm, Stop, EmergencyStop, LoadExercise, SetParameter, Aim, Steer, Action,
                  TakeControls, ReleaseControls, Heartbeat, Rest, SaveProfile, LoadProfile, SetHelp,
                  Answer, HoldToMove, PrepareShapes, Spawn, Remove, Teleport, SetOwner, BodyTargets,
-                 OpenVisit, CloseVisit, HolderAlive, Unattended, Attended>;
+                 OpenVisit, CloseVisit, HolderAlive, Unattended, UnattendedEnds>;
 
 /// Index of a kind in Any.
 template <class Kind, class... Kinds>
@@ -274,51 +279,53 @@ constexpr std::size_t indexIn(std::type_identity<std::variant<Kinds...>>) {
 template <class Kind>
 inline constexpr std::size_t kIndexOf = indexIn<Kind>(std::type_identity<Any>{});
 
-/// Who may give an order; mayOrder() judges by it.
-enum class Giver : std::uint8_t {
+/// The clients that may give an order; mayOrder() decides by it.
+enum class Permission : std::uint8_t {
   kAnyone,
   kNotWatchers,
-  kHolder,            ///< who holds the controls
-  kHolderOrLeader,    ///< the same, or a therapist; no player while a therapist pauses
-  kBeginner,          ///< the same; a player where it may begin
-  kTherapist,         ///< a therapist; who states no role, with the controls
+  kHolder,            ///< the client that holds the controls
+  kHolderOrLeader,    ///< the holder of the controls, or a therapist; no player while a therapist
+                      ///< pauses
+  kBeginner,          ///< the same as kHolderOrLeader; a player only where players may begin
+  kTherapist,         ///< a therapist; a client without a role needs the controls
   kHoldingTherapist,  ///< a therapist who holds the controls
   kProgram            ///< no client
 };
 
 /// Thread that carries an order out.
 enum class Thread : std::uint8_t {
-  kDesk,    ///< the server's: who holds the controls
-  kCaller,  ///< the caller's, at once
-  kMain,    ///< the station's main one, in turn: it takes time
-  kLoop,    ///< the loop's, as commands
-  kConsole  ///< the one of a commissioning
+  kServer,  ///< the server's thread, which knows who holds the controls
+  kCaller,  ///< the calling thread, at once
+  kMain,    ///< the station's main thread, in turn: the order takes time
+  kLoop,    ///< the loop's thread, as commands
+  kConsole  ///< the thread of a commissioning
 };
 
 enum class Pace : std::uint8_t {
-  kAnswered,  ///< within the limit of rate, with numbers that rise
-  kStreams,   ///< the same, at a high rate: nobody waits for the reply
-  kStops      ///< without limit and in any order
+  kAnswered,  ///< the rate is limited and order numbers must rise
+  kStreams,   ///< the same at a high rate; nobody waits for the reply
+  kStops      ///< a stop: accepted at any rate and with numbers in any order
 };
 
-/// Whether an order may come by datagram: the next one supersedes it, or a game repeats it until
-/// the state shows its effect.
+/// Whether an order may arrive by datagram, which may be lost: the next order supersedes it, or a
+/// game repeats it until the state shows its effect.
 enum class Datagram : std::uint8_t { kNever, kStandalone, kAlways };
 
-/// What holds for all orders of a kind.
+/// Rules for all orders of one kind.
 struct Row {
   std::size_t kind;   ///< index in Any
-  std::uint8_t wire;  ///< number in the schema's union Order; 0: the program gives it by itself
-  const char* name;   ///< in the schema
-  Giver giver;
+  std::uint8_t wire;  ///< number in the schema's union Order; 0: only the program gives it
+  const char* name;   ///< name in the schema
+  Permission permission;
   Thread thread;
   Pace pace = Pace::kAnswered;
   Datagram datagram = Datagram::kNever;
-  const char* doing = "";  ///< of what a player is told that it is for the therapist only
+  const char* doing = "";  ///< what the order does, as told to a player who is refused because only
+                           ///< a therapist may do it
 };
 
 inline constexpr auto kTable = [] {
-  using enum Giver;
+  using enum Permission;
   using enum Thread;
   using enum Pace;
   using enum Datagram;
@@ -333,10 +340,10 @@ inline constexpr auto kTable = [] {
       {kIndexOf<Aim>, 6, "Aim", kHolder, kLoop, kStreams, kAlways},
       {kIndexOf<Steer>, 7, "Steer", kHolder, kLoop, kAnswered, kStandalone},
       {kIndexOf<Action>, 8, "Action", kHolderOrLeader, kLoop},
-      {kIndexOf<TakeControls>, 9, "TakeControls", kNotWatchers, kDesk, kAnswered, kStandalone},
-      {kIndexOf<ReleaseControls>, 10, "ReleaseControls", kNotWatchers, kDesk, kAnswered,
+      {kIndexOf<TakeControls>, 9, "TakeControls", kNotWatchers, kServer, kAnswered, kStandalone},
+      {kIndexOf<ReleaseControls>, 10, "ReleaseControls", kNotWatchers, kServer, kAnswered,
        kStandalone},
-      {kIndexOf<Heartbeat>, 11, "Heartbeat", kAnyone, kDesk, kStreams, kAlways},
+      {kIndexOf<Heartbeat>, 11, "Heartbeat", kAnyone, kServer, kStreams, kAlways},
       {kIndexOf<Rest>, 12, "Rest", kNotWatchers, kCaller, kStops, kAlways},
       {kIndexOf<SaveProfile>, 13, "SaveProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
       {kIndexOf<LoadProfile>, 14, "LoadProfile", kTherapist, kMain, kAnswered, kNever, "a profile"},
@@ -354,7 +361,7 @@ inline constexpr auto kTable = [] {
       {kIndexOf<CloseVisit>, 25, "CloseVisit", kTherapist, kMain, kAnswered, kNever, "a visit"},
       {kIndexOf<HolderAlive>, 0, "HolderAlive", kProgram, kCaller},
       {kIndexOf<Unattended>, 0, "Unattended", kProgram, kCaller},
-      {kIndexOf<Attended>, 0, "Attended", kProgram, kCaller},
+      {kIndexOf<UnattendedEnds>, 0, "Attended", kProgram, kCaller},
   }};
 }();
 static_assert(std::all_of(kTable.begin(), kTable.end(),
@@ -364,23 +371,25 @@ static_assert(std::all_of(kTable.begin(), kTable.end(),
 
 struct Order {
   orders::Any what = orders::Heartbeat{};
-  /// Command.id. A stop that a client repeats until it is answered keeps it. 0: not numbered; of a
-  /// client, a stop within a second of the last is a repetition.
+  /// Command.id of the client's message. A client that repeats a stop until it is answered keeps
+  /// the id. 0: not numbered; a client's stop without a number within a second of its last one is a
+  /// repetition.
   std::uint32_t id = 0;
-  /// Claim on the controls that the order belongs to (ControlsArbiter::claim). Two servers send
-  /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
-  /// a later one. 0: no claim.
+  /// Claim on the controls that the order belongs to (ControlHolder::claim). Two servers send
+  /// orders independently, so an order or a loss of the controls of an earlier holder may arrive
+  /// after an order of a later one. 0: no claim.
   std::uint32_t claim = 0;
-  std::uint32_t client = 0;  ///< who asks (ControlsArbiter::Client); 0: the program itself
-  /// Of an order that waits; null: the program itself.
-  std::shared_ptr<const Asker> asker = nullptr;
-  bool may_raise_limits = false;  ///< who asks may set values
+  /// The client that gives the order (ControlHolder::Client); 0: the program itself.
+  std::uint32_t client = 0;
+  /// The client's state while the order waits; null: the program itself gives the order.
+  std::shared_ptr<const Requester> requester = nullptr;
+  bool may_raise_limits = false;  ///< the client may set values
 
   template <class Kind>
   [[nodiscard]] bool is() const noexcept {
     return std::holds_alternative<Kind>(what);
   }
-  /// Null: another kind.
+  /// The order as this kind; null when it is of another kind.
   template <class Kind>
   [[nodiscard]] const Kind* as() const noexcept {
     return std::get_if<Kind>(&what);
@@ -391,7 +400,7 @@ struct Order {
   [[nodiscard]] bool streams() const noexcept { return row().pace == orders::Pace::kStreams; }
 };
 
-/// Refuses an order that reached a thread which does not carry out its kind.
+/// Refuses an order that reached a thread which does not carry out this kind.
 inline OrderReply notHere(const Order& order) {
   return refused(Refusal::kNotHere, std::string(order.row().name) + " is not carried out here");
 }
@@ -404,7 +413,7 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-/// Orders of a game to its bodies; null: another order.
+/// The body orders that an order carries; null when it is of another kind.
 [[nodiscard]] inline const BodyOrders* bodiesOf(const Order& order) {
   return std::visit(
       [](const auto& kind) -> const BodyOrders* {
@@ -427,9 +436,9 @@ struct RecordingEntry {
                                     ///< replayed
 };
 
-/// What the server asks of the program. The server's thread may call every function, and none of
-/// them waits for the loop. Slow orders (arm, load) answer through `done`, exactly once, from any
-/// thread.
+/// Interface of the program to its servers. The server's thread may call every function, and none
+/// of them waits for the loop. Slow orders (arm, load) answer through `done`, exactly once, from
+/// any thread.
 class ServerBackend {
  public:
   virtual ~ServerBackend() = default;
@@ -440,16 +449,16 @@ class ServerBackend {
   /// Copies the newest record; false when there is none yet.
   [[nodiscard]] virtual bool latest(TickRecord& record) const = 0;
   [[nodiscard]] virtual std::vector<RecordingEntry> recordings() const = 0;
-  /// Full path of the recording; empty when there is none. A name with a slash or "..", or one that
-  /// is not in recordings(), has none.
+  /// Full path of the recording; empty when there is none: the name has a slash or "..", or is not
+  /// in recordings().
   [[nodiscard]] virtual std::string recordingPath(const std::string& name) const = 0;
   /// Folder of the recording's report page, which is made if missing; this may take seconds. Empty
   /// with a reason in `why` when it cannot be made.
   [[nodiscard]] virtual std::string reportFolder(const std::string& name, std::string& why) = 0;
 };
 
-/// State of a device's commissioning as clients see it (protocol Commissioning).
-/// Immutable once published; every change publishes a new one.
+/// State of a device's commissioning as clients see it (message Commissioning of the protocol).
+/// Immutable once published; every change publishes a new object.
 struct CommissioningFacts {
   struct Finding {
     std::string axis, quantity, unit;
@@ -459,15 +468,15 @@ struct CommissioningFacts {
     std::string name;
     StepState state = StepState::kWaiting;
     std::vector<Finding> findings;
-    std::string problem, remedy;  ///< kFailed
+    std::string problem, remedy;  ///< filled when the state is kFailed
   };
 
   std::string device, driver, serial, firmware, operator_name;
   std::vector<Step> steps;
 
   std::uint32_t question = 0;  ///< number of the question, from 1
-  Asked asked = Asked::kNothing;
-  std::string axis, unit;  ///< of the question or of the motion
+  QuestionKind asked = QuestionKind::kNothing;
+  std::string axis, unit;  ///< axis and unit of the question or of the motion
   double lower = 0.0, upper = 0.0;
   std::string next;  ///< step that follows kNextStep
   std::string note;  ///< why the last answer was refused

@@ -1,4 +1,4 @@
-"""What the end-to-end tests share: running the real program in a folder of their own."""
+"""Common parts of the end-to-end tests: running the real program in a temporary folder."""
 import json
 import os
 import pathlib
@@ -14,21 +14,21 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "tests/support"))
-from watched_main import ALWAYS, FULL, HANG_S, main  # noqa: E402, F401  what the tests take from here
+from watched_main import ALWAYS, FULL, HANG_S, main  # noqa: E402, F401  imported by the tests from here
 BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release/wholehand")).resolve()
-sys.path.insert(0, str(BINARY.parent / "python"))  # as built: with what flatc makes of the schema
+sys.path.insert(0, str(BINARY.parent / "python"))  # the built package, with flatc's code
 from wholehand.recording import Recording  # noqa: E402
 
-LAB = os.environ.get("WHOLEHAND_LAB") == "1"  # the program has what lab/ adds
+LAB = os.environ.get("WHOLEHAND_LAB") == "1"  # the program includes lab/
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
 CONFIG = SOURCE / "config"
 MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"
 
-# `run` alone opens the bar; with a motion it grasps freely and ends by itself.
+# `run` without options opens the bar; with a motion it grasps freely and ends by itself.
 FREE_RUN = ("run", "--motion", MOTION)
 
 DONE, DIFFERENT, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
-NOT_WHOLE = 1  # replay, report: not all of the recording is shown
+NOT_WHOLE = 1  # exit code of replay and report: a part of the recording is not shown
 STOP_REQUESTED = 1 << 10  # docs/recording.md, bits of `faults`
 
 
@@ -41,7 +41,7 @@ class Result:
 
 
 def said(*command, **how):
-    """What a command printed, which has to succeed."""
+    """Runs a command that must succeed and returns its output."""
     done = subprocess.run([*map(str, command)], capture_output=True, text=True, **how)
     if done.returncode != 0:
         raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
@@ -49,11 +49,11 @@ def said(*command, **how):
 
 
 class AppTest(unittest.TestCase):
-    """A test with an empty folder `self.folder`, in which the program is run."""
+    """A test with an empty folder `self.folder`, in which the program runs."""
 
     @classmethod
     def setUpClass(cls):
-        # In random order of the seed where a test draws; the seed is printed by ./check.
+        # Random numbers for the tests, from the seed that ./check prints.
         cls.random = random.Random(SEED)
 
     def setUp(self):
@@ -66,7 +66,7 @@ class AppTest(unittest.TestCase):
                                      stdin=subprocess.DEVNULL, capture_output=True, **how))
 
     def start_app(self, *arguments, **how):
-        """The program in the background; it is killed at the end of the test at the latest."""
+        """Starts the program in the background; it is killed at the end of the test at the latest."""
         process = subprocess.Popen([str(BINARY), *map(str, arguments)], cwd=self.folder, text=True,
                                    stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, **how)
@@ -75,24 +75,25 @@ class AppTest(unittest.TestCase):
         return process
 
     def wait_until(self, run, what, say=lambda: ""):
-        """Until it is true of a program in the background, or the program has ended."""
+        """Waits until `what` is true, or the program in the background has ended."""
         until = time.monotonic() + HANG_S
         while run.poll() is None and not what():
             self.assertLess(time.monotonic(), until, f"{ALWAYS}it hangs\n{say()}")
             time.sleep(0.01)
 
     def wait_until_it_catches(self, run, number):
-        """Until the program has a handler for the signal."""
+        """Waits until the program has a handler for the signal."""
         status = pathlib.Path(f"/proc/{run.pid}/status")
         self.wait_until(run, lambda: int(status.read_text().split("SigCgt:")[1].split()[0], 16)
                         >> (number - 1) & 1 == 1)
 
     def wait_until_it_renders(self, run):
-        """Until the loop's thread has slept before some hundred ticks; its CPU would count locking memory."""
+        """Waits until the loop's thread has slept before some hundred ticks. Its CPU time is no measure: it
+        includes locking memory."""
         self.wait_until(run, lambda: loop_sleeps(run.pid) >= 100)
 
     def expect_ended_by(self, run, number, code=INTERRUPTED):
-        """Sends the signal: what the program says until it has ended with that exit code."""
+        """Sends the signal, expects this exit code and returns the program's output."""
         run.send_signal(number)
         said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, code, said + complained)
@@ -105,7 +106,7 @@ class AppTest(unittest.TestCase):
         return result
 
     def expect_refused(self, result, *texts, lines=None):
-        """Exit code 2, the reason on standard error with these texts, and never a crash's words."""
+        """Expects exit code 2 and the reason with these texts on standard error, without any text of a crash."""
         self.expect(result, BAD_INPUT)
         for text in texts:
             self.assertIn(text, result.err, result)
@@ -137,13 +138,13 @@ class AppTest(unittest.TestCase):
 
 
 class PacedTest(AppTest):
-    """A test of what counts real time: drives' watchdogs, hosts, held keys (watched_main.py)."""
+    """A test that depends on real time: drives' watchdogs, hosts, held keys (watched_main.py)."""
 
     paced = True
 
 
 def loop_sleeps(pid):
-    """How often the loop's thread of a program has slept: once before each tick."""
+    """How often the loop's thread of a program has slept, which is once before each tick."""
     for status in pathlib.Path(f"/proc/{pid}/task").glob("*/status"):
         text = status.read_text()
         if text.startswith("Name:\twholehand-loop"):
@@ -152,7 +153,7 @@ def loop_sleeps(pid):
 
 
 def lose_ticks(path, begin, end):
-    """Makes these ticks of a recording ones that never reached the disk: how many rows it has."""
+    """Changes these ticks of a recording to ticks that never reached the disk; returns its number of rows."""
     import h5py
     import numpy
     never = numpy.uint64(2**64 - 1)  # docs/recording.md
@@ -166,18 +167,18 @@ def lose_ticks(path, begin, end):
 
 
 def read_recording(path):
-    """Opens a recording as docs/recording.md says."""
+    """Opens a recording as docs/recording.md describes."""
     return Recording(path)
 
 
 def report_data(page):
-    """What a page in one file shows: the one place of data in it."""
+    """The data of a one-file page, which it contains once."""
     data, = re.findall(r'<script type="application/json" id="page-data">(.*?)</script>', page.read_text(), re.S)
     return json.loads(data)
 
 
 def sentences_of(data):
-    """The sentences that a page of charts says, by their names, with the places that are filled."""
+    """The sentences of a page of charts by their names, with their placeholders."""
     if isinstance(data, list):
         return {name: places for part in data for name, places in sentences_of(part).items()}
     if not isinstance(data, dict):
@@ -188,7 +189,7 @@ def sentences_of(data):
 
 
 def expect_known_sentences(test, page):
-    """Every sentence of a page of charts is in the texts of web/src/charts, with the same places."""
+    """Expects every sentence of a page of charts in the texts of web/src/charts, with the same placeholders."""
     known = {name or plain: set(re.findall(r"\{(\w+)\}", text)) for name, plain, text in re.findall(
         r"(?:'([\w.]+)'|\b(\w+)): '([^']*)'", (SOURCE / "web/src/charts/i18n/en.ts").read_text())}
     for name, places in sentences_of(page).items():
@@ -197,12 +198,12 @@ def expect_known_sentences(test, page):
 
 
 def limit_file_size(size_bytes):
-    """For preexec_fn: files of this program end here, as on a full disk."""
+    """For preexec_fn: limits the size of the program's files, as a full disk would."""
     return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, size_bytes))
 
 
 def ordinary_user():
-    """How subprocess runs a program as an ordinary user: root steps down to nobody."""
+    """Options with which subprocess runs a program as an ordinary user: root becomes nobody."""
     if os.geteuid() != 0:
         return {}
     return {"user": 65534, "group": 65534, "extra_groups": []}

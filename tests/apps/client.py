@@ -1,4 +1,4 @@
-"""A client of the program, in as few words as the end-to-end tests need: docs/protocol.md, docs/udp.md."""
+"""A minimal client of the program for the end-to-end tests: docs/protocol.md, docs/udp.md."""
 import base64
 import os
 import socket
@@ -9,7 +9,7 @@ import zlib
 
 from app import HANG_S
 
-# protocol/wholehand.fbs: members of the unions Order and Payload, from 1.
+# Numbers of the members of the unions Order and Payload in protocol/wholehand.fbs, from 1.
 ARM, STOP, EMERGENCY_STOP, SET_PARAMETER, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT, SAVE_PROFILE = \
     1, 2, 3, 5, 6, 7, 8, 9, 11, 13
 WORLD_STATE, SCENE, WELCOME, REPLY, COMMAND = 1, 2, 4, 6, 7
@@ -18,8 +18,8 @@ PERSON = 1
 
 
 def encode(table):
-    """A finished buffer. A table is a list of its fields: (struct format, number), a table, a text, or the floats of a
-    vector as bytes; every field is given."""
+    """Returns a finished buffer. A table is a list of fields: (struct format, number), a table, a text, or the floats of
+    a vector as bytes; every field is given."""
     buffer = bytearray(struct.pack("<I4s", 0, b"WHND"))
     struct.pack_into("<I", buffer, 0, _put(buffer, table))
     return bytes(buffer)
@@ -55,7 +55,7 @@ def command(version, number, order, fields=()):
 
 
 class Table:
-    """Reads fields of a table that a buffer holds."""
+    """Reads the fields of a table in a buffer."""
 
     def __init__(self, buffer, at):
         self.buffer, self.at = buffer, at
@@ -73,7 +73,7 @@ class Table:
         return Table(self.buffer, place + struct.unpack_from("<I", self.buffer, place)[0])
 
     def texts(self, index):
-        """Of a vector of strings."""
+        """The texts of a vector of strings."""
         at = self.inner(index).at
         count = struct.unpack_from("<I", self.buffer, at)[0]
         places = [at + 4 + 4 * i for i in range(count)]
@@ -97,7 +97,7 @@ def decode(buffer):
 
 
 class Page:
-    """A WebSocket. While it holds the controls it shows every 50 ms that it is alive, until it falls silent."""
+    """A WebSocket client. After hold_controls() it sends a heartbeat every 50 ms, until fall_silent()."""
 
     def __init__(self, port, role=None):
         path = f"/ws?role={role}" if role else "/ws"
@@ -112,9 +112,9 @@ class Page:
             self.bytes += self.socket.recv(65536)
         head, _, self.bytes = self.bytes.partition(b"\r\n\r\n")
         assert head.startswith(b"HTTP/1.1 101"), head
-        self.replies = {}  # by command: accepted, reason
+        self.replies = {}  # by command number: accepted, reason
         self.state = None  # the newest WorldState
-        self.on_state = lambda state: None  # in the thread that listens
+        self.on_state = lambda state: None  # called in the listening thread
         self.scene = None
         self.answered = threading.Condition()
         self.version, self.last, self.lock = 1, 0, threading.Lock()
@@ -159,7 +159,7 @@ class Page:
                 self.answered.notify_all()
 
     def say(self, order, *fields):
-        """Its number."""
+        """Sends an order and returns its number."""
         with self.lock:
             self.last += 1
             payload = command(self.version, self.last, order, fields)
@@ -180,8 +180,8 @@ class Page:
             time.sleep(0.01)
 
     def arm(self, endings_seen):
-        """Whether it was accepted, and why not, once the program has reported as many endings. One that waited too long
-        behind other orders, as on a slow machine the end of a session, is asked again, as the program says."""
+        """Arms once the program has reported so many endings; returns whether it was accepted and the reason. An order
+        that waited too long behind others, such as a slow end of a session, is repeated, as the program advises."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
         accepted, reason = self.answer(self.say(ARM, ("I", endings_seen)))
@@ -210,14 +210,14 @@ class Page:
     def close(self):
         self.open = False
         self.alive.clear()
-        # Ends the connection at once, as a browser does that is killed.
+        # Resets the connection, as a killed browser does.
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         self.socket.shutdown(socket.SHUT_RDWR)
 
 
 class Game:
-    """A game that speaks UDP only, with the program's --udp-key, and sees the states of the loop as they come:
-    (when, tick, faults, authority)."""
+    """A game that uses UDP only, with the program's --udp-key, and stores the states of the loop as they arrive:
+    (time of arrival, tick, faults, authority)."""
 
     KEY = "0123456789abcdef"
 

@@ -1,4 +1,4 @@
-"""What the end-to-end tests with a driver share: a device file, its passport, a run that waits to be armed, and arming."""
+"""Common parts of the end-to-end tests with a driver: a device file, its passport, a waiting run, and arming."""
 import datetime
 import hashlib
 import os
@@ -13,12 +13,12 @@ HARDWARE = ("run", "--exercise", "free-grasping", "--patient", CONFIG / "patient
 
 
 def sealed(text):
-    """As commissioning closes its files (docs/commissioning.md)."""
+    """Adds the seal with which commissioning ends its files (docs/commissioning.md)."""
     return f'{text}[seal]\nsha256 = "{hashlib.sha256(text.encode()).hexdigest()}"\n'
 
 
 def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 1.02)):
-    """A passport of a device file of translations; damping and mass as shares of what that states."""
+    """A passport for a device file with translations; damping and mass as shares of the stated values."""
     text = device.read_text()
     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     out = (f'kind = "passport"\nversion = 1\nmeasured_at = "{day + "T00:00:00+00:00" if day else now}"\n'
@@ -36,7 +36,7 @@ def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 
 
 class DeviceTest(PacedTest):
     def config_file(self, kind, name, axes=None, **changed):
-        """A shipped file with these axes only, whose watch stops nothing that a stall of this machine could be."""
+        """A shipped file with these axes only; its limits tolerate stalls of this machine."""
         head, *blocks = (CONFIG / kind / f"{name}.toml").read_text().split("[[axes]]")
         if axes:
             blocks = [b for b in blocks if re.search('name = "(.*)"', b)[1] in axes]
@@ -51,13 +51,13 @@ class DeviceTest(PacedTest):
                 "--rendering", CONFIG / "rendering/desktop-3axis.toml")
 
     def start_run(self, *more):
-        """`driver_line`: what the opening says of the driver; `page`: holds the controls."""
+        """Sets `driver_line`, the driver's line in the first output, and `page`, which holds the controls."""
         run = self.start_app(*HARDWARE, "--without-passport", *more)
         first = run.stdout.readline()
         if "http" not in first:
             self.fail(first + run.communicate()[1])
         self.driver_line = line = ""
-        while "NOBODY MAY BE ATTACHED" not in line and run.poll() is None:  # the last of the opening
+        while "NOBODY MAY BE ATTACHED" not in line and run.poll() is None:  # the last line before the program waits
             line = run.stdout.readline()
             self.driver_line = line if "driver" in line else self.driver_line
         self.page = client.Page(int(first.split(":")[2].rstrip("/\n")))
@@ -65,7 +65,7 @@ class DeviceTest(PacedTest):
         return run
 
     def wait_for_ticks(self, run, count):
-        """Of the session that renders, as reported to the page."""
+        """Waits for so many ticks of the rendering session, as reported to the page."""
         self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") >= count)
 
     def arm(self, endings_seen=1):

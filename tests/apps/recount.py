@@ -1,7 +1,7 @@
-"""Whose the parts of a session are, recounted from the raw columns of its recording.
+"""Recounts from the raw columns of a recording who moved the hand in each part of a session.
 
-Another implementation than the program's (src/replay/therapy_facts.hpp states the rule): it works on whole columns, and
-takes nothing from a report but what it compares."""
+It is independent of the program's implementation (src/replay/therapy_facts.hpp states the rule): it works on whole
+columns and takes only the compared figures from a report."""
 import random
 
 import h5py
@@ -10,7 +10,7 @@ import numpy
 from app import DONE, NOT_WHOLE, SEED, AppTest, lose_ticks, read_recording, report_data
 
 NOBODY, PERSON, VIRTUAL_PATIENT, MOTION = range(4)  # ticks/moved_by
-UNSAID, FULL_HELP, SOME_HELP, NO_HELP = range(4)    # ticks/help
+UNSPECIFIED, FULL_HELP, SOME_HELP, NO_HELP = range(4)    # ticks/help
 ENDS = ("drink_done", "band_held", "level_done")
 BEGINS = ("engaged", "pour_began", "band_entered")
 FREES = ("disengaged", "step_done", "band_held", "resumed", "restarted", "drink_done")
@@ -23,12 +23,12 @@ def texts(attribute):
 
 
 class Recount:
-    """What a recording says of its person, by its columns alone."""
+    """A person's figures in a recording, from its columns alone."""
 
     def __init__(self, path):
         with read_recording(path) as f:
             tick = f["ticks/tick"][:]
-            rows = numpy.flatnonzero(tick < 2**63)  # docs/recording.md: the others were lost
+            rows = numpy.flatnonzero(tick < 2**63)  # docs/recording.md: the other ticks were lost
             self.lost = len(rows) < len(tick)
             new = numpy.full(len(tick), -1)
             new[rows] = numpy.arange(len(rows))
@@ -44,7 +44,7 @@ class Recount:
                            zip(*(f[f"events/{name}"][:] for name in ("row", "type", "index", "value")))
                            if row < len(tick) and new[int(row)] >= 0]
             self.bodies = texts(f["ticks/bodies"].attrs["labels"]) if "bodies" in f["ticks"] else []
-            # Of each row as many as it says; those that were never written name row 2^64 - 1.
+            # Keeps as many contacts of each row as the row counts; contacts that were never written name row 2^64 - 1.
             written = numpy.flatnonzero(f["contacts/row"][:] < len(tick))
             of_row = f["contacts/row"][:][written].astype(numpy.int64)
             by_row = numpy.argsort(of_row, kind="stable")
@@ -58,17 +58,17 @@ class Recount:
         self.persons = numpy.where(self.by == PERSON, self.periods, 0)
 
     def share(self, first, last):
-        """The person's, of the rows first to last."""
+        """The person's share of the rows first to last."""
         return self.persons[first:last + 1].sum() / self.periods[first:last + 1].sum()
 
     def most_help(self, first, last):
         given = set(self.help[first:last + 1][self.by[first:last + 1] == PERSON])
-        return next((help for help in (FULL_HELP, SOME_HELP, NO_HELP) if help in given), UNSAID)
+        return next((help for help in (FULL_HELP, SOME_HELP, NO_HELP) if help in given), UNSPECIFIED)
 
     def part_of(self, place):
-        """(first row, last row) of the part that the event at this place of self.events finishes."""
+        """(first row, last row) of the part that the event at this index of self.events ends."""
         last, name = self.events[place][:2]
-        start, after = 0, 0  # the first row in which it could begin, and the first event
+        start, after = 0, 0  # the earliest row in which the part can begin, and the first event
         for i in range(place - 1, -1, -1):
             row, what = self.events[i][:2]
             if what in (name, "restarted"):
@@ -78,7 +78,7 @@ class Recount:
         return (begun[0] if begun else start), last
 
     def parts(self):
-        """Of each event that finishes one: (name, index, value, share, help, last row, litres of its steps)."""
+        """Yields for each event that ends a part: (name, index, value, share, help, last row, litres of its steps)."""
         for place, (row, name, index, value) in enumerate(self.events):
             if name not in ENDS:
                 continue
@@ -91,7 +91,7 @@ class Recount:
             yield name, index, value, self.share(first, last), self.most_help(first, last), last, litres
 
     def reaches(self):
-        """(time, share) of each."""
+        """Yields (time, share) of each reach."""
         free = 0
         for row, name, *_ in self.events:
             if name in REACHED and free is not None:
@@ -101,7 +101,7 @@ class Recount:
                 free = row
 
     def touches(self, body):
-        """(share, largest force) of each."""
+        """Yields (share, largest force) of each touch."""
         here = self.contact_body == body
         rows, force_n = numpy.unique(self.contact_row[here], return_inverse=True)
         sums_n = numpy.bincount(force_n, weights=self.contact_n[here], minlength=len(rows))
@@ -112,11 +112,11 @@ class Recount:
                 yield self.share(rows[part[0]], rows[part[-1]]), sums_n[part].max()
 
     def grips(self):
-        """(share, time, mean) of each."""
+        """Yields (share, time, mean force) of each grip."""
         if "squeeze_n" not in self.value_names:
             return
         force_n = self.values[:, self.value_names.index("squeeze_n")]
-        # A grip ends where ticks are missing before the next.
+        # A grip ends where the next ticks are missing.
         breaks = numpy.concatenate([[True], numpy.diff(self.tick).astype(numpy.int64) != self.periods[1:]])
         grips = force_n >= GRIP_N
         begins = numpy.flatnonzero(grips & (breaks | ~numpy.concatenate([[False], grips[:-1]])))
@@ -132,8 +132,8 @@ class Recount:
 
 
 def hand_over(path, draw):
-    """Has a recording moved by others from drawn ticks on: some of them where a part begins or ends, or one beside it.
-    Loses some ticks."""
+    """Changes who moved the hand in a recording at random ticks, some of them at or next to the border of a part.
+    Sometimes also removes ticks."""
     own = Recount(path)
     moments = [row for row, name, *_ in own.events if name in ENDS + BEGINS + ("restarted",)]
     rows = len(own.by)
@@ -142,7 +142,7 @@ def hand_over(path, draw):
         at_event = moments and draw.random() < 0.7
         cuts.add(min(rows, max(0, draw.choice(moments) + draw.choice((-1, 0, 1))) if at_event else draw.randrange(rows)))
         if draw.random() < 0.2:
-            cuts.add(min(rows, max(cuts - {rows}) + 1))  # for one tick
+            cuts.add(min(rows, max(cuts - {rows}) + 1))  # changes back after one tick
     cuts = sorted(cuts)
     mostly = draw.choice((PERSON, PERSON, VIRTUAL_PATIENT))
     with h5py.File(path, "r+", libver="latest") as f:
@@ -150,7 +150,7 @@ def hand_over(path, draw):
         for begin, end in zip(cuts, cuts[1:]):
             who = mostly if draw.random() < 0.6 else draw.choice((NOBODY, PERSON, VIRTUAL_PATIENT, MOTION))
             by[begin:end] = who
-            help[begin:end] = draw.choice((UNSAID, FULL_HELP, SOME_HELP, NO_HELP)) if who == PERSON else UNSAID
+            help[begin:end] = draw.choice((UNSPECIFIED, FULL_HELP, SOME_HELP, NO_HELP)) if who == PERSON else UNSPECIFIED
     if draw.random() < 0.3:
         begin = draw.randrange(1, rows - 2)
         lose_ticks(path, begin, min(rows - 1, begin + draw.choice((1, 7, 400))))
@@ -158,14 +158,14 @@ def hand_over(path, draw):
 
 class Compared(AppTest):
     def compare(self, path):
-        """A report's figures with the recount. Returns the recount."""
+        """Compares a report's figures with the recount and returns the recount."""
         own = Recount(path)
         self.expect(self.run_app("replay", path, "--report", "page.html"), NOT_WHOLE if own.lost else DONE)
         said = report_data(self.folder / "page.html")["therapy"]
         self.assertEqual(said["moved"]["by"], [int(own.periods[own.by == by].sum()) for by in range(4)])
         self.assertEqual(said["moved"]["helped"],
                          [int(own.periods[(own.by == PERSON) & (own.help == help)].sum()) for help in range(4)])
-        self.assertEqual(said["moved"]["share"], own.share(0, len(own.by) - 1))  # right to the tick
+        self.assertEqual(said["moved"]["share"], own.share(0, len(own.by) - 1))  # exact to the tick
         parts = list(own.parts())
         self.compare_parts(said, own, parts)
         self.compare_results(said, own, parts)
@@ -173,7 +173,7 @@ class Compared(AppTest):
         return own
 
     def compare_drawn(self, bases, cases):
-        """Copies of these recordings in which others moved, as drawn: the kinds of parts that there were."""
+        """Compares copies of these recordings with random hand-overs; returns the kinds of parts that occurred."""
         kinds = set()
         for case in range(cases):
             seed = 1000 * SEED + case

@@ -1,11 +1,9 @@
 // Steps a simulated rig from C++, for comparison with wholehand.Rig:
-//
 //   rig_steps session|loop CONFIG TICKS AIMS OUT
-//
 // CONFIG: folder of the shipped files. AIMS: rows of little-endian doubles, one value for each
 // axis; each row is the aim of the next TICKS ticks. OUT: q_m, q_s and sent after each row.
-// `session`: by the program's own Session, the reference for bits. `loop`: by tick() alone, the
-// reference for time; prints the CPU seconds of the loop.
+// `session` uses the program's own Session and is the reference for bit-identical results. `loop`
+// calls tick() alone, is the reference for time, and prints the CPU seconds of the loop.
 #include "loop/patient/steered_player.hpp"
 #include "loop/realtime/thread_setup.hpp"
 #include "loop/runtime/session.hpp"

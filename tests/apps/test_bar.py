@@ -1,14 +1,14 @@
-"""`wholehand run` at the cocktail bar: a level is played by the virtual patient, and played again."""
+"""`wholehand run` at the cocktail bar: the virtual patient plays a level, which is then simulated again."""
 
 import numpy
 
 from app import DONE, AppTest, main, read_recording
 
-LEVER_M = 0.08  # of fingers and thumb, config/devices/lambda-pride.toml
+LEVER_M = 0.08  # lever of fingers and thumb, config/devices/lambda-pride.toml
 
 
 class Level(AppTest):
-    """Level 1, played once on the simulated clock; the tests look at its recording."""
+    """Level 1, played once on the simulated clock; the tests check its recording."""
 
     @classmethod
     def setUpClass(cls):
@@ -32,14 +32,14 @@ class Level(AppTest):
         names = [text.decode() for text in recording["meta"].attrs["value_names"]]
         return dict(zip(names, recording["ticks/exercise_values"][:].T))
 
-    def test_it_is_completed(self):
+    def test_level_is_completed(self):
         recording = self.open()
         meta, events = recording["meta"].attrs, recording["events"]
         self.assertEqual((meta["exercise"], meta["level"]), (b"cocktail-bar", 1))
         names = [text.decode() for text in meta["event_names"]]
         reported = [names[event] for event in events["type"][:]]
         self.assertEqual(reported[-1], "level_done", reported)
-        # In the order in which anybody does it.
+        # The order of the events in any play.
         order = [reported.index(name) for name in
                  ("approached", "engaged", "pour_began", "pour_ended", "step_done", "drink_done", "level_done")]
         self.assertEqual(order, sorted(order), reported)
@@ -47,13 +47,13 @@ class Level(AppTest):
             self.assertNotIn(mishap, reported)
         last = {name: column[-1] for name, column in self.values(recording).items()}
         self.assertEqual(last["stage"], 5)  # level done, docs/exercises.md
-        # One drink of 20 ml, 5 ml of tolerance: the shipped file.
+        # The shipped file has one drink of 20 ml with a tolerance of 5 ml.
         self.assertAlmostEqual(last["poured_total_l"], 0.020, delta=0.005)
         self.assertEqual(last["spilt_l"], 0.0)
         self.assertAlmostEqual(events["value"][-1], last["score"], delta=1e-5)  # single precision
-        self.assertGreaterEqual(last["score"], 70)  # accuracy at least 0.8, nothing spilt: 95 · 0.8 − 0
+        self.assertGreaterEqual(last["score"], 70)  # accuracy of at least 0.8, nothing spilt: 95 · 0.8 − 0
 
-    def test_run_again_every_bit_is_the_same(self):
+    def test_resimulation_is_bit_identical(self):
         self.expect_same_when_run_again(self.recording)
 
     def test_volumes_add_up_in_every_tick(self):
@@ -62,15 +62,15 @@ class Level(AppTest):
         there = values["poured_total_l"] + values["spilt_l"] + left
         self.assertLess(abs(there - 0.35).max(), 1e-7)  # start_l of the only dispenser; single precision
         self.assertTrue((values["start_total_l"] == numpy.float32(0.35)).all())
-        for name in ("poured_total_l", "spilt_l"):  # nothing flows back
+        for name in ("poured_total_l", "spilt_l"):  # volumes never decrease
             self.assertTrue((values[name][1:] >= values[name][:-1]).all(), name)
         self.assertGreater(values["poured_total_l"][-1], 0.0)
 
-    def test_what_flows_is_what_is_missing(self):
-        # ∫ flow dt; a tick's flow belongs to that tick.
+    def test_flow_equals_the_missing_volume(self):
+        # The missing volume is ∫ flow dt; a tick's flow belongs to that tick.
         values = self.values(self.open())
         self.assertAlmostEqual(values["flow_l_s"].sum() * 1e-3, values["poured_total_l"][-1], delta=1e-7)
-        # d ẏ = f − k_s y − p₀ of each digit, A ẏ flows; the file's numbers. What is pressed in is A Σ y.
+        # d ẏ = f − k_s y − p₀ for each digit, and A ẏ flows, with the file's numbers. The displaced volume is A Σ y.
         recording = self.open()
         area, returns, opens, viscosity, length, radius = 4e-4, 25.0, 0.25, 0.157, 0.02, 0.002
         resistance = 8 * viscosity * length * area**2 / (numpy.pi * radius**4)
@@ -79,7 +79,7 @@ class Level(AppTest):
                 for name in ("finger_flexion", "thumb_flexion")]
         travel = values["pressed_l"] * 1e-3 / area
         law = 1e3 * area / resistance * (sum(tips) - 2 * opens - returns * travel)
-        slit = numpy.roll(values["squeeze_n"], 1) >= 0.55  # wide open from 7 % over the threshold on
+        slit = numpy.roll(values["squeeze_n"], 1) >= 0.55  # the valve is wide open from 7 % above the threshold on
         both = numpy.minimum(*tips) > opens + returns * travel
         held = (recording["ticks/alpha"][:] == 1.0) & slit & both
         self.assertGreater(held.sum(), 100)
@@ -91,17 +91,17 @@ class Level(AppTest):
         axes = [text.decode() for text in recording["meta"].attrs["axis_names"]]
         for axis, name in enumerate(axes):
             if name in ("finger_flexion", "thumb_flexion"):
-                # The fingers close towards larger angles: what resists them is negative.
+                # The fingers close towards larger angles, so a resisting effort is negative.
                 self.assertLessEqual(effort[:, axis].max(), 0.0, name)
-                self.assertLess(effort[:, axis].min(), -0.01, name)  # it was felt
+                self.assertLess(effort[:, axis].min(), -0.01, name)  # the wall acts
             else:
                 self.assertFalse(effort[:, axis].any(), name)
         self.assertFalse(effort[alpha == 0.0].any())
         self.assertEqual((alpha.min(), alpha.max()), (0.0, 1.0))
 
-    def test_wall_is_equation_15(self):
-        # f_e = −α min(cap, k p) for p > 0: 280 N/m at the tip, the wall where the liquid has gone, 90 % of the
-        # axis's 0.8 N·m.
+    def test_wall_effort_follows_equation_15(self):
+        # f_e = −α min(cap, k p) for p > 0: 280 N/m at the tip, the wall where the liquid has been displaced, 90 % of
+        # the axis's 0.8 N·m.
         recording = self.open()
         ticks = {name: recording["ticks/" + name][:] for name in
                  ("exercise_effort", "alpha", "wall", "wall_active", "q_m")}
@@ -113,7 +113,7 @@ class Level(AppTest):
             expected[(depth <= 0.0) | (ticks["wall_active"][:, axis] == 0.0)] = 0.0
             self.assertLess(abs(ticks["exercise_effort"][:, axis] - expected).max(), 5e-7)  # single precision of 2 rad
 
-    def test_other_virtual_patient_is_another_person(self):
+    def test_other_seed_moves_differently(self):
         def positions(seed):
             path = self.record(f"{seed}.h5", "--level", 1, "--seed", seed, duration=1.0)
             with read_recording(path) as recording:

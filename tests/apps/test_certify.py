@@ -1,4 +1,4 @@
-"""`wholehand certify`: its JSON, its exit codes, what it says, and that what it advises passes."""
+"""`wholehand certify`: its JSON, exit codes and output, and that its advice passes."""
 import json
 import math
 import re
@@ -11,7 +11,7 @@ from device_app import passport_of
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
 HAND = CONFIG / "hands/adult-median-right.toml"
 NOT_CERTIFIED = 1
-WALL_RATIO = 1.2  # how far a wall may be raised while it runs (docs/exercises.md)
+WALL_RATIO = 1.2  # how far a wall may be stiffened during a run (docs/exercises.md)
 
 
 class Certify(AppTest):
@@ -26,7 +26,7 @@ class Certify(AppTest):
             text = text.replace(old, new)
         return self.write(name, text)
 
-    def test_shipped_files_hold_the_contract(self):
+    def test_shipped_files_give_the_documented_json(self):
         for device, axes in (("desktop-3axis", 3), ("lambda-pride", 6), ("wrist-9axis", 9)):
             with self.subTest(device):
                 path = CONFIG / f"devices/{device}.toml"
@@ -49,8 +49,8 @@ class Certify(AppTest):
                 self.assertLessEqual(max(map(len, tables)), 80, "breaks on a terminal: " + result.out)
                 self.assertTrue(sentence.startswith("Certified at 1000 Hz with a margin of"), sentence)
 
-    def test_closed_forms(self):
-        # One axis of the three: b 3 N·s/m, one tick of delay, f_c 0.1 N, Δ 20 µm, T 1 ms.
+    def test_figures_match_closed_forms(self):
+        # One of the three axes: b 3 N·s/m, one tick of delay, f_c 0.1 N, Δ 20 µm, T 1 ms.
         _, certificate = self.certify("--device", CONFIG / "devices/desktop-3axis.toml")
         axis = certificate["axes"][0]
         self.assertAlmostEqual(axis["rigid_contact_formula"], 3 / (1e-3 * 1.5))
@@ -58,13 +58,13 @@ class Certify(AppTest):
         self.assertAlmostEqual(axis["coulomb_limit"], 2 * 0.1 / 2e-5)
         self.assertAlmostEqual(axis["quantisation_limit"], 6000)
 
-    def test_rate_counts(self):
+    def test_rate_affects_the_certificate(self):
         _, certificate = self.certify("--rate-hz", "4000")
         self.assertEqual(certificate["rate_hz"], 4000)
         self.assertAlmostEqual(certificate["axes"][0]["viscous_limit"], 2 * 6 * 4000)
         self.certify("--rate-hz", "250", code=NOT_CERTIFIED)
 
-    def test_gains_that_are_too_stiff_name_axis_and_remedy_and_the_remedy_passes(self):
+    def test_too_stiff_gains_are_refused_with_axis_and_a_remedy_that_passes(self):
         hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0"))
         result, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)
         self.assertIs(certificate["certified"], False)
@@ -84,14 +84,14 @@ class Certify(AppTest):
         self.certify("--rendering", still, code=NOT_CERTIFIED)
 
     def test_paper_gains_need_more_damping_than_the_device_has(self):
-        # γ = 0: at least K k_d / 4 k_p, k_d = 2 √k_p − T k_p and here k_p = 4000 s⁻².
+        # For γ = 0: at least K k_d / 4 k_p, with k_d = 2 √k_p − T k_p and here k_p = 4000 s⁻².
         paper = self.gains(("paper = false", "paper = true"))
         _, certificate = self.certify("--rendering", paper, code=NOT_CERTIFIED)
         axis = certificate["axes"][0]
         self.assertAlmostEqual(axis["k_ps_per_s2"], 4000, delta=1)
         least = 1000 * (2 * math.sqrt(4000) - 4) / (4 * 4000)
         self.assertGreater(axis["damping_required"], least)
-        self.assertLess(axis["damping_required"], least + 1.5)  # and the delay: K T (½ + n)
+        self.assertLess(axis["damping_required"], least + 1.5)  # plus the part for the delay: K T (½ + n)
 
     def test_run_refuses_what_certify_refuses(self):
         for old, new, criterion in (("k_pm_n_m = 1000.0", "k_pm_n_m = 3000.0", "slew, damping"),
@@ -109,14 +109,14 @@ class Certify(AppTest):
                     self.assertEqual(f["meta"].attrs["uncertified"], 1)
                 (self.folder / "r.json").unlink()
 
-    def test_walls_of_an_exercise_are_borne_too(self):
+    def test_walls_of_an_exercise_are_certified(self):
         _, without = self.certify()
         self.assertIsNone(without["exercise"])
         result, certificate = self.certify("--exercise", "cocktail-bar", "--level", "4", "--charts", "z.html")
         self.assertEqual((certificate["exercise"], certificate["level"]), ("cocktail-bar", 4))
         self.assertIn("the walls of cocktail-bar, level 4", result.out.splitlines()[0])
         fingers, thumb = certificate["axes"][3], certificate["axes"][4]
-        # 280 N/m at the tip, 0.08 m of lever, raised by at most WALL_RATIO while it runs.
+        # 280 N/m at the tip with a lever of 0.08 m, stiffened by at most WALL_RATIO during a run.
         self.assertAlmostEqual(fingers["wall"]["stiffness"], 280 * 0.08 ** 2 * WALL_RATIO)
         self.assertGreater(fingers["wall"]["damping_required"], fingers["damping_required"])
         self.assertAlmostEqual(fingers["wall"]["margin"],
@@ -126,7 +126,7 @@ class Certify(AppTest):
         self.assertIn("certificate.wall", sentences_of(page["legend"]))
         self.assertIn("certificate.walls", sentences_of(page["notes"]))
 
-    def test_wall_that_is_too_stiff_is_named(self):
+    def test_too_stiff_wall_is_refused_by_name(self):
         text = (CONFIG / "exercises/cocktail-bar.toml").read_text().replace(
             "../scenes", str(CONFIG / "scenes")).replace("stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 600.0")
         hard = self.write("hard.toml", text)
@@ -136,7 +136,7 @@ class Certify(AppTest):
         self.expect_refused(self.run_app("run", "--simulated-clock", "--duration", "0.1", "--exercise", hard,
                                          "--level", "4"), "finger_flexion", "not certified (wall")
 
-    def test_device_that_follows_too_slowly_is_named(self):
+    def test_too_slow_device_is_refused_by_name(self):
         device = self.write("slow.toml", DEVICE.read_text().replace("effort_slew_n_s = 5000.0",
                                                                     "effort_slew_n_s = 2000.0"))
         _, certificate = self.certify("--device", device, "--rendering", GAINS, code=NOT_CERTIFIED)
@@ -144,7 +144,7 @@ class Certify(AppTest):
         self.assertEqual(certificate["axes"][0]["slew_available"], 2000)
         self.assertLess(certificate["axes"][0]["nearest"]["k_pm"], 1000)
 
-    def test_certificate_file_lets_only_its_own_run(self):
+    def test_certificate_file_permits_only_its_own_configuration(self):
         self.certify("--exercise", "free-grasping")
         run = ["run", "--simulated-clock", "--duration", "0.1", "--exercise", "free-grasping", "--json", "r.json"]
         self.expect(self.run_app(*run, "--certificate", "c.json"), DONE)
@@ -179,13 +179,13 @@ class Certify(AppTest):
         self.expect_refused(self.run_app("run", "--simulated-clock", "--duration", "0.1", "--certificate", "c.json"),
                             "is for the exercise free-grasping, this run uses cocktail-bar level 1")
 
-    def test_certificate_that_says_no_lets_nothing_run(self):
+    def test_negative_certificate_permits_no_run(self):
         hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 3000.0"))
         self.certify("--rendering", hot, code=NOT_CERTIFIED)
         self.expect_refused(self.run_app("run", "--simulated-clock", "--rendering", hot, "--certificate", "c.json"),
                             "c.json", "says that these gains are not certified (binding: x.slew)", lines=1)
 
-    def test_unstable_gains_load_and_spectral_radii_say_so(self):
+    def test_unstable_gains_are_shown_by_spectral_radii(self):
         hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 900000.0"))
         _, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)
         self.assertGreater(certificate["axes"][0]["spectral_radius"]["rigid"], 1.01)
@@ -198,7 +198,7 @@ class Certify(AppTest):
         self.assertIn("no smaller gains pass", result.out)
         self.assertNotIn("nearest", certificate["axes"][0])
 
-    def test_charts_show_every_axis_where_it_works_and_its_limits(self):
+    def test_charts_show_working_range_and_limits_of_every_axis(self):
         self.expect(self.run_app("certify", "--charts", "z.html", "--json", "z.json"), DONE)
         page = report_data(self.folder / "z.html")
         expect_known_sentences(self, page)
@@ -211,7 +211,7 @@ class Certify(AppTest):
         for name, chart in zip(("x", "finger_flexion", "thumb_circumduction", "thumb_flexion"), page["charts"]):
             rigid, passive, quantisation, working = chart["lines"]
             self.assertEqual(set(working["y"]), {axes[name]["k_pm"]}, name)
-            # Where the axis works, Φ from 0 to 1, it stays below what any person may be given.
+            # In the working range of the axis, Φ from 0 to 1, it stays below the limit for any person.
             there = [y for x, y in zip(passive["x"], passive["y"]) if x <= working["x"][-1]]
             self.assertGreater(min(there), working["y"][0], name)
             self.assertTrue(chart["y"]["from"] < working["y"][0] < chart["y"]["to"], name)
@@ -226,7 +226,7 @@ class Certify(AppTest):
         self.expect_refused(result, "web/dist/charts.html", "npm run build", lines=1)
         self.assertFalse((self.folder / "z.json").exists())
 
-    def test_passport_is_judged_at_its_worst_corner_and_says_so(self):
+    def test_passport_is_certified_and_reported_at_its_worst_corner(self):
         device = CONFIG / "devices/desktop-3axis.toml"
         mine = self.write("mine.toml", device.read_text())
         arguments = ("--device", mine, "--rendering", CONFIG / "rendering/desktop-3axis.toml")
@@ -236,16 +236,16 @@ class Certify(AppTest):
         result, certificate = self.certify(*arguments, "--passport", good)
         self.assertIn("at the worst corner of the passport", result.out)
         self.assertIn("good.toml", certificate["corner"])
-        # The file states 3 N·s/m and an encoder as measured: only the masses differ.
+        # The file states 3 N·s/m and the measured encoder: only the masses differ.
         self.assertEqual(certificate["axes"][0]["damping_available"], 3.0)
         self.assertLessEqual(certificate["margin"], of_file["margin"])
-        # A third of the damping that the file states bears less than its 400 N/m.
+        # A third of the stated damping supports less than the 400 N/m.
         weak = self.write("weak.toml", passport_of(mine, damping=(1 / 3, 1.2)))
         result, certificate = self.certify(*arguments, "--passport", weak, code=NOT_CERTIFIED)
         self.assertAlmostEqual(certificate["axes"][0]["damping_available"], 1.0)
         self.assertIn("damping", certificate["axes"][0]["fails"])
 
-    def test_files_that_are_not_well_formed(self):
+    def test_malformed_files_are_refused(self):
         bad_gains = self.gains(("gamma = 0.3", "gamma = nan"), name="bad-gains.toml")
         bad_device = self.write("bad-device.toml", DEVICE.read_text().replace("mass_kg = 0.8", "mass_kg = -1", 1))
         for arguments, texts in (
@@ -260,7 +260,7 @@ class Certify(AppTest):
             with self.subTest(arguments):
                 result = self.run_app("certify", *arguments, "--json", "c.json", "--charts", "c.html")
                 self.expect_refused(result, *texts)
-        self.assertFalse((self.folder / "c.json").exists())  # nothing half-written
+        self.assertFalse((self.folder / "c.json").exists())  # no partial file
         self.assertFalse((self.folder / "c.html").exists())
 
     def test_faults_of_all_files_are_reported_at_once(self):
@@ -269,7 +269,7 @@ class Certify(AppTest):
         result = self.run_app("certify", "--rendering", bad_gains, "--hand", bad_hand)
         self.expect_refused(result, "bad-gains.toml", "bad-hand.toml", lines=2)
 
-    def test_place_that_cannot_be_written(self):
+    def test_unwritable_output_is_refused(self):
         self.write("file", "not a folder")
         result = self.run_app("certify", "--json", "file/c.json")
         self.expect_refused(result, "file")

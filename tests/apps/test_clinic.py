@@ -1,5 +1,5 @@
-"""`wholehand run --clinic`: a visit from the first start to its result, and what ends a process loses nothing that was
-answered. The page and the records' own tests look at the rest (web/tests/browser/clinic_checks.mjs, tests/clinic)."""
+"""`wholehand run --clinic`: a visit from the first start to its result; the end of a process loses nothing that was
+answered. web/tests/browser/clinic_checks.mjs and tests/clinic test the rest."""
 import json
 import os
 import pathlib
@@ -22,17 +22,17 @@ KILLS = 100 if FULL else 4
 PLAN = [{"exercise": "cocktail-bar", "level": 1, "minutes": 5, "help": "full", "parameters": {}},
         {"exercise": "squeeze-to-level", "level": 1, "minutes": 5, "help": "some", "parameters": {}}]
 
-# The requests and commands of docs/clinic.md, which are sent and run as they stand there.
+# The requests and commands of docs/clinic.md, which are sent and run unchanged.
 PIECES = re.findall(r"^```\w*\n(.*?)^```", (SOURCE / "docs/clinic.md").read_text(), re.S | re.M)
 
 
 def filled(text):
-    """The first value of JSON in docs/clinic.md, in which dots stand for more."""
+    """The first JSON value in a text of docs/clinic.md, in which dots stand for omitted parts."""
     return json.JSONDecoder().raw_decode(text.replace("[…]", "[]").replace(", …}", "}").replace("…", "0"))[0]
 
 
 def requests_of(piece):
-    """(method, path, body, answer) of each request of a piece of docs/clinic.md; an answer stands behind → or below."""
+    """(method, path, body, answer) of each request of a piece of docs/clinic.md; the answer is after → or below."""
     for said in re.split(r"\n(?=[A-Z])", piece):
         method, path = said.split()[:2]
         body, answer = re.match(r"\S+ \S+ +(\{.*)", said), re.search(r"(?:→ |\n  )(\{.*)", said, re.S)
@@ -61,7 +61,7 @@ class Clinic(PacedTest):
             return None
 
     def ask(self, method, path, body=None, key=None):
-        """The answer; of a refusal, too."""
+        """The answer, also if it is a refusal."""
         data = None if body is None else json.dumps(body).encode()
         request = urllib.request.Request(f"http://127.0.0.1:{self.port()}/api{path}", method=method, data=data)
         request.add_header("Origin", self.url)
@@ -99,7 +99,7 @@ class Clinic(PacedTest):
         return self.done("POST", f"/patients/{patient['id']}/visits", {"side": "right", "plan": PLAN})
 
     def play(self, seconds):
-        """Somebody at the console arms, and stops after so many seconds of rendering."""
+        """Arms at the console, and stops after so many seconds of rendering."""
         page = client.Page(int(self.url.split(":")[2]), role="therapist")
         page.hold_controls()
         self.wait_until(self.run_, lambda: page.state is not None)
@@ -115,7 +115,7 @@ class Clinic(PacedTest):
         page.close()
 
     def looked_at(self, patient, count):
-        """Its trials, once none waits to be measured."""
+        """The patient's trials, once none waits to be measured."""
         def trials():
             visits = self.done("GET", f"/patients/{patient['id']}")["visits"]
             return [trial for visit in visits for trial in visit["trials"]]
@@ -128,7 +128,7 @@ class Clinic(PacedTest):
         return trials
 
     def kill_records(self):
-        """Of the children of the program, the one that is the records."""
+        """Kills the records process, which is a child of the program."""
         children = pathlib.Path(f"/proc/{self.run_.pid}/task/{self.run_.pid}/children")
         found = [int(pid) for task in children.parents[1].glob("*/children") for pid in task.read_text().split()
                  if "wholehand-clinic" in pathlib.Path(f"/proc/{pid}/cmdline").read_text()]
@@ -136,7 +136,7 @@ class Clinic(PacedTest):
             os.kill(pid, signal.SIGKILL)
         return found
 
-    def test_visit_has_its_limits_its_number_and_its_result_and_no_name_leaves_the_records(self):
+    def test_visit_has_limits_number_and_result_and_names_stay_in_the_records(self):
         self.start()
         self.begin_clinic()
         patient = self.add_patient()
@@ -154,8 +154,8 @@ class Clinic(PacedTest):
         self.assertEqual([(t["item"], t["exercise"]) for t in trials], [(0, "cocktail-bar"), (1, "squeeze-to-level")])
         kept = self.done("GET", f"/patients/{patient['id']}")
         self.assertEqual(kept["name"], CANARY)
-        self.assertEqual(kept["visits"][0]["pain_before"], 0)  # an answer
-        self.assertIsNone(kept["visits"][0]["pain_after"])     # none
+        self.assertEqual(kept["visits"][0]["pain_before"], 0)  # answered
+        self.assertIsNone(kept["visits"][0]["pain_after"])     # not answered
         import h5py
         for trial in trials:
             with h5py.File(self.folder / "out/recordings" / trial["recording"], locking=False) as file:
@@ -170,13 +170,13 @@ class Clinic(PacedTest):
         with_name = [path for path in self.folder.rglob("*") if path.is_file() and b"Quillfeather" in path.read_bytes()]
         self.assertEqual(with_name, [])
 
-    def test_what_is_set_in_a_visit_is_what_the_next_begins_with(self):
+    def test_settings_of_a_visit_apply_to_the_next(self):
         self.start()
         self.begin_clinic()
         patient = self.add_patient()
         visit = self.begin_visit(patient)
         page = client.Page(int(self.url.split(":")[2]), role="therapist")
-        # In its first second nobody raises a limit: a console may still show the visit before.
+        # In the first second of a visit no limit may be raised, because a console may still show the earlier visit.
         self.wait_until(self.run_, lambda: page.answer(page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", 9.5)))[0])
         page.close()
         changed = {"effort_limit_arm_n": 9.5}
@@ -194,7 +194,7 @@ class Clinic(PacedTest):
         with h5py.File(newest, locking=False) as file:
             self.assertEqual(file["ticks/effort_limit"][0, 0], 9.5)
 
-    def test_records_that_are_killed_lose_nothing_answered_and_hold_up_no_session(self):
+    def test_killed_records_process_loses_no_answered_change_and_delays_no_session(self):
         self.start()
         self.begin_clinic()
         patient = self.add_patient()
@@ -221,7 +221,7 @@ class Clinic(PacedTest):
         self.assertEqual(len(self.measured(patient, 1)), 1)
         self.expect_ended_by(self.run_, signal.SIGINT)
 
-    def test_program_that_is_killed_in_a_visit_has_every_trial_after_the_next_start(self):
+    def test_program_killed_in_a_visit_has_every_trial_after_a_restart(self):
         self.start()
         self.begin_clinic()
         patient = self.add_patient()
@@ -236,9 +236,9 @@ class Clinic(PacedTest):
             trials = self.looked_at(patient, kill + 1)
             self.assertEqual(len(trials), kill + 1)
             self.assertRegex(trials[-1]["recording"], rf"visit-{visit['id']}-")
-            for trial in trials:  # of the first second nothing is in the file, but in its inputs
+            for trial in trials:  # ticks of the first second are not in the file, but in its inputs
                 self.assertTrue(trial["state"] == "measured" or "has no tick" in trial["why"], trial)
-            self.done("POST", f"/visits/{visit['id']}/item", {"item": 0})  # the visit goes on by a press
+            self.done("POST", f"/visits/{visit['id']}/item", {"item": 0})  # the visit continues by a press
         self.done("POST", f"/visits/{visit['id']}/finish", {"state": "done"})
         self.expect_ended_by(self.run_, signal.SIGINT)
 
@@ -246,7 +246,7 @@ class Clinic(PacedTest):
         self.assertNotIn("refused", answer)
         self.assertLessEqual(set(said), set(answer))
 
-    def test_a_visit_and_its_notes_are_answered_as_the_page_says(self):
+    def test_requests_for_a_visit_and_notes_are_answered_as_documented(self):
         self.start()
         (method, path, _, said), = requests_of(PIECES[0])
         answer = self.ask(method, path)
@@ -265,7 +265,7 @@ class Clinic(PacedTest):
             self.expect_keys(said or {}, answer)
             self.assertEqual(answer["text"], body["text"])
 
-    def test_sessions_without_a_patient_are_given_as_the_page_says(self):
+    def test_sessions_without_a_patient_are_assigned_as_documented(self):
         self.start()
         self.begin_clinic()
         patient = self.add_patient()
@@ -283,7 +283,7 @@ class Clinic(PacedTest):
         path, _, _ = delete[1].rpartition("/")
         self.assertEqual(self.ask(delete[0], f"{path}/{second['id']}"), delete[3])
 
-    def test_a_backup_is_restored(self):
+    def test_backup_is_restored(self):
         place = {"FOLDER": "clinic", "/media/stick/clinic.db": "clinic.db"}
         backup, verify, restore = ([place.get(word, word) for word in shlex.split(line, comments=True)]
                                    for line in PIECES[4].splitlines())
@@ -302,7 +302,7 @@ class Clinic(PacedTest):
 
 
 def memory_of(pid):
-    """What a core dump of the program would hold."""
+    """The memory that a core dump of the program would contain."""
     held = bytearray()
     with open(f"/proc/{pid}/mem", "rb", buffering=0) as memory:
         for line in pathlib.Path(f"/proc/{pid}/maps").read_text().splitlines():

@@ -1,4 +1,4 @@
-"""`wholehand device commission` at a terminal: a held key, wrong answers, and every way to let go."""
+"""`wholehand device commission` at a terminal: a held key, wrong answers, and every way to release the key."""
 import fcntl
 import mmap
 import os
@@ -17,7 +17,7 @@ from device_app import DRIVERS, DeviceTest
 
 HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST = range(8)  # tests/devices/handled_driver.c
 SPACE, CTRL_C, CTRL_Z = b" ", b"\x03", b"\x1a"
-REPEATS_S = 0.03  # of a held key
+REPEATS_S = 0.03  # repeat interval of a held key
 ONE_FIFTH_N = 0.2 * 8.0
 
 
@@ -27,7 +27,7 @@ def take_terminal():
 
 
 class Terminal(DeviceTest):
-    """Commissioning of a device of one axis; the test is the person."""
+    """Commissioning of a device of one axis; the test acts as the person."""
 
     def begin_program(self, *device):
         self.file = self.config_file("devices", "desktop-3axis", axes=["x"])
@@ -50,12 +50,12 @@ class Terminal(DeviceTest):
         if select.select([self.terminal], [], [], within_s)[0]:
             try:
                 self.said += os.read(self.terminal, 4096).decode()
-            except OSError:  # the program has ended
+            except OSError:  # the program has closed the terminal
                 time.sleep(0.01)
 
     def until(self, what, press=b"", within_s=HANG_S):
-        """What was said until then; keeps a key pressed meanwhile. A machine that others use may be so late that a press
-        ends, and with it the step: then the step is repeated, as a person would."""
+        """Waits for an output and returns it; keeps a key pressed meanwhile. A busy machine may be so late that a press
+        ends, and with it the step: then the step is repeated, as a person would do."""
         deadline = time.monotonic() + within_s
         while not (what() if callable(what) else re.search(what, self.said)):
             self.assertLess(time.monotonic(), deadline, f"{what}: {self.said}")
@@ -76,7 +76,7 @@ class Terminal(DeviceTest):
         return heard
 
     def ended(self, within_s=HANG_S):
-        """The exit code; what was left to say is in `said`."""
+        """Waits for the end and returns the exit code; the remaining output is in `said`."""
         self.until(lambda: self.program.poll() is not None, within_s=within_s)
         self.listen()
         return self.program.returncode
@@ -98,7 +98,7 @@ class Commission(Terminal):
         struct.pack_into("d", self.rail, 8 * at, value)
 
     def carry(self, to):
-        """By hand, in steps far below what would pass for an encoder that wraps round."""
+        """Moves the rail by hand, in steps far below those that look like an encoder that wraps round."""
         time.sleep(0.05)
         while abs(self.shared(HAND) - to) > 1e-9:
             step = max(-0.004, min(0.004, to - self.shared(HAND)))
@@ -107,15 +107,15 @@ class Commission(Terminal):
         time.sleep(0.05)
 
     def begin(self):
-        """As far as the push by hand."""
+        """Runs up to the push by hand."""
         self.answer("serial number H-1.*yes or no", "yes")
         self.answer("NOBODY attached.*yes or no", "yes")
-        self.until("Push axis x away from you", press=SPACE)  # the key lets it home
+        self.until("Push axis x away from you", press=SPACE)  # the key permits homing
         self.carry(0.012)
         os.write(self.terminal, b"\n")
 
     def begin_gravity(self):
-        """As far as the first long move."""
+        """Runs up to the first long move."""
         self.begin()
         self.until("Move axis x", press=SPACE)
         self.carry(-0.061)
@@ -127,7 +127,7 @@ class Commission(Terminal):
         self.assertEqual((self.shared(ENABLED), self.shared(EFFORT)), (0.0, 0.0), self.said)
         self.assertLessEqual(self.shared(LARGEST), ONE_FIFTH_N + 1e-9, ALWAYS)
 
-    def test_held_key_moves_and_one_let_go_takes_it_to_neutral(self):
+    def test_held_key_moves_and_releasing_it_leads_to_neutral(self):
         self.begin()
         self.until("Hold the space bar: axis x is pushed")
         time.sleep(0.3)
@@ -141,7 +141,7 @@ class Commission(Terminal):
         self.answer("measure how far", "0.122")
         self.until("Hold the space bar: what carries axis x")
         self.until(lambda: self.shared(ENABLED) == 1.0 and self.shared(EFFORT) != 0.0, press=SPACE)
-        self.until("the key was let go")  # the test holds it no more
+        self.until("the key was let go")  # the test no longer holds it
         self.until(lambda: self.shared(ENABLED) == 0.0)
         self.expect_let_go()
         self.answer("Next: gravity.*quit:", "gravitation")
@@ -150,7 +150,7 @@ class Commission(Terminal):
         self.assertIn("Not finished", self.said)
         self.assertEqual([n for n in self.names_in(self.folder) if "passport" in n], [])
 
-    def test_axis_that_nobody_pushes_is_named_and_the_step_is_repeated(self):
+    def test_axis_that_is_not_pushed_is_named_and_the_step_repeated(self):
         self.answer("serial number H-1.*yes or no", "yes")
         self.answer("NOBODY attached.*yes or no", "yes")
         self.until("Push axis x.*Enter", press=SPACE)
@@ -159,8 +159,8 @@ class Commission(Terminal):
         self.answer("Next: signs.*quit:", "")
         self.until("Step 3 of 11: signs")
 
-    def test_it_moves_the_device_with_the_priority_of_the_loop(self):
-        """Or says that this machine does not grant it."""
+    def test_device_is_moved_with_the_priority_of_the_loop(self):
+        """Otherwise it reports that this machine does not grant it."""
         ask = "import os; os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(80))"
         granted = subprocess.run([sys.executable, "-c", ask], stderr=subprocess.DEVNULL).returncode == 0
         self.until("serial number H-1.*yes or no")
@@ -170,14 +170,14 @@ class Commission(Terminal):
         else:
             self.assertRegex(self.said, "real-time priority: ")
 
-    def test_interrupt_while_it_waits_for_the_key_ends_it(self):
+    def test_interrupt_while_waiting_for_the_key_ends_the_program(self):
         self.begin()
         self.until("Hold the space bar")
         os.write(self.terminal, CTRL_C)
         self.assertEqual(self.ended(), 1)
         self.assertEqual(self.shared(LARGEST), 0.0)
 
-    def test_whatever_ends_it_in_motion_takes_it_to_neutral(self):
+    def test_every_end_during_a_motion_leads_to_neutral(self):
         for what, end in (("Ctrl-C", lambda: os.write(self.terminal, CTRL_C)),
                           ("Ctrl-Z", lambda: os.write(self.terminal, CTRL_Z)),
                           ("a polite kill", lambda: self.program.send_signal(signal.SIGTERM)),
@@ -193,16 +193,16 @@ class Commission(Terminal):
             self.doCleanups()
             self.setUp()
 
-    def test_key_let_go_while_the_device_is_being_enabled_moves_nothing(self):
+    def test_key_released_during_enabling_moves_nothing(self):
         self.set(ENABLE_TAKES, 1.5)
         self.begin()
         self.until("Hold the space bar")
-        os.write(self.terminal, SPACE * 30)  # lie in the terminal while it is being enabled
+        os.write(self.terminal, SPACE * 30)  # wait in the terminal while the device is being enabled
         self.until("the key was let go")
         self.assertEqual(self.shared(LARGEST), 0.0, ALWAYS)
         self.expect_let_go()
 
-    def test_samples_that_stand_still_in_motion_end_it(self):
+    def test_frozen_samples_during_a_motion_end_it(self):
         self.begin_gravity()
         self.until(lambda: abs(self.shared(EFFORT)) > 0.01, press=SPACE)
         self.set(FROZEN, 1.0)
@@ -210,8 +210,8 @@ class Commission(Terminal):
         self.until(lambda: self.shared(ENABLED) == 0.0)
         self.expect_let_go()
 
-    def test_nobody_is_attached_only_by_an_answer_to_that_question(self):
-        """What was typed before a question was shown, or is neither yes nor no, answers nothing."""
+    def test_nobody_attached_is_confirmed_only_by_an_answer_to_its_question(self):
+        """Input from before the question, or input other than yes or no, is no answer."""
         self.until("serial number H-1.*yes or no")
         os.write(self.terminal, b"yes\nyes\n\n")
         self.until("NOBODY attached.*yes or no")
@@ -226,16 +226,16 @@ class Commission(Terminal):
 
 
 class Learned(Terminal):
-    """At the simulated plant: no driver, no device; whoever does what is said arrives."""
+    """At the simulated plant, without driver and device, the instructions alone lead to the end."""
 
     def setUp(self):
         super().setUp()
         self.begin_program("--simulated")
 
     def answer_as_said(self, question, said):
-        """The number that was said before the question."""
+        """Answers with the number that was printed before the question."""
         heard = self.until(question, press=SPACE)
-        time.sleep(0.3)  # a person lets the key go
+        time.sleep(0.3)  # the person releases the key
         os.write(self.terminal, re.findall(said, heard)[-1].encode() + b"\n")
 
     def begin(self):
@@ -254,7 +254,7 @@ class Learned(Terminal):
         self.assertEqual(self.ended(), 1)
         self.assertEqual([n for n in self.names_in(self.folder) if "passport" in n], [])
 
-    def test_all_steps_lead_to_a_passport_that_says_what_it_is_slow(self):
+    def test_all_steps_lead_to_a_passport_marked_as_simulated_slow(self):
         self.begin()
         self.answer_as_said("measure how far", r"ruler reads ([\d.]+) m")
         self.answer_as_said("its force", r"pulls axis x with ([\d.]+) N")

@@ -1,4 +1,4 @@
-"""What is damaged, missing or taken away is reported, and never passed over."""
+"""Damaged, missing or removed files are always reported."""
 import json
 import os
 import resource
@@ -20,7 +20,7 @@ class DamagedRecording(AppTest):
     def commands(self, path):
         return (["replay", "--speed", "1000", path], ["replay", "--resimulate", path])
 
-    def test_one_corrupted_chunk_is_reported_by_all_that_reads_it(self):
+    def test_corrupted_chunk_is_reported_by_every_command_that_reads_it(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
             chunk = f["ticks/rendered"].id.get_chunk_info(1)
@@ -36,17 +36,17 @@ class DamagedRecording(AppTest):
                 for text in ("run.h5", f"tick {first} of {ticks} cannot be read", "copy it again"):
                     self.assertIn(text, result.err)
                 self.assertNotIn("the same", result.out)
-        # The chunks before and behind it are shown: a line for each 0.1 s, none for the chunk of a second.
+        # The chunks before and after it are shown: a line for each 0.1 s, none for the damaged chunk of a second.
         lines = self.run_app(*self.commands(path)[0]).out.splitlines()[1:]
         shown = [round(10 * float(line.split()[0])) for line in lines if "missing" not in line]
         self.assertEqual(shown, [tenth for tenth in range((ticks + 99) // 100) if not 10 <= tenth < 20])
 
-    def test_measures_of_a_part_are_not_called_complete(self):
+    def test_measures_of_an_incomplete_recording_are_marked(self):
         path = self.record(duration=2.0)
         def complete():
             return json.loads(self.expect(self.run_app("measures", path), DONE).out)["recording"]["complete"]
         self.assertIs(complete(), True)
-        with h5py.File(path, "r") as f:  # of the last ticks' numbers, behind which none shows that they are missing
+        with h5py.File(path, "r") as f:  # the numbers of the last ticks; no later tick shows that they are missing
             numbers = f["ticks/tick"].id
             chunk = numbers.get_chunk_info(numbers.get_num_chunks() - 1)
         whole = bytearray(path.read_bytes())
@@ -55,7 +55,7 @@ class DamagedRecording(AppTest):
         path.write_bytes(whole)
         self.assertIs(complete(), False)
 
-    def test_hole_is_reported_and_what_follows_is_read(self):
+    def test_gap_is_reported_and_later_ticks_are_read(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r+", libver="latest") as f:
             ticks = len(f["ticks/tick"])
@@ -67,10 +67,10 @@ class DamagedRecording(AppTest):
         result = self.expect(self.run_app("replay", "--speed", "1000", path), NOT_WHOLE,
                              f"{ticks - 700} ticks", "700 ticks, 0.700 s, are missing", "700 ticks are missing")
         last = float(result.out.splitlines()[-1].split()[0])
-        self.assertAlmostEqual(last, (ticks - 1) * 1e-3, delta=0.11)  # a line for each 0.1 s
+        self.assertAlmostEqual(last, (ticks - 1) * 1e-3, delta=0.11)  # a line is printed for each 0.1 s
         self.expect_refused(self.run_app("replay", "--resimulate", path), "tick 500 is missing")
 
-    def test_description_that_cannot_be_is_refused(self):
+    def test_impossible_metadata_is_refused(self):
         path = self.record(duration=0.2)
         whole = path.read_bytes()
         for key, value, text in (("armed_position", numpy.zeros(20), "armed position"),
@@ -87,7 +87,7 @@ class DamagedRecording(AppTest):
 
 
 class UntrustedFile(AppTest):
-    """Files, names and numbers from somebody else."""
+    """Files, names and numbers from an untrusted source."""
 
     def test_toml_beyond_bounds_is_refused_at_once(self):
         deep = "a" + ".a" * 100000 + " = 1\n"
@@ -101,7 +101,7 @@ class UntrustedFile(AppTest):
             self.write(name + ".toml", text)
             with self.subTest(name):
                 self.expect_refused(self.run_app("validate", name + ".toml"), name + ".toml", said, lines=1)
-        # What only looks like it, in quotes and comments.
+        # Similar text in quotes and comments is accepted.
         device = (CONFIG / "devices/lambda-pride.toml").read_text()
         self.write("quoted.toml", device + "# " + "[" * 1000 + "." * 1000 + "\n")
         self.expect(self.run_app("validate", "quoted.toml"), DONE)
@@ -112,7 +112,7 @@ class UntrustedFile(AppTest):
         result = self.expect_refused(self.run_app("validate", "scene.toml"), "more faults; correct these first", lines=21)
         self.assertRegex(result.err.splitlines()[-1], r"has \d{3,} more faults")
 
-    def test_nothing_of_theirs_steers_the_terminal(self):
+    def test_untrusted_text_does_not_control_the_terminal(self):
         evil = "x\x1b[2J\x9b2J\u202egnp\x07"
         scene = (CONFIG / "scenes/four-shapes.toml").read_text()
         self.write("name.toml", scene.replace('name = "cube"', 'name = "cube\\u001b[2J\\u202e"'))
@@ -138,7 +138,7 @@ class UntrustedFile(AppTest):
                 for mark in evil[1:2] + evil[5:6] + evil[8:9] + evil[12:13]:
                     self.assertNotIn(mark, said)
 
-    def test_numbers_at_the_end_of_the_scale_end(self):
+    def test_extreme_numbers_are_handled(self):
         device = CONFIG / "devices/lambda-pride.toml"
         gains = (CONFIG / "rendering/lambda-pride.toml").read_text()
         for key in ("k_pm_n_m", "k_dm_n_s_m"):
@@ -180,27 +180,27 @@ class OwnFiles(AppTest):
         first.wait(30)
         self.expect_same_when_run_again(self.folder / "a.h5")
 
-    def test_origin_beyond_this_machine_needs_a_token(self):
+    def test_foreign_origin_needs_a_token(self):
         for origin in ("https://clinic.example", "http://127.evil.example", "http://[2001:db8::1]:80"):
             self.expect_refused(self.run_app("run", "--port", "0", "--origin", origin), "--origin", "--token")
 
 
 class TakenAway(AppTest):
-    def test_folders_where_it_is_started_are_not_the_programs_own(self):
+    def test_folders_in_the_working_directory_are_not_used_as_the_programs_own(self):
         for name in ("hands/adult-median-right.toml", "devices/lambda-pride.toml", "exercises/cocktail-bar.toml"):
             self.write("config/" + name, "kind = 'nothing of the program'\n")
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.1", "--json", "run.json"), DONE)
         self.expect(self.run_app("run", "--exercise", "cocktail-bar", "--simulated-clock", "--duration", "0.1",
                                  "--json", "bar.json"), DONE)
 
-    def test_path_that_is_no_utf8(self):
+    def test_path_that_is_not_utf8_is_accepted(self):
         name = os.fsdecode(b"r\xff\xfe")
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.1", "--record", name + ".h5",
                                  "--json", name + ".json"), DONE)
         json.loads((self.folder / (name + ".json")).read_bytes())
         self.expect(self.run_app("validate", name + ".toml"), BAD_INPUT)
 
-    def test_full_standard_output_is_no_success(self):
+    def test_full_standard_output_is_an_error(self):
         path = self.record(duration=0.2)
         device = BINARY.parents[2] / "config/devices/lambda-pride.toml"
         for arguments in (["replay", "--speed", "1000", path], ["replay", "--resimulate", path],
@@ -211,7 +211,7 @@ class TakenAway(AppTest):
                 self.assertEqual(done.returncode, BAD_INPUT)
                 self.assertIn("standard output: cannot be written: No space left on device", done.stderr)
 
-    def test_folder_that_is_gone_and_too_little_memory_are_sentences(self):
+    def test_removed_folder_and_too_little_memory_are_reported_in_a_sentence(self):
         gone = self.folder / "gone"
         gone.mkdir()
         script = "import os, sys, shutil; os.chdir(sys.argv[1]); shutil.rmtree(sys.argv[1]); os.execv(sys.argv[2], sys.argv[2:])"
@@ -223,10 +223,10 @@ class TakenAway(AppTest):
 
         def limit(mib):
             return lambda: resource.setrlimit(resource.RLIMIT_AS, (mib << 20, mib << 20))
-        for mib in (*range(50, 66, 2), 100, 150, 200, 250, 300):  # below 60, Bullet's own allocator wrote to 0
+        for mib in (*range(50, 66, 2), 100, 150, 200, 250, 300):  # below 60, Bullet's allocator once wrote to 0
             begins = subprocess.run([BINARY, "--version"], capture_output=True, timeout=HANG_S, preexec_fn=limit(mib))
             if begins.returncode != DONE:
-                continue  # the loader, or what C++ prepares before main(), had no memory
+                continue  # the loader, or C++ code before main(), had no memory
             with self.subTest(mib=mib):
                 done = subprocess.run([BINARY, *run, "--json", "a.json"], cwd=self.folder, text=True,
                                       capture_output=True, timeout=HANG_S, preexec_fn=limit(mib))

@@ -1,4 +1,4 @@
-"""`wholehand decompose`: a mesh becomes convex pieces that a scene takes, and its hollow can be entered."""
+"""`wholehand decompose`: a mesh becomes convex pieces that a scene accepts, and its hollow can be entered."""
 import json
 import math
 import os
@@ -19,7 +19,7 @@ def obj(points, faces):
 
 
 def prism(outline, height):
-    """Walls of a polygon that runs counterclockwise; its corner 0 sees every other one."""
+    """A prism over a counterclockwise polygon whose corner 0 sees every other corner."""
     n = len(outline)
     faces = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
     faces += [(0, i + 1, i) for i in range(1, n - 1)] + [(n, n + i, n + i + 1) for i in range(1, n - 1)]
@@ -69,7 +69,7 @@ class Decompose(AppTest):
     def bytes_of(self, folder):
         return {name: (self.folder / folder / name).read_bytes() for name in self.names_in(self.folder / folder)}
 
-    def test_an_l_is_two_boxes_as_table_as_json_and_as_files(self):
+    def test_l_shape_is_two_boxes_in_table_json_and_files(self):
         done = self.expect(self.decompose(self.mesh(L), "--json", "l.json"), DONE, "mesh 40 cm3, pieces 40 cm3",
                            "written  2 pieces")
         self.assertNotIn("note", done.out)
@@ -78,7 +78,7 @@ class Decompose(AppTest):
         self.assertAlmostEqual(reported["volume_m3"], 40e-6, delta=40e-12)
         self.assertAlmostEqual(sum(p["volume_m3"] for p in reported["pieces"]), reported["volume_m3"], delta=1e-15)
         self.assertLess(abs(reported["volume_difference"]), 1e-6)
-        # Two boxes, 24 and 16 cm3, with their centres at (30, 10, 10) and (10, 40, 10) mm.
+        # The two boxes have 24 and 16 cm3, with their centres at (30, 10, 10) and (10, 40, 10) mm.
         for mass in (reported["mass"], reported["mesh"]["mass"]):
             self.assertAlmostEqual(mass["mass_kg"], 0.04, delta=1e-8)
             for found, expected in zip(mass["com_m"], (0.022, 0.022, 0.01)):
@@ -98,18 +98,18 @@ class Decompose(AppTest):
         self.expect(self.decompose(mesh, out="b"), DONE)
         self.assertEqual(self.bytes_of("a"), self.bytes_of("b"))
 
-    def test_scale_mass_and_a_convex_mesh(self):
+    def test_scale_and_mass_apply_to_a_convex_mesh(self):
         in_mm = [(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in CUBE[0]], CUBE[1]
         self.expect(self.decompose(self.mesh(in_mm), "--scale", "0.001", "--mass-kg", "0.3", "--json", "c.json"), DONE,
                     "written  1 piece,")
         reported = json.loads((self.folder / "c.json").read_text())
         self.assertAlmostEqual(reported["volume_m3"], 125e-6, delta=1e-11)
-        moment = 0.3 * 0.05 ** 2 / 6  # of a cube
+        moment = 0.3 * 0.05 ** 2 / 6  # moment of inertia of a cube
         for k in range(3):
             self.assertAlmostEqual(reported["mass"]["inertia_kg_m2"][k][k], moment, delta=1e-6 * moment)
         self.assertIn("mass_kg = 0.3\n", (self.folder / "out/part.toml").read_text())
 
-    def test_a_ball_falls_into_the_cup_and_rests_on_its_floor(self):
+    def test_ball_falls_into_the_cup_and_rests_on_its_floor(self):
         self.expect(self.decompose(self.mesh(CUP, "cup.obj"), "--json", "cup.json", out="."), DONE)
         filled = json.loads((self.folder / "cup.json").read_text())["pieces_outside_mesh_m"]
         self.assertLess(filled, 0.0025)
@@ -126,10 +126,10 @@ class Decompose(AppTest):
             heights[scene] = ball[-1, 2]
             self.assertLess(math.hypot(ball[-1, 0] - 0.6, ball[-1, 1]), 0.022)
             self.assertLess(max(abs(ball[-1, 7:10])), 1e-2)
-        inside = -0.1 + 0.004 + 0.01  # on the floor, which a piece may raise by what the command reported
+        inside = -0.1 + 0.004 + 0.01  # on the floor, which a piece may raise by the reported amount
         self.assertGreater(heights["pieces"], inside - 1e-4)
         self.assertLess(heights["pieces"], inside + filled + 1e-4)
-        self.assertAlmostEqual(heights["hull"], -0.1 + 0.09 + 0.01, delta=1e-4)  # on the opening, which a hull closes
+        self.assertAlmostEqual(heights["hull"], -0.1 + 0.09 + 0.01, delta=1e-4)  # on the opening, which the hull closes
 
     def test_thin_walls_and_one_piece_are_refused_unless_allowed(self):
         mesh = self.mesh(CUP)
@@ -137,10 +137,10 @@ class Decompose(AppTest):
                               "nothing is written", "--pieces")
         self.assertIn("--concavity", refused.out)
         self.assertFalse((self.folder / "out").exists())
-        # The hull of the cup: 24 sectors of a cylinder against its wall and floor.
+        # The hull of the cup is compared with its wall and floor: 24 sectors of a cylinder.
         self.expect(self.decompose(mesh, "--pieces", "1", "--volume-bound", "4"), DONE, "written  1 piece,")
 
-    def test_what_of_a_file_is_not_applied_is_said(self):
+    def test_ignored_parts_of_a_file_are_reported(self):
         points, faces = CUBE
         rows = "".join(f"{x} {y} {z}\n" for x, y, z in points)
         rows += "".join(f"{len(face)} " + " ".join(map(str, face)) + "\n" for face in faces)
@@ -168,13 +168,13 @@ class Decompose(AppTest):
         self.expect_refused(self.decompose("none.obj"), "none.obj", "no such file", lines=1)
         self.assertFalse((self.folder / "out").exists())
 
-    def test_an_inward_mesh_is_turned_and_said_so(self):
+    def test_inward_mesh_is_turned_and_reported(self):
         points, faces = L
         self.expect(self.decompose(self.mesh((points, [face[::-1] for face in faces]))), DONE, "inside out",
                     "pieces 40 cm3")
 
-    def test_a_part_that_is_wound_inward_is_turned_and_said_so(self):
-        """A mirrored part: its volume and its moments would be subtracted."""
+    def test_part_wound_inward_is_turned_and_reported(self):
+        """Volume and moments of a mirrored part would otherwise be subtracted."""
         far = [(x + .1, y, z) for x, y, z in CUBE[0]]
         faces = [tuple(i + 8 for i in face) for face in CUBE[1]]
         two = (CUBE[0] + far, CUBE[1] + faces)
@@ -188,7 +188,7 @@ class Decompose(AppTest):
         self.assertEqual(len(rows[0]), 3)
         self.assertEqual(rows[0], rows[1])
 
-    def test_triangles_that_a_file_does_not_announce_are_said_where_it_is_not_closed(self):
+    def test_unannounced_triangles_are_mentioned_if_the_mesh_is_not_closed(self):
         points, faces = CUBE
         triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
         half = bytes(80) + struct.pack("<I", len(triangles) // 2)
@@ -197,7 +197,7 @@ class Decompose(AppTest):
         self.expect_refused(self.decompose(self.write("half.stl", half)), "half.stl", "is not closed",
                             "has 300 bytes behind the 6 triangles that it announces", "close its holes", lines=1)
 
-    def test_a_hollow_stays(self):
+    def test_hollow_is_kept(self):
         inner = [tuple(.01 + .5 * c for c in point) for point in CUBE[0]]
         hollow = (CUBE[0] + inner, CUBE[1] + [tuple(i + 8 for i in face[::-1]) for face in CUBE[1]])
         done = self.expect(self.decompose(self.mesh(hollow), "--volume-bound", "1"), DONE, "mesh 109.4 cm3")
@@ -211,20 +211,20 @@ class Decompose(AppTest):
         self.expect(self.run_app("decompose", mesh), BAD_INPUT, "--out")
         self.expect(self.run_app("decompose"), BAD_INPUT, "mesh")
 
-    def test_files_of_others_stay_and_old_pieces_go(self):
+    def test_foreign_files_are_kept_and_old_pieces_removed(self):
         self.expect(self.decompose(self.mesh(L)), DONE)
         self.write("out/notes.txt", "mine")
         before = self.bytes_of("out")
         self.expect(self.decompose(self.mesh(L)), DONE)
         self.assertEqual(self.bytes_of("out"), before)
-        self.expect(self.decompose(self.mesh(CUBE)), DONE)  # the same name, one piece less
+        self.expect(self.decompose(self.mesh(CUBE)), DONE)  # the same name with one piece less
         self.assertEqual(self.names_in(self.folder / "out"), ["notes.txt", "part.toml", "part.urdf", "part_01.obj"])
         self.write("out/part.urdf", "<robot/>")
         before = self.bytes_of("out")
         self.expect_refused(self.decompose(self.mesh(L)), "out/part.urdf", "not written by this command", lines=1)
         self.assertEqual(self.bytes_of("out"), before)
 
-    def test_a_folder_that_cannot_be_written_is_refused(self):
+    def test_unwritable_folder_is_refused(self):
         mesh = self.mesh(CUBE)
         self.write("file", "")
         self.expect_refused(self.decompose(mesh, out="file"), "file", "--out", lines=1)
@@ -235,13 +235,13 @@ class Decompose(AppTest):
             self.expect_refused(self.decompose(mesh, out="locked"), "locked", lines=1)
         self.expect_refused(self.decompose(mesh, "--json", mesh), "part.obj", lines=1)
 
-    def test_names_with_odd_characters_become_plain(self):
+    def test_unusual_characters_in_names_are_replaced(self):
         self.expect(self.decompose(self.mesh(CUBE, 'a "b" & <ü>.obj')), DONE)
         names = self.names_in(self.folder / "out")
         self.assertTrue(all(re.fullmatch(r"[A-Za-z0-9_-]+\.(obj|toml|urdf)", name) for name in names), names)
         self.expect(self.run_app("validate", *(f"out/{name}" for name in names if name.endswith(".toml"))), DONE)
 
-    def test_name_of_a_file_ends_no_comment(self):
+    def test_file_name_cannot_end_a_comment(self):
         for i, name in enumerate(("a\nkind = 1 --> <evil.obj", "c---->.obj", os.fsdecode(b"b\xff\xfe.obj"))):
             with self.subTest(name):
                 self.expect(self.decompose(self.mesh(CUBE, name), out=f"out{i}"), DONE)

@@ -24,7 +24,7 @@ class Device(AppTest):
     def test_list_shows_drivers_and_a_host_with_its_state(self):
         for leftover in (NAME, NAME + ".lock"):
             self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
-        # The host's two cycles are delay, too (docs/device-host.md).
+        # The host's two cycles count as delay, too (docs/device-host.md).
         device = self.write("slow.toml", re.sub(r"^output_delay_ticks = \S+", "output_delay_ticks = 2",
                                                 DESKTOP.read_text(), flags=re.M))
         host = self.start_app("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so", "--device", device)
@@ -48,7 +48,7 @@ class Device(AppTest):
         rails = ("device", "inspect", "--driver", DRIVERS / "rails.so")
         self.expect(self.run_app(*rails, "--device", DESKTOP, "--json", "out.json"), DONE, "fits", "homed")
         found = self.written()
-        # examples/driver/rails.c
+        # The axes of examples/driver/rails.c.
         self.assertEqual([(a["name"], a["lower"], a["upper"]) for a in found["axes"]],
                          [("x", -0.06, 0.06), ("y", -0.09, 0.09), ("z", -0.07, 0.07)])
         self.assertEqual({(a["effort_limit"], a["silence_s"], a["temperature_c"]) for a in found["axes"]},
@@ -71,7 +71,7 @@ class Device(AppTest):
         self.assertGreater(moved["passed"], looked["passed"])
         self.assertEqual({c["outcome"] for c in looked["checks"] if c["id"].startswith("commands.")}, {"not run"})
 
-    def test_conform_says_what_a_broken_driver_breaks_and_what_to_do(self):
+    def test_conform_reports_the_broken_rule_and_a_remedy(self):
         result = self.run_app("device", "conform", "--driver", DRIVERS / "broken.so", "--driver-settings", "millimetres",
                               "--json", "out.json", "--only", "description")
         self.expect(result, NOT_FIT, "FAIL description.travel_plausible", "200 m of travel", "use m, N, s")

@@ -1,7 +1,7 @@
-"""`wholehand device-host` and `wholehand run --host`: the loop may die, the device is not left pushing.
+"""`wholehand device-host` and `wholehand run --host`: if the loop dies, the device does not keep pushing.
 
-The driver keeps every effort that the host gave it, with its time (tests/devices/pushed_driver.c). The host may be as
-late as this machine keeps it waiting: its gaps between two writes are added to what is allowed.
+The driver stores every effort of the host with its time (tests/devices/pushed_driver.c). The host may be as late as
+this machine delays it: its gaps between two writes are added to the allowed time.
 """
 import os
 import pathlib
@@ -19,11 +19,11 @@ STALE_SAMPLE, ENABLE_LOST, SAMPLE_DELAY = 1 << 25, 1 << 24, 1 << 28  # docs/reco
 LOSSES = 25 if FULL else 2
 RECORD = struct.Struct("<q3d")
 NAME = f"test-apps-{os.getpid()}"
-EFFORTS = pathlib.Path("/dev/shm", NAME + "-efforts.bin")  # in memory: a disk that others fill keeps a host waiting
+EFFORTS = pathlib.Path("/dev/shm", NAME + "-efforts.bin")  # in memory, because a busy disk would delay the host
 
 
 def points_alike(a, b):
-    """Whether two efforts differ by a factor only: a rounding apart, and not neutral."""
+    """Whether two efforts differ by a factor only, within rounding, and are not neutral."""
     return any(a) and all(abs(a[i] * b[j] - a[j] * b[i]) <= 1e-9 * max(map(abs, a)) * max(map(abs, b))
                           for i in range(len(a)) for j in range(i))
 
@@ -37,7 +37,7 @@ class DeviceHost(DeviceTest):
         self.addCleanup(EFFORTS.unlink, missing_ok=True)
 
     def start_host(self, driver="pushed", settings=EFFORTS):
-        """Lines of the host go into a file, so that they are all there when it is killed."""
+        """Starts a host whose output goes into a file, so that it is complete when the host is killed."""
         log = open(self.folder / "host.log", "a")
         self.addCleanup(log.close)
         before = self.host_says()
@@ -58,12 +58,12 @@ class DeviceHost(DeviceTest):
         return super().start_run(*self.desktop(), "--host", NAME)
 
     def efforts(self):
-        """(time in s, (x, y, z) in N), as far as they are in the file."""
+        """(time in s, (x, y, z) in N) of the efforts in the file so far."""
         data = EFFORTS.read_bytes()
         return [(r[0] * 1e-9, r[1:]) for r in RECORD.iter_unpack(data[:len(data) // RECORD.size * RECORD.size])]
 
     def arm_until_it_pushes(self, run):
-        """Where this machine lets the loop or the host wait, the other lets go or stops: armed anew."""
+        """Arms until it pushes. If this machine delays loop or host, the other one stops, and it is armed again."""
         def pushes():
             given = self.efforts()
             return len(given) > 400 and all(max(map(abs, e)) > 0.5 for _, e in given[-400:])
@@ -80,7 +80,7 @@ class DeviceHost(DeviceTest):
         self.fail(f"never pushes\n{self.host_says()}")
 
     def arm_anew(self):
-        """Whatever has ended before."""
+        """Arms again after any ending."""
         for _ in range(50):
             self.wait_until(self.host, lambda: self.page.state is not None)
             accepted, reason = self.page.arm(self.page.state.number(client.ENDINGS, "I"))
@@ -91,12 +91,12 @@ class DeviceHost(DeviceTest):
         self.fail(reason)
 
     def is_calm(self, given):
-        """Whether the loop gave a new effort, and the host wrote, every 3 ms of the last 0.2 s: nothing is blended in."""
+        """Whether loop and host gave a new effort every 3 ms in the last 0.2 s, so that nothing is blended in."""
         changes = [b[0] for a, b in zip(given, given[1:]) if b[1] != a[1] and b[0] > given[-1][0] - 0.2]
         return all(b - a < 0.003 for a, b in zip(changes, changes[1:]))
 
     def judge_loss(self, host):
-        """Of the last loss: from the loop's last command on."""
+        """Checks the last loss, from the loop's last command on."""
         self.wait_until(host, lambda: "stays there" in self.host_says().splitlines()[-1], self.host_says)
         self.wait_until(host, lambda: self.efforts()[-1][1] == (0.0, 0.0, 0.0), self.host_says)
         given = self.efforts()
@@ -104,7 +104,7 @@ class DeviceHost(DeviceTest):
         while neutral > 0 and given[neutral - 1][1] == (0.0, 0.0, 0.0):
             neutral -= 1
         self.assertLess(neutral, len(given), ALWAYS + "never neutral")
-        # The ramp changes with every write; the last command stays for some, and points the same way.
+        # The ramp changes with every write. The last command stays for some writes and points in the same direction.
         def is_ramp(a, b):
             return a != b and points_alike(a, given[neutral - 1][1])
         lowered = neutral
@@ -114,8 +114,8 @@ class DeviceHost(DeviceTest):
         while last > 0 and given[last - 1][1] == given[last][1]:
             last -= 1
         span = given[last:neutral + 1]
-        late = sum(b[0] - a[0] for a, b in zip(span, span[1:]) if b[0] - a[0] > 0.002)  # the host is called each 0.25 ms
-        # A host that was late took the last command late, too.
+        late = sum(b[0] - a[0] for a, b in zip(span, span[1:]) if b[0] - a[0] > 0.002)  # the host writes every 0.25 ms
+        # A late host also received the last command late.
         around = given[max(0, last - 1):neutral + 1]
         gap = max(b[0] - a[0] for a, b in zip(around, around[1:]))
         taken = span[-1][0] - span[0][0]
@@ -131,7 +131,7 @@ class DeviceHost(DeviceTest):
             self.assertGreater(given[lowered][0] - given[last][0], 0.019 - gap, "an alarm too early")
         return taken, gap
 
-    def test_lost_loop_is_taken_to_neutral_and_the_next_one_is_served(self):
+    def test_lost_loop_leads_to_neutral_and_the_next_loop_is_served(self):
         host = self.start_host()
         for number in (signal.SIGKILL, signal.SIGSTOP) * LOSSES:
             run = self.start_run()
@@ -144,17 +144,17 @@ class DeviceHost(DeviceTest):
             self.assertIn("LETS GO: the loop sent no new command for 20 ms", said[0])
             self.assertIn("stays there until a loop arms anew", said[1])
             if number == signal.SIGSTOP:
-                self.expect_stopped_loop_is_not_heard_again(host, run)
+                self.expect_stopped_loop_is_ignored(host, run)
             run.kill()
             run.communicate()
 
-    def expect_stopped_loop_is_not_heard_again(self, host, run):
+    def expect_stopped_loop_is_ignored(self, host, run):
         before = len(self.efforts())
         run.send_signal(signal.SIGCONT)
         self.wait_until(host, lambda: self.host_says().endswith(": ended\n"), self.host_says)
         after = self.efforts()[before:]
         self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), ALWAYS + "the host obeys the loop after it let go")
-        self.arm_until_it_pushes(run)  # of its own will, it is served again
+        self.arm_until_it_pushes(run)  # after arming on purpose, the loop is served again
 
     def test_lost_host_is_a_fault_of_the_loop_and_a_new_host_serves_it(self):
         host = self.start_host()
@@ -178,7 +178,7 @@ class DeviceHost(DeviceTest):
         with read_recording(recordings[lost]) as first:
             self.assertTrue(first["ticks/faults"][-1] & (STALE_SAMPLE | SAMPLE_DELAY))
 
-    def test_end_of_the_loop_disables_and_end_of_the_host_is_at_neutral(self):
+    def test_end_of_the_loop_disables_and_end_of_the_host_goes_to_neutral(self):
         host = self.start_host()
         run = self.start_run()
         self.arm_until_it_pushes(run)
@@ -198,7 +198,7 @@ class DeviceHost(DeviceTest):
         run.send_signal(signal.SIGINT)
         self.assertIn("faulted: ", "".join(run.communicate(timeout=HANG_S)))
 
-    def test_what_does_not_fit_is_refused_by_name(self):
+    def test_mismatched_device_is_refused_by_name(self):
         host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")
         device = self.desktop()[:2]
         run = (*HARDWARE, "--without-passport", *self.desktop())

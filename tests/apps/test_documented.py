@@ -1,4 +1,5 @@
-"""The pieces of README.md and docs/*.md: each is run as it stands there, or named below with what runs it or why nothing can."""
+"""The code pieces of README.md and docs/*.md: each is run unchanged, or listed below with what runs it or why nothing
+does."""
 import functools
 import os
 import pathlib
@@ -26,32 +27,32 @@ DOCS = SOURCE / "docs"
 PAGES = ["../README.md", *(path.name for path in sorted(DOCS.glob("*.md")))]
 FENCED = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.S | re.M)
 
-# Of each page its pieces in their order: the test of this file, or the file elsewhere, that runs it, or why nothing does.
+# The pieces of each page in their order: the test of this file or another file that runs it, or why nothing does.
 PIECES = {
-    "../README.md": ["test_the_two_commands_answer"],
+    "../README.md": ["test_both_commands_run"],
     "architecture.md": ["not run: the table of a tick", "not run: a drawing"],
     "certificate.md": ["test_every_option_exists"],
     "clinic.md": 5 * ["tests/apps/test_clinic.py"],
-    "commissioning.md": 3 * ["test_commissioning_begins_with_the_commands_of_its_page"],
-    "composite.md": ["test_a_pair_is_read"],
-    "device-host.md": ["test_a_host_holds_what_the_loop_moves", "test_gains_of_a_host_are_those_that_the_page_says"],
-    "drivers.md": ["test_the_first_commands_lead_to_a_device_that_renders", "tests/apps/test_packages.py",
-                   "test_a_driver_conforms"],
-    "embedding.md": ["tests/examples/embed.sh", "test_a_program_embeds_by_the_lines_that_are_tested"],
+    "commissioning.md": 3 * ["test_commissioning_starts_with_the_documented_commands"],
+    "composite.md": ["test_composite_file_is_read"],
+    "device-host.md": ["test_loop_moves_the_device_of_a_host", "test_gains_of_a_host_match_the_page"],
+    "drivers.md": ["test_first_commands_lead_to_a_rendering_device", "tests/apps/test_packages.py",
+                   "test_conformance_commands_run"],
+    "embedding.md": ["tests/examples/embed.sh", "test_embedding_lines_are_those_of_the_tested_project"],
     "exercises.md": ["test_exercises_are_run", "tests/exercises/third/CMakeLists.txt",
                      "not run: builds the program again; tests/exercises/third compiles, loads and plays the exercise"],
     "force-dimension.md": ["test_vendor_devices_are_found_by_their_commands"],
-    "frame.md": ["test_the_frame_is_tried_without_hardware", "test_c_of_the_frame_compiles"],
+    "frame.md": ["test_frame_commands_run_without_hardware", "test_c_code_of_the_frame_compiles"],
     "impedance.md": ["test_every_option_exists"],
     "moteus.md": ["test_vendor_devices_are_found_by_their_commands"],
     "packages.md": ["packaging/try_in_bare_debian.sh"],
     "patients.md": ["test_links_of_a_patient_are_read"],
-    "program.md": ["test_files_of_ones_own", "test_a_mesh_with_a_hollow"],
+    "program.md": ["test_own_files_can_be_used", "test_mesh_with_a_hollow_is_decomposed"],
     "protocol.md": ["tests/golden/test_run.py"],
-    "recording.md": ["tests/record/recording_test.cpp", "test_what_matlab_reads_is_there", "test_octave_plots_slow",
-                     "test_a_black_box_is_looked_at"],
-    "sweeps.md": ["test_the_shipped_sweep_is_drawn_slow", "test_the_grid_is_run", "tests/apps/test_sweep.py"],
-    "udp.md": ["test_the_datagram_is_what_the_text_says"],
+    "recording.md": ["tests/record/recording_test.cpp", "test_data_that_matlab_reads_exists",
+                     "test_octave_lines_run_slow", "test_black_box_commands_run"],
+    "sweeps.md": ["test_shipped_sweep_is_drawn_slow", "test_sweep_grid_runs", "tests/apps/test_sweep.py"],
+    "udp.md": ["test_example_datagram_matches_the_text"],
 }
 
 
@@ -61,7 +62,7 @@ def pieces(page):
 
 
 def commands(page, piece=0):
-    """Words of each command of a piece."""
+    """The words of each command of a piece."""
     text = pieces(page)[piece][1].replace("\\\n", " ")
     return [words for line in text.splitlines() if (words := shlex.split(line, comments=True))]
 
@@ -72,7 +73,7 @@ def help_of(program, *subcommand):
 
 
 class Pages(AppTest):
-    def test_every_piece_is_known(self):
+    def test_every_piece_is_listed(self):
         mine = {name for case in (Pages, Files, Devices) for name in dir(case)}
         for page in PAGES:
             text = (DOCS / page).read_text()
@@ -83,20 +84,20 @@ class Pages(AppTest):
         for by in (by for runs in PIECES.values() for by in runs):
             self.assertTrue(by in mine or (SOURCE / by).is_file() or by.startswith("not run: "), by)
 
-    def test_the_two_commands_answer(self):
+    def test_both_commands_run(self):
         for script, mentions in zip(commands("../README.md"), ("--lab", "--full")):
             said = subprocess.run([SOURCE / script[0], "--help"], text=True, capture_output=True, check=True).stdout
             self.assertIn(mentions, said)
 
     def options_of(self, program, words):
-        """Those that its --help names, of the longest subcommand that the words name."""
+        """The options in the --help of the longest subcommand that the words contain."""
         path = []
         while words and re.search(rf"(?m)^  {re.escape(words[0])} ", help_of(program, *path).partition("Subcommands:")[2]):
             path.append(words.pop(0))
         return set(re.findall(r"--[a-z][a-z-]*", help_of(program, *path)))
 
     def test_every_option_exists(self):
-        """Of every command of the program in a piece, in the line or in a list of figures."""
+        """Checks every command of the program in a piece, in a text line or in a list of figures."""
         seen = 0
         for page in PAGES:
             text = (DOCS / page).read_text()
@@ -112,11 +113,11 @@ class Pages(AppTest):
 
 
 class Files(AppTest):
-    """What needs no device."""
+    """Pieces that need no device."""
 
     def setUp(self):
         super().setUp()
-        for name in ("config", "data"):  # the sources' folder
+        for name in ("config", "data"):  # folders of the sources
             (self.folder / name).symlink_to(SOURCE / name)
 
     def do(self, words, *more, code=DONE):
@@ -135,7 +136,7 @@ class Files(AppTest):
                 self.do([name if word == "my-exercise" else word for word in command.split()], "--simulated-clock", "--duration",
                         0.05)
 
-    def test_c_of_the_frame_compiles(self):
+    def test_c_code_of_the_frame_compiles(self):
         firmware = SOURCE / "drivers/frame/firmware"
         self.write("board.c", '#include "firmware.h"\nfloat counts(void); void motor(int, float); void uart_put(const uint8_t*, size_t);\n'
                    + pieces("frame.md")[1][1] + "const fw_board mine = {.measure = measure, .drive = drive, .control = control, .send = send};\n")
@@ -143,13 +144,13 @@ class Files(AppTest):
                                "board.c"], cwd=self.folder, text=True, capture_output=True)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_a_program_embeds_by_the_lines_that_are_tested(self):
-        """embed.sh builds it against the installed package."""
+    def test_embedding_lines_are_those_of_the_tested_project(self):
+        """embed.sh builds the program with the installed package."""
         consumer = (SOURCE / "tests/examples/consumer/CMakeLists.txt").read_text().splitlines()
         for line in pieces("embedding.md")[1][1].splitlines():
             self.assertIn(line.partition("#")[0].strip().replace("(mine ", "(consumer "), consumer)
 
-    def test_files_of_ones_own(self):
+    def test_own_files_can_be_used(self):
         (self.folder / "config").unlink()
         shutil.copytree(CONFIG, self.folder / "config")
         for kind in ("devices", "rendering"):
@@ -158,29 +159,29 @@ class Files(AppTest):
         self.expect(self.do(validate), DONE, "ok  device", "ok  rendering")
         self.do(run, "--simulated-clock", "--duration", 0.05)
 
-    def test_a_mesh_with_a_hollow(self):
+    def test_mesh_with_a_hollow_is_decomposed(self):
         points, faces = CUP
         self.write("mug.obj", obj([[1000.0 * x for x in point] for point in points], faces))
         decompose, run = commands("program.md", 1)
         self.do(decompose)
         self.do(run, "--simulated-clock", "--duration", 0.1)
 
-    def test_what_matlab_reads_is_there(self):
-        """MATLAB is no package of Debian: what its lines ask for is, with its names and units."""
+    def test_data_that_matlab_reads_exists(self):
+        """Debian has no MATLAB: checks that the data which its lines read exist, with names and units."""
         asked = re.findall(r"(h5read|h5readatt)\('(run.h5)', '([^']+)'(?:, '(\w+)')?\)", pieces("recording.md")[1][1])
         self.assertEqual(len(asked), 4)
         with h5py.File(self.record(duration=0.1), "r") as file:
             for function, _, dataset, attribute in asked:
                 self.assertGreater(len(file[dataset].attrs[attribute] if attribute else file[dataset]), 5, (function, dataset))
 
-    def test_octave_plots_slow(self):
+    def test_octave_lines_run_slow(self):
         ticks = len(h5py.File(self.record(duration=0.1), "r")["ticks/tick"])
         program = "function plot(x, y) printf('%d ', numel(x), size(y)); end\n" + pieces("recording.md")[2][1]
         said = subprocess.run(["octave-cli", "--no-init-file", "--eval", program], cwd=self.folder, check=True, text=True,
                               capture_output=True).stdout
         self.assertEqual(said.split(), [str(ticks), "6", str(ticks)])  # axes x ticks
 
-    def test_a_black_box_is_looked_at(self):
+    def test_black_box_commands_run(self):
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", 60, "--record", "run.h5")
         self.wait_until_it_renders(run)
         run.send_signal(signal.SIGSEGV)
@@ -192,27 +193,27 @@ class Files(AppTest):
         for name in ("seconds.h5", "run.html"):
             self.assertTrue((self.folder / name).is_file(), name)
 
-    def test_the_grid_is_run(self):
+    def test_sweep_grid_runs(self):
         self.write("grid.toml", pieces("sweeps.md")[1][1])
         shutil.copy(CONFIG / "hands/adult-median-right.toml", self.folder / "mine.toml")
         self.expect(self.run_app("sweep", "grid.toml", "--out", "F.h5"), DONE, "Which hands hold a cylinder?: 6 cells")
 
-    def test_the_shipped_sweep_is_drawn_slow(self):
+    def test_shipped_sweep_is_drawn_slow(self):
         command, = commands("sweeps.md")
         self.do(command)
         self.assertTrue((self.folder / "grasps.html").is_file())
 
-    def test_the_datagram_is_what_the_text_says(self):
+    def test_example_datagram_matches_the_text(self):
         said = datagrams.datagram(datagrams.STATE, b"abc", flags=1, key=0x0102030405060708, sequence=5, number=7, sent=-2, echo=3, age=4)
         self.assertEqual(bytes.fromhex(pieces("udp.md")[0][1]), said)
 
-    def test_a_pair_is_read(self):
-        """Up to the device of its first part, which is not here."""
+    def test_composite_file_is_read(self):
+        """Reads it up to the device of its first part, which is not connected."""
         self.write("pair.toml", pieces("composite.md")[0][1].replace("/dev/ttyACM0", "/dev/none"))
         self.expect_refused(self.run_app("run", "--driver", "composite", "--driver-settings", "pair.toml", "--port", 0),
                             "frame: no device was found at serial:/dev/none")
 
-    def test_gains_of_a_host_are_those_that_the_page_says(self):
+    def test_gains_of_a_host_match_the_page(self):
         device = (CONFIG / "devices/desktop-3axis.toml").read_text()
         self.write("mine.toml", re.sub(r"(?m)^output_delay_ticks = \d+", "output_delay_ticks = 2", device))
         page = (SOURCE / "docs/device-host.md").read_text()
@@ -224,13 +225,13 @@ class Files(AppTest):
 
 
 class Devices(DeviceTest):
-    """Drivers, with what stands for their devices."""
+    """Drivers with fake devices."""
 
     def setUp(self):
         super().setUp()
         (self.folder / "build").mkdir()
         (self.folder / "build/release").symlink_to(BUILT)
-        for name in ("src", "examples", "config"):  # the sources' folder
+        for name in ("src", "examples", "config"):  # folders of the sources
             (self.folder / name).symlink_to(SOURCE / name)
 
     def start(self, words, **how):
@@ -238,7 +239,7 @@ class Devices(DeviceTest):
         return self.start_app(*words[1:], **how)
 
     def background(self, *command, until, **how):
-        """A program beside, until it has said so much; what it says."""
+        """Starts a program beside the test and waits for an output; returns the output."""
         log = self.folder / f"{pathlib.Path(command[0]).name}.log"
         with log.open("w") as out:
             process = subprocess.Popen([*map(str, command)], cwd=self.folder, stdin=subprocess.PIPE, stdout=out, stderr=out, **how)
@@ -250,7 +251,7 @@ class Devices(DeviceTest):
         return log.read_text()
 
     def renders(self, command, ticks=100):
-        """Armed at the page, so many ticks."""
+        """Arms at the page and waits for so many ticks."""
         run = self.start([*command, "--port", "0"])
         first = run.stdout.readline()
         self.assertIn("http", first, run)
@@ -267,24 +268,24 @@ class Devices(DeviceTest):
         subprocess.run(compile_it, cwd=self.folder, check=True)
         return conform, run_it
 
-    def test_the_first_commands_lead_to_a_device_that_renders(self):
+    def test_first_commands_lead_to_a_rendering_device(self):
         conform, run_it = self.compile_rails()
         self.expect(self.run_app(*conform[1:]), DONE, " 0 failed")
-        self.renders([*run_it, "--driver-settings", "watchdog_ms=2000"])  # this machine may stall
+        self.renders([*run_it, "--driver-settings", "watchdog_ms=2000"])  # tolerates stalls of this machine
 
-    def test_a_driver_conforms(self):
+    def test_conformance_commands_run(self):
         self.compile_rails()
         for command in commands("drivers.md", 2):
-            # What moves is judged by the clock: only its first check is asked for.
+            # Checks with motion depend on time, so only the first check is run.
             only = ("--only", "boundary.") if "--allow-effort" in command else ()
             self.expect(self.run_app(*command[1:], *only), DONE, " 0 failed")
 
-    def test_without_passport_the_remedy_that_is_named_is_the_one_that_helps(self):
+    def test_missing_passport_is_refused_with_the_documented_remedy(self):
         _, run_it = self.compile_rails()
         run_it.remove("--without-passport")
         self.expect_refused(self.run_app(*run_it[1:]), "device rails-0001 has no passport", "--without-passport")
 
-    def test_commissioning_begins_with_the_commands_of_its_page(self):
+    def test_commissioning_starts_with_the_documented_commands(self):
         shutil.copy(CONFIG / "devices/desktop-3axis.toml", self.folder / "mine.toml")
         shutil.copy(DRIVERS / "rails.so", self.folder / "mine.so")
         for piece, serial in ((0, "rails-0001"), (1, "simulated")):
@@ -293,7 +294,7 @@ class Devices(DeviceTest):
         command, = commands("commissioning.md", 2)
         self.expect_refused(self.run_app(*command[1:]), "rails-0001.passport.toml")
 
-    def test_a_host_holds_what_the_loop_moves(self):
+    def test_loop_moves_the_device_of_a_host(self):
         self.compile_rails()
         name = f"test-documented-{os.getpid()}"
         for leftover in (name, name + ".lock"):
@@ -306,7 +307,7 @@ class Devices(DeviceTest):
         self.expect_refused(self.run_app(*run_it[1:]), "device rails-0001 has no passport")
         self.renders([*run_it, "--without-passport"], ticks=20)
 
-    def test_the_frame_is_tried_without_hardware(self):
+    def test_frame_commands_run_without_hardware(self):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             port = str(free.getsockname()[1])
@@ -316,7 +317,7 @@ class Devices(DeviceTest):
         self.assertIn("rendering", (self.folder / "frame_firmware.log").read_text(), ALWAYS)
 
     def test_vendor_devices_are_found_by_their_commands(self):
-        """Up to the passport, which the commands do not wave."""
+        """Runs the commands up to the missing passport, which they do not override."""
         port = self.background(BUILT / "fake_hand", until="\n").split()[0]
         hand = ("finger_flexion", "thumb_circumduction", "thumb_flexion")
         shutil.copy(self.config_file("devices", "lambda-pride", hand), self.folder / "mine.toml")
@@ -328,7 +329,7 @@ class Devices(DeviceTest):
         shutil.copy(self.config_file("devices", "desktop-3axis"), self.folder / "mine.toml")
         shutil.copy(CONFIG / "rendering/desktop-3axis.toml", self.folder / "my-gains.toml")
         quick = (SOURCE / "drivers/force_dimension/lambda-7.toml").read_text().replace("delay_s = 0.001 ", "delay_s = 0.0004 ")
-        self.write("my-lambda.toml", quick)  # with the host's two cycles within the one period that the file states
+        self.write("my-lambda.toml", quick)  # the delay with the host's two cycles stays within the stated period
         name = f"test-documented-{os.getpid()}-arm"
         for leftover in (name, name + ".lock"):
             self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)

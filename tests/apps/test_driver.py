@@ -1,4 +1,4 @@
-"""A real device behind a driver that is compiled outside the tree: C99 and the public header, nothing else."""
+"""A real device behind a driver compiled outside the source tree, with C99 and the public header only."""
 import shutil
 import signal
 import subprocess
@@ -23,27 +23,27 @@ class Driver(DeviceTest):
     def recordings(self):
         return sorted((self.folder / "out/recordings").glob("*.h5"))
 
-    def test_compiled_outside_the_tree_is_armed_stopped_recorded_and_runs_again(self):
-        """Only the header and the example leave the tree."""
+    def test_driver_compiled_outside_the_tree_is_armed_stopped_and_recorded(self):
+        """Only the header and the example are copied out of the tree."""
         (self.folder / "include/wholehand").mkdir(parents=True)
         shutil.copy(SOURCE / "src/driver_abi/wholehand/device.h", self.folder / "include/wholehand")
         shutil.copy(SOURCE / "examples/driver/rails.c", self.folder)
         subprocess.run(["cc", "-std=c99", "-pedantic", "-Wall", "-Werror", "-O2", "-shared", "-fPIC", "-Iinclude",
                         "rails.c", "-o", "rails.so"], cwd=self.folder, check=True)
-        run = self.start("rails.so", "--driver-settings", "watchdog_ms=2000")  # this machine may stall
+        run = self.start("rails.so", "--driver-settings", "watchdog_ms=2000")  # tolerates stalls of this machine
         time.sleep(0.5)
         self.assertEqual(self.recordings(), [], "nothing is armed before somebody asks")
         self.assertFalse(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON)))[0])
         self.arm()
         self.wait_for_ticks(run, 700)
         device = self.page.state.inner(client.DEVICE_STATE)
-        self.assertEqual([device.number(i, "B") for i in range(4)], [1, 1, 0, 0])  # enabled, homed; rails.c has no heat
+        self.assertEqual([device.number(i, "B") for i in range(4)], [1, 1, 0, 0])  # enabled, homed; no temperature
         self.assertTrue(0.0 <= device.number(5, "f") < 2.0, "the age of the sample")
         self.assertEqual(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON))),
                          (False, "the person at the device moves the hand"))
         self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
         time.sleep(0.5)
-        self.arm(endings_seen=3)  # the stop, and the end of the session
+        self.arm(endings_seen=3)  # the stop and the end of the session are endings
         time.sleep(0.3)
         self.assertEqual(run.poll(), None)
         said = self.stop(run)
@@ -56,7 +56,7 @@ class Driver(DeviceTest):
             self.assertEqual(list(first["ticks/sent"][-1]), [0.0] * 3, "neutral at the end")
         self.expect_same_when_run_again(self.recordings()[0])
 
-    def test_device_that_is_unplugged_while_rendering_ends_at_a_fault_and_nothing_is_lost(self):
+    def test_device_unplugged_while_rendering_faults_and_loses_no_tick(self):
         run = self.start(DRIVERS / "faulty.so", "--driver-settings", "unplug@1500")
         self.arm()
         deadline = time.monotonic() + HANG_S
@@ -71,10 +71,10 @@ class Driver(DeviceTest):
         self.assertEqual(faults[-1] & DEVICE_READ, DEVICE_READ)
 
     def stopped(self):
-        """Steering answers "nothing is armed" once the session is over."""
+        """The answer to Steer is "nothing is armed" once the session is over."""
         return self.page.answer(self.page.say(client.STEER, ("i", client.PERSON)))[1] == "nothing is armed"
 
-    def test_what_does_not_fit_is_refused_before_anything_opens(self):
+    def test_mismatched_device_is_refused_before_it_is_opened(self):
         device = ("--device", CONFIG / "devices/desktop-3axis.toml")
         faulty = ("--driver", DRIVERS / "faulty.so")
         for arguments, words in (
@@ -95,7 +95,7 @@ class Driver(DeviceTest):
 
 
 class Passport(AppTest):
-    """A device without a passport is refused; `--without-passport` is loud and recorded."""
+    """A device without a passport is refused; `--without-passport` is shown clearly and recorded."""
 
     def test_device_without_a_passport_is_refused_with_the_remedy(self):
         run = (*HARDWARE, "--device", CONFIG / "devices/desktop-3axis.toml", "--driver")
@@ -121,7 +121,7 @@ class Passport(AppTest):
                                          CONFIG / "rendering/desktop-3axis.toml", "--driver", DRIVERS / "rails.so"),
                             "mine.rails-0001.passport.toml", "learned on a simulated plant", "device commission")
 
-    def test_simulated_device_takes_no_word_about_passports(self):
+    def test_simulated_device_refuses_passport_options(self):
         self.expect_refused(self.run_app("run", "--without-passport", "--simulated-clock"), "--without-passport",
                             "real device")
 
@@ -129,19 +129,19 @@ class Passport(AppTest):
 class Commission(AppTest):
     COMMISSION = ("device", "commission", "--operator", "A", "--device", CONFIG / "devices/desktop-3axis.toml")
 
-    def test_person_who_does_not_answer_gets_no_passport(self):
+    def test_missing_answer_gives_no_passport(self):
         self.expect(self.run_app(*self.COMMISSION, "--driver", DRIVERS / "rails.so"), 1, "Step 1 of 11: identify",
                     "rails-0001", "Not finished")
         self.assertEqual(self.names_in(self.folder), [])
 
-    def test_without_a_terminal_no_key_can_be_held_and_nothing_moves(self):
+    def test_commissioning_without_a_terminal_moves_nothing(self):
         done = subprocess.run([BINARY, *map(str, self.COMMISSION), "--driver", DRIVERS / "rails.so"], text=True,
                               input="yes\nyes\nquit\n", capture_output=True, timeout=HANG_S)
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
         self.assertIn("Step 2 of 11: home", done.stdout)
         self.assertIn("no key can be held", done.stderr)
 
-    def test_what_does_not_fit_is_refused(self):
+    def test_mismatched_device_is_refused(self):
         self.expect_refused(self.run_app(*self.COMMISSION), "--driver", "--host", "--simulated")
         self.expect_refused(self.run_app(*self.COMMISSION, "--simulated", "--driver", DRIVERS / "rails.so"), "--simulated")
         self.expect_refused(self.run_app(*self.COMMISSION, "--driver", "none.so"), "none.so", "cannot open")

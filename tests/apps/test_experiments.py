@@ -1,4 +1,4 @@
-"""`wholehand experiment grasping|timing|exercise|cocktail-bar`: what they write, how they are stopped."""
+"""`wholehand experiment grasping|timing|exercise|cocktail-bar`: their output, and how they are stopped."""
 import json
 import os
 import shutil
@@ -22,7 +22,7 @@ class Grasping(AppTest):
             self.assertIs(trial["dropped"], False)
             for key in ("slip_m", "coupling_error_rad", "object_travel_m", "force_noise_n"):
                 self.assertIs(type(trial[key]), float, key)
-            self.assertLessEqual(trial["coupling_error_rad"], 1e-5)  # asked of the grasps
+            self.assertLessEqual(trial["coupling_error_rad"], 1e-5)  # the requirement for the grasps
             self.assertLessEqual(trial["slip_m"], 1e-4)
         for key, most in (("trials", 2), ("dropped", 2), ("slip_over_tenth_mm", 2)):
             self.assertIs(type(results["jittered"][key]), int, key)
@@ -34,15 +34,15 @@ class Grasping(AppTest):
                              for what in ("h5", "toml")))
         page = report_data(self.folder / "out/grasping.html")
         expect_known_sentences(self, page)
-        tuned = page["charts"][0]["lines"][0]  # the share that slips no further: from none to all
-        slips_mm = sorted(max(1e-4, 1e3 * t["slip_m"]) for t in results["trials"])  # where the chart begins
+        tuned = page["charts"][0]["lines"][0]  # the share of trials that slip no further, from none to all
+        slips_mm = sorted(max(1e-4, 1e3 * t["slip_m"]) for t in results["trials"])  # the chart begins at 1e-4
         self.assertEqual(tuned["x"][1:-1], [float(f"{slip:.7g}") for slip in slips_mm])
         self.assertEqual(tuned["y"], [0, 0.5, 1, 1])
-        # A trial's recording is a recording as any other.
+        # A trial's recording can be simulated again like any other.
         self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
 
-    def test_without_built_pages_the_results_are_written_and_not_drawn(self):
-        """As on a machine without Node: the program and its shipped files, and no web/dist."""
+    def test_results_without_built_pages_are_written_but_not_drawn(self):
+        """Runs as on a machine without Node: the program and its shipped files, without web/dist."""
         program = self.folder / "bin/wholehand"
         program.parent.mkdir()
         shutil.copy(BINARY, program)
@@ -76,15 +76,15 @@ class Timing(AppTest):
         for key in ("ticks", "missed_deadlines", "allocations"):
             self.assertIs(type(results[key]), int, key)
         self.assertGreaterEqual(results["ticks"], 9000)
-        # One round: the palm bumps into the bar's own cylinder, grips it through its walls, lets go.
+        # In one round the palm bumps into the bar's own cylinder, grips it through its walls and releases it.
         self.assertEqual(results["gripped"], "dispenser_lemon")
         self.assertGreaterEqual(results["grasps"], 1)
         self.assertEqual(results["releases"], results["grasps"])
         self.assertGreater(results["held_share"], 0.35)
         self.assertGreater(results["walls_share"], results["held_share"])
         self.assertEqual(results["missed_deadlines"], 0)
-        self.assertEqual(results["allocations"], 0)  # none after arming: asked of the tick
-        self.assertIs(results["allocations_counted"], True)  # else the 0 says nothing
+        self.assertEqual(results["allocations"], 0)  # the requirement: no allocation after arming
+        self.assertIs(results["allocations_counted"], True)  # otherwise the 0 proves nothing
         for times in (results["cpu_us"], results["held_cpu_us"], results["wall_us"], *results["stages_cpu_us"].values()):
             self.assertLessEqual(times["p50"], times["p99"])
             self.assertLessEqual(times["p99"], times["p999"])
@@ -99,17 +99,17 @@ class Timing(AppTest):
             self.assertIn(row, result.out)
         self.expect_same_when_run_again(self.folder / "out/timing.h5")
 
-    def test_other_scene(self):
+    def test_other_scene_is_timed(self):
         self.expect(self.run_app("experiment", "timing", "--ticks", "6000", "--simulated-clock", "--out", "out",
                                  "--scene", CONFIG / "scenes/cocktail-bar-free.toml"), DONE)
         results = json.loads((self.folder / "out/timing.json").read_text())
-        self.assertEqual(results["walls_share"], 0.0)  # no exercise there
+        self.assertEqual(results["walls_share"], 0.0)  # the scene has no exercise
         self.assertGreater(results["held_share"], 0.1)
         self.expect_refused(self.run_app("experiment", "timing", "--scene", CONFIG / "scenes/empty.toml"),
                             "nothing to grip")
         self.expect_refused(self.run_app("experiment", "timing", "--scene", "no-such.toml"), "no-such.toml")
 
-    def test_ctrl_c_in_real_time(self):
+    def test_ctrl_c_in_real_time_ends_the_experiment(self):
         run = self.start_app("experiment", "timing", "--out", "out")
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
@@ -125,7 +125,7 @@ class Complexity(AppTest):
         self.assertEqual(curve["of"], "vertices")
         self.assertEqual([each["rate_hz"] for each in curve["admitted"]], [1000, 2000, 4000, 8000])
         counts = [each["count"] for each in curve["admitted"]]
-        self.assertEqual(counts, sorted(counts, reverse=True))  # a faster loop admits no more
+        self.assertEqual(counts, sorted(counts, reverse=True))  # a faster loop admits no larger scene
         for point in curve["points"]:
             self.assertFalse(point["faulted"])
             self.assertGreater(point["contacts"], 0)
@@ -141,11 +141,11 @@ class Complexity(AppTest):
 class Admission(AppTest):
     def test_small_scene_is_admitted(self):
         result = self.run_app("validate", "--admit", CONFIG / "scenes/four-shapes.toml")
-        self.expect(result, DONE if FULL else result.code, "admitted at 1000 Hz")  # by this machine's processor time
+        self.expect(result, DONE if FULL else result.code, "admitted at 1000 Hz")  # depends on this processor
         self.assertIn(result.code, (DONE, 1), result)
 
-    def test_a_joint_that_nobody_can_move_is_warned_of(self):
-        """In the words of `run`: level 1 halves the 60 N, and the device has 20 N along the slide."""
+    def test_joint_that_the_device_cannot_move_is_warned_of(self):
+        """The warning is that of `run`: level 1 halves the 60 N, and the device has 20 N along the slide."""
         shutil.copytree(CONFIG, self.folder / "config")
         scene = self.folder / "config/scenes/drawer.toml"
         scene.write_text(scene.read_text().replace("friction_n = 2.0", "friction_n = 60.0"))
@@ -153,12 +153,12 @@ class Admission(AppTest):
         warning = "its slide resists with 30 N where the hand takes it; this device pushes with 20 N there at most"
         self.assertIn(warning, self.run_app("validate", "--admit", task).out)
         self.expect(self.run_app("run", "--exercise", task, "--simulated-clock", "--duration", 0.05), DONE, warning)
-        shipped = self.run_app("validate", "--admit", CONFIG / "exercises/drawer.toml")  # begins clear of the drawer
+        shipped = self.run_app("validate", "--admit", CONFIG / "exercises/drawer.toml")  # starts away from the drawer
         self.assertNotIn("resists", shipped.out)
         self.assertIn(shipped.code, (DONE, 1), shipped)
 
-    def test_large_one_is_not_and_what_to_remove_is_named_slow(self):
-        # 24 boxes in stacks side by side have some 200 contacts: more than a tick of 62 µs solves.
+    def test_large_scene_is_refused_with_what_to_remove_slow(self):
+        # 24 boxes in adjacent stacks have some 200 contacts, more than a tick of 62 µs can solve.
         text = 'kind = "scene"\nversion = 1\nname = "stacks"\ngravity_m_s2 = [0, 0, -9.81]\n'
         text += '[[bodies]]\nname = "floor"\nshape = "box"\nsize_m = [0.4, 0.4, 0.02]\nfixed = true\n' \
                 'position_m = [0.1, 0, -0.11]\n'
@@ -173,11 +173,11 @@ class Admission(AppTest):
 
     def test_bad_input_is_refused(self):
         self.expect_refused(self.run_app("validate", "--admit", "no-such.toml"), "no-such.toml")
-        alone = self.run_app("validate", "--admit", CONFIG / "scenes/drawer.toml")  # its exercise begins elsewhere
+        alone = self.run_app("validate", "--admit", CONFIG / "scenes/drawer.toml")  # the hand starts elsewhere
         self.expect_refused(alone, "drawer", "inside the hand",
                             f"wholehand validate --admit {CONFIG / 'exercises/drawer.toml'}")
 
-    def test_admits_an_exercise_by_the_bodies_of_its_game_or_names_the_budget_slow(self):
+    def test_exercise_is_admitted_with_its_game_bodies_or_a_budget_is_named_slow(self):
         game = CONFIG / "exercises/game-scene.toml"
         text = game.read_text().replace("../scenes", str(CONFIG / "scenes"))
         (self.folder / "small.toml").write_text(text.replace("slots = 64", "slots = 2").replace("awake = 24", "awake = 1"))
@@ -189,7 +189,7 @@ class Admission(AppTest):
 
 class Lab(AppTest):
     @unittest.skipIf(LAB, "the lab is built")
-    def test_what_is_in_the_lab_is_refused_with_the_remedy(self):
+    def test_lab_features_are_refused_with_the_remedy(self):
         for engine in ("mujoco", "bullet-newton", "bullet-paper", "bullet-paper-gears"):
             self.expect_refused(self.run_app("run", "--simulated-clock", "--no-web", "--engine", engine),
                                 f"--engine = {engine}: is not built into this program", "-DWHOLEHAND_LAB=ON")
@@ -210,7 +210,7 @@ class Exercise(AppTest):
         self.assertEqual(results["phi_peak"]["finger_flexion"], 1.0)
         self.assertEqual(results["alpha_max"], 1.0)
         self.assertEqual(results["wall_pull_max_n"], 0.0)  # the wall never pulls
-        self.assertLessEqual(results["volume_error_l"], 1e-9)  # asked of the pouring
+        self.assertLessEqual(results["volume_error_l"], 1e-9)  # the requirement for pouring
         page = report_data(self.folder / "e.html")
         expect_known_sentences(self, page)
         for mark, phase in zip(page["charts"][0]["marks"], results["phases"], strict=True):
@@ -256,7 +256,7 @@ class CocktailBar(AppTest):
                              "--json", "c.json", start_new_session=True)
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
-        os.killpg(run.pid, signal.SIGINT)  # as a terminal does
+        os.killpg(run.pid, signal.SIGINT)  # as a terminal sends it
         said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         self.assertIn("Interrupted", said)

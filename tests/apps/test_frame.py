@@ -1,4 +1,4 @@
-"""The program and the reference firmware of the frame, together: found by its name, armed, stopped, killed."""
+"""The program with the reference firmware of the frame: found by name, armed, stopped, killed."""
 import signal
 import subprocess
 import time
@@ -13,7 +13,8 @@ class Frame(DeviceTest):
     terminal = True
 
     def start_firmware(self, where, silence_ms):
-        """Where it is, and the file of its lines: phase, ms since the last command, effort, gap."""
+        """Starts the firmware and returns its locator. Its output has lines of phase, ms since the last command, effort,
+        gap."""
         self.lines = self.folder / "firmware.log"
         with self.lines.open("w") as out:
             firmware = subprocess.Popen([FIRMWARE, where, f"silence_ms={silence_ms}"], stdout=out)
@@ -31,7 +32,7 @@ class Frame(DeviceTest):
     def start_run(self, at):
         return super().start_run(*self.desktop(), "--driver", "frame", "--device-at", at)
 
-    def test_armed_and_stopped_over_udp_and_serial_leaves_the_firmware_neutral_and_off(self):
+    def test_stop_over_udp_and_serial_leaves_the_firmware_neutral_and_off(self):
         for where in ("udp:0", "serial"):
             run = self.start_run(self.start_firmware(where, 2000))  # this machine may stall
             self.assertEqual(self.phase(), "off", "nothing is enabled before somebody asks")
@@ -61,7 +62,7 @@ class Frame(DeviceTest):
         self.assertEqual(float(effort), 0.0, ALWAYS)
         self.assertGreater(float(silent_ms), 2000.0)
 
-    def test_what_is_not_there_is_refused_by_name(self):
+    def test_missing_device_is_refused_by_name(self):
         device = ("--device", CONFIG / "devices/desktop-3axis.toml")
         self.expect_refused(self.run_app(*HARDWARE, *device, "--driver", "fram"), "fram", "give one of", "composite", "frame",
                             "rails")

@@ -1,4 +1,4 @@
-"""What the compiler and the linker of a release build have put into the program: read with readelf and nm."""
+"""Hardening of a release build by compiler and linker, checked with readelf and nm."""
 import pathlib
 import re
 import subprocess
@@ -10,7 +10,7 @@ BUILD = BINARY.parent
 SHIPPED = ["composite", "force_dimension", "frame", "moteus"]
 PROGRAMS = [BINARY, BUILD / "wholehand-read-mesh", *(BUILD / "drivers" / f"{name}.so" for name in SHIPPED)]
 ASSERTION = re.compile(r"__glibcxx_assert_fail|__replacement_assert")
-# Libraries that the tick runs and nothing else does.
+# Libraries that only the tick uses.
 TICK = ["control", "dynamics", "safety", "physics_bullet", "renderer"]
 
 
@@ -27,7 +27,7 @@ class Hardening(unittest.TestCase):
     def test_addresses_are_random(self):
         self.check_programs(r"Type:\s+DYN", "readelf", "-hW")
 
-    def test_tables_of_the_linker_are_read_only_from_the_start(self):
+    def test_linker_tables_are_read_only_from_the_start(self):
         self.check_programs("GNU_RELRO", "readelf", "-lW")
         self.check_programs(r"BIND_NOW|FLAGS_1.*NOW", "readelf", "-dW")
 
@@ -39,7 +39,7 @@ class Hardening(unittest.TestCase):
         self.assertIn("__stack_chk_fail", symbols)
         self.assertRegex(symbols, r"__(mem|str|s?n?printf|fprintf|vsnprintf|read)\w*_chk")
 
-    def test_the_library_checks_its_indices_but_not_in_the_tick(self):
+    def test_index_checks_are_active_except_in_the_tick(self):
         self.assertRegex(said("nm", "-D", BINARY), ASSERTION)
         libraries = [BUILD / pathlib.Path("src", *name.split("_")) / f"libwholehand_{name}.a" for name in TICK]
         for library in libraries + ([BUILD / "lab/libwholehand_lab.a"] if LAB else []):

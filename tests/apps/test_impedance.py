@@ -1,5 +1,5 @@
-"""`wholehand certify --impedance`: what the person feels, predicted and measured on the running
-renderer, against each other; the prediction against closed forms: tests/certify/impedance_test.cpp."""
+"""`wholehand certify --impedance`: the rendered impedance, predicted and measured on the running renderer, compared with
+each other. tests/certify/impedance_test.cpp compares the prediction with closed forms."""
 import cmath
 import json
 import math
@@ -11,7 +11,7 @@ import tempfile
 from app import BINARY, CONFIG, DONE, HANG_S, AppTest, expect_known_sentences, main, report_data
 
 NOT_AS_PREDICTED = 1
-MOST_DB, MOST_DEG = 1.0, 5.0  # what is promised, from 1 to 100 Hz
+MOST_DB, MOST_DEG = 1.0, 5.0  # the promised accuracy from 1 to 100 Hz
 
 
 def phasors(curve, which):
@@ -45,7 +45,7 @@ class ShippedRobot(AppTest):
         return next(c for a in self.impedance["axes"] if a["name"] == axis
                     for c in a["curves"] if c["contact"] == contact and c["phi"] == phi)
 
-    def test_measured_is_as_predicted_on_every_axis_free_and_in_contact(self):
+    def test_measurement_matches_prediction_on_every_axis_free_and_in_contact(self):
         self.assertEqual(self.done.returncode, DONE, self.done.stdout + self.done.stderr)
         self.assertIs(self.impedance["as_predicted"], True)
         self.assertEqual(len(self.impedance["axes"]), 6)
@@ -62,7 +62,7 @@ class ShippedRobot(AppTest):
                     self.assertAlmostEqual(curve["deviation"]["db"], db, places=6)
                     self.assertAlmostEqual(curve["deviation"]["deg"], deg, places=6)
                     worst = (max(worst[0], db), max(worst[1], deg))
-        # Both are exact but for what rounding and the hand's own motion do: a tick of delay forgotten would show.
+        # Both are exact except for rounding and the hand's own motion; a missing tick of delay would show.
         self.assertLess(worst[0], 0.02)
         self.assertLess(worst[1], 0.1)
         print(f"figure: predicted against measured impedance, worst = {worst[0]:.2g} dB, {worst[1]:.2g} degrees")
@@ -79,17 +79,17 @@ class ShippedRobot(AppTest):
             alone = {"z": curve[which]["rendering_alone"]}
             for f, felt, rendered in zip(curve["frequency_hz"], phasors(curve, which), phasors(alone, "z")):
                 self.assertLess(abs(felt - rendered - (6 + 2j * math.pi * f * 0.8)), 1e-6 * abs(felt))
-        # At 0.1 Hz what is left at Φ = 1 is K_dm, 10.5 N·s/m in config/rendering/lambda-pride.toml.
+        # At 0.1 Hz and Φ = 1 only K_dm remains, 10.5 N·s/m in config/rendering/lambda-pride.toml.
         self.assertAlmostEqual(curve["measured"]["rendering_alone"]["magnitude"][0], 10.5, delta=0.1)
 
-    def test_measurement_tells_models_apart(self):
-        # A model without the inertia that couples the hand's axes is off by more than the measurement is.
+    def test_measurement_distinguishes_models(self):
+        # A model without the inertia that couples the hand's axes deviates by more than the measurement's error.
         curve = self.curve("finger_flexion", "free", 0)
         self.assertGreater(curve["axis_alone_deviation"]["db"], 0.05)
         self.assertLess(curve["deviation"]["db"], 0.1 * curve["axis_alone_deviation"]["db"])
 
     def test_dry_friction_adds_its_describing_function(self):
-        # A sine of speed V meets 4 f_c / (π V) more damping: 0.2 N; 0.05 N at 0.08 m.
+        # A sine of speed V gets 4 f_c / (π V) more damping: 0.2 N; 0.05 N at 0.08 m.
         for name, friction, speed in (("x", 0.2, 0.1), ("finger_flexion", 0.05 * 0.08, 1.0)):
             built = next(a["as_built"] for a in self.impedance["axes"] if a["name"] == name)
             self.assertEqual(built["speed"], speed)
@@ -98,11 +98,11 @@ class ShippedRobot(AppTest):
             more = measured - without
             self.assertAlmostEqual(more.real / (4 * friction / (math.pi * speed)), 1, delta=0.1, msg=name)
 
-    def test_table_says_every_axis_the_worst_deviation_and_what_was_left_out(self):
+    def test_table_lists_axes_worst_deviation_and_omissions(self):
         for word in ("x ", "thumb_circumduction", "spring", "rigid", "within 1 dB and 5°", "in bullet", "analytic",
                      "dry friction", "encoder"):
             self.assertIn(word, self.done.stdout)
-        self.assertEqual(self.done.stderr, "")  # progress is for terminals
+        self.assertEqual(self.done.stderr, "")  # progress is shown only on a terminal
 
     def test_bode_plot_has_every_axis_lines_and_dots(self):
         expect_known_sentences(self, self.page)
@@ -116,7 +116,7 @@ class ShippedRobot(AppTest):
             measured = self.curve(name, "free", 0)["measured"]["magnitude"]
             dots, = [line for line in magnitude["lines"] if line["dot_px"] > 0 and line["color"] == "--ax-x" and
                      not line["dash_px"]]
-            for at, decibel in enumerate(dots["y"]):  # every second point
+            for at, decibel in enumerate(dots["y"]):  # every second point is drawn
                 self.assertAlmostEqual(decibel, 20 * math.log10(measured[2 * at]), places=3)
             self.assertTrue(all(phase["y"]["from"] < y < phase["y"]["to"] for line in phase["lines"] for y in line["y"]))
 
@@ -128,7 +128,7 @@ class OtherCases(AppTest):
         axes = json.loads((self.folder / "z.json").read_text())["impedance"]["axes"]
         return [(a["name"], c) for a in axes for c in a["curves"]]
 
-    def test_contact_stiffness_is_what_is_met(self):
+    def test_contact_stiffness_sets_the_impedance(self):
         self.expect(self.run_app("certify", *self.DESKTOP, "--contact-stiffness", 300, "--rate-hz", 500), DONE)
         springs = [c for _, c in self.curves() if c["contact"] == "spring"]
         self.assertEqual(len(springs), 6)
@@ -136,7 +136,7 @@ class OtherCases(AppTest):
             k_pm = next(c["felt_stiffness"] for _, c in self.curves() if c["contact"] == "rigid")
             self.assertAlmostEqual(curve["felt_stiffness"], 1 / (1 / k_pm + 1 / 300), delta=1.5)
 
-    def test_loop_that_is_unstable_is_predicted_only(self):
+    def test_unstable_loop_is_only_predicted(self):
         text = (CONFIG / "rendering/desktop-3axis.toml").read_text()
         self.assertIn("k_pm_n_m = ", text)
         hot = self.write("hot.toml", "\n".join(
@@ -148,7 +148,7 @@ class OtherCases(AppTest):
                 self.assertIsNone(curve["measured"])
                 self.assertIn("does not settle", curve["not_measured"])
 
-    def test_bad_input(self):
+    def test_bad_input_is_refused(self):
         self.write("file", "not a folder")
         for arguments, texts in (
                 (["--impedance", "--contact-stiffness", "nan"], ["--contact-stiffness"]),

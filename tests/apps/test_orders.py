@@ -1,8 +1,8 @@
-"""A therapist's orders while a patient plays: how soon the loop obeys, and how soon the page is shown it.
+"""A therapist's orders while a patient plays: how soon the loop obeys, and how soon the page shows it.
 
-A player steers at 60 Hz and three more pages take every state. The therapist pauses and goes on; obeyed is what a
-state shows. States come 60 times a second, so that up to 17 ms of each figure are the wait for the next one. The time
-in the loop is that of the tick the state is of, on the program's own clock (CLOCK_MONOTONIC, as here)."""
+A player steers at 60 Hz, and three more pages receive every state. The therapist pauses and resumes; an order counts
+as obeyed when a state shows it. States come 60 times a second, so up to 17 ms of each figure are the wait for the next
+one. The time in the loop is that of the state's tick on the program's clock (CLOCK_MONOTONIC, as here)."""
 import math
 import struct
 import threading
@@ -51,21 +51,21 @@ class Orders(PacedTest):
             time.sleep(0.01)
 
     def play(self):
-        """Reaches to and fro, as a page sends it: 60 aims a second."""
+        """Reaches to and fro with 60 aims a second, as a page sends them."""
         while self.playing and self.player.open:
             x_m = -0.05 + 0.03 * math.sin(time.monotonic())
             self.player.say(client.AIM, struct.pack("<6f", x_m, 0.02, 0.0, 0.8, 0.2, 0.1))
             time.sleep(1 / 60)
 
     def obeyed(self, count):
-        """(in the loop, shown) of each order [s], sorted."""
+        """Delays (in the loop, until shown) of each order [s], sorted."""
         paused = self.therapist.scene.texts(VALUE_NAMES).index("paused")
         seen, came = [], threading.Condition()
 
         def look(state):
             values = state.doubles(VALUES)
             if len(values) <= paused:
-                return  # of a tick before the exercise's first
+                return  # a tick from before the exercise's first
             with came:
                 seen.append((time.monotonic_ns(), state.number(SENT_NS, "q"), values[paused]))
                 came.notify_all()
@@ -87,16 +87,16 @@ class Orders(PacedTest):
         self.therapist.on_state = lambda state: None
         return sorted(loop_s), sorted(shown_s)
 
-    def test_therapists_orders_while_a_patient_plays_are_obeyed_at_once(self):
+    def test_orders_of_a_therapist_while_a_patient_plays_are_obeyed_at_once(self):
         loop_s, shown_s = self.obeyed(ORDERS)
         for name, times in (("in the loop", loop_s), ("on the page", shown_s)):
             print(f"figure: therapist's order obeyed {name}, {len(times)} orders: p50 {1e3 * share(times, 0.5):.1f} ms, "
                   f"p99 {1e3 * share(times, 0.99):.1f} ms, slowest {1e3 * times[-1]:.1f} ms", flush=True)
-        # The rarest of few orders are the machine's: ./check judges the usual one, --full the slow ones, too.
+        # The slowest of few orders depend on the machine: ./check judges the median, --full also the slow ones.
         judged = 0.99 if FULL else 0.5
         self.assertLessEqual(share(loop_s, judged), OBEYED_S)
         self.assertLessEqual(share(shown_s, judged), SHOWN_P99_S)
-        # All the while it was the player who steered, and nobody took the controls away.
+        # The player steered all the time, and nobody took the controls.
         self.assertTrue(self.player.answer(self.player.say(client.STEER, ("b", client.PERSON)))[0])
 
 

@@ -1,4 +1,4 @@
-"""The Debian packages: made, judged by lintian, and unpacked in a folder where the program runs without its sources."""
+"""The Debian packages: built, checked by lintian, and unpacked where the program runs without its sources."""
 import json
 import pathlib
 import re
@@ -25,7 +25,7 @@ class Packages(AppTest):
             said("dpkg-deb", "-x", package, cls.root)
         cls.program = cls.root / "usr/bin/wholehand"
 
-    def test_there_are_four_and_lintian_finds_nothing(self):
+    def test_four_packages_are_built_and_lintian_finds_nothing(self):
         self.assertEqual([p.name.partition("_")[0] for p in self.packages],
                          ["libwholehand-dev", "python3-wholehand", "wholehand-clinic", "wholehand"])
         found = said("lintian", "--no-cfg", "--fail-on", "error,warning", *self.packages)
@@ -41,7 +41,7 @@ class Packages(AppTest):
         self.assertGreater(len(recorded["ticks/q_s"]), 900)  # a second at 1 kHz
         self.assertGreater((self.folder / "page/index.html").stat().st_size, 1_000_000)
 
-    def test_python_steps_a_rig_with_the_files_of_the_package(self):
+    def test_python_steps_a_rig_with_the_packages_files(self):
         package = self.root / "usr/lib/python3/dist-packages"
         for name in ("rig.py", "environment.py", "_rig.pyi", "py.typed"):
             self.assertTrue((package / "wholehand" / name).is_file(), name)
@@ -51,7 +51,7 @@ class Packages(AppTest):
         needs = said("dpkg-deb", "-f", *(p for p in self.packages if p.name.startswith("python3")), "Depends")
         self.assertRegex(needs, r"python3 \(<< 3\.\d+\).*libbullet")
 
-    def test_every_link_of_the_installed_pages_leads_somewhere(self):
+    def test_every_link_of_the_installed_pages_has_a_target(self):
         pages = sorted((self.root / "usr/share/doc/wholehand").rglob("*.md"))
         self.assertGreater(len(pages), 40)
         links = 0
@@ -62,14 +62,14 @@ class Packages(AppTest):
                     self.assertTrue((page.parent / target).exists(), f"{page.relative_to(self.root)}: {target}")
         self.assertGreater(links, 300, "links are kept where they lead somewhere")
 
-    def test_examples_clients_and_the_template_of_a_driver_are_there(self):
+    def test_examples_clients_and_driver_template_are_installed(self):
         manuals = self.root / "usr/share/doc/wholehand"
         for file in ("examples/01_first_touch.cpp", "examples/CMakeLists.txt", "examples/driver/rails.c",
                      "clients/csharp/Wholehand/WholehandClient.cs", "clients/csharp/README.md",
                      "clients/unity/org.wholehand.client/package.json", "clients/godot/addons/wholehand/plugin.gd",
                      "clients/python/README.md", "clients/python/examples/drop_a_ball.py"):
             self.assertTrue((manuals / file).is_file(), file)
-        # docs/drivers.md, "With the package", in the folder where the packages are unpacked.
+        # The commands of docs/drivers.md, "With the package", run in the folder where the packages are unpacked.
         commands = (SOURCE / "docs/drivers.md").read_text().split("With the package")[1].split("```")[1].splitlines()[1:]
         compile_it, copy_it, run_it = (shlex.split(re.sub(r"(?<= )/usr/", f"{self.root}/usr/", line)) for line in commands)
         for command in ([*compile_it, f"-I{self.root}/usr/include"], copy_it):
@@ -101,7 +101,7 @@ class Packages(AppTest):
         self.assertEqual(offered(self.program, "device", "comm"), ["commission"])
         self.assertEqual(offered(self.program, "run", "--simul"), ["--simulated-clock"])
 
-    def test_the_bill_of_materials_names_what_is_linked_and_what_is_in_the_pages(self):
+    def test_bill_of_materials_lists_linked_libraries_and_page_packages(self):
         bill = json.loads((self.root / "usr/share/doc/wholehand/sbom.spdx.json").read_text())
         self.assertEqual(bill["spdxVersion"], "SPDX-2.3")
         versions = {p["name"]: p["versionInfo"] for p in bill["packages"]}
@@ -113,7 +113,7 @@ class Packages(AppTest):
         for relation in bill["relationships"]:
             self.assertLessEqual({relation["spdxElementId"], relation["relatedSpdxElement"]}, named)
 
-    def test_the_service_is_sound_and_hardened(self):
+    def test_service_is_valid_and_hardened(self):
         unit = self.root / "usr/lib/systemd/system/wholehand.service"
         judged = said("systemd-analyze", "security", "--offline=true", "--threshold=30", unit)
         self.assertIn("OK", judged.splitlines()[-1])

@@ -1,4 +1,4 @@
-"""`wholehand run` with pages: the port it opens or does not open, Ctrl-C, and what is refused."""
+"""`wholehand run` with pages: the ports that it opens, Ctrl-C, and refused options."""
 import json
 import os
 import pathlib
@@ -13,12 +13,12 @@ from app import CONFIG, DONE, HANG_S, INTERRUPTED, AppTest, main, read_recording
 
 
 def inet_sockets(pid):
-    """What a process has open towards the network: (protocol, local address, port, state), hexadecimal."""
+    """Network sockets of a process: (protocol, local address, port, state), hexadecimal."""
     inodes = set()
     for descriptor in pathlib.Path(f"/proc/{pid}/fd").iterdir():
         try:
             target = os.readlink(descriptor)
-        except FileNotFoundError:  # closed meanwhile
+        except FileNotFoundError:  # the socket was closed meanwhile
             continue
         if target.startswith("socket:["):
             inodes.add(target[len("socket:["):-1])
@@ -41,7 +41,7 @@ THIS_MACHINE = "0100007F"  # 127.0.0.1 as /proc/net writes it on a little-endian
 
 class Pages(AppTest):
     def start_waiting(self, *arguments):
-        """The program with its pages, rendering nothing; and the address it prints first."""
+        """Starts the program with its pages, waiting to be armed; returns it and the address that it prints first."""
         run = self.start_app("run", "--wait", "--port", 0, *arguments)
         url = run.stdout.readline().strip()
         self.assertRegex(url, r"^http://127\.0\.0\.1:\d+/$")
@@ -53,7 +53,7 @@ class Pages(AppTest):
             return json.load(answer)
 
     def end(self, run, code):
-        # Until it catches Ctrl-C nothing is rendered, and the signal's own end is as good.
+        # Before the program catches Ctrl-C nothing is rendered, and the signal's default would end it as well.
         self.wait_until_it_catches(run, signal.SIGINT)
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=HANG_S)
@@ -64,18 +64,18 @@ class Pages(AppTest):
         run, url = self.start_waiting("--duration", 600)
         health = self.health(url)
         self.assertIs(health["healthy"], True)
-        self.assertEqual(health["run_state"], "disarmed")  # --wait: nobody asked for it yet
+        self.assertEqual(health["run_state"], "disarmed")  # --wait: not armed yet
         self.assertEqual(health["ticks"], 0)
         port = int(url.split(":")[2].rstrip("/"))
         self.assertIn(("tcp", THIS_MACHINE, port, LISTENS), inet_sockets(run.pid))
         listening = [s for s in inet_sockets(run.pid) if s[3] == LISTENS or not s[0].startswith("tcp")]
-        self.assertEqual(len(listening), 1, listening)  # and no UDP
-        self.end(run, INTERRUPTED)  # before its 600 s were over
+        self.assertEqual(len(listening), 1, listening)  # and no UDP socket
+        self.end(run, INTERRUPTED)  # before the 600 s were over
 
     def test_ctrl_c_ends_an_endless_run(self):
         run, _ = self.start_waiting()
         self.end(run, INTERRUPTED)
-        self.assertEqual(self.names_in(self.folder), [])  # nothing was armed, nothing was written
+        self.assertEqual(self.names_in(self.folder), [])  # nothing was armed, so nothing was written
 
     def test_waiting_ends_by_itself(self):
         began = time.monotonic()
@@ -98,22 +98,22 @@ class Pages(AppTest):
             self.assertFalse(recording["ticks/sent"][-1].any())
         self.expect_same_when_run_again("run.h5")
 
-    def test_busy_port_is_said(self):
+    def test_busy_port_is_reported(self):
         with socket.create_server(("127.0.0.1", 0)) as taken:
             port = taken.getsockname()[1]
             result = self.run_app("run", "--port", port, "--duration", 3, "--record", "kept/run.h5",
                                   "--json", "kept/run.json")
             self.expect_refused(result, "port", f"127.0.0.1:{port}", "in use", lines=1)
             self.assertEqual(result.out, "")
-        self.assertEqual(self.names_in(self.folder), [])  # no folder for what was not made
+        self.assertEqual(self.names_in(self.folder), [])  # no folder is left
 
-    def test_run_with_pages_sums_up_as_one_without(self):
+    def test_summary_of_a_run_with_pages_has_the_same_content(self):
         result = self.run_app("run", "--port", 0, "--duration", 1, "--record", "run.h5", "--json", "run.json")
         self.expect(result, DONE, "cocktail-bar, level 1 of 4", "Done after 1", "run.h5")
         summary = json.loads((self.folder / "run.json").read_text())
         self.assertEqual((summary["faults"], summary["interrupted"]), (0, False))
         with read_recording(self.folder / "run.h5") as recording:
-            self.assertEqual(recording["ticks/tick"][-1] + 1, summary["ticks"])  # skipped ones counted
+            self.assertEqual(recording["ticks/tick"][-1] + 1, summary["ticks"])  # skipped ticks are counted
         self.expect_same_when_run_again("run.h5")
 
     def expect_no_socket(self, *arguments):
@@ -123,7 +123,7 @@ class Pages(AppTest):
         while run.poll() is None and time.monotonic() < until:
             try:
                 found = inet_sockets(run.pid)
-            except (FileNotFoundError, ProcessLookupError):  # it ended
+            except (FileNotFoundError, ProcessLookupError):  # the process has ended
                 break
             self.assertEqual(found, [])
             looked += 1
@@ -142,7 +142,7 @@ class Pages(AppTest):
 
 
 class Refused(AppTest):
-    def test_what_is_refused_is_named(self):
+    def test_refused_options_are_named(self):
         scene = CONFIG / "scenes/table.toml"
         for arguments, texts in (
                 (["--level", 99], ["level", "99", "levels 1 to 4"]),
@@ -171,16 +171,16 @@ class Refused(AppTest):
                                         option[0], how, lines=1)
         self.assertEqual(self.names_in(self.folder), [])
 
-    def test_open_to_others_only_with_a_token(self):
+    def test_other_addresses_need_a_token(self):
         for address in ("0.0.0.0", "::", "192.0.2.1"):
             for token in ([], ["--token", ""], ["--token", "short"]):
                 with self.subTest(address=address, token=token):
                     result = self.run_app("run", "--wait", "--port", 0, "--address", address, *token,
                                           "--duration", 3, timeout=HANG_S)
                     self.expect_refused(result, address, "token", "16 characters", lines=1)
-                    self.assertEqual(result.out, "")  # no address was printed: nothing listened
+                    self.assertEqual(result.out, "")  # no address was printed, so it did not listen
 
-    def test_tokens_stand_in_no_list_of_processes(self):
+    def test_tokens_are_not_visible_in_the_process_list(self):
         token, lists = "0123456789abcdef", {}
         (self.folder / "tokens").write_text(f"therapist={token}\nplayer={token}-player\n")
         ways = {"--token-file": (["--token-file", "tokens"], None), "--token": (["--token", token], None),
@@ -238,7 +238,7 @@ class Refused(AppTest):
                                r"  console  http://127\.0\.0\.1:\1/console\?token=<token>\n"
                                r"  others   http://<this machine>:\1/\?token=<token>\n$")
 
-    def test_port_that_is_none(self):
+    def test_invalid_port_is_refused(self):
         for port in ("65536", "-1", "http"):
             with self.subTest(port):
                 self.expect_refused(self.run_app("run", "--port", port, "--duration", 1), "--port",

@@ -1,5 +1,5 @@
-"""A recording is plain HDF5: what h5py, h5dump and Octave read of each documented dataset is the same, and is what
-the run's own summary says. `--resimulate` holds the same numbers to a re-run."""
+"""A recording is plain HDF5: h5py, h5dump and Octave read the same values of each documented dataset, which match the
+run's summary. `--resimulate` compares the numbers with a new simulation."""
 import json
 import pathlib
 import re
@@ -18,7 +18,7 @@ NUMBERS = {"float32": "<f4", "float64": "<f8", "int32": "<i4", "int64": "<i8", "
 
 
 def documented():
-    """Name -> type of each dataset of /ticks, from the table of docs/recording.md."""
+    """Name and type of each dataset of /ticks, from the table of docs/recording.md."""
     types = {}
     for names, kinds in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \|[^|]*\| ([\w, ]+) \|", DOCUMENT, re.MULTILINE):
         names, kinds = re.findall(r"`(\w+)`", names), kinds.split(", ")
@@ -42,7 +42,7 @@ class Plain(AppTest):
                 self.assertIn("units", dataset.attrs, name)
                 self.assertEqual((dataset.compression, dataset.shuffle), ("gzip", True), name)
                 filters = dataset.id.get_create_plist().get_nfilters()
-                self.assertEqual(filters, 2, name)  # no filter that a reader may not have
+                self.assertEqual(filters, 2, name)  # only filters that every reader has
 
     def test_numbers_are_those_of_the_summary(self):
         with h5py.File(self.path, "r") as f:
@@ -54,7 +54,7 @@ class Plain(AppTest):
         self.assertEqual(self.summary["contacts_max"], ticks["contact_count"].max())
         for axis, largest in self.summary["max_effort"].items():
             self.assertAlmostEqual(numpy.abs(ticks["sent"][:, axes.index(axis)]).max(), largest, delta=1.2e-7 * largest)
-        numpy.testing.assert_array_equal(ticks["time_s"], ticks["tick"] * period_s)  # to the bit
+        numpy.testing.assert_array_equal(ticks["time_s"], ticks["tick"] * period_s)  # bit-identical
         for bit, name in ((6, "effort_limited"), (14, "power_limited")):
             said = self.summary.get("fault_ticks", {}).get(name, 0)
             self.assertEqual(said, int((ticks["faults"] >> bit & 1).sum()), name)
@@ -66,7 +66,7 @@ class Plain(AppTest):
         parts = [ticks[name].astype(float) for name in ("coupling", "exercise_effort", "damping", "tank_effort")]
         bound = 1.2e-7 * (sum(numpy.abs(part) for part in parts) + numpy.abs(ticks["rendered"]))
         self.assertTrue((numpy.abs(sum(parts) - ticks["rendered"]) <= bound).all())
-        # Nobody is at the controls: the virtual patient moves.
+        # Nobody steers, so the virtual patient moves.
         self.assertEqual(set(ticks["moved_by"]), {2})
 
     def test_h5dump_reads_the_same(self):
@@ -93,7 +93,7 @@ class Plain(AppTest):
                 self.assertEqual(read[name][0], numbers.size, name)
                 self.assertAlmostEqual(read[name][1], expected, delta=1e-9 * numpy.abs(expected) + 1e-12, msg=name)
 
-    def test_inputs_that_a_kill_leaves_make_the_recording_again(self):
+    def test_recording_can_be_rebuilt_from_the_inputs_after_a_kill(self):
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "60", "--record", "killed.h5")
         self.wait_until_it_renders(run)
 
@@ -115,15 +115,15 @@ class Plain(AppTest):
         with read_recording(self.folder / "killed.h5") as killed, h5py.File(self.folder / "again.h5", "r") as again:
             rows = killed.rows()
             self.assertGreaterEqual(rows, 1000)
-            self.assertGreaterEqual(len(again["ticks/tick"]), rows)  # the inputs are written at least as soon
+            self.assertGreaterEqual(len(again["ticks/tick"]), rows)  # the inputs are written at least as early
             for name in ("tick", "digest", "q_m", "sent", "moved_by"):
                 self.assertEqual(killed["ticks"][name][:rows].tobytes(), again["ticks"][name][:rows].tobytes(), name)
         self.expect_same_when_run_again("again.h5")
 
-    def test_inputs_are_gone_with_a_recording_that_is_whole(self):
+    def test_inputs_are_removed_once_the_recording_is_complete(self):
         self.assertEqual(self.names_in(self.folder), ["run.h5", "run.json"])
 
-    def test_a_rerun_agrees_with_a_replayed_motion(self):
+    def test_resimulation_of_a_replayed_motion_is_identical(self):
         path = self.record("motion.h5", "--motion", CONFIG.parent / "data/human-motion/reach-grasp-00.csv", duration=2.0)
         with h5py.File(path, "r") as f:
             self.assertEqual(set(f["ticks/moved_by"][:]), {3})
@@ -138,9 +138,10 @@ def cut_row(dataset, row):
 
 
 class Edited(AppTest):
-    """A recording that somebody edited with h5py: the expected words follow from the edit."""
+    """A recording that was edited with h5py; the expected messages follow from the edit."""
 
-    # /ticks: inputs of a re-run, what depends on the clock, and counts; all others are what a tick computes.
+    # Datasets of /ticks that are inputs of a simulation, depend on the clock, or are counts; a tick computes all
+    # others.
     NO_RESULT = {"tick", "time_s", "elapsed_periods", "lateness_ns", "wall_ns", "cpu_ns", "stage_cpu_ns", "moved_by", "help",
                  "digest", "q_m", "intention", "patient_effort", "faults", "parameters", "event_count", "command_count",
                  "contact_count"}
@@ -158,14 +159,14 @@ class Edited(AppTest):
         return h5py.File(self.folder / "edited.h5", "r+", libver="latest")
 
     def expect_shown(self, ticks, *texts):
-        """By replay and by the report, each with these reasons why that is not all."""
+        """Expects replay and report to show so many ticks, and to give these reasons for the missing ones."""
         shown = self.expect(self.run_app("replay", "--speed", "1000", "edited.h5"), NOT_WHOLE, f", {ticks} ticks", *texts)
         self.assertGreaterEqual(len(shown.out.splitlines()), ticks // 100)
         self.expect(self.run_app("replay", "edited.h5", "--report", "page.html"), NOT_WHOLE, *texts)
         data = report_data(self.folder / "page.html")
         self.assertEqual((data["about"]["ticks"], data["about"]["ticks_missing"]), (ticks, self.ticks - ticks))
 
-    def test_row_that_is_cut_from_every_dataset_is_a_missing_tick(self):
+    def test_row_cut_from_every_dataset_is_a_missing_tick(self):
         with self.edit() as f:
             for dataset in f["ticks"].values():
                 cut_row(dataset, self.row)
@@ -175,7 +176,7 @@ class Edited(AppTest):
         self.expect_refused(self.run_app("replay", "--resimulate", "edited.h5"), f"tick {self.row} is missing", lines=1)
         self.expect_shown(self.ticks - 1, "1 tick is missing")
 
-    def test_row_that_is_cut_from_one_dataset_is_named_with_it(self):
+    def test_row_cut_from_one_dataset_is_reported_with_the_dataset(self):
         with h5py.File(self.path, "r") as f:
             names = sorted(f["ticks"])
         for name in names if FULL else self.random.sample(names, 8):
@@ -188,7 +189,7 @@ class Edited(AppTest):
                 self.assertIn(result.code, (DIFFERENT, BAD_INPUT), result)
                 bits = values.reshape(self.ticks, -1).view(f"u{values.itemsize}")
                 changed = numpy.flatnonzero((bits[1:] != bits[:-1]).any(axis=1))
-                changed = changed[changed >= self.row]  # row r has what stood in row r + 1
+                changed = changed[changed >= self.row]  # row r has the values of row r + 1
                 if name == "tick":
                     self.expect_refused(result, f"tick {self.row} is missing")
                 elif name not in self.NO_RESULT and len(changed):
@@ -208,21 +209,21 @@ class Edited(AppTest):
             dataset.resize(len(numbers), axis=0)
             dataset[:] = numbers
 
-    def test_event_that_is_inserted_contradicts_the_count_of_its_tick(self):
+    def test_inserted_event_contradicts_the_count_of_its_tick(self):
         with self.edit() as f:
             self.insert_event(f)
         said = f"tick {self.row} has 1 row in /events, its event_count says 0"
         self.expect_refused(self.run_app("replay", "--resimulate", "edited.h5"), said, lines=1)
         self.expect_shown(self.ticks - 1, said)
 
-    def test_event_that_is_inserted_and_counted_is_found_by_the_rerun(self):
+    def test_inserted_and_counted_event_is_found_by_resimulation(self):
         with self.edit() as f:
             self.insert_event(f)
             f["ticks/event_count"][self.row] += 1
         self.expect(self.run_app("replay", "--resimulate", "edited.h5"), DIFFERENT,
                     f"tick {self.row} has other numbers than its digest says", "event_count: recorded 1, now 0")
 
-    def test_column_that_is_missing_hides_only_what_shows_it(self):
+    def test_missing_column_affects_only_its_own_output(self):
         for name, in_report in (("phi", True), ("digest", False), ("sent", True)):
             with self.subTest(name):
                 with self.edit() as f:
@@ -231,7 +232,7 @@ class Edited(AppTest):
                 self.expect_refused(self.run_app("replay", "--resimulate", "edited.h5"), said, lines=1)
                 report = self.run_app("replay", "edited.h5", "--report", "page.html")
                 self.expect(report, BAD_INPUT if in_report else NOT_WHOLE, said)
-                # Lines show what was sent, and nothing of the other two.
+                # The printed lines show the sent efforts and do not need the other two columns.
                 self.expect(self.run_app("replay", "--speed", "1000", "edited.h5"),
                             BAD_INPUT if name == "sent" else NOT_WHOLE, said)
 

@@ -1,4 +1,4 @@
-"""A session that a page plays: its recording says who moved the hand, and its report counts it."""
+"""A session played from a page: its recording states who moved the hand, and its report counts it."""
 import random
 import struct
 import time
@@ -7,22 +7,22 @@ import numpy
 
 import client
 from app import FULL, SEED, main, read_recording
-from recount import PERSON, UNSAID, VIRTUAL_PATIENT, Compared
+from recount import PERSON, UNSPECIFIED, VIRTUAL_PATIENT, Compared
 from test_sessions import Running
 
 AIM, STEER = 4, 5  # commands/type
-RESTART = 1        # of an action
+RESTART = 1        # kind of an action
 CASES = 60 if FULL else 3
 
 
 class Played(Running, Compared):
-    def test_session_of_a_page_is_credited_as_its_orders_say(self):
-        """Hand-overs at drawn moments: the columns are what the recorded commands say, tick by tick."""
+    def test_recording_of_a_page_credits_the_movers_of_its_orders(self):
+        """Hand-overs at random moments: the columns must follow the recorded commands in every tick."""
         run = self.start("--record", "run.h5", "--exercise", "cocktail-bar")
         draw = random.Random(SEED)
         accepted, reason = self.page.arm(self.endings)
         self.assertTrue(accepted, reason)
-        # The virtual patient makes a drink, the page begins the level again, and it makes the next.
+        # The virtual patient makes a drink, the page restarts the level, and the patient makes the next.
         for begun_s in (9, 18):
             self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") > 1000 * begun_s)
             self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", RESTART)))[0])
@@ -34,7 +34,7 @@ class Played(Running, Compared):
                 time.sleep(0.016)
             if step in (4, 9):
                 self.page.answer(self.page.say(client.ACTION, ("b", RESTART)))
-            if step == 7:  # the page freezes, loses the controls, and takes them again
+            if step == 7:  # the page stalls, loses the controls and takes them again
                 self.page.fall_silent()
                 time.sleep(0.5)
                 self.page.hold_controls()
@@ -49,7 +49,7 @@ class Played(Running, Compared):
         for (row, kind, index), aim in zip(commands, aims):
             if kind == STEER and (index == 1) != (by[row] == PERSON):
                 by[row:] = PERSON if index == 1 else VIRTUAL_PATIENT
-                help[row:] = UNSAID
+                help[row:] = UNSPECIFIED
             elif kind == AIM and by[row] == PERSON and numpy.isfinite(aim).all():
                 help[row:] = index
         numpy.testing.assert_array_equal(own.by, by)

@@ -30,7 +30,7 @@ RENDERING, STOPPED = 1, 3
 
 
 class Connected(PacedTest):
-    """The bar, waiting to be armed."""
+    """A program with the bar, waiting to be armed."""
     options = ()
 
     def setUp(self):
@@ -74,7 +74,7 @@ class ClientTest(Connected):
             state = self.program.next_state(timeout_s=60.0)
         joints = self.program.joints_now()
         self.assertEqual(joints.shape, state.theta.shape)
-        # Ahead by the motion of 50 ms at most: 10 rad/s are the device's most.
+        # The prediction is ahead by at most 50 ms of motion; the device's largest speed is 10 rad/s.
         self.assertLess(abs(joints - state.theta).max(), 0.5)
 
     def test_links_and_joints_lead_to_the_poses_that_the_program_draws(self):
@@ -85,13 +85,13 @@ class ClientTest(Connected):
         poses = hand.link_poses(numpy.array([state.theta for state in states]))
         said = numpy.array([matrices(state.links) for state in states])
         self.assertEqual(poses.shape, said.shape)
-        # Single precision through a chain of links: some 1e-6 m and rad.
+        # Tolerance: single precision through a chain of links, some 1e-6 m and rad.
         self.assertLess(abs(poses - said).max(), 5e-6)
         self.assertGreater(abs(said[0] - said[-1]).max(), 1e-4, "the virtual patient moves the hand")
         with self.assertRaisesRegex(ValueError, "theta has 2 joints; this hand has 19"):
             hand.link_poses([0.0, 1.0])
 
-    def test_a_person_steers_the_hand(self):
+    def test_person_steers_the_hand(self):
         self.play()
         self.program.order("Steer", by=PERSON)
         aim = self.program.state.q_s.copy()
@@ -103,7 +103,7 @@ class ClientTest(Connected):
             return abs(state.q_s[1] - before - 0.03) < 0.01
         self.states_until(there)
 
-    def test_an_order_that_is_refused_says_why(self):
+    def test_refused_order_gives_the_reason(self):
         with Client(self.address, role="watcher") as watcher, self.assertRaises(Refused) as refused:
             watcher.take_controls()
         self.assertEqual(refused.exception.code, "OnlyWatches")
@@ -121,11 +121,11 @@ class ClientTest(Connected):
         with self.assertRaisesRegex(ValueError, "Arm has no field 'height'"):
             self.program.order("Arm", height=1)
 
-    def test_a_number_that_is_not_finite_raises_at_once_and_is_sent_to_nobody(self):
+    def test_non_finite_number_raises_at_once_and_is_not_sent(self):
         self.play()
         self.program.order("Steer", by=PERSON)
         aim = self.program.state.q_s.astype(float)
-        for at, number in ((0, numpy.nan), (5, -numpy.inf), (2, 1e39)):  # in single precision 1e39 is infinite
+        for at, number in ((0, numpy.nan), (5, -numpy.inf), (2, 1e39)):  # 1e39 is infinite in single precision
             bad = aim.copy()
             bad[at] = number
             with self.assertRaisesRegex(ValueError, re.escape(f"Aim.q[{at}] = {number}: must be finite")):
@@ -135,7 +135,7 @@ class ClientTest(Connected):
                 self.program.order("SetParameter", name="help", value=number)
         self.program.order("Aim", q=aim)
 
-    def test_an_aim_far_beyond_the_range_is_refused_by_name(self):
+    def test_aim_far_beyond_the_range_is_refused_by_name(self):
         self.play()
         self.program.order("Steer", by=PERSON)
         aim = self.program.state.q_s.astype(float)
@@ -143,17 +143,17 @@ class ClientTest(Connected):
             with self.assertRaisesRegex(Refused, r"Aim: an aim of x = -?1e\+09 m: is far beyond the range .*NotAPosture"):
                 self.program.order("Aim", q=numpy.array([number, *aim[1:]]))
         axis = self.program.scene.axes[0]
-        self.program.order("Aim", q=numpy.array([3.0 * axis.upper, *aim[1:]]))  # the arm goes to the end of its range
+        self.program.order("Aim", q=numpy.array([3.0 * axis.upper, *aim[1:]]))  # the arm moves to the end of its range
 
     def test_orders_in_quick_succession_are_all_answered(self):
-        """The program drops what comes faster than 400 a second, an Aim without a word: the client sends no faster."""
+        """The program drops orders beyond 400 a second, an Aim without an answer; the client must not send faster."""
         self.play()
         self.program.order("Steer", by=PERSON)
         aim = self.program.state.q_s.copy()
         for _ in range(1000):
             self.program.order("Aim", timeout_s=HANG_S, q=aim)
 
-    def test_a_program_that_hangs_answers_no_order_and_each_raises_in_time(self):
+    def test_orders_to_a_hanging_program_raise_in_time(self):
         self.program.take_controls()
         self.run.send_signal(signal.SIGSTOP)
         for ask in (lambda: self.program.order("Stop", timeout_s=0.5), lambda: self.program.order("Arm", timeout_s=0.5)):
@@ -164,39 +164,39 @@ class ClientTest(Connected):
         self.run.send_signal(signal.SIGCONT)
         self.program.order("Stop")
 
-    def test_an_emergency_stop_needs_no_controls(self):
+    def test_emergency_stop_needs_no_controls(self):
         self.play()
         with Client(self.address, role="watcher") as watcher:
             watcher.emergency_stop()
             state = self.states_until(lambda state: state.run_state == STOPPED)
         self.assertTrue((state.sent == 0).all())
 
-    def test_a_caller_that_hangs_loses_the_controls(self):
+    def test_hanging_caller_loses_the_controls(self):
         self.play()
-        # A call that takes long is no hang: as of an arming whose rehearsal takes 4 s.
+        # A long call is no hang, such as an arming whose rehearsal takes 4 s.
         self.program._call(asyncio.sleep(HUNG_AFTER_S + 1.0))
         self.assertTrue(self.program.controls.held_by_you)
-        self.program._called_s = float("-inf")  # as after 3 s without a call
+        self.program._called_s = float("-inf")  # the state after 3 s without a call
         with Client(self.address, role="watcher") as watcher:
             until = time.monotonic() + HANG_S
             while watcher.controls.held:
                 self.assertLess(time.monotonic(), until)
                 watcher.next_state(timeout_s=60.0)
 
-    def test_a_program_that_ends_is_reported_at_the_next_call(self):
+    def test_end_of_the_program_is_reported_at_the_next_call(self):
         self.run.kill()
         self.run.wait()
         with self.assertRaisesRegex(Lost, "the connection to the program ended"):
             while True:
                 self.program.next_state(timeout_s=60.0)
 
-    def test_no_program_is_reported_with_the_remedy(self):
+    def test_missing_program_is_reported_with_the_remedy(self):
         with self.assertRaisesRegex(Lost, "no program answers at ws://127.0.0.1:1/ws.*wholehand run"):
             Client("127.0.0.1:1")
         with self.assertRaisesRegex(ValueError, "role = 'dancer': must be therapist, player or watcher"):
             Client(self.address, role="dancer")
 
-    def test_asyncio_hears_events_by_name(self):
+    def test_asyncio_receives_events_by_name(self):
         async def play():
             async with connect(self.address, role="therapist") as program:
                 await program.take_controls()
@@ -207,7 +207,7 @@ class ClientTest(Connected):
         self.assertIn(name, names)
         self.assertEqual(names[event["type"]], name)
 
-    def test_messages_that_were_changed_on_the_way_are_values_or_message_errors(self):
+    def test_corrupted_messages_give_values_or_message_errors(self):
         self.play()
         seen = [bytes(table._generated._tab.Bytes) for table in (self.program.state, self.program.scene)]
         draws = random.Random(SEED)
@@ -224,7 +224,7 @@ class ClientTest(Connected):
 
 
 class BodiesTest(Connected):
-    """A scene that takes bodies of a game, waiting to be armed."""
+    """A program with a scene that accepts bodies of a game, waiting to be armed."""
     options = ("--exercise", SOURCE / "config/exercises/game-scene.toml")
     ASIDE_M = numpy.array([0.5, 0.3, 0.2])
 
@@ -234,7 +234,7 @@ class BodiesTest(Connected):
             if (event.name, event.slot) == (name, slot):
                 return event
 
-    def test_a_body_is_spawned_moved_shown_and_removed(self):
+    def test_body_is_spawned_moved_shown_and_removed(self):
         self.play()
         self.program.prepare_shapes(0, ball(0.03))
         self.program.spawn(Body(slot=2, generation=7, shape_set=0, owner=GAME, position_m=self.ASIDE_M))
@@ -256,7 +256,7 @@ class BodiesTest(Connected):
         self.assertEqual(self.becomes("left", 2).generation, 7)
         self.states_until(lambda _: len(self.program.bodies.bodies) == 0)
 
-    def test_bodies_beyond_the_slots_are_registered_shown_and_simulated_near_the_hand(self):
+    def test_registered_bodies_are_shown_and_simulated_near_the_hand(self):
         self.play()
         self.program.prepare_shapes(0, ball(0.03))
         near = [Body(slot=1000 + i, shape_set=0, owner=FIXED, position_m=(0.1, 0.25, 0.1 * i)) for i in range(3)]
@@ -287,7 +287,7 @@ class BodiesTest(Connected):
         self.program.remove((1000, 1), (2060, 4))
         self.states_until(lambda _: len(self.program.registered) == 62)
 
-    def test_what_is_refused_is_named(self):
+    def test_refused_items_are_named(self):
         self.program.take_controls()
         with self.assertRaises(Refused) as refused:
             self.program.teleport((0, 1, self.ASIDE_M))
@@ -310,52 +310,52 @@ class BodiesTest(Connected):
             self.program.spawn(good, Body(slot=1, shape_set=1, position_m=(9, 0, 0)),
                                Body(slot=64, shape_set=1, position_m=self.ASIDE_M))
         self.assertEqual([item[:2] for item in refused.exception.items], [(1, "BadPose"), (2, "NoSuchSlot")])
-        self.becomes("solid")  # the good one
+        self.becomes("solid")  # the valid order
         self.program.remove((0, 3))
         self.assertEqual(self.becomes("refused").refusal, "WrongGeneration")
         with Client(self.address) as other, self.assertRaises(Refused) as refused:
             other.remove((0, 1))
         self.assertEqual(refused.exception.code, "NotHolder")
 
-    def test_the_example_drops_a_ball_on_the_hand(self):
+    def test_example_drops_a_ball_on_the_hand(self):
         self.program.close()
         done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/drop_a_ball.py", "--address", self.address],
                               cwd=SOURCE, capture_output=True, text=True, timeout=HANG_S,
                               env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"solid\n(touched with [\d.]+ N·s\n)+left; it pressed with [\d.]+ N at most")
-        # It falls from 0.15 m above the middle of the palm, at 1.5 m/s at most: 0.2 kg have 0.31 N·s.
+        # It falls from 0.15 m above the centre of the palm, at 1.5 m/s at most: 0.2 kg have 0.31 N·s.
         self.assertTrue(0.005 < float(re.search(r"with ([\d.]+) N·s", done.stdout).group(1)) < 0.35, done.stdout)
         self.assertGreater(float(re.search(r"pressed with ([\d.]+) N", done.stdout).group(1)), 0.1)
 
 
 def block(heading):
-    """The first Python lines of README.md under a heading."""
+    """The first Python code of README.md under a heading."""
     return (SOURCE / "clients/python/README.md").read_text().split(f"\n## {heading}\n")[1].split("```python\n")[1].split("```")[0]
 
 
 class Readme(Connected):
-    """The lines of clients/python/README.md, as they stand there."""
+    """The code of clients/python/README.md, run unchanged."""
     options = ("--exercise", "game-scene")
 
     def ran(self, heading, **names):
-        """The names that the lines leave behind."""
+        """Runs the code under a heading and returns its names."""
         with contextlib.redirect_stdout(io.StringIO()) as self.said:
             exec(block(heading).replace("127.0.0.1:8080", self.address), names)  # noqa: S102
         return names
 
-    def test_the_hand_is_steered(self):
+    def test_steering_code_runs(self):
         names = self.ran("Steer the hand")
-        self.assertGreaterEqual(len(self.said.getvalue().splitlines()), 300)  # long arrays take two
+        self.assertGreaterEqual(len(self.said.getvalue().splitlines()), 300)  # long arrays take two lines
         self.assertTrue(numpy.isfinite(names["state"].sent).all())
 
-    def test_bodies_are_brought_and_links_are_found(self):
+    def test_code_for_bodies_and_links_runs(self):
         self.ran("Bring bodies", program=self.program)
-        self.states_until(lambda _: len(self.program.bodies.bodies) == 0)  # removed again
+        self.states_until(lambda _: len(self.program.bodies.bodies) == 0)  # the bodies are removed at the end
         poses = self.ran("Where the links are", program=self.program, state=self.program.state)["poses"]
         self.assertEqual(poses.shape, (len(self.program.scene.links), 4, 4))
 
-    def test_a_recording_is_read(self):
+    def test_code_for_recordings_runs(self):
         self.record(duration=0.3)
         before = os.getcwd()
         self.addCleanup(os.chdir, before)
@@ -366,7 +366,7 @@ class Readme(Connected):
 
 
 def readable(data):
-    """Whether all of it can be read; anything but a MessageError is raised."""
+    """Whether the whole message can be read; any exception except MessageError is raised."""
     try:
         message = messages.decode(data)
         for name in messages.field_names(type(message._generated)):
@@ -380,12 +380,12 @@ def readable(data):
 
 
 class Messages(unittest.TestCase):
-    def test_structs_are_as_large_as_flatc_makes_them(self):
+    def test_structs_have_the_sizes_of_flatc(self):
         for name, dtype in messages.STRUCTS.items():
             generated = getattr(importlib.import_module(f"wholehand.protocol.{name}"), name)
             self.assertEqual(generated.SizeOf(), dtype.itemsize, name)
 
-    def test_every_field_of_the_schema_can_be_asked_for(self):
+    def test_every_field_of_the_schema_is_accessible(self):
         schema = (pathlib.Path(__file__).resolve().parents[2] / "protocol/wholehand.fbs").read_text()
         tables = 0
         for module in pkgutil.iter_modules(wholehand.protocol.__path__):
@@ -402,7 +402,7 @@ class Messages(unittest.TestCase):
                     messages._reader(generated, name)
         self.assertGreater(tables, 30)
 
-    def test_bytes_of_others_are_refused_with_the_reason(self):
+    def test_invalid_bytes_are_refused_with_the_reason(self):
         heartbeat = messages.encode(1, "Heartbeat")
         self.assertEqual(messages.decode(heartbeat).kind, "Command")
         for data, why in ((b"", "not a message of Wholehand's"), (b"\0\0\0\0ABCD", "not a message of Wholehand's"),
@@ -434,7 +434,7 @@ class Recordings(AppTest):
         self.assertEqual(data["sent"].attrs["units"][0], "N")
         self.assertAlmostEqual(float(data["time_s"][-1]), 1e-3 * (len(numbers) - 1))
 
-    def test_every_way_to_the_ticks_gives_unpacked_numbers(self):
+    def test_every_access_to_ticks_gives_decoded_numbers(self):
         with wholehand.open(self.record(duration=0.2)) as run:
             numbers = run["ticks/qd_s"][:]
             self.assertTrue((run.to_pandas("qd_s")["qd_s"].to_numpy() == numbers).all())
@@ -453,13 +453,13 @@ class Examples(AppTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def test_a_recording_is_looked_at(self):
+    def test_recording_example_runs(self):
         said = self.said("look_at_a_recording.py", self.record(duration=0.5))
         self.assertRegex(said, r"Four shapes, reach-grasp-00: \d+ ticks, 0\.5\d s, touching for 0\.00 s")
         self.assertRegex(said, r"finger_flexion +[\d.]+ rad +[\d.]+ N·m")
 
-    # Untouched, the coupling's spring only accelerates the hand: twice as stiff, about half the lag.
-    def test_a_stiffer_coupling_lags_less_until_it_is_refused(self):
+    # Without contact, the coupling's spring only accelerates the hand: twice the stiffness gives about half the lag.
+    def test_stiffer_coupling_lags_less_until_it_is_refused(self):
         said = self.said("sweep_a_gain.py", "--program", BINARY, "--stiffness", 400, 800, 4000, "--seconds", 1.5)
         lags_mm = [float(lag) for lag in re.findall(r"N/m +([\d.]+) mm", said)]
         self.assertEqual(len(lags_mm), 2, said)

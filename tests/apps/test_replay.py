@@ -1,4 +1,4 @@
-"""`wholehand replay --resimulate`: bit by bit the same, or the first tick and field that differ."""
+"""`wholehand replay --resimulate`: bit-identical, or the first tick and field that differ."""
 import json
 import os
 import shutil
@@ -12,7 +12,7 @@ from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, INTE
 
 
 def flip_last_bit(path, dataset, row, column=None):
-    """Changes the lowest bit of one recorded number: the smallest change there is."""
+    """Changes the lowest bit of one recorded number, which is the smallest possible change."""
     with h5py.File(path, "r+", libver="latest") as f:
         values = f[dataset]
         at = (row,) if column is None else (row, *column) if isinstance(column, tuple) else (row, column)
@@ -34,14 +34,14 @@ class Same(AppTest):
                             CONFIG / "patients/no-arm.toml"],
     }
 
-    def test_simulated_clock(self):
+    def test_run_on_the_simulated_clock_is_identical(self):
         for name, arguments in self.CASES.items():
             with self.subTest(name):
                 path = self.record("run.h5", *arguments, duration=9.0 if FULL or not arguments else 4.0)
                 self.expect_same_when_run_again(path)
 
-    def test_a_hand_that_meets_itself(self):
-        # A fist on nothing, made within a second and opened again: thumb and fingers stop each other.
+    def test_hand_that_touches_itself_is_identical(self):
+        # An empty fist, closed within a second and opened again: thumb and fingers stop each other.
         lines = ["time_s,x_m,y_m,z_m,finger_flexion_rad,thumb_circumduction_rad,thumb_flexion_rad"]
         for k in range(451):
             closed = min(1.0, k / 100, (450 - k) / 100)
@@ -52,19 +52,19 @@ class Same(AppTest):
         with read_recording(path) as f:
             apart = numpy.abs(f["ticks/q_s"][:] - f["ticks/q_m"][:]).max(axis=0)
             self.assertEqual(f["ticks/contact_count"][:].max(), 0)
-        self.assertGreater(apart[5], 0.01)  # the thumb was stopped, by no body [rad]
+        self.assertGreater(apart[5], 0.01)  # the fingers stopped the thumb [rad]
         self.expect_same_when_run_again(path)
 
-    def test_the_same_files_twice_give_the_same_ticks(self):
+    def test_same_files_give_the_same_ticks(self):
         first, second = self.record("a.h5"), self.record("b.h5")
         with read_recording(first) as a, read_recording(second) as b:
             for name in ("q_m", "theta", "sent", "bodies", "coupling"):
                 self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
 
-    def test_real_time_with_skipped_ticks(self):
+    def test_real_time_run_with_skipped_ticks_is_identical(self):
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "600", "--record", "run.h5", "--json", "run.json")
         self.wait_until_it_renders(run)
-        for _ in range(3):  # the machine stalls
+        for _ in range(3):  # simulates stalls of the machine
             run.send_signal(signal.SIGSTOP)
             time.sleep(0.05)
             slept = loop_sleeps(run.pid)
@@ -76,14 +76,14 @@ class Same(AppTest):
         summary = json.loads((self.folder / "run.json").read_text())
         with read_recording(self.folder / "run.h5") as f:
             tick, elapsed = f["ticks/tick"][:], f["ticks/elapsed_periods"][:]
-        # Skipped periods keep their place in time: no burst, no drift; all of them are reported.
+        # Skipped periods keep their place in time: no burst and no drift; all of them are reported.
         self.assertGreaterEqual((elapsed > 20).sum(), 3)
         self.assertTrue((tick[1:].astype(int) - tick[:-1].astype(int) == elapsed[1:]).all())
         self.assertGreaterEqual(summary["missed_deadlines"], 3)
         self.assertEqual(summary["ticks"], tick[-1] + 1)
         self.expect_same_when_run_again("run.h5")
 
-    def test_leaves_nothing_behind(self):
+    def test_resimulation_leaves_no_files(self):
         path = self.record(duration=0.3)
         scratch = self.folder / "scratch"
         scratch.mkdir()
@@ -95,10 +95,10 @@ class Same(AppTest):
 
 
 class BlackBox(AppTest):
-    """The box of a run that is crashed from outside; crashes and faults of all kinds: test_black_box*."""
+    """The black box file of a run crashed from outside; test_black_box* tests all kinds of crashes and faults."""
 
     def crash(self, *arguments, after=1.0, written=None):
-        """`written`: a recording in whose file there are ticks by then."""
+        """@param written a recording whose file must contain ticks before the crash"""
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "60", *arguments)
         time.sleep(after)
         self.wait_until_it_renders(run)
@@ -116,7 +116,7 @@ class BlackBox(AppTest):
         except (OSError, KeyError):
             return 0
 
-    def test_crashed_run_says_where_its_box_is_and_the_box_is_good(self):
+    def test_crashed_run_reports_its_black_box_file_which_is_valid(self):
         said = self.crash("--record", "run.h5", written="run.h5")
         self.assertIn("wholehand: crashed; the last seconds are in run.wbb: "
                       "wholehand replay run.wbb --resimulate", said)
@@ -134,14 +134,14 @@ class BlackBox(AppTest):
                                  run["ticks/" + name][:][numpy.isin(recorded, common)].tobytes(), name)
         self.expect(self.run_app("report", "run.wbb", "--out", "report"), DONE)
 
-    def test_run_without_recording_leaves_its_box_in_a_folder_of_its_own(self):
+    def test_run_without_recording_leaves_its_black_box_file_in_a_new_folder(self):
         said = self.crash("--json", "run.json")
         names = [n for n in self.names_in(self.folder) if n.endswith(".wbb")]
         self.assertEqual(len(names), 1, names)
         self.assertRegex(names[0], r"^out/blackbox/\d{8}-\d{6}-[0-9a-f]{8}\.wbb$")
         self.assertIn(names[0], said)
 
-    def test_run_without_fault_leaves_none(self):
+    def test_run_without_fault_leaves_no_black_box_file(self):
         self.record(duration=0.3)
         self.assertEqual(self.names_in(self.folder), ["run.h5"])
 
@@ -150,7 +150,7 @@ class BlackBox(AppTest):
         self.expect_refused(self.run_app("replay", path, "--extract", "x.h5"), "is a recording already", lines=1)
         self.assertFalse((self.folder / "x.h5").exists())
 
-    def test_extract_of_a_corrupted_box_is_refused(self):
+    def test_extract_of_a_corrupted_black_box_file_is_refused(self):
         self.crash("--record", "crashed.h5", after=0.0)
         whole = (self.folder / "crashed.wbb").read_bytes()
         self.write("cut.wbb", whole[: len(whole) // 2])
@@ -158,7 +158,7 @@ class BlackBox(AppTest):
             self.expect_refused(self.run_app(*arguments, "cut.wbb"), "cut.wbb", "cut off", lines=1)
         self.assertFalse((self.folder / "x.h5").exists())
 
-    def test_recording_that_misses_ticks_says_which(self):
+    def test_missing_ticks_of_a_recording_are_reported(self):
         path = self.record(duration=0.5)
         with h5py.File(path, "r+", libver="latest") as f:
             f["ticks/tick"][300:] += 7
@@ -171,14 +171,14 @@ class Different(AppTest):
         super().setUp()
         self.path = self.record(duration=1.5)
 
-    def test_recording_of_another_version_says_so(self):
+    def test_recording_of_another_version_is_reported(self):
         with h5py.File(self.path, "r+", libver="latest") as f:
             f["meta"].attrs["git_version"] = "0.0.9 (older)"
         flip_last_bit(self.path, "ticks/f_s", 700, 2)
         result = self.expect(self.run_app("replay", "--resimulate", self.path), DIFFERENT)
         self.assertIn("(recorded by 0.0.9 (older), this is ", result.out)
 
-    def test_recording_of_this_version_says_nothing_of_versions(self):
+    def test_recording_of_this_version_mentions_no_version(self):
         self.assertNotIn("recorded by", self.changed("ticks/f_s", 700, 2).out)
 
     def changed(self, dataset, row, column=None):
@@ -187,7 +187,7 @@ class Different(AppTest):
         flip_last_bit(copy, dataset, row, column)
         return self.run_app("replay", "--resimulate", copy)
 
-    def test_one_bit_of_a_number_is_found_where_it_was_changed(self):
+    def test_changed_bit_of_a_number_is_reported_at_its_place(self):
         for dataset, row, column, where in (("f_s", 700, 2, "f_s of z"), ("sent", 700, 1, "sent of y"),
                                             ("theta", 1499, 3, "theta[3]"), ("bodies", 1000, (1, 0), "bodies[13]"),
                                             ("rendered", 321, 0, "rendered of x"),
@@ -196,23 +196,23 @@ class Different(AppTest):
                 result = self.changed("ticks/" + dataset, row, column)
                 self.expect(result, DIFFERENT, f"tick {row} has other numbers than its digest says", where + ":")
 
-    def test_a_digest_that_differs_is_named(self):
+    def test_differing_digest_is_reported(self):
         self.expect(self.changed("ticks/digest", 500), DIFFERENT, "tick 500 differs by its digest",
                     "no tick in single precision")
 
-    def test_one_bit_of_an_input_changes_what_follows(self):
-        # q_m is an input: the tick takes the changed one, and what it computes from it differs. Its last
-        # bit is far below single precision: the digest shows it at once.
+    def test_changed_bit_of_an_input_is_found(self):
+        # q_m is an input: the tick uses the changed value, and its results differ. The last bit is far below single
+        # precision, so the digest shows it first.
         result = self.expect(self.changed("ticks/q_m", 800, 1), DIFFERENT)
         self.assertRegex(result.out, r"tick 800 differs by its digest")
 
-    def test_a_row_or_a_column_that_is_missing_is_named(self):
+    def test_missing_row_or_column_is_named(self):
         with h5py.File(self.path, "r+", libver="latest") as f:
             del f["ticks/phi"]
         for arguments in (["replay", "--resimulate"], ["report", "--out", "report"]):
             self.expect_refused(self.run_app(*arguments, self.path), "has no dataset 'phi'", lines=1)
 
-    def test_another_configuration_is_not_the_same(self):
+    def test_other_configuration_is_reported_as_different(self):
         copy = self.folder / "changed.h5"
         shutil.copy(self.path, copy)
         with h5py.File(copy, "r+", libver="latest") as f:
@@ -227,7 +227,7 @@ class Different(AppTest):
 
 
 def replace_text(f, group, text, name=None):
-    """Writes another text over an embedded file, with the attributes it had."""
+    """Replaces the text of an embedded file and keeps its attributes."""
     old = f["meta/files"][group]
     attributes = dict(old.attrs)
     dtype, shape = old.dtype, old.shape
@@ -254,9 +254,9 @@ class Foreign(AppTest):
         for arguments in self.commands(path):
             with self.subTest(" ".join(map(str, arguments))):
                 self.expect_refused(self.run_app(*arguments), str(path), *texts, lines=1)
-        self.assertEqual(self.names_in(self.folder), before)  # nothing half-written
+        self.assertEqual(self.names_in(self.folder), before)  # no partial file
 
-    def test_what_is_no_recording(self):
+    def test_other_files_are_refused(self):
         self.write("text.h5", "time,force\n0,1\n")
         self.write("empty.h5", "")
         self.write("garbage.h5", bytes(range(256)) * 4000)
@@ -266,7 +266,7 @@ class Foreign(AppTest):
         for name in ("text.h5", "empty.h5", "garbage.h5", "folder.h5", "foreign.h5", "missing.h5"):
             self.expect_all_refuse(name)
 
-    def test_truncated(self):
+    def test_truncated_recording_is_refused(self):
         whole = self.record(duration=0.5).read_bytes()
         for share in (0.02, 0.3, 0.7, 0.99):
             self.write("cut.h5", whole[: int(len(whole) * share)])
@@ -276,7 +276,7 @@ class Foreign(AppTest):
         whole = self.record(duration=1.0).read_bytes()
         for trial in range(300 if FULL else 20):
             corrupted = bytearray(whole)
-            # Everywhere, or in the second half, where the ticks are and one may still be read.
+            # Anywhere, or in the second half, where the ticks are and one may still be read.
             first = 0 if trial % 2 else len(corrupted) // 2
             for _ in range(self.random.randrange(1, 100)):
                 at = self.random.randrange(first, len(corrupted))
@@ -287,7 +287,7 @@ class Foreign(AppTest):
                 self.assertIn(result.code, (DONE, DIFFERENT, BAD_INPUT), result)
                 self.assertNotIn("HDF5-DIAG", result.err)
 
-    def test_later_version_says_so(self):
+    def test_recording_of_a_later_version_is_refused(self):
         path = self.record(duration=0.2)
         with h5py.File(path, "r+", libver="latest") as f:
             version = f["meta"].attrs["schema_version"]
@@ -296,7 +296,7 @@ class Foreign(AppTest):
         with self.assertRaisesRegex(ValueError, "run.h5: schema_version = 99: .* update it"):
             read_recording(path)
 
-    def test_earlier_version_says_which_program_reads_it(self):
+    def test_earlier_version_is_refused_with_the_program_that_reads_it(self):
         path = self.record(duration=0.2)
         with h5py.File(path, "r+", libver="latest") as f:
             f["meta"].attrs.modify("schema_version", numpy.uint64(8))
@@ -305,7 +305,7 @@ class Foreign(AppTest):
         with self.assertRaisesRegex(ValueError, "run.h5: schema_version = 8: .* of its time"):
             read_recording(path)
 
-    def test_file_names_that_escape_are_refused(self):
+    def test_embedded_file_names_outside_the_folder_are_refused(self):
         path = self.record(duration=0.2)
         victim = self.folder / "victim.toml"
         for name in ("../../../../../../../.." + str(victim), str(victim), "a/../../victim.toml", ".."):
@@ -326,7 +326,7 @@ class Foreign(AppTest):
         self.expect_refused(self.run_app("replay", "--resimulate", path), "run.h5",
                             "carries no scene file", lines=1)
 
-    def test_fault_of_an_embedded_file_is_named_by_the_recording(self):
+    def test_error_in_an_embedded_file_names_the_recording(self):
         path = self.record(duration=0.2)
         with h5py.File(path, "r+", libver="latest") as f:
             for group in list(f["meta/files"]):
@@ -338,7 +338,7 @@ class Foreign(AppTest):
                                      "run.h5: config/devices/lambda-pride.toml:", "version = 2")
         self.assertNotIn("/tmp", result.err.replace(str(self.folder), ""))
 
-    def test_no_folder_for_temporary_files_is_said(self):
+    def test_missing_folder_for_temporary_files_is_reported(self):
         path = self.record(duration=0.2)
         environment = dict(os.environ, TMPDIR=str(self.folder / "none"))
         self.expect_refused(self.run_app("replay", "--resimulate", path, env=environment),

@@ -1,4 +1,4 @@
-"""`wholehand replay --web`: what pages get of a recording, over HTTP; and every file that is refused."""
+"""`wholehand replay --web`: the answers about recordings over HTTP, and every kind of refused file."""
 import http.client
 import json
 import pathlib
@@ -14,7 +14,7 @@ from app import HANG_S, INTERRUPTED, MOTION, AppTest, lose_ticks, main, read_rec
 
 class ReplayWeb(AppTest):
     def serve(self, *files):
-        """Starts the server; the address that it prints first."""
+        """Starts the server and stores the address that it prints first."""
         run = self.start_app("replay", "--web", files[0], *(["--beside", files[1]] if len(files) > 1 else []),
                              "--port", 0)
         self.url = run.stdout.readline().strip()
@@ -41,7 +41,7 @@ class ReplayWeb(AppTest):
         return json.loads(self.ask(question, name, status))["error"]
 
     def states(self, tick, count=1, step=1, name="run.h5"):
-        """The messages, each with its identifier."""
+        """The state messages, after a check of their identifiers."""
         body, messages = self.ask(f"states?tick={tick}&count={count}&step={step}", name), []
         while body:
             size = struct.unpack_from("<I", body)[0]
@@ -52,7 +52,7 @@ class ReplayWeb(AppTest):
         return messages
 
     def series(self, from_s, to_s, columns, name="run.h5"):
-        """Header, and low and high by channel."""
+        """The header, and low and high of each channel."""
         body = self.ask(f"series?from_s={from_s}&to_s={to_s}&columns={columns}", name)
         size = struct.unpack_from("<I", body)[0]
         self.assertEqual((4 + size) % 4, 0)
@@ -62,7 +62,7 @@ class ReplayWeb(AppTest):
 
 
 class Shown(ReplayWeb):
-    def test_every_endpoint_of_two_recordings(self):
+    def test_every_endpoint_answers_for_two_recordings(self):
         first = self.record("bar run.h5", "--exercise", "cocktail-bar", duration=4.0)
         second = self.record("run.h5", duration=1.5)
         run = self.serve(first, second)
@@ -84,7 +84,7 @@ class Shown(ReplayWeb):
         self.assertEqual(scene[4:8], b"WHND")
         self.assertIn(b"cocktail-bar", scene)
         self.assertEqual(len(self.states(0, 256, 4, "bar run.h5")), 256)
-        self.assertEqual(len(self.states(ticks - 2, 10, 1, "bar run.h5")), 2)  # fewer at the end
+        self.assertEqual(len(self.states(ticks - 2, 10, 1, "bar run.h5")), 2)  # fewer states at the end
 
         header, channels = self.series(1.0, 3.0, 50, "bar run.h5")
         rows = (time_s >= 1.0) & (time_s < 3.0)
@@ -98,15 +98,15 @@ class Shown(ReplayWeb):
 
         readers = [pid for task in pathlib.Path(f"/proc/{run.pid}/task").iterdir()
                    for pid in (task / "children").read_text().split()]
-        self.assertEqual(len(readers), 3)  # of the first for moments and for plots, of the second for what it is
-        for pid in readers:  # where memory runs out, they go first
+        self.assertEqual(len(readers), 3)  # states and plots of the first, description of the second
+        for pid in readers:  # if memory runs out, they are killed first
             self.assertEqual(pathlib.Path(f"/proc/{pid}/oom_score_adj").read_text(), "1000\n")
 
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=HANG_S)
         self.assertEqual((run.returncode, complained), (INTERRUPTED, ""), said)
 
-    def test_questions_that_are_none_are_refused(self):
+    def test_invalid_questions_are_refused(self):
         self.record("run.h5", duration=0.2)
         self.serve("run.h5")
         for question, texts in (("series?from_s=2&to_s=1&columns=9", ["to_s = 1", "not after from_s"]),
@@ -123,7 +123,7 @@ class Shown(ReplayWeb):
             with self.subTest(path):
                 self.assertIn(self.get(path)[0], (400, 404))
 
-    def test_hole_is_a_gap_and_what_follows_is_shown(self):
+    def test_missing_ticks_are_a_gap_and_later_ticks_are_shown(self):
         path = self.record("run.h5", duration=1.5)
         ticks = lose_ticks(path, 500, 700)
         self.serve(path)
@@ -133,7 +133,7 @@ class Shown(ReplayWeb):
         self.assertEqual([(round(g["from_s"], 3), round(g["to_s"], 3), g["ticks"]) for g in gaps], [(0.5, 0.7, 200)])
         self.assertEqual(len(self.states(499, 2)), 2)
 
-    def test_killed_and_still_written_recordings_are_read_as_far_as_they_go(self):
+    def test_killed_and_unfinished_recordings_are_read_up_to_their_end(self):
         run = self.start_app("run", "--motion", MOTION, "--no-web",
                              "--duration", 600, "--record", "run.h5")
 
@@ -150,7 +150,7 @@ class Shown(ReplayWeb):
         self.assertGreaterEqual(before["ticks"], 500)
         self.assertEqual(len(self.states(before["ticks"] - 1)), 1)
         self.wait_until(run, lambda: ticks() > before["ticks"] + 500)
-        after = self.about()  # a page that reads on
+        after = self.about()  # as a page that keeps reading
         self.assertGreater(after["ticks"], before["ticks"] + 300)
         self.assertEqual(len(self.states(after["ticks"] - 1)), 1)
         run.kill()
@@ -161,7 +161,7 @@ class Shown(ReplayWeb):
 
 
 class Refused(ReplayWeb):
-    def test_paths_are_judged_before_anything_is_served(self):
+    def test_paths_are_checked_before_the_server_starts(self):
         (self.folder / "x.h5").mkdir()
         for path, text in (("none.h5", "does not exist"), ("x.h5", "is no regular file")):
             self.expect_refused(self.run_app("replay", "--web", path), path, text, lines=1)
@@ -170,7 +170,7 @@ class Refused(ReplayWeb):
         self.expect_refused(self.run_app("replay", path, "--beside", path), "--web")
         self.expect_refused(self.run_app("replay", "--web", "--resimulate", path), "--resimulate")
 
-    def test_files_that_are_no_recordings_say_so(self):
+    def test_other_files_are_reported_as_no_recordings(self):
         good = self.record("good.h5", duration=1.0).read_bytes()
         (self.folder / "good.h5").unlink()
         path = self.folder / "run.h5"
@@ -208,7 +208,7 @@ class Refused(ReplayWeb):
                 run.kill()
                 run.wait()
 
-    def test_one_corrupted_chunk_costs_its_second(self):
+    def test_corrupted_chunk_loses_only_its_second(self):
         path = self.record("run.h5", duration=2.5)
         with h5py.File(path, "r") as f:
             chunk = f["ticks/q_s"].id.get_chunk_info(1)
@@ -220,9 +220,9 @@ class Refused(ReplayWeb):
         self.serve(path)
         self.assertEqual(self.about()["ticks"], ticks)
         self.assertIn("cannot be read", self.error(f"states?tick={first}&count=1&step=1"))
-        self.assertEqual(len(self.states(first - 2, 10)), 2)  # up to it
+        self.assertEqual(len(self.states(first - 2, 10)), 2)  # states up to the damaged chunk
         self.assertEqual(len(self.states(first + rows)), 1)
-        header, channels = self.series(-0.0005, 1.9995, 2000)  # each tick amid its column
+        header, channels = self.series(-0.0005, 1.9995, 2000)  # each tick is at the centre of its column
         self.assertIs(header["truncated"], True)
         dark = numpy.isnan(channels["q_m", 0][0])
         self.assertTrue(dark[first:first + rows].all())

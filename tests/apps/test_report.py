@@ -1,4 +1,4 @@
-"""`wholehand replay --report`, `report` and `run --report`: one file that needs nothing else, and what stands in it."""
+"""`wholehand replay --report`, `report` and `run --report`: one self-contained file, and its contents."""
 import base64
 import json
 import os
@@ -22,7 +22,7 @@ def unpacked(text):
 
 
 class Series:
-    """The answer "series" of src/replay/replay_question.hpp, read by another implementation than the page's."""
+    """The answer "series" of src/replay/replay_question.hpp, read independently of the page's code."""
 
     def __init__(self, message):
         length = int.from_bytes(message[:4], "little")
@@ -43,7 +43,7 @@ class ReportTest(AppTest):
 
 
 class OneFile(ReportTest):
-    def test_asks_nobody_for_anything(self):
+    def test_page_requests_nothing_from_the_network(self):
         path = self.record(duration=0.5)
         self.report(path)
         self.assertEqual(self.names_in(self.folder), ["page.html", "run.h5"])
@@ -53,18 +53,18 @@ class OneFile(ReportTest):
             self.assertTrue(reference.startswith(("#", "data:")), reference)
         self.assertNotRegex(page, r"<(script|link|img|iframe)[^>]*(src|href)=\"(?!data:)")
         self.assertNotRegex(page, r"@import|url\(\s*['\"]?(?!#|data:|['\"]?#|\$)https?:")
-        # Whatever it would ask for, the browser refuses.
+        # The browser blocks any request of the page.
         policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page).group(1)
         self.assertIn("default-src 'none'", policy)
         self.assertNotRegex(policy, r"connect-src|https?:|'self'|\*")
 
-    def test_three_ways_make_the_same_page(self):
+    def test_three_commands_make_the_same_page(self):
         path = self.record(duration=0.5)
         self.report(path)
         self.expect(self.run_app("report", path, "--out", "folder"), DONE, "folder/index.html")
         self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
 
-    def test_names_stay_names(self):
+    def test_names_are_not_interpreted_as_markup(self):
         path = self.record(duration=0.3)
         for name in ("</script><script>alert(1)</script><!--", "محمد علي", "x" * 200, 'a"b\\c&lt;'):
             with self.subTest(name[:20]):
@@ -74,7 +74,7 @@ class OneFile(ReportTest):
                 self.assertEqual(data["about"]["title"], name)
                 self.assertNotIn("alert(1)</script>", (self.folder / "page.html").read_text())
 
-    def test_name_of_10_kb_is_refused_and_named(self):
+    def test_name_of_10_kb_is_refused(self):
         path = self.record(duration=0.3)
         with h5py.File(path, "r+", libver="latest") as f:
             f["meta"].attrs["title"] = numpy.bytes_(b"x" * 10_000)
@@ -83,7 +83,7 @@ class OneFile(ReportTest):
 
 
 class SessionBefore(ReportTest):
-    def test_its_figures_stand_beside_those_of_the_recording(self):
+    def test_figures_of_the_earlier_session_are_beside_those_of_the_recording(self):
         before = self.record("before.h5", "--exercise", "cocktail-bar", "--seed", "2", duration=12)
         now = self.record("now.h5", "--exercise", "cocktail-bar", duration=2)
         own = self.report(before, "own.html")
@@ -95,11 +95,11 @@ class SessionBefore(ReportTest):
         events, own_events = (Series(unpacked(page["series"])).header["events"] for page in (data["before"], own))
         self.assertEqual(events, own_events)
         self.assertIn("drink_done", [own["about"]["event_names"][event["type"]] for event in events])
-        self.assertEqual(data["before"]["states"]["rows"][-1], own["states"]["rows"][-1])  # whence the stars come
+        self.assertEqual(data["before"]["states"]["rows"][-1], own["states"]["rows"][-1])  # for the stars
         self.expect(self.run_app("report", now, "--out", "folder", "--before", before), DONE)
         self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
 
-    def test_of_another_hand_device_and_exercise_is_reported_as_it_was(self):
+    def test_earlier_session_with_another_hand_device_and_exercise_is_reported(self):
         before = self.record("before.h5", "--device", str(SOURCE / "config/devices/desktop-3axis.toml"),
                              "--hand", str(SOURCE / "config/hands/woman-p05-left.toml"), duration=0.5)
         now = self.record("now.h5", "--exercise", "cocktail-bar", duration=0.5)
@@ -109,7 +109,7 @@ class SessionBefore(ReportTest):
             self.assertNotEqual(data["about"][what], data["before"]["about"][what])
         self.assertEqual([len(page["therapy"]["limits"]) for page in (data, data["before"])], [6, 3])
 
-    def test_that_is_none_is_refused_and_nothing_is_written(self):
+    def test_invalid_earlier_recording_is_refused_and_nothing_is_written(self):
         now = self.record("now.h5", duration=0.3)
         (self.folder / "link.h5").symlink_to(now)
         self.write("text.h5", "no recording")
@@ -121,7 +121,7 @@ class SessionBefore(ReportTest):
 
 
 class WhatIsInIt(ReportTest):
-    def test_extremes_are_those_of_the_recording(self):
+    def test_extremes_equal_those_of_the_recording(self):
         path = self.record("bar.h5", "--exercise", "cocktail-bar", duration=12)
         data = self.report(path)
         series = Series(unpacked(data["series"]))
@@ -141,7 +141,7 @@ class WhatIsInIt(ReportTest):
                 there = own[column == at]
                 self.assertEqual((low[at], high[at]), (there.min(), there.max()), (name, axis, at))
         self.assertEqual(compared, 5 * 6 + len(data["about"]["value_names"]))
-        # What the exercise counts, as the summary says it.
+        # The figures of the exercise, as in the summary.
         self.assertEqual([line["name"] for line in data["about"]["result"]], ["poured_total_l", "spilt_l", "score"])
         self.assertIn("drink_done", [data["about"]["event_names"][e["type"]] for e in series.header["events"]])
         self.assertEqual(data["states"]["rows"][-1], len(time) - 1)
@@ -167,7 +167,7 @@ class WhatIsInIt(ReportTest):
         (gap,) = Series(unpacked(data["series"])).header["gaps"]
         self.assertEqual(gap["ticks"], 700)
 
-    def test_recording_without_its_files_has_no_picture_and_everything_else(self):
+    def test_recording_without_its_files_has_all_but_the_picture(self):
         path = self.record(duration=0.5)
         with h5py.File(path, "r+", libver="latest") as f:
             for group in f["meta/files"].values():
@@ -190,7 +190,7 @@ class HowItGoes(ReportTest):
               f"{(self.folder / 'page.html').stat().st_size / 1e6:.2f} MB")
         self.assertLess(used_s, 2.0)
 
-    def test_progress_is_said_on_a_terminal(self):
+    def test_progress_is_shown_on_a_terminal(self):
         path = self.record(duration=12)
         terminal, other_end = pty.openpty()
         run = subprocess.run([str(BINARY), "replay", str(path), "--report", "page.html"], cwd=self.folder,
@@ -200,7 +200,7 @@ class HowItGoes(ReportTest):
         self.assertIn(b"Reading the recording: ", os.read(terminal, 10_000))
         os.close(terminal)
 
-    def test_pages_that_are_not_built_are_named_with_how_to_build_them(self):
+    def test_missing_pages_are_reported_with_how_to_build_them(self):
         path = self.record(duration=0.3)
         tree = self.folder / "tree/bin"
         tree.mkdir(parents=True)
@@ -211,7 +211,7 @@ class HowItGoes(ReportTest):
         self.expect_refused(self.run_app("replay", path, "--report", "page.html", binary=binary),
                             "web/dist/report.html", "npm run build", lines=1)
         self.assertFalse((self.folder / "page.html").exists())
-        # Asked for by name, it is refused before the device is armed; else the run is kept without it.
+        # A report requested by name is refused before the device is armed; otherwise the run is recorded without one.
         self.expect_refused(self.run_app(*FREE_RUN, "--simulated-clock", "--report", "r", binary=binary),
                             "npm run build", lines=1)
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.2", binary=binary), DONE,

@@ -1,11 +1,11 @@
-"""What an exercise comes to in the end: in the summary, in --json, in the recording and in the report."""
+"""The results of an exercise: in the summary, in --json, in the recording and in the report."""
 import json
 
 from app import DONE, FREE_RUN, AppTest, main, read_recording, report_data
 
 
 class Results(AppTest):
-    def test_of_an_exercise_that_is_not_the_bar_are_reported_everywhere(self):
+    def test_results_of_an_exercise_other_than_the_bar_are_reported_everywhere(self):
         # The virtual patient has held all three levels after 15 s.
         result = self.run_app("run", "--exercise", "squeeze-to-level", "--simulated-clock", "--duration", 25,
                               "--record", "s.h5", "--json", "s.json", "--report", "page")
@@ -13,7 +13,7 @@ class Results(AppTest):
         reported = json.loads((self.folder / "s.json").read_text())["exercise"]
         self.assertEqual((reported["name"], reported["level"]), ("squeeze-to-level", 1))
         self.assertEqual(list(reported["results"]), ["bands_done", "score"])
-        # The same in three places: the recording's last values are the source.
+        # The same results in three places; the recording's last values are the source.
         recording = read_recording(self.folder / "s.h5")
         self.addCleanup(recording.close)
         names = [text.decode() for text in recording["meta"].attrs["value_names"]]
@@ -25,13 +25,13 @@ class Results(AppTest):
         self.assertEqual([(r["label"], r["value"], r["decimals"]) for r in shown],
                          [("Levels done", 3, 0), ("Score", reported["results"]["score"], 0)])
 
-    def test_of_the_bar_have_their_units(self):
+    def test_results_of_the_bar_have_units(self):
         result = self.run_app("run", "--simulated-clock", "--duration", 1.5, "--json", "b.json")
         self.expect(result, DONE, "result   Poured 0 ml; Spilt 0 ml; Score 0")
         reported = json.loads((self.folder / "b.json").read_text())["exercise"]
         self.assertEqual(reported["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})
 
-    def test_without_an_exercise_are_none(self):
+    def test_run_without_an_exercise_has_no_results(self):
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", 0.5, "--json", "m.json")
         self.expect(result, DONE)
         self.assertNotIn("result ", result.out)

@@ -1,4 +1,4 @@
-"""wholehand.rig: the renderer inside Python. Same bits as the program, honest errors, arrays without copies."""
+"""wholehand.rig: the renderer inside Python. Same bits as the program, errors with reasons, arrays without copies."""
 import copy
 import os
 import pickle
@@ -28,7 +28,7 @@ TICKS = 2500
 
 
 def states(rig, ticks):
-    """Every field after every tick."""
+    """Values of every field after every tick."""
     rows = {name: [] for name in FIELDS}
     for _ in range(ticks):
         rig.step()
@@ -38,7 +38,7 @@ def states(rig, ticks):
 
 
 def some_aims(rig, rows, seed):
-    """Aims all over the ranges [m, rad], held for a row each."""
+    """Random aims over the whole ranges [m, rad], each held for one row."""
     return numpy.random.default_rng(seed).uniform(rig.lower, rig.upper, (rows, len(rig.lower)))
 
 
@@ -53,25 +53,25 @@ class SameBits(AppTest):
                 ours[tiny] = numpy.copysign(0, ours[tiny])
                 self.assertEqual(ours.tobytes(), recorded.tobytes(), name)
 
-    def test_a_motion_is_that_of_the_program(self):
+    def test_motion_is_bit_identical_to_the_program(self):
         recording = self.record("run.h5", "--motion", MOTION, duration=3)
         self.expect_as_recorded(Rig(motion=MOTION), recording)
 
-    def test_an_exercise_of_a_seed_is_that_of_the_program(self):
+    def test_exercise_with_a_seed_is_bit_identical_to_the_program(self):
         recording = self.record("run.h5", "--exercise", CONFIG / "exercises/cocktail-bar.toml", "--seed", 7, duration=3)
         rig = Rig(exercise="cocktail-bar", seed=1)
         rig.step(n=10)
-        rig.reset(7)  # a reset leaves nothing of the run before
+        rig.reset(7)  # a reset must leave nothing of the earlier run
         self.expect_as_recorded(rig, recording)
 
-    def test_every_engine_and_rate_is_that_of_the_program(self):
+    def test_every_engine_and_rate_is_bit_identical_to_the_program(self):
         for options in ([("--engine", "mujoco")] if LAB else []) + [("--rate-hz", 2000)]:
             with self.subTest(options):
                 recording = self.record("run.h5", "--motion", MOTION, *options, duration=3)
                 known = {"--engine": "engine", "--rate-hz": "rate_hz"}
                 self.expect_as_recorded(Rig(motion=MOTION, **{known[options[0]]: options[1]}), recording)
 
-    def test_steered_it_is_what_the_session_does(self):
+    def test_steered_rig_is_bit_identical_to_a_session(self):
         rig = Rig()
         for ticks in (1, 7, 250):
             rig.reset()
@@ -84,9 +84,9 @@ class SameBits(AppTest):
                 self.assertEqual(numpy.concatenate([rig.q_m, rig.q_s, rig.sent]).tobytes(), row.tobytes())
             self.assertGreater(abs(expected[0] - expected[-1]).max(), 0.01, "it moved")
 
-    def test_how_ticks_are_cut_into_steps_changes_nothing(self):
+    def test_division_of_ticks_into_steps_changes_nothing(self):
         one, many = Rig(motion=MOTION), Rig(motion=MOTION)
-        one.step(n=3000)  # more than one look at Ctrl-C
+        one.step(n=3000)  # long enough for several checks of Ctrl-C
         for n in (1, 999, 2000):
             many.step(n=n)
         self.assertEqual(one.tick, 2999)
@@ -94,7 +94,7 @@ class SameBits(AppTest):
 
 
 class Arrays(unittest.TestCase):
-    def test_they_are_views_of_the_rig(self):
+    def test_arrays_are_views_of_the_rig(self):
         rig = Rig()
         before, copied = rig.q_s, rig.q_s.copy()
         rig.step(rig.upper, 100)
@@ -105,9 +105,9 @@ class Arrays(unittest.TestCase):
             rig.q_s[0] = 1.0
         tick = rig.tick
         del rig
-        self.assertEqual(tick, 99)  # the array keeps the rig's memory
+        self.assertEqual(tick, 99)  # the array keeps the rig's memory alive
 
-    def test_what_is_touched_has_contacts_with_forces(self):
+    def test_touched_body_has_contacts_with_forces(self):
         rig = Rig(motion=MOTION)
         for _ in range(600):
             rig.step(n=10)
@@ -121,7 +121,7 @@ class Arrays(unittest.TestCase):
         self.assertEqual(len(rig.bodies), len(rig.body_names))
         numpy.testing.assert_allclose(numpy.linalg.norm(rig.bodies["orientation_xyzw"], axis=1), 1.0, atol=1e-12)
 
-    def test_before_the_first_step_the_hand_stands_where_it_was_armed(self):
+    def test_hand_before_the_first_step_is_where_it_was_armed(self):
         rig = Rig(exercise="cocktail-bar")
         start = rig.q_m.copy()
         self.assertTrue((rig.q_s == start).all())
@@ -134,17 +134,17 @@ class Arrays(unittest.TestCase):
 
 
 class Steps(AppTest):
-    def test_aiming_moves_the_hand_and_without_aim_the_patient_has_it_again(self):
+    def test_aim_moves_the_hand_and_without_aim_the_patient_does(self):
         rig = Rig(scene="empty")
         rest = rig.q_s.copy()
         aim = rest + (0.02, 0, 0, 0, 0, 0)
         rig.step(aim, 1500)
         self.assertLess(abs(rig.intention - aim).max(), 1e-6)
-        self.assertLess(abs(rig.q_s[0] - aim[0]), 0.004)  # dry friction holds the person's spring of 300 N/m
+        self.assertLess(abs(rig.q_s[0] - aim[0]), 0.004)  # dry friction against the person's spring of 300 N/m
         rig.step(n=3000)
         self.assertLess(abs(rig.intention - rest).max(), 1e-4)
 
-    def test_other_threads_run_meanwhile(self):
+    def test_other_threads_run_during_a_step(self):
         rig, seen, done = Rig(), [], threading.Event()
 
         def work():
@@ -162,7 +162,7 @@ class Steps(AppTest):
         thread.join()
         self.assertGreater(len(seen), 20)
 
-    def test_a_fault_ends_the_run_until_it_is_reset(self):
+    def test_fault_ends_the_run_until_a_reset(self):
         slams = (CONFIG / "patients/slams.toml").read_text()
         slams = self.write("slams-harder.toml", slams.replace("speed_share = 0.98", "speed_share = 1.5"))
         rig = Rig(patient=slams, scene="empty")
@@ -177,15 +177,15 @@ class Steps(AppTest):
 
 
 def bits(rig):
-    """Of all that a rig shows."""
+    """The bytes of all public values of a rig."""
     return b"".join(getattr(rig, name).tobytes() for name in (*FIELDS, "tick", "bodies", "contacts", "exercise_values"))
 
 
 class Saved(unittest.TestCase):
-    """The same rig that went on is the other opinion."""
+    """Compares a restored rig with the same rig that continued."""
 
     def played(self, **options):
-        """A rig in the midst of a run with and without aims."""
+        """A rig in the middle of a run with and without aims."""
         rig = Rig(**options)
         rig.step(n=700)
         for aim in some_aims(rig, 5, seed=8):
@@ -202,7 +202,7 @@ class Saved(unittest.TestCase):
                 rig.step(n=3)
             self.assertEqual(bits(one), bits(other))
 
-    def test_a_state_is_restored_to_the_bit_and_goes_on_with_the_same_bits(self):
+    def test_restored_state_is_and_continues_bit_identical(self):
         for options in ({}, {"exercise": "cocktail-bar", "seed": 3}):
             rig = self.played(**options)
             state, there = rig.save(), bits(rig)
@@ -215,7 +215,7 @@ class Saved(unittest.TestCase):
             self.expect_same_from_here(rig, other)
             self.assertEqual(rig.save(), other.save())
 
-    def test_it_is_pickled_into_another_process_and_copied(self):
+    def test_rig_can_be_pickled_and_copied(self):
         rig = self.played()
         said = subprocess.run([sys.executable, "-c", "import sys, pickle; rig = pickle.load(sys.stdin.buffer); rig.step(n=25); "
                                "sys.stdout.buffer.write(rig.q_s.tobytes() + rig.theta.tobytes())"], input=pickle.dumps(rig),
@@ -226,7 +226,7 @@ class Saved(unittest.TestCase):
         rig.step(n=25)
         self.assertEqual(said.stdout, rig.q_s.tobytes() + rig.theta.tobytes())
 
-    def test_a_state_of_other_files_or_damaged_is_refused(self):
+    def test_foreign_or_damaged_state_is_refused(self):
         rig = self.played()
         state = rig.save()
         for damaged in (b"", state[:-1], state + b"0", state[:60] + bytes([state[60] ^ 1]) + state[61:]):
@@ -238,7 +238,7 @@ class Saved(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "other axes"):
             Rig("desktop-3axis", scene="empty").restore(state)
 
-    def test_closed_it_runs_no_more_until_it_is_reset(self):
+    def test_closed_rig_does_not_run_until_a_reset(self):
         with Rig(scene="empty") as rig:
             rig.step(n=10)
             self.assertRegex(repr(rig), r"<Rig device=lambda-pride, .*scene=empty, .*: 0\.009 s, runs>")
@@ -253,7 +253,7 @@ class Saved(unittest.TestCase):
         rig.reset()
         self.assertEqual(rig.step(n=5), 5)
 
-    def test_the_scene_of_rig_alone_can_be_named(self):
+    def test_scene_of_rig_alone_can_be_named(self):
         one, other = Rig(), Rig(scene="four-shapes")
         for rig in (one, other):
             rig.step(n=300)
@@ -261,7 +261,7 @@ class Saved(unittest.TestCase):
 
 
 class Readme(unittest.TestCase):
-    def test_its_lines_run_as_they_stand(self):
+    def test_code_of_the_readme_runs_unchanged(self):
         text = (SOURCE / "clients/python/README.md").read_text().split("## Rigs inside Python\n")[1]
         names = {}
         exec(text.split("```python\n")[1].split("```")[0], names)  # noqa: S102
@@ -269,7 +269,7 @@ class Readme(unittest.TestCase):
 
 
 class BadInputs(unittest.TestCase):
-    def test_an_aim_is_refused_by_name(self):
+    def test_bad_aim_is_refused_by_name(self):
         rig = Rig()
         good = rig.q_s.copy()
         for aim, error, why in ((good[:5], ValueError, r"aim has the shape \(5,\); must be \(6,\), an axis each: x, y, z"),
@@ -285,7 +285,7 @@ class BadInputs(unittest.TestCase):
         self.assertEqual(rig.step(good.tolist(), 2), 2, "a refusal changes nothing")
         self.assertEqual(rig.tick, 1)
 
-    def test_files_are_refused_with_the_programs_own_words(self):
+    def test_bad_files_are_refused_with_the_programs_messages(self):
         with self.assertRaisesRegex(BadInput, "no-such.toml") as refused:
             Rig("/no-such.toml")
         self.assertTrue(any(d["file"] == "/no-such.toml" and d["problem"] for d in refused.exception.diagnostics))
@@ -302,7 +302,7 @@ class BadInputs(unittest.TestCase):
             Rig(scene="/no-scene.toml", hand="/no-hand.toml")
         self.assertLessEqual({"/no-scene.toml", "/no-hand.toml"}, {d["file"] for d in both.exception.diagnostics})
 
-    def test_what_of_a_file_is_not_applied_is_a_warning(self):
+    def test_ignored_parts_of_a_file_are_warnings(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = Path(folder, "thing.toml")
             Path(folder, "thing.urdf").write_text(
@@ -317,7 +317,7 @@ class BadInputs(unittest.TestCase):
 
 
 class Vectors(unittest.TestCase):
-    def test_each_is_what_a_rig_alone_is_on_any_number_of_threads(self):
+    def test_each_rig_equals_a_single_rig_on_any_number_of_threads(self):
         aims = some_aims(Rig(), 40, seed=3).reshape(10, 4, 6)
         alone = []
         for i in range(4):
@@ -337,7 +337,7 @@ class Vectors(unittest.TestCase):
             self.assertEqual([(rigs.theta[i].tobytes(), rigs.sent[i].tobytes(), rigs.exercise_values[i].tobytes())
                               for i in range(4)], alone)
 
-    def test_one_is_reset_and_the_others_go_on(self):
+    def test_one_rig_is_reset_while_the_others_continue(self):
         rigs = VectorRig(3, threads=2)
         self.assertEqual((len(rigs), rigs.tick.tolist()), (3, [0, 0, 0]))
         rigs.step(n=10)
@@ -365,7 +365,7 @@ class Vectors(unittest.TestCase):
 
 
 def played(environment, seed, draws_seed=5):
-    """All that an episode of random actions says, as numbers."""
+    """All values that an episode of random actions returns, as numbers."""
     draws = numpy.random.default_rng(draws_seed)
     observation, info = environment.reset(seed=seed)
     said = [*observation, *info["target_m"]]
@@ -378,7 +378,7 @@ def played(environment, seed, draws_seed=5):
 
 
 class Environment(unittest.TestCase):
-    """The rules of gymnasium's API (gymnasium.utils.env_checker), held without gymnasium."""
+    """Checks the rules of gymnasium's API (gymnasium.utils.env_checker) without gymnasium."""
 
     @classmethod
     def setUpClass(cls):
@@ -407,19 +407,19 @@ class Environment(unittest.TestCase):
             self.assertEqual([type(x) for x in (reward, terminated, truncated, info)], [float, bool, bool, dict])
         self.assertIs(environment.unwrapped, environment)
 
-    def test_a_seed_gives_the_same_bits_and_another_one_does_not(self):
+    def test_same_seed_is_bit_identical_and_another_is_not(self):
         one = played(self.environment, seed=11)
         self.assertEqual(one.tobytes(), played(self.environment, seed=11).tobytes())
         self.assertEqual(one.tobytes(), played(ReachEnvironment(), seed=11).tobytes())
         self.assertNotEqual(one[9:12].tolist(), played(self.environment, seed=12)[9:12].tolist())
         targets = []
-        for seed in (7, None, None, 7, None):  # without a seed the draws go on
+        for seed in (7, None, None, 7, None):  # without a seed the random sequence continues
             targets.append(self.environment.reset(seed=seed)[1]["target_m"].tolist())
         self.assertEqual(targets[0], targets[3])
         self.assertEqual(targets[1], targets[4])
         self.assertEqual(len({tuple(target) for target in targets[:3]}), 3)
 
-    def test_who_stands_still_is_truncated_after_two_seconds(self):
+    def test_resting_hand_is_truncated_after_two_seconds(self):
         environment = self.environment
         environment.reset(seed=1)
         self.assertGreater(environment._info()["distance_m"], 0.02)
@@ -431,12 +431,12 @@ class Environment(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, r"call reset\(\) first"):
             environment.step(numpy.zeros(3))
 
-    def test_who_goes_to_the_target_arrives_and_it_is_over(self):
+    def test_hand_at_the_target_terminates_the_episode(self):
         for seed in range(5):
             environment = self.environment
             observation, info = environment.reset(seed=seed)
             terminated = truncated = False
-            while not (terminated or truncated):  # aims at the target: observation 3 to 5 is the way of the aim, in 0.1 m
+            while not (terminated or truncated):  # observations 3 to 5: distance of the aim in 0.1 m
                 action = numpy.clip(0.1 * observation[3:6] / Reaching.MOST_M, -1.0, 1.0)
                 observation, reward, terminated, truncated, info = environment.step(action)
             self.assertEqual((terminated, truncated, info["reached"], reward), (True, False, True, 0.0))
@@ -461,11 +461,11 @@ class Types(unittest.TestCase):
                                    "MYPY_CACHE_DIR": os.devnull})
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
-    def test_types_hold_in_mypys_eyes(self):
+    def test_mypy_accepts_the_types(self):
         self.check("/usr/bin/mypy", "--config-file", SOURCE / "clients/python/mypy.ini", "--python-executable", sys.executable,
                    *(f"wholehand/{module.name}" for module in sorted((BUILD / "python/wholehand").glob("*.py"))))
 
-    def test_the_stubs_are_those_of_the_module(self):
+    def test_stubs_match_the_module(self):
         self.check("/usr/bin/stubtest", "--mypy-config-file", SOURCE / "clients/python/mypy.ini", "--allowlist",
                    SOURCE / "clients/python/stubtest_allowlist.txt", "wholehand._rig")
 
@@ -473,7 +473,7 @@ class Types(unittest.TestCase):
 class Cost(unittest.TestCase):
     paced = True
 
-    def test_ten_ticks_a_step_cost_a_tenth_more_than_in_cpp_at_most_slow(self):
+    def test_ten_ticks_a_step_cost_at_most_a_tenth_more_than_in_cpp_slow(self):
         share = python_step.over(python_step.measure(BUILD, ticks=10, rounds=15))
         print(f"a step of 10 ticks costs {100 * share:+.1f} % over C++", flush=True)
         self.assertLessEqual(share, 0.10)

@@ -1,4 +1,4 @@
-"""`wholehand run`: what it writes, how it ends, and what survives a kill or a full disk."""
+"""`wholehand run`: its output files, its endings, and the data that survive a kill or a full disk."""
 import json
 import os
 import pty
@@ -17,7 +17,7 @@ AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
 
 
 class InRealTime(PacedTest):
-    def test_the_scene_is_rehearsed_first(self):
+    def test_scene_is_rehearsed_first(self):
         result = self.run_app(*FREE_RUN, "--duration", "0.3", "--json", "run.json")
         self.expect(result, DONE, "rehearsed", "safety   armed at 0.000 s", "disarmed at 0.3")
         rehearsal = json.loads((self.folder / "run.json").read_text())["rehearsal"]
@@ -30,14 +30,14 @@ class InRealTime(PacedTest):
         self.assertNotIn("rehearsed", result.out)
         self.assertNotIn("rehearsal", json.loads((self.folder / "run.json").read_text()))
 
-    def test_a_run_takes_its_time(self):
+    def test_run_lasts_its_duration(self):
         began = time.monotonic()
         self.record(duration=2.0, simulated=False)
         self.assertGreater(time.monotonic() - began, 2.0)
 
 
 class WhatItWrites(AppTest):
-    def test_all_three_and_nothing_else(self):
+    def test_run_writes_its_three_files_and_no_other(self):
         result = self.expect(
             self.run_app(*FREE_RUN, "--simulated-clock", "--record", "a/run.h5", "--json", "b/run.json",
                          "--report", "c"), DONE, "Done after", "a/run.h5", "c/index.html")
@@ -53,13 +53,13 @@ class WhatItWrites(AppTest):
         for key in ("ticks", "missed_deadlines", "faults", "contacts_max"):
             self.assertIs(type(summary[key]), int, key)
         self.assertGreater(summary["ticks"], 1000)
-        self.assertEqual(summary["missed_deadlines"], 0)  # no clock, no deadline
+        self.assertEqual(summary["missed_deadlines"], 0)  # no deadlines on the simulated clock
         self.assertEqual(summary["faults"], 0)
         self.assertIs(summary["uncertified"], False)
         self.assertEqual([t["to"] for t in summary["safety"]], ["armed", "rendering", "disarmed"])
-        self.assertEqual(summary["safety"][2]["reasons"], ["stop requested"])  # the end of its time
-        self.assertNotIn("rehearsal", summary)  # there is no real time to keep
-        self.assertGreater(summary["contacts_max"], 0)  # the motion leads to the shapes
+        self.assertEqual(summary["safety"][2]["reasons"], ["stop requested"])  # the duration is over
+        self.assertNotIn("rehearsal", summary)  # no rehearsal without real time
+        self.assertGreater(summary["contacts_max"], 0)  # the motion touches the shapes
         self.assertEqual(list(summary["max_effort"]), AXES)
         for effort in summary["max_effort"].values():
             self.assertIs(type(effort), float)
@@ -69,14 +69,14 @@ class WhatItWrites(AppTest):
 
     def check_recording(self, summary):
         with read_recording(self.folder / "a/run.h5") as f:
-            # The lines of docs/recording.md.
+            # The code of docs/recording.md.
             time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
             names, units = ([text.decode() for text in f["ticks/sent"].attrs[key]] for key in ("labels", "units"))
             self.assertEqual(list(names), AXES)
             self.assertEqual(list(units), ["N", "N", "N", "N·m", "N·m", "N·m"])
             self.assertEqual(len(time_s), summary["ticks"])
             self.assertAlmostEqual(time_s[-1] - time_s[0], (summary["ticks"] - 1) * 1e-3, places=9)
-            for axis, name in enumerate(AXES):  # the two outputs report the same
+            for axis, name in enumerate(AXES):  # both outputs report the same values
                 self.assertEqual(abs(sent[:, axis]).max(), numpy.float32(summary["max_effort"][name]))
             self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
             embedded = {group.attrs["name"].decode() for group in f["meta/files"].values()}
@@ -88,9 +88,9 @@ class WhatItWrites(AppTest):
 
     def check_report(self):
         page = (self.folder / "c/index.html").read_text()
-        self.assertIn('"page":"report"', page)  # what stands in it: test_report.py
+        self.assertIn('"page":"report"', page)  # test_report.py checks its contents
 
-    def test_without_arguments_for_output_a_folder_of_its_own_holds_all_three(self):
+    def test_run_without_output_options_writes_all_three_into_a_new_folder(self):
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3"), DONE)
         (run,) = (self.folder / "out").iterdir()
         self.assertRegex(run.name, r"^run-\d{8}-\d{6}")
@@ -105,14 +105,14 @@ class WhatItWrites(AppTest):
             self.assertEqual(run.returncode, DONE, said + complained)
         self.assertEqual(len(os.listdir(self.folder / "out")), 2)
 
-    def test_what_cannot_keep_the_rate_is_refused_before_any_force(self):
-        # The physics of 7 bodies needs more than half of 62.5 microseconds.
+    def test_scene_too_slow_for_the_rate_is_refused_before_any_effort(self):
+        # The physics of 7 bodies needs more than half of 62.5 µs.
         result = self.run_app("run", "--scene", CONFIG / "scenes/table.toml", "--duration", "0.3",
                               "--rate-hz", "16000")
         self.expect_refused(result, "rehearsal", "31 µs", "most of it is physics_step")
         self.assertEqual(os.listdir(self.folder), [])
 
-    def test_only_what_was_asked_for(self):
+    def test_only_requested_files_are_written(self):
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
                     DONE)
         self.assertEqual(self.names_in(self.folder), ["run.json"])
@@ -151,13 +151,13 @@ class HowItEnds(AppTest):
         self.assertLessEqual(elapsed[stopping].sum(), 101 + elapsed[stopping].max())
         self.expect_same_when_run_again("run.h5")
 
-    def test_ctrl_c_ramps_closes_and_sums_up(self):
+    def test_ctrl_c_ramps_closes_the_recording_and_prints_the_summary(self):
         self.interrupted(signal.SIGINT)
 
-    def test_polite_kill_does_the_same(self):
+    def test_sigterm_ends_like_ctrl_c(self):
         self.interrupted(signal.SIGTERM)
 
-    def test_closed_terminal_does_the_same(self):
+    def test_closed_terminal_ends_like_ctrl_c(self):
         self.interrupted(signal.SIGHUP)
 
     def test_hang_up_under_nohup_is_ignored(self):
@@ -167,20 +167,20 @@ class HowItEnds(AppTest):
         self.expect_ended_by(run, signal.SIGHUP, DONE)
         self.assertFalse(json.loads((self.folder / "run.json").read_text())["interrupted"])
 
-    def test_ctrl_z_stops_instead_of_freezing_the_loop(self):
+    def test_ctrl_z_ends_the_run_instead_of_freezing_the_loop(self):
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "600", "--json", "run.json")
         self.wait_until_it_renders(run)
         self.expect_ended_by(run, signal.SIGTSTP)
 
-    def test_ctrl_c_during_a_simulated_clock(self):
+    def test_ctrl_c_on_the_simulated_clock_ends_the_run(self):
         run = self.start_app(*FREE_RUN, "--duration", "3600", "--simulated-clock", "--json", "run.json")
         self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(0.5)
         self.expect_ended_by(run, signal.SIGINT)
 
     def test_fault_stops_the_run_with_its_name_and_a_ramp(self):
-        # A second axis that drives the thumb's base as the first does: the reduced inertia is
-        # singular. The certificate refuses such a hand; past it, the fault of the tick must stop it.
+        # A second axis drives the thumb's base like the first, so the reduced inertia is singular. The certificate
+        # refuses such a hand; without the certificate, the fault of the tick must stop it.
         def with_twin(name, file, begin):
             text = (CONFIG / file).read_text()
             at = text.index(begin)
@@ -209,13 +209,13 @@ class HowItEnds(AppTest):
         self.assertEqual(summary["safety"][0]["reasons"], ["singular reduced inertia"])
         self.assertEqual(summary["safety"][0]["tick"], 0)
         with read_recording(self.folder / "run.h5") as f:
-            self.assertLessEqual(f["ticks/time_s"][-1], 0.1)  # stopped at once, within the ramp
+            self.assertLessEqual(f["ticks/time_s"][-1], 0.1)  # stopped at once; the ramp included
             self.assertEqual(f["ticks/authority"][-1], 0.0)
             self.assertTrue((abs(f["ticks/sent"][-1]) == 0.0).all())
         self.expect_same_when_run_again("run.h5")
 
-    def test_limited_effort_names_its_axis(self):
-        # 0.05 N are less than a hand that reaches feels of the simulated one: only x is held.
+    def test_limited_effort_is_reported_with_its_axis(self):
+        # 0.05 N are less than a reaching hand feels of the simulated one; only x is limited.
         text = (CONFIG / "devices/lambda-pride.toml").read_text()
         weak = text.replace("effort_limit_n = 20.0", "effort_limit_n = 0.05", 1)
         self.assertNotEqual(weak, text)
@@ -229,7 +229,7 @@ class HowItEnds(AppTest):
         self.assertEqual(summary["fault_axes"]["effort limited"], {"x": limited})
         self.assertIn(f"effort limited in {limited} ticks (x)", result.out)
 
-    def test_status_line_of_a_terminal(self):
+    def test_status_line_is_redrawn_on_a_terminal(self):
         ours, theirs = pty.openpty()
         run = subprocess.Popen([BINARY, *FREE_RUN, "--no-rehearsal", "--duration", "1.5", "--json", "run.json"],
                                cwd=self.folder, stdin=subprocess.DEVNULL, stdout=theirs,
@@ -240,11 +240,11 @@ class HowItEnds(AppTest):
         while True:
             try:
                 said += os.read(ours, 4096)
-            except OSError:  # the other end is closed
+            except OSError:  # the program has closed the terminal
                 break
         os.close(ours)
         self.assertEqual(run.wait(timeout=HANG_S), DONE, said)
-        # One line, drawn again in place, several times a second; it says the seven things.
+        # One line, redrawn in place several times a second, with seven values.
         drawn = re.findall(r"\r\x1b\[K *([\d.]+) s +([\d.]+) Hz  tick (\d+)/(\d+)/(\d+) µs  "
                            r"missed (\d+)  (\d+) contacts?  largest force \S", said.decode())
         self.assertGreaterEqual(len(drawn), 3, said)
@@ -252,8 +252,8 @@ class HowItEnds(AppTest):
         self.assertEqual(times_s, sorted(times_s))
         self.assertIn("Done after", said.decode())
 
-    def test_status_goes_on_where_nobody_reads_it(self):
-        # `wholehand run | head -1`: the reader is gone, the run and its recording go on or end cleanly.
+    def test_run_continues_if_nobody_reads_its_status(self):
+        # As in `wholehand run | head -1`: the reader is gone, and the run and its recording continue or end cleanly.
         run = self.start_app(*FREE_RUN, "--simulated-clock", "--record", "run.h5")
         run.stdout.readline()
         run.stdout.close()
@@ -264,7 +264,7 @@ class HowItEnds(AppTest):
 
 class WhatSurvives(PacedTest):
     def lost_in_a_kill(self, path, after_s):
-        """Ticks of a run that its recording lacks after kill -9."""
+        """Number of ticks of a run that its recording lacks after kill -9."""
         run = self.start_app(*FREE_RUN, "--no-rehearsal", "--duration", "60", "--record", path)
         while not path.exists():
             time.sleep(0.01)
@@ -297,16 +297,16 @@ class WhatSurvives(PacedTest):
         self.assertGreater(kept, 100)
         self.assertEqual(kept + summary["records_dropped"], summary["ticks"])
         self.assertRegex(result.out, rf"dropped +{summary['records_dropped']} records")
-        # What lies there is sound: played, drawn and run again up to where the disk was full.
+        # The file is valid: it is replayed, drawn and simulated again up to the time when the disk was full.
         self.expect(self.run_app("replay", "--speed", "1000", path), DONE)
         self.expect(self.run_app("report", path, "--out", "report"), DONE)
         self.expect_same_when_run_again(path)
 
-    def test_limit_of_file_size(self):
+    def test_limit_of_file_size_acts_like_a_full_disk(self):
         self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(4_500_000))
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can make a small disk")
-    def test_small_disk(self):
+    def test_full_small_disk_keeps_the_recording_readable(self):
         disk = self.folder / "disk"
         disk.mkdir()
         mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4500k", "tmpfs", str(disk)],
@@ -316,7 +316,7 @@ class WhatSurvives(PacedTest):
         self.addCleanup(subprocess.run, ["umount", str(disk)], check=True)
         self.check_run_over_a_full_disk(disk / "run.h5")
 
-    def test_no_room_even_for_the_description_is_refused(self):
+    def test_disk_without_room_for_the_metadata_is_refused(self):
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--record", "run.h5",
                               preexec_fn=limit_file_size(2_000))
         self.expect_refused(result, "run.h5", lines=1)

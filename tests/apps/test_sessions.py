@@ -1,4 +1,4 @@
-"""Several sessions in one run, and recordings that the disk had no room for: reported, and named alike."""
+"""Several sessions in one run, their recordings and file names, and recordings for which the disk had no room."""
 import calendar
 import fcntl
 import json
@@ -21,18 +21,18 @@ class Running(PacedTest):
         self.url = run.stdout.readline().strip()
         self.page = client.Page(int(self.url.split(":")[2].rstrip("/")))
         self.page.hold_controls()
-        self.endings = 1  # nothing rendered yet: that is the first ending
+        self.endings = 1  # before the first session the count is 1
         return run
 
     def session(self, run, seconds, until=lambda: True):
-        """Until the loop has rendered for so long, by its own ticks, and longer until that is true."""
+        """Runs a session until the loop has rendered for so many seconds of ticks and `until` is true."""
         accepted, reason = self.page.arm(self.endings)
         self.assertTrue(accepted, reason)
         self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(RUN_STATE, "b") == RENDERING
                         and self.page.state.number(TICK, "Q") >= 1000 * seconds)
         self.wait_until(run, until)
         self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
-        self.endings += 2  # the stop, and the end of the session
+        self.endings += 2  # the stop and the end of the session are endings
         self.page.wait_for_endings(self.endings)
 
     def listed(self):
@@ -52,17 +52,17 @@ class Running(PacedTest):
 
 
 class Sessions(Running):
-    def test_each_session_has_its_recording_summary_and_report_under_one_number(self):
+    def test_files_of_each_session_share_its_number(self):
         run = self.start("--record", "run.h5", "--json", "run.json", "--report", "report")
         listed = []
         self.session(run, 1.0, until=lambda: listed.extend(self.listed()) or True)
         self.assertEqual([(entry["name"], entry["being_written"]) for entry in listed], [("run.h5", True)])
-        self.assertEqual(self.listed(), [])  # it lies where it was asked for
+        self.assertEqual(self.listed(), [])  # the recording is at the requested path
         ticks = self.page.state.number(TICK, "Q")
         self.session(run, 1.0 + 1e-3 * ticks)
         said = self.end(run)
         self.assertEqual([n for n in self.names_in(self.folder) if not n.startswith(("report", "out"))],
-                         ["run-2.h5", "run-2.json", "run-2.wbb", "run.h5", "run.json", "run.wbb"])  # stops leave a box
+                         ["run-2.h5", "run-2.json", "run-2.wbb", "run.h5", "run.json", "run.wbb"])  # .wbb: black box
         ticks = []
         for number in ("", "-2"):
             summary = json.loads((self.folder / f"run{number}.json").read_text())
@@ -74,14 +74,14 @@ class Sessions(Running):
         for text in ("session 1: ", "session 2: ", "recorded run.h5", "recorded run-2.h5", "report   report-2/"):
             self.assertIn(text, said)
         lines = re.findall(r"^ +([\d.]+) s .* tick \d+/\d+/\d+ µs", said, re.MULTILINE)
-        self.assertEqual([float(s) < 1.0 for s in lines], [True, True], said)  # how each goes, soon after it began
+        self.assertEqual([float(s) < 1.0 for s in lines], [True, True], said)  # soon after each start
 
-    def test_output_that_nobody_reads_holds_up_no_session(self):
-        """A terminal that is stopped (Ctrl-S), a pipe whose reader hangs."""
+    def test_unread_output_delays_no_session(self):
+        """The output is a stopped terminal (Ctrl-S) or a pipe whose reader hangs."""
         run = self.start("--record", "run.h5")
         lines, pipe_bytes = 40, 4096
         fcntl.fcntl(run.stdout, fcntl.F_SETPIPE_SZ, pipe_bytes)
-        filler = "p" + "x" * 59  # the longest name
+        filler = "p" + "x" * 59  # 60 characters, the longest profile name
         for _ in range(pipe_bytes // 60 + lines):
             self.assertTrue(self.page.answer(self.page.say(client.SAVE_PROFILE, filler))[0])
         for _ in range(2):
@@ -92,16 +92,16 @@ class Sessions(Running):
         self.page.socket.close()
         run.send_signal(signal.SIGINT)
         time.sleep(0.5)
-        said, complained = run.communicate(timeout=HANG_S)  # reads again
+        said, complained = run.communicate(timeout=HANG_S)  # reads the rest
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
 
-    def test_run_that_nobody_arms_leaves_nothing_and_says_so(self):
+    def test_run_that_is_never_armed_leaves_no_files_and_reports_it(self):
         run = self.start("--record", "run.h5", "--report", "report")
         said = self.end(run)
         self.assertEqual(self.names_in(self.folder), [])
         self.assertNotIn("recorded", said)
 
-    def test_recording_for_which_the_disk_had_no_room_says_so_while_it_runs_and_in_the_list(self):
+    def test_recording_on_a_full_disk_is_reported_during_the_run_and_in_the_list(self):
         run = self.start(preexec_fn=limit_file_size(4_500_000))
         began = int(time.time())
         self.session(run, 4.0, lambda: self.dropped() > 100)
@@ -122,7 +122,7 @@ class Sessions(Running):
 
 
 class Unasked(PacedTest):
-    """What `run` arms by itself, as ./start does."""
+    """Sessions that `run` arms by itself, as with ./start."""
 
     def start(self, *more, **how):
         run = self.start_app("run", "--port", 0, "--no-rehearsal", *more, **how)
@@ -135,7 +135,7 @@ class Unasked(PacedTest):
     def recordings(self):
         return sorted(name for name in self.names_in(self.folder) if name.endswith(".h5"))
 
-    def test_that_somebody_joins_is_kept_from_its_first_tick(self):
+    def test_session_that_somebody_joins_is_kept_from_its_first_tick(self):
         run = self.start()
         self.page.hold_controls()
         self.assertTrue(self.page.answer(self.page.say(client.STEER, ("b", client.PERSON)))[0])
@@ -149,21 +149,21 @@ class Unasked(PacedTest):
             self.assertGreaterEqual(recording["ticks/tick"][-1], ticks + 300)
         self.assertIn("recorded " + name, said)
 
-    def test_that_nobody_joins_is_recorded_and_not_kept(self):
+    def test_session_that_nobody_joins_is_recorded_but_not_kept(self):
         run = self.start()
         self.assertEqual(len(self.recordings()), 1)
         said = self.expect_ended_by(run, signal.SIGINT)
         self.assertEqual(self.recordings(), [])
         self.assertNotIn("recorded out/", said)
 
-    def test_where_no_recording_can_be_made_it_runs_and_says_so(self):
+    def test_run_without_a_possible_recording_continues_and_reports_it(self):
         (self.folder / "out").write_text("a file where a folder should be")
         run = self.start()
         line = next((line for line in run.stdout if "what follows is not recorded" in line), "")
         self.assertIn("out/recordings: takes no new recording", line)
         self.expect_ended_by(run, signal.SIGINT)
 
-    def test_eight_started_at_once_name_their_recordings_differently(self):
+    def test_eight_programs_started_at_once_use_different_names(self):
         runs = [self.start_app("run", "--port", 0, "--no-rehearsal") for _ in range(8)]
         pages = [client.Page(int(run.stdout.readline().strip().split(":")[2].rstrip("/"))) for run in runs]
         for run, page in zip(runs, pages):
@@ -185,13 +185,13 @@ class Crowd(Running):
         return line
 
     def mute(self, port):
-        """A WebSocket that reads nothing."""
+        """A WebSocket client that reads nothing."""
         line = socket.create_connection(("127.0.0.1", port), timeout=HANG_S)
         line.sendall(f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                      "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n".encode())
         return line
 
-    def test_clients_that_never_read_keep_nobody_out(self):
+    def test_clients_that_never_read_do_not_block_others(self):
         run = self.start()
         port = int(self.url.split(":")[2].rstrip("/"))
         crowd, took = [], {"health": [], "newcomer": [], "stop": []}
@@ -203,7 +203,7 @@ class Crowd(Running):
             return result
         for i in range(1000 if FULL else 300):
             crowd.append((self.mute if i % 2 else self.half_open)(port))
-            if i % (5 if FULL else 20):  # 200 samples of each make a 99th percentile
+            if i % (5 if FULL else 20):  # 200 samples of each kind give a 99th percentile
                 continue
             timed("health", lambda: urllib.request.urlopen(self.url + "healthz", timeout=HANG_S).read())
             page = timed("newcomer", lambda: client.Page(port))
@@ -216,7 +216,7 @@ class Crowd(Running):
             print(f"figure: {what} beside a crowd of {len(crowd)}, {len(times)} times, "
                   f"median = {1e3 * times[len(times) // 2]:.1f} ms, p99 = {1e3 * p99:.1f} ms, "
                   f"largest = {1e3 * times[-1]:.1f} ms")
-            self.assertLess(times[len(times) // 2], limit_s)  # one may meet a machine that stalls
+            self.assertLess(times[len(times) // 2], limit_s)  # one sample may coincide with a stall of the machine
         for line in crowd:
             line.close()
         self.end(run)

@@ -1,4 +1,4 @@
-"""wholehand sweep: every cell once, by whomever, to the same bits."""
+"""`wholehand sweep`: every cell is run once, by any process, with bit-identical results."""
 import hashlib
 import json
 import os
@@ -33,7 +33,7 @@ CELLS = 4
 FIGURES = ["stable", "certified", "refuted", "margin", "noise_n", "penetration_m", "faulted"]
 RECORD = 8 + 8 * len(FIGURES) + 4  # docs/sweeps.md: index, figures, checksum
 ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-FASTER = 1.8  # two processes over one, on two idle cores
+FASTER = 1.8  # speed of two processes over one, on two idle cores
 
 
 def digest(path):
@@ -41,7 +41,7 @@ def digest(path):
 
 
 def cells_kept(folder):
-    """Indices of the finished cells, by what docs/sweeps.md says of the files."""
+    """Indices of the finished cells, read from the files as docs/sweeps.md describes."""
     found = []
     for path in sorted(folder.glob("*.cells")):
         data = path.read_bytes()
@@ -62,7 +62,7 @@ class Sweep(AppTest):
         self.assertEqual({digest(path) for path in files}, {digest(files[0])})
         self.assertEqual(list(self.folder.glob("*.cells")), [], "nothing else is left")
 
-    def test_one_process_and_many_shares_write_the_same_bytes(self):
+    def test_one_process_and_several_shares_write_the_same_bytes(self):
         self.sweep("one.h5", "--processes", 1)
         self.sweep("two.h5", "--processes", 2)
         for share in ("3/3", "1/3", "2/3"):
@@ -82,7 +82,7 @@ class Sweep(AppTest):
         self.assertEqual(ranks.returncode, 0, ranks.stdout + ranks.stderr)
         self.expect_alike("one", "ranks")
 
-    def test_the_file_says_what_was_swept(self):
+    def test_file_describes_the_sweep(self):
         self.sweep()
         with h5py.File(self.folder / "a.h5") as file:
             self.assertEqual(file.attrs["kind"], b"wholehand-sweep")
@@ -93,12 +93,13 @@ class Sweep(AppTest):
             self.assertEqual(set(file["figures"]), set(FIGURES))
             stable, certified = file["figures/stable"][:], file["figures/certified"][:]
             self.assertEqual(stable.shape, (1, 2, 2))
-        # Shipped gains are certified and rest; 128 times as stiff, later than b / (T (1/2 + n)), nobody rests.
+        # Shipped gains are certified and come to rest; with 128 times the stiffness, and a delay beyond b / (T (1/2 +
+        # n)), none does.
         self.assertTrue(certified[:, 0, 0].all() and stable[:, 0, 0].all())
         self.assertFalse(certified[:, 1, 1].any() or stable[:, 1, 1].any())
         self.assertFalse((certified * (1 - stable)).any(), "certified, but not at rest")
 
-    def test_a_cell_is_the_experiment_of_the_same_name(self):
+    def test_cell_equals_the_experiment_of_the_same_name(self):
         self.write("grid.toml", 'kind = "sweep"\nversion = 1\nname = "g"\ntrial = "grasp"\nhold_s = 10.0\n'
                                 '[axes]\nobject = ["sphere"]\n')
         self.sweep()
@@ -110,7 +111,7 @@ class Sweep(AppTest):
                                 ("carry_shift_m", "carry_shift_m"), ("tip_force_max_n", "tip_force_max_n")]:
                 self.assertEqual(file["figures"][figure][0], trial[key], figure)
 
-    def test_a_patient_plays_a_cell(self):
+    def test_cell_can_be_played_by_a_patient(self):
         self.write("grid.toml", 'kind = "sweep"\nversion = 1\nname = "p"\ntrial = "play"\n[axes]\nseed = [1]\n')
         self.sweep()
         self.expect(self.run_app("experiment", "cocktail-bar", "--level", 1, "--seeds", 1, "--json", "same.json"), DONE)
@@ -120,12 +121,12 @@ class Sweep(AppTest):
             self.assertEqual(file["figures/score"][0], level["score_median"])
 
     def kill_until_done(self, name, kills_left):
-        """Starts and kills a sweep again and again, then finishes it. Returns how often it was killed."""
+        """Starts and kills a sweep repeatedly, then finishes it. Returns the number of kills."""
         folder = self.folder / f"{name}.cells"
         kept, kills = [], 0
         while kills < kills_left:
             run = self.start_app("sweep", "grid.toml", "--out", name, start_new_session=True)
-            more = len(kept) + self.random.randrange(2)  # some are killed before they finish a cell
+            more = len(kept) + self.random.randrange(2)  # some sweeps are killed before they finish a cell
             self.wait_until(run, lambda: len(cells_kept(folder)) > more)
             time.sleep(self.random.uniform(0.0, 0.2))
             whole_group = self.random.random() < 0.5
@@ -138,7 +139,7 @@ class Sweep(AppTest):
             after = cells_kept(folder)
             self.assertLessEqual(set(kept), set(after), "a finished cell was lost")
             kept = after
-        time.sleep(0.5)  # processes whose program was killed are killed, too
+        time.sleep(0.5)  # the worker processes of a killed program are killed, too
         before = cells_kept(folder)
         self.assertEqual(len(before), len(set(before)), "a cell was run twice")
         said = self.sweep(name)
@@ -147,7 +148,7 @@ class Sweep(AppTest):
         self.assertEqual(digest(self.folder / name), digest(self.folder / "whole.h5"))
         return kills
 
-    def test_killed_at_random_nothing_is_lost_and_nothing_run_twice(self):
+    def test_sweep_killed_at_random_loses_and_repeats_nothing(self):
         self.sweep("whole.h5")
         wanted, kills, sweeps = 20 if FULL else 2, 0, 0
         while kills < wanted and sweeps < 40:
@@ -156,7 +157,7 @@ class Sweep(AppTest):
         print(f"figure: kills of {sweeps} sweeps, no finished cell lost, none run twice {kills}")
         self.assertEqual(kills, wanted)
 
-    def test_a_half_written_or_damaged_cell_is_run_again(self):
+    def test_partial_or_damaged_cell_is_run_again(self):
         self.sweep("whole.h5")
         for name, damage in (("cut.h5", lambda cells: cells[:-5]), ("bad.h5", lambda cells: bytes([cells[0] ^ 64]) + cells[1:])):
             with self.subTest(name):
@@ -166,7 +167,7 @@ class Sweep(AppTest):
                 self.assertIn("3 of them run now", self.sweep(name, "--processes", 1).out)
                 self.assertEqual(digest(self.folder / name), digest(self.folder / "whole.h5"))
 
-    def test_a_worker_that_dies_is_reported_and_the_same_command_goes_on(self):
+    def test_dead_worker_is_reported_and_the_same_command_continues(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 2)
         children = lambda: subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True).stdout.split()
         self.wait_until(run, lambda: len(children()) == 2)
@@ -177,7 +178,7 @@ class Sweep(AppTest):
         self.assertRegex(err, r"a process that ran cells died; \d+ cells are kept, \d+ are left. The same command goes on")
         self.sweep()
 
-    def test_interrupted_it_keeps_what_is_finished(self):
+    def test_interrupted_sweep_keeps_finished_cells(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 1)
         self.wait_until(run, lambda: len(cells_kept(self.folder / "a.h5.cells")) > 0)
         run.send_signal(signal.SIGINT)
@@ -186,13 +187,13 @@ class Sweep(AppTest):
         kept = int(re.search(r"Interrupted: (\d+) cells are kept, \d+ are left. The same command goes on", out)[1])
         self.assertIn(f"{CELLS - kept} of them run now", self.sweep().out)
 
-    def test_what_is_done_is_not_done_again(self):
+    def test_finished_cells_are_not_run_again(self):
         self.sweep()
         before = (self.folder / "a.h5").stat().st_mtime_ns
         self.assertIn("0 of them run now", self.sweep().out)
         self.assertEqual((self.folder / "a.h5").stat().st_mtime_ns, before)
 
-    def test_another_grid_is_refused(self):
+    def test_file_of_another_grid_is_refused(self):
         self.sweep()
         self.sweep("half.h5", "--share", "1/2")
         self.write("grid.toml", GRID.replace("128.0", "32.0"))
@@ -203,7 +204,7 @@ class Sweep(AppTest):
         self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "b.h5"), "b.h5: is no file of a sweep", lines=1)
         self.assertEqual((self.folder / "b.h5").read_text(), "no HDF5")
 
-    def test_a_file_that_the_grid_reads_is_part_of_it(self):
+    def test_files_that_the_grid_reads_are_part_of_it(self):
         mine = self.write("mine.toml", (CONFIG / "patients/relaxed-adult.toml").read_text())
         self.write("grid.toml", GRID.replace('"stiff-adult"', '"mine.toml"'))
         self.sweep("half.h5", "--share", "1/2")
@@ -211,7 +212,7 @@ class Sweep(AppTest):
         self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "half.h5"), "of other files")
 
     @unittest.skipUnless(shutil.which("strace"), "needs strace")
-    def test_results_are_on_the_disk_before_the_cells_go(self):
+    def test_results_are_synced_before_the_cells_are_removed(self):
         log = self.folder / "calls"
         calls = "fsync,rename,renameat,renameat2,unlink,unlinkat,openat"
         self.expect(Result(subprocess.run(
@@ -231,8 +232,8 @@ class Sweep(AppTest):
         self.assertTrue(gone)
         self.assertGreater(gone[0], kept, "\n".join(lines[synced:gone[0] + 1]))
 
-    def test_two_sweeps_that_begin_one_file_at_once(self):
-        # Each holds only a share, so that no lock keeps them apart; one grid of the two may have the name.
+    def test_two_grids_started_on_one_file_do_not_mix(self):
+        # Each sweep runs only a share, so no lock separates them; one of the two grids may take the file.
         (self.folder / "other.toml").write_text(GRID.replace("128.0", "64.0"))
         runs = [self.start_app("sweep", grid, "--out", "a.h5", "--share", "1/2") for grid in ("grid.toml", "other.toml") * 3]
         codes = {"grid.toml": [], "other.toml": []}
@@ -242,7 +243,7 @@ class Sweep(AppTest):
         self.assertEqual(sorted(set(codes["grid.toml"] + codes["other.toml"])), [DONE, BAD_INPUT], codes)
         self.assertEqual({len(set(of)) for of in codes.values()}, {1}, codes)
 
-    def test_two_at_once_on_one_file(self):
+    def test_second_sweep_on_one_file_is_refused(self):
         run = self.start_app("sweep", "grid.toml", "--out", "a.h5", "--processes", 1)
         self.wait_until(run, lambda: (self.folder / "a.h5.cells/digest").exists())
         os.kill(run.pid, signal.SIGSTOP)
@@ -274,13 +275,13 @@ class Sweep(AppTest):
                 self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "bad.h5"), *texts)
                 self.assertFalse((self.folder / "bad.h5").exists())
 
-    def test_a_grid_is_validated_like_any_file(self):
+    def test_grid_is_validated_like_any_file(self):
         said = self.expect(self.run_app("validate", "grid.toml"), DONE, "ok  sweep", "4 cells (1 patient × 2 delay_ticks × 2 stiffness)")
         self.assertEqual(said.err, "")
         self.write("grid.toml", GRID.replace("stiff-adult", "nobody"))
         self.expect_refused(self.run_app("validate", "grid.toml"), "nobody.toml", "is not there", lines=1)
 
-    def test_a_cell_that_cannot_be_run_is_named(self):
+    def test_impossible_cell_is_named(self):
         self.write("grid.toml", 'kind = "sweep"\nversion = 1\nname = "g"\ntrial = "grasp"\nhold_s = 0.5\n'
                                 '[axes]\nposture = ["power", "pinch"]\nobject = ["sphere", "disk"]\n')
         said = self.run_app("sweep", "grid.toml", "--out", "a.h5")

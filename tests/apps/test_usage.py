@@ -1,10 +1,10 @@
-"""The command line: help, usage errors, places that cannot be written, doctor, users and folders."""
+"""The command line: help, usage errors, unwritable paths, doctor, users and folders."""
 import os
 import shutil
 
 from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, main, ordinary_user
 
-# Of every subcommand, what its --help must mention: the contract of the command line.
+# The options that the --help of every subcommand must mention; they are the contract of the command line.
 OPTIONS = {
     "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
             "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
@@ -25,12 +25,12 @@ OPTIONS = {
 
 
 class Help(AppTest):
-    def test_program_names_every_subcommand(self):
+    def test_help_lists_every_subcommand(self):
         result = self.expect(self.run_app("--help"), DONE)
         for subcommand in OPTIONS:
             self.assertIn(subcommand.split()[0], result.out)
 
-    def test_every_subcommand_names_its_options(self):
+    def test_help_of_every_subcommand_lists_its_options(self):
         for subcommand, options in OPTIONS.items():
             with self.subTest(subcommand):
                 result = self.expect(self.run_app(*subcommand.split(), "--help"), DONE)
@@ -38,12 +38,12 @@ class Help(AppTest):
                     self.assertIn(option, result.out)
         self.assertEqual(self.names_in(self.folder), [])
 
-    def test_version_is_said(self):
+    def test_version_is_printed(self):
         self.expect(self.run_app("--version"), DONE, "wholehand ")
 
 
 class BadUsage(AppTest):
-    # Arguments, and a word of the message that says which of them is meant.
+    # Wrong arguments, and a word of the message that names the wrong one.
     MISTAKES = [
         ("", "--help"),
         ("bogus", "bogus"),
@@ -88,11 +88,11 @@ class BadUsage(AppTest):
             with self.subTest(arguments):
                 result = self.expect_refused(self.run_app(*arguments.split()), word)
                 self.assertLessEqual(len(result.err.splitlines()), 2, result)
-                self.assertLess(len(result.err), 200, result)  # nobody reads 300 digits
+                self.assertLess(len(result.err), 200, result)  # long numbers are cut
                 self.assertEqual(result.out, "")
         self.assertEqual(self.names_in(self.folder), [])
 
-    def test_numbers_that_are_none(self):
+    def test_invalid_numbers_are_refused(self):
         for option in ("--rate-hz", "--duration"):
             for value in ("nan", "NaN", "inf", "-inf", "0", "-0", "-5", "1e400", "1e-320", "fast",
                           "", "1000x", "1,5", "0x"):
@@ -115,7 +115,7 @@ class PlacesThatCannotBeWritten(AppTest):
         self.assertNotIn("ticks", result.out, "it ran first")
         self.assertEqual(self.names_in(self.folder), before)
 
-    def test_run_says_so_before_it_runs(self):
+    def test_run_reports_an_unwritable_path_before_it_starts(self):
         for option in ("--record", "--json", "--report"):
             for place in ("a-file/below", "/proc/none/below"):
                 with self.subTest(option=option, place=place):
@@ -124,8 +124,8 @@ class PlacesThatCannotBeWritten(AppTest):
             with self.subTest(option=option, place=place):
                 self.expect_nothing_ran(*FREE_RUN, option, place, place=place)
 
-    def test_what_is_no_ordinary_file_is_left_alone(self):
-        # As root, a new file would take the place of /dev/null for the whole machine.
+    def test_special_files_are_not_replaced(self):
+        # As root, a new file would replace /dev/null for the whole machine.
         os.mkfifo(self.folder / "pipe")
         os.symlink("/dev/null", self.folder / "link")
         for option in ("--record", "--json"):
@@ -135,26 +135,26 @@ class PlacesThatCannotBeWritten(AppTest):
         self.assertTrue((self.folder / "pipe").is_fifo())
         self.assertTrue((self.folder / "link").is_symlink())
 
-    def test_one_bad_place_leaves_no_folder_for_the_others(self):
+    def test_one_bad_path_leaves_no_folder_for_the_others(self):
         self.expect_nothing_ran(*FREE_RUN, "--record", "new/run.h5", "--report", "new/report", "--json",
                                 "a-file/x.json", place="a-file/x.json")
         self.expect_nothing_ran("experiment", "timing", "--out", "new", "--json", "a-file/x.json",
                                 place="a-file/x.json")
 
-    def test_experiments_say_so_before_they_run(self):
+    def test_experiments_report_an_unwritable_path_before_they_start(self):
         for experiment in ("grasping", "timing"):
             with self.subTest(experiment):
                 self.expect_nothing_ran("experiment", experiment, "--out", "a-file/x", place="a-file/x")
                 self.expect_nothing_ran("experiment", experiment, "--out", "a-folder", "--json",
                                         "a-folder", place="a-folder")
 
-    def test_report_says_so(self):
+    def test_report_reports_an_unwritable_path(self):
         recording = self.record(duration=0.2)
         self.expect_nothing_ran("report", recording, "--out", "a-file", place="a-file")
         self.expect_nothing_ran("report", recording, "--out", "a-file/x", place="a-file/x")
         self.expect_nothing_ran("replay", recording, "--report", "a-folder", place="a-folder")
 
-    def test_a_folder_of_somebody_else(self):
+    def test_folder_of_another_user_is_refused(self):
         os.chmod(self.folder, 0o755)
         os.chmod(self.folder / "a-folder", 0o555)
         for option, place in (("--record", "a-folder/run.h5"), ("--json", "a-folder/run.json"),
@@ -168,7 +168,7 @@ class PlacesThatCannotBeWritten(AppTest):
 
 
 def deployed_tree(test):
-    """Program, configuration and data in a tree that every user may read."""
+    """Copies program, configuration and data into a tree that every user may read."""
     tree = test.folder / "tree"
     if not tree.exists():
         (tree / "build/release").mkdir(parents=True)
@@ -184,7 +184,7 @@ def deployed_tree(test):
 
 
 class UsersAndFolders(AppTest):
-    def test_ordinary_user_in_another_folder_gets_all_three(self):
+    def test_ordinary_user_in_another_folder_gets_all_three_files(self):
         binary = deployed_tree(self) / "build/release/wholehand"
         home = self.folder / "home"
         home.mkdir()
@@ -200,7 +200,7 @@ class UsersAndFolders(AppTest):
         self.expect(self.run_app("replay", "--resimulate", run / "recording.h5", binary=binary,
                                  cwd=home, **ordinary_user()), DONE, "every bit the same")
 
-    def test_ordinary_user_asks_the_doctor(self):
+    def test_doctor_works_for_an_ordinary_user(self):
         binary = deployed_tree(self) / "build/release/wholehand"
         self.expect_verdict(self.run_app("doctor", binary=binary, cwd="/", **ordinary_user()))
 
@@ -215,7 +215,7 @@ class UsersAndFolders(AppTest):
         self.assertRegex(last, r"(at most|up to) \d+ µs late \(p99.9 \d+ µs; allowed is half a period, 500 µs\)"
                                "|real-time priority is not granted|not PREEMPT_RT")
         lines = result.out.splitlines()
-        for number, line in enumerate(lines):  # each line that complains says the remedy
+        for number, line in enumerate(lines):  # each line with a problem has a remedy
             if line.startswith("  ! "):
                 following = [l for l in lines[number + 1:] if not l.startswith("      ") or "→" in l]
                 self.assertIn("→", following[0] if following else "", result.out)

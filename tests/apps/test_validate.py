@@ -1,4 +1,4 @@
-"""`wholehand validate`, and that `run` refuses what it refuses: one message says file, place and remedy."""
+"""`wholehand validate`, and `run` with files that it refuses: one message gives file, place and remedy."""
 import json
 import re
 import shutil
@@ -10,9 +10,9 @@ DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda
 HAND, PATIENT = CONFIG / "hands/adult-median-right.toml", CONFIG / "patients/relaxed-adult.toml"
 SCENE = CONFIG / "scenes/four-shapes.toml"
 
-# What is changed, how, and what the one message must contain besides the file. Where the new text is
-# not empty, its line must be named too. Every kind of mistake: tests/files/bad_input_test.cpp.
-#   (what is wrong, file, old text, new text, texts of the message)
+# Changes of shipped files and the texts that the one message must contain besides the file. If the new text is not
+# empty, its line must be named, too. tests/files/bad_input_test.cpp tests every kind of mistake.
+#   (mistake, file, old text, new text, texts of the message)
 MISTAKES = [
     ("missing key", DEVICE, "effort_limit_n = 20.0\n", "", ["effort_limit_n", "missing"]),
     ("not TOML", SCENE, "[[bodies]]", "[[bodies]", ["TOML"]),
@@ -22,7 +22,7 @@ MISTAKES = [
      ["x.k_pm_n_m", "unstable", "largest allowed"]),
 ]
 
-MOTION_MISTAKES = [  # what it is, text of the file, texts of the message
+MOTION_MISTAKES = [  # mistake, text of the file, texts of the message
     ("ragged", "time_s,x_m,y_m\n0,0,0\n0.01,0\n0.02,0,0\n", [":3:"]),
     ("binary", bytes(range(256)) * 64, ["not a CSV text"]),
     ("TOML", SCENE.read_text(), ["not a motion"]),
@@ -30,7 +30,7 @@ MOTION_MISTAKES = [  # what it is, text of the file, texts of the message
 
 
 class Shipped(AppTest):
-    def test_every_file_passes_at_once(self):
+    def test_all_shipped_files_pass_in_one_call(self):
         files = sorted(CONFIG.rglob("*.toml")) + sorted((SOURCE / "data").rglob("*.csv"))
         self.assertGreater(len(files), 30)
         result = self.expect(self.run_app("validate", *files), DONE)
@@ -38,14 +38,14 @@ class Shipped(AppTest):
         said = [line for line in result.out.splitlines() if line.startswith("ok ")]
         self.assertEqual(len(said), len(files), result)
 
-    def test_copies_anywhere_pass_by_themselves(self):
+    def test_copies_in_another_folder_pass_alone(self):
         for file in (SCENE, HAND, DEVICE, GAINS, PATIENT, MOTION):
             copy = shutil.copy(file, self.folder / ("copy" + file.suffix))
             self.expect(self.run_app("validate", copy), DONE, "ok ")
 
 
 class Passports(AppTest):
-    """What commissioning wrote, by itself and against the device file that it belongs to."""
+    """Files written by commissioning, alone and with their device file."""
 
     def test_passport_and_check_pass(self):
         mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
@@ -55,7 +55,7 @@ class Passports(AppTest):
         self.expect(self.run_app("validate", passport, check), DONE, "ok  passport", "serial number S-1", "ok  device-check")
         self.expect(self.run_app("validate", mine, passport), DONE, "ok  passport")
 
-    def test_what_is_wrong_with_one_is_named(self):
+    def test_mistakes_in_a_passport_are_named(self):
         mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
         other = self.write("other.toml", mine.read_text() + "# other\n")
         for text, files, says in ((passport_of(mine).split("[seal]")[0], (), "truncated"),
@@ -68,24 +68,24 @@ class Passports(AppTest):
 
 
 class Guessed(AppTest):
-    """What a file alone is checked against is said, and what to do where that is not what it is for."""
+    """`validate` states what a single file is checked against, and what to do if that is the wrong counterpart."""
 
-    def test_gains_alone_name_device_and_hand(self):
+    def test_gains_alone_report_the_assumed_device_and_hand(self):
         gains = shutil.copy(GAINS, self.folder / "my-gains.toml")
         self.expect(self.run_app("validate", gains), DONE,
                     "on the device lambda-pride with the hand adult-median-right")
 
-    def test_axes_that_do_not_fit_ask_for_the_device(self):
+    def test_mismatched_axes_ask_for_the_device(self):
         gains = shutil.copy(CONFIG / "rendering/wrist-9axis.toml", self.folder / "my-gains.toml")
         self.expect_refused(self.run_app("validate", gains), "roll", "lambda-pride.toml",
                             "name its device file beside it")
         device = CONFIG / "devices/wrist-9axis.toml"
         self.expect(self.run_app("validate", gains, device), DONE)
         result = self.expect_refused(self.run_app("validate", gains, DEVICE), "roll")
-        self.assertNotIn("beside it", result.err)  # the device was named
+        self.assertNotIn("beside it", result.err)  # the device was given
 
 
-    def test_a_motion_alone_says_that_no_device_was_asked(self):
+    def test_motion_alone_reports_that_no_device_was_checked(self):
         millimetres = self.write("mm.csv", "time_s,x_m\n" + "".join(f"{.01 * i:.2f},{.2 * i:.1f}\n" for i in range(100)))
         self.expect(self.run_app("validate", millimetres), DONE, "ok  motion",
                     "not held against a device: name its device file beside it")
@@ -93,11 +93,11 @@ class Guessed(AppTest):
         result = self.expect(self.run_app("validate", MOTION, DEVICE), DONE, "ok  motion")
         self.assertNotIn("not held", result.out)
 
-    def test_the_ending_of_a_motion_in_any_case(self):
+    def test_extension_of_a_motion_is_accepted_in_any_case(self):
         for name in ("MOTION.CSV", "Motion.Csv"):
             self.expect(self.run_app("validate", self.write(name, MOTION.read_text())), DONE, "ok  motion", name)
 
-    def test_settings_of_drivers_name_the_command_that_checks_them(self):
+    def test_driver_settings_refer_to_the_command_that_checks_them(self):
         settings = sorted((SOURCE / "drivers").rglob("*.toml"))
         self.assertGreaterEqual(len(settings), 2)
         pair = self.write("pair.toml", 'kind = "composite"\nversion = 1\nlongest_skew_s = 0.005\n')
@@ -108,7 +108,7 @@ class Guessed(AppTest):
                 result = self.expect_refused(self.run_app("validate", file), f'{file}:', "is the settings of a driver",
                                              "wholehand " + command, lines=1)
                 self.assertNotIn("is unknown", result.err)
-                # It reads them before it opens anything, and finds a shipped driver by its name.
+                # `run` reads them before it opens the device, and finds a shipped driver by its name.
                 wrong = self.write("wrong.toml", file.read_text().replace("version = 1", "version = 1\nwidht = 1"))
                 checked = self.run_app(*command.split()[:-1], wrong)
                 self.expect(checked, BAD_INPUT)
@@ -119,7 +119,7 @@ class Mistakes(AppTest):
     def expect_one_message(self, path, texts, line=0):
         place = f"{path}:{line}:" if line else str(path)
         result = self.expect_refused(self.run_app("validate", path), place, *texts)
-        self.assertEqual(len(result.err.splitlines()), 1, result)  # one mistake, one message
+        self.assertEqual(len(result.err.splitlines()), 1, result)  # exactly one message
         self.assertRegex(result.err, r"; \S+", "no remedy")
         self.assertNotIn("ok ", result.out)
         self.assertLess(len(result.err), 500, result)
@@ -140,16 +140,16 @@ class Mistakes(AppTest):
                 reported_by_line = new and not new.startswith("#") and not {"unstable", "drives nothing"} & {*texts}
                 self.expect_one_message(path, texts, line if reported_by_line else 0)
 
-    def test_motion_files(self):
+    def test_mistakes_in_motion_files_are_named(self):
         for number, (what, text, texts) in enumerate(MOTION_MISTAKES):
             with self.subTest(what):
                 path = self.write(f"{number}.csv", text)
                 result = self.expect_refused(self.run_app("validate", path), str(path), *texts)
                 self.assertEqual(len(result.err.splitlines()), 1, result)
-                self.assertNotRegex(result.err, r"[\x00-\x09\x0b-\x1f\x7f]")  # no raw bytes
+                self.assertNotRegex(result.err, r"[\x00-\x09\x0b-\x1f\x7f]")  # no control characters
                 self.assertRegex(result.err, r"; \S+", "no remedy")
 
-    def test_what_is_no_file(self):
+    def test_missing_and_special_files_are_refused(self):
         (self.folder / "folder.toml").mkdir()
         (self.folder / "folder.csv").mkdir()
         self.write("empty.toml", "")
@@ -173,8 +173,8 @@ class Mistakes(AppTest):
                         f'[[bodies]]\nname = "b"\nposition_m = [0.2, 0.0, 0.0]\n{body}\n')
         return path
 
-    def test_mesh_that_is_not_convex(self):
-        # A bar with a notch: an L of two boxes has an edge that goes inward.
+    def test_non_convex_mesh_is_reported(self):
+        # A notched bar: an L of two boxes has an inward edge.
         profile = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
         bent = "".join(f"v {x * .02} {y * .02} {z}\n" for z in (0, .02) for x, y in profile)
         bent += "f 1 4 3 2\nf 1 6 5 4\nf 7 8 9 10\nf 7 10 11 12\n"
@@ -182,19 +182,19 @@ class Mistakes(AppTest):
         path = self.scene_with('shape = "mesh"\nfile = "m.obj"\nmass_kg = 0.1\n', {"m.obj": bent})
         result = self.run_app("validate", path)
         self.assertEqual((result.code, result.err), (0, ""), result)
-        # The hull covers 11.5 of 7 squares that the bar has.
+        # The hull covers 11.5 squares, the bar 7.
         for text in (f"{path}:9: bodies[b].file: the mesh ", "m.obj is not convex", "64.3 % larger in volume",
                      "; the hand cannot reach into a hollow"):
             self.assertIn(text, result.out)
 
-    def test_link_without_collider_is_a_frame(self):
+    def test_link_without_collider_is_accepted_as_a_frame(self):
         good = (CONFIG / "scenes/assets/mug.urdf").read_text()
         at = good.index('<link name="handle">')
         handle_bare = good[:at] + re.sub(r"<collision.*?</collision>", "", good[at:], flags=re.DOTALL)
         path = self.scene_with('shape = "urdf"\nfile = "r.urdf"\n', {"r.urdf": handle_bare})
         self.expect(self.run_app("validate", path), 0)
 
-    def test_all_faults_of_all_files_in_one_call(self):
+    def test_all_mistakes_of_all_files_are_reported_in_one_call(self):
         device, _ = self.changed("device.toml", DEVICE, "mass_kg = 0.8", "mass_kg = nan")
         device.write_text(device.read_text().replace("encoder_step_m", "encoder_stp_m", 1))
         scene, _ = self.changed("scene.toml", SCENE, "friction = 0.8 ", "friction = 3.0 ")
@@ -205,7 +205,7 @@ class Mistakes(AppTest):
                             ("none.toml", 1)):
             self.assertEqual(sum(name + ":" in line for line in lines), count, result)
         self.assertEqual(len(lines), 6, result)
-        self.assertIn("adult-median-right", result.out)  # what is right is said to be right
+        self.assertIn("adult-median-right", result.out)  # valid files are listed as valid
 
 
 class RunRefuses(AppTest):
@@ -214,10 +214,10 @@ class RunRefuses(AppTest):
         result = self.expect_refused(self.run_app("run", "--simulated-clock", *arguments), *texts,
                                      lines=lines)
         self.assertNotIn("Done", result.out)
-        self.assertEqual(self.names_in(self.folder), before)  # nothing half-written, no folder left
+        self.assertEqual(self.names_in(self.folder), before)  # no partial file and no folder left
         return result
 
-    def test_every_bad_file_by_its_option(self):
+    def test_bad_file_of_every_option_is_refused(self):
         for option in ("--scene", "--hand", "--device", "--rendering", "--patient", "--motion"):
             with self.subTest(option):
                 name = "bad" + (".csv" if option == "--motion" else ".toml")
@@ -225,7 +225,7 @@ class RunRefuses(AppTest):
                 self.expect_run_refused(option, name, texts=[name])
                 self.expect_run_refused(option, "missing-" + name, texts=["missing-" + name])
 
-    def test_file_of_another_kind(self):
+    def test_file_of_another_kind_is_refused(self):
         self.expect_run_refused("--scene", HAND, texts=["adult-median-right.toml", "scene"], lines=1)
         self.expect_run_refused("--hand", SCENE, texts=["four-shapes.toml", "hand"], lines=1)
         self.expect_run_refused("--motion", SCENE, texts=["four-shapes.toml"], lines=1)
@@ -238,17 +238,17 @@ class RunRefuses(AppTest):
                                 lines=1)
         self.expect_refused(self.run_app("certify", "--device", device), "give --rendering", lines=1)
         self.expect_run_refused("--device", "nowhere.toml", texts=["nowhere.toml"], lines=1)
-        # What is wrong with the device itself comes first, all of it.
+        # All errors of the device itself come first.
         text = DEVICE.read_text().replace("mass_kg", "mas_kg")
         faulty = self.write("elsewhere/faulty.toml", text)
         self.expect_run_refused("--device", faulty, texts=["did you mean mass_kg"],
                                 lines=text.count("\nmas_kg"))
 
-    def test_gains_of_another_device(self):
+    def test_gains_of_another_device_are_refused(self):
         self.expect_run_refused("--rendering", CONFIG / "rendering/wrist-9axis.toml", texts=["roll"])
 
-    def test_body_inside_the_hand(self):
-        # Where the hand is when it is armed, a recording says; its palm lies 5 cm before the wrist.
+    def test_body_inside_the_hand_is_refused(self):
+        # The recording gives the hand's position when it is armed; its palm is 5 cm in front of the wrist.
         with read_recording(self.record(duration=0.1)) as f:
             x, y, z = f["meta"].attrs["armed_position"][:3]
         text = SCENE.read_text().replace("position_m = [0.055, 0.11, 0.0]",
@@ -256,20 +256,20 @@ class RunRefuses(AppTest):
         self.write("inside.toml", text)
         self.expect_run_refused("--scene", "inside.toml", texts=["inside.toml", "cylinder", "hand"],
                                 lines=1)
-        # What can be checked is checked before the device is armed, and nothing is made until then.
+        # All checks come before the device is armed, and no file is made until then.
         self.write("file", "")
         self.expect_run_refused("--scene", "inside.toml", "--record", "file/run.h5",
                                 texts=["file/run.h5", "not a folder"], lines=1)
         self.expect_run_refused("--scene", "inside.toml", "--record", "new/run.h5",
                                 texts=["inside.toml", "cylinder", "hand"], lines=1)
 
-    def test_unstable_gains(self):
+    def test_unstable_gains_are_refused(self):
         text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
         self.write("hot.toml", text)
         self.expect_run_refused("--rendering", "hot.toml", "--record", "run.h5",
                                 texts=["hot.toml", "x.k_pm_n_m", "largest allowed"], lines=3)
 
-    def test_uncertified_says_so_and_runs(self):
+    def test_uncertified_run_is_reported_and_allowed(self):
         text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
         self.write("hot.toml", text)
         path = self.record("run.h5", "--rendering", "hot.toml", "--uncertified", "--json", "run.json",

@@ -1,4 +1,4 @@
-"""The drivers of Force Dimension and moteus in the program, with devices that are not there."""
+"""The drivers of Force Dimension and moteus in the program, with fake devices."""
 import os
 import pathlib
 import re
@@ -19,7 +19,7 @@ class VendorDrivers(DeviceTest):
     terminal = True
 
     def start_hand(self):
-        """Three moteus drives behind a pseudo terminal (tests/drivers/moteus/fake_hand.cpp)."""
+        """Starts three fake moteus drives behind a pseudo terminal (tests/drivers/moteus/fake_hand.cpp)."""
         self.log = self.folder / "hand.log"
         with open(self.log, "w") as log:
             hand = subprocess.Popen([BUILT / "fake_hand"], stdin=subprocess.PIPE, stdout=log)
@@ -37,7 +37,7 @@ class VendorDrivers(DeviceTest):
                 self.config_file("rendering", "lambda-pride", HAND), "--driver", DRIVERS / "moteus.so",
                 "--device-at", f"fdcanusb:{port}", "--driver-settings", SOURCE / "drivers/moteus/hand.toml")
 
-    def test_program_that_is_killed_is_let_go_by_the_moteus_drives(self):
+    def test_killed_program_is_released_by_the_moteus_drives(self):
         run = self.start_run(*self.moteus(self.start_hand()))
         self.assertIn("moteus drives, 3 axes", self.driver_line)
         self.assertEqual(self.modes(), {}, ALWAYS + "nothing moves before somebody arms")
@@ -52,17 +52,17 @@ class VendorDrivers(DeviceTest):
             time.sleep(0.05)
         for drive, (mode, _, silent, gap) in self.modes().items():
             self.assertEqual(mode, 11, f"{ALWAYS}drive {drive}")
-            # 20 ms by the drive's clock, as often as this machine runs the drive.
+            # 20 ms by the drive's clock, plus the time that this machine delayed the drive.
             self.assertLessEqual(silent, 21.0 + 2 * gap)
             print(f"figure: drive {drive} lets go after {silent:.1f} ms (longest gap of the drive {gap:.1f} ms)")
 
-    def test_program_that_ends_stops_the_moteus_drives(self):
+    def test_end_of_the_program_stops_the_moteus_drives(self):
         run = self.start_run(*self.moteus(self.start_hand()))
         self.arm()
         self.wait_until(run, lambda: len(self.modes()) == 3)
         run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=HANG_S)
-        # Drives that this machine kept waiting answer late, which stops the program first.
+        # Drives that this machine delayed answer late, which stops the program first.
         late = "samples delayed" in out + err or "enable lost" in out + err
         if not late or max(gap for *_, gap in self.modes().values()) < 1.0:
             self.assertEqual(run.returncode, INTERRUPTED, out + err)
@@ -76,7 +76,7 @@ class VendorDrivers(DeviceTest):
         for leftover in (NAME, NAME + ".lock"):
             self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
         device = self.config_file("devices", "desktop-3axis")
-        # A quick device: with the host's two cycles it stays within the one period that the file states.
+        # A device with a short delay: with the host's two cycles it stays within the stated period.
         quick = (SOURCE / "drivers/force_dimension/lambda-7.toml").read_text().replace("delay_s = 0.001 ", "delay_s = 0.0004 ")
         settings = ("--driver-settings", self.write("lambda-7.toml", quick))
         driver = ("--driver", DRIVERS / "force_dimension.so")
@@ -97,7 +97,7 @@ class VendorDrivers(DeviceTest):
         run = self.start_run("--host", NAME, "--device", device, *rendering)
         self.arm()
         time.sleep(0.5)
-        # A loop that this machine kept waiting for 20 ms is let go of by the host.
+        # If this machine delayed the loop by 20 ms, the host released it.
         kept_waiting = lambda: "the loop sent no new command" in said()
         if not kept_waiting():
             self.assertEqual(run.poll(), None)

@@ -1,4 +1,4 @@
-"""The Python package as pip installs it, into environments that have nothing of this folder, without a network."""
+"""The Python package installed by pip, into environments without access to this folder or a network."""
 import os
 import pathlib
 import re
@@ -10,7 +10,7 @@ import app
 from app import BINARY, SOURCE, AppTest, main
 
 PROJECT = BINARY.parent / "python"
-OURS = ("numpy", "flatbuffers", "websockets", "h5py", "pandas", "xarray", "wholehand._rig")  # what the package may import
+OURS = ("numpy", "flatbuffers", "websockets", "h5py", "pandas", "xarray", "wholehand._rig")  # its imports
 
 
 def said(*command, **how):
@@ -28,7 +28,7 @@ class Wheel(AppTest):
         said(sys.executable, "-B", SOURCE / "clients/python/make_wheel.py", PROJECT, cls.made)
         cls.sdist, = cls.made.glob("*.tar.gz")
         cls.wheel, = cls.made.glob("*.whl")
-        cls.python = cls.environment("debian", "--system-site-packages")  # what the package needs comes from Debian
+        cls.python = cls.environment("debian", "--system-site-packages")  # the dependencies come from Debian
 
     @classmethod
     def environment(cls, name, *options):
@@ -41,10 +41,10 @@ class Wheel(AppTest):
     def in_it(self, python, program):
         return said(python, "-c", program, cwd=self.folder).split()
 
-    def test_the_wheel_brings_the_client_and_rigs_with_their_files(self):
+    def test_wheel_installs_client_and_rigs_with_their_files(self):
         self.assertRegex(self.wheel.name, r"-cp3\d+-cp3\d+-linux_")
         self.install(self.python, self.wheel)
-        said(self.python, "-m", "pip", "install", "--no-index", self.wheel)  # what it needs is there and fits
+        said(self.python, "-m", "pip", "install", "--no-index", self.wheel)  # all dependencies are installed
         version, where, ran, table = self.in_it(self.python, "import wholehand; from wholehand.rig import Rig, shipped\n"
                                                 "import wholehand.client, wholehand.connection\n"
                                                 "print(wholehand.__version__, wholehand.__file__, Rig(exercise='cocktail-bar')."
@@ -55,8 +55,8 @@ class Wheel(AppTest):
             self.assertTrue(path.startswith(str(self.made / "debian")), path)
         self.assertEqual(pathlib.Path(table).read_bytes(), (SOURCE / "config/scenes/table.toml").read_bytes())
 
-    def test_packages_of_a_bare_debian_bring_every_library(self):
-        """What the module is linked to comes with the packages that the manual names, or with apt and python3."""
+    def test_packages_of_a_minimal_debian_contain_every_library(self):
+        """All linked libraries come with the packages that the manual names, or with apt and python3."""
         named = re.search(r"apt-get install --no-install-recommends (python3-venv .*)", (SOURCE / "clients/python/README.md").read_text())[1]
         module, = (PROJECT / "wholehand").glob("_rig.*.so")
         needed = re.findall(r"\(NEEDED\).*\[(.*)\]", said("readelf", "-d", module))
@@ -67,21 +67,21 @@ class Wheel(AppTest):
             package = subprocess.run(["dpkg", "-S", path.removeprefix("/usr"), path], capture_output=True, text=True).stdout.partition(":")[0]
             self.assertIn(package, [*named.split(), "libc6", "libgcc-s1", "libstdc++6", "zlib1g", "libssl3"], library)
 
-    def test_the_five_lines_of_the_readme_plot_a_grasp(self):
+    def test_five_lines_of_the_readme_plot_a_grasp(self):
         self.install(self.python, self.wheel)
         lines = (SOURCE / "clients/python/README.md").read_text().split("## A plot of a grasp")[1].split("```")[3]
         program = lines.removeprefix("python\n")
         self.assertEqual(len(program.splitlines()), 5)
-        # In place of matplotlib, which the check has no other use for: prints what is to be drawn.
+        # A stand-in for matplotlib, which is not needed otherwise: prints the data to be drawn.
         (self.folder / "matplotlib").mkdir()
         (self.folder / "matplotlib/__init__.py").write_text("")
         (self.folder / "matplotlib/pyplot.py").write_text("plot = lambda y: print(*y)\nsavefig = lambda file: print(file)\n")
         *force_n, file = self.in_it(self.python, program)
         self.assertEqual((len(force_n), float(force_n[0]), file), (800, 0.0, "grasp.png"))
-        held = sum(float(f) > 5.0 for f in force_n)  # of 10 ms each
+        held = sum(float(f) > 5.0 for f in force_n)  # samples of 10 ms each
         self.assertGreater(held, 100, "the recorded reach holds the box for a second")
 
-    def test_the_sdist_becomes_a_client_for_any_machine(self):
+    def test_sdist_builds_a_client_for_any_machine(self):
         said(self.python, "-m", "pip", "wheel", "--no-index", "--no-build-isolation", "--no-deps", "-w", self.folder, self.sdist)
         built, = self.folder.glob("*.whl")
         self.assertRegex(built.name, "-py3-none-any.whl$")
@@ -95,7 +95,7 @@ class Wheel(AppTest):
         self.assertIn("wholehand.rig needs the module _rig", refused.stderr)
         self.in_it(self.python, "import wholehand.client, wholehand.bodies, wholehand.kinematics, wholehand.recording")
 
-    def test_an_import_takes_what_it_needs_and_no_more(self):
+    def test_import_loads_only_needed_modules(self):
         self.install(self.python, self.wheel)
         for module, needs in (("wholehand", []), ("wholehand.client", ["numpy", "flatbuffers", "websockets"]),
                               ("wholehand.rig", ["numpy", "wholehand._rig"]), ("wholehand.environment", ["numpy", "wholehand._rig"]),

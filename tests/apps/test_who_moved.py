@@ -1,4 +1,4 @@
-"""Figures of sessions in which others than the person moved the hand, against a recount: recount.py."""
+"""Figures of sessions in which not only the person moved the hand, compared with a recount by recount.py."""
 from app import FULL, SEED, main, read_recording, report_data
 from recount import MOTION, VIRTUAL_PATIENT, Compared
 
@@ -6,15 +6,15 @@ CASES = 200 if FULL else 10
 
 
 class Figures(Compared):
-    def test_of_drawn_hand_overs_are_those_of_the_recount(self):
-        # Played by the virtual patient: two drinks of two steps, and three bands of force.
+    def test_figures_of_random_hand_overs_match_the_recount(self):
+        # Played by the virtual patient: two drinks of two steps each, and three bands of force.
         bases = [self.record("bar.h5", "--exercise", "cocktail-bar", "--level", 2, "--seed", str(SEED), duration=60),
                  self.record("squeeze.h5", "--exercise", "squeeze-to-level", "--seed", str(SEED), duration=40)]
         kinds = self.compare_drawn(bases, CASES)
         print(f"figure: {CASES} sessions recounted, parts of {len(kinds)} of 9 kinds")
-        self.assertGreaterEqual(len(kinds), 6)  # that the draws reach what is to be distinguished
+        self.assertGreaterEqual(len(kinds), 6)  # the random cases cover the kinds of parts
 
-    def test_of_the_virtual_patient_alone_and_of_a_motion_are_nobodys(self):
+    def test_figures_of_the_virtual_patient_or_a_motion_credit_no_person(self):
         bar = self.record("bar.h5", "--exercise", "cocktail-bar", duration=30)
         own = self.compare(bar)
         self.assertEqual(set(own.by), {VIRTUAL_PATIENT})

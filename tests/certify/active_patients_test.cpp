@@ -1,6 +1,7 @@
-// Certified gains with patients who are not passive: one axis of the renderer, by the functions of
-// the tick themselves, round a device that a spastic or a fighting arm pushes about. Nothing here
-// says that the arm comes to rest; the efforts stay within their limits and go when they must.
+// Certified gains with patients who are not passive. One axis of the renderer, built from the
+// functions of the tick, runs on a device that a spastic or a fighting arm pushes about. The test
+// does not claim that the arm comes to rest: the efforts stay within their limits and fall to
+// neutral when they must.
 #include "certified_sets.hpp"
 #include "loop/control/adaptive_damping.hpp"
 #include "loop/control/axis_simulation.hpp"
@@ -19,7 +20,7 @@ constexpr int kPatientTicks = 1500;
 
 enum class Habit { kReflex, kFight };
 
-/// An arm with a will of its own. Its force grows no larger than a strong person's.
+/// An active arm. Its force never exceeds that of a strong person.
 class ActiveArm {
  public:
   ActiveArm(Habit habit, Draw& draw)
@@ -33,7 +34,7 @@ class ActiveArm {
 
   double force(double x, double v, double felt, double time_s) {
     const double sway = sway_n_ * std::sin(2.0 * std::numbers::pi * frequency_hz_ * time_s);
-    if (habit_ == Habit::kFight) {  // with the motion, and against whatever is felt
+    if (habit_ == Habit::kFight) {  // with the motion, or against the effort at rest
       return sway + strength_n_ * (v > 0.0 ? 0.5 : -0.5) -
              0.5 * std::clamp(felt, -strength_n_, strength_n_);
     }
@@ -119,15 +120,15 @@ class OneAxisTick {
   VelocityState velocity_;
 };
 
-struct Seen {
-  double over_limit = 0.0;  ///< most by which an effort passed its limit [N]
-  double over_slew = 0.0;   ///< most by which a change passed its limit [N]
+struct TrialOutcome {
+  double over_limit = 0.0;  ///< largest excess of an effort over its limit [N]
+  double over_slew = 0.0;   ///< largest excess of a change over its limit [N]
   int ticks_to_neutral = 0;
   bool stays_neutral = true, finite = true, stopped_by_itself = false;
   double fastest_m_s = 0.0;
 };
 
-Seen live(const CertifiedSet& set, Habit habit, Draw& draw) {
+TrialOutcome live(const CertifiedSet& set, Habit habit, Draw& draw) {
   OneAxisTick tick(set, 4.0 * draw.unit() - 2.0);
   ActiveArm arm(habit, draw);
   const AxisLoop l = set.gains.loop(0.0);
@@ -138,7 +139,7 @@ Seen live(const CertifiedSet& set, Habit habit, Draw& draw) {
   const int stop_at = 250 + draw.upTo(kPatientTicks - 250 - 2 * kNeutralWithin);
   std::deque<double> queue(static_cast<std::size_t>(l.delay_ticks), tick.neutral[0]);
   double x = 0.0, v = 0.0, xs = 0.0, vs = 0.0, last = tick.neutral[0];
-  Seen seen;
+  TrialOutcome seen;
   bool neutral = false;
   for (int k = 0; k < kPatientTicks; ++k) {
     const double sent = tick.send(x, xs, vs, k >= stop_at);
@@ -152,9 +153,9 @@ Seen live(const CertifiedSet& set, Habit habit, Draw& draw) {
       seen.stays_neutral = seen.stays_neutral && sent == tick.neutral[0];
     }
     queue.push_back(sent);
-    const double acting = queue.front() - tick.neutral[0];  // the rest carries the device
+    const double acting = queue.front() - tick.neutral[0];  // the neutral part carries the device
     queue.pop_front();
-    if (kind > 0.3) {  // else the avatar is held by a stop
+    if (kind > 0.3) {  // otherwise a stop holds the avatar
       vs += kPeriod_s * tick.drive_per_s2 / (1.0 + held_mass);
       xs += kPeriod_s * vs;
     }
@@ -172,7 +173,7 @@ void expectGentle(Habit habit, const char* name, unsigned stream) {
   double over_limit = 0.0, over_slew = 0.0, fastest = 0.0;
   int number = 0, slowest = 0;
   for (const CertifiedSet& set : certifiedSets()) {
-    const Seen seen = live(set, habit, draw);
+    const TrialOutcome seen = live(set, habit, draw);
     EXPECT_LE(seen.over_limit, 0.0) << name << " set " << number;
     EXPECT_LE(seen.over_slew, 1e-9) << name << " set " << number;
     EXPECT_LE(seen.ticks_to_neutral, kNeutralWithin) << name << " set " << number;
@@ -192,10 +193,10 @@ void expectGentle(Habit habit, const char* name, unsigned stream) {
   EXPECT_GT(fastest, 0.5) << "the patient hardly moved";
 }
 
-TEST(CertifiedGains, PatientWithAStretchReflex_IsHeldWithinTheLimitsAndLetGo) {
+TEST(CertifiedGains, PatientWithAStretchReflex_StaysWithinTheLimitsAndIsLetGo) {
   expectGentle(Habit::kReflex, "has a stretch reflex", 75);
 }
-TEST(CertifiedGains, PatientWhoFights_IsHeldWithinTheLimitsAndLetGo) {
+TEST(CertifiedGains, PatientWhoFights_StaysWithinTheLimitsAndIsLetGo) {
   expectGentle(Habit::kFight, "fights", 76);
 }
 

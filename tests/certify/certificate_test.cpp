@@ -21,8 +21,8 @@
 namespace wholehand::test {
 namespace {
 
-/// An axis with an ideal encoder. Numbers of the tables: an independent program that uses series
-/// and Gelfand's formula where ours uses closed forms and eigenvalues.
+/// An axis with an ideal encoder. The tables come from an independent program, which uses series
+/// and Gelfand's formula where this project uses closed forms and eigenvalues.
 AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm, double filter_hz,
                 double k_ps = 2500.0, double gamma = 0.0) {
   AxisCase c;
@@ -40,8 +40,8 @@ AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm
   return c;
 }
 
-// StabilityFigures finds the same limits by steps through time.
-TEST(Certificate, RigidContactTable_IsMet) {
+// StabilityFigures finds the same limits by simulation in time.
+TEST(Certificate, RigidContactTable_IsReproduced) {
   for (const auto& [mass, damping, delay, table] : kRigidContactTable) {
     const AxisCertificate a = certifyAxis(axisOf(mass, damping, delay, 1000.0, 0.0, 30.0));
     EXPECT_NEAR(a.rigid_limit, table, 0.001 * table + 0.5)
@@ -51,7 +51,7 @@ TEST(Certificate, RigidContactTable_IsMet) {
   }
 }
 
-TEST(Certificate, ZWidthTable_IsMet) {
+TEST(Certificate, ZWidthTable_IsReproduced) {
   for (const auto& [delay, filter_hz, table] : kDampedContactTable) {
     if (filter_hz == 0.0) continue;
     for (std::size_t i = 1; i < 6; ++i) {
@@ -74,7 +74,7 @@ TEST(Certificate, AnyPassivePersonTable_DecidesWithinOnePercentFromBothSides) {
                       {2500, 0, 30, 9.88, 2.47, 4.06},    {2500, 1, 30, 10.39, 4.78, 8.36},
                       {2500, 1, 100, 10.39, 9.18, 17.36}, {10000, 0, 30, 4.88, 1.44, 2.37},
                       {10000, 1, 30, 5.41, 2.98, 4.73},   {40000, 1, 30, 2.94, 2.11, 2.95}};
-  // At the γ that needs the least of 0, 0.05 .. 1.
+  // The γ out of 0, 0.05 .. 1 that needs the smallest damping.
   const std::tuple<double, int, double, double> best[] = {
       {900, 1, 0.40, 6.26},   {2500, 0, 0.55, 2.46},  {2500, 1, 0.40, 4.07},
       {10000, 0, 0.50, 1.44}, {10000, 1, 0.35, 2.46}, {40000, 1, 0.25, 1.77}};
@@ -85,7 +85,7 @@ TEST(Certificate, AnyPassivePersonTable_DecidesWithinOnePercentFromBothSides) {
   for (const Row& row : rows) {
     for (const auto& [gamma, table] :
          {std::pair{0.0, row.gamma_0}, {0.5, row.gamma_half}, {1.0, row.gamma_1}}) {
-      for (const double side : {0.985, 1.015}) {  // the table's last digit rounds, too
+      for (const double side : {0.985, 1.015}) {  // the table's last digit is rounded, too
         const AxisCertificate a = certifyAxis(
             axisOf(0.5, side * table, row.delay, 1000.0, 0.0, row.filter_hz, row.k_ps, gamma));
         EXPECT_NEAR(a.damping_required, table, 0.01 * table) << row.k_ps << " γ " << gamma;
@@ -142,7 +142,7 @@ TEST(ClosedLoop, PersonsAndHeldMasses_EqualTheTableOfRadii) {
           << row.person << " " << row.k_pm << " column " << i;
     }
   }
-  // The certificate names the worst of all persons, and only against the stop that is unstable.
+  // The certificate reports the worst person, and only the stop is unstable.
   const AxisCertificate a = certifyAxis(axisOf(0.8, 1.0, 1, 1000.0, 10.0, 30.0));
   EXPECT_NEAR(a.contacts[1].radius, 1.000312, 1e-6);
   EXPECT_STREQ(a.contacts[1].person, "no arm");
@@ -152,7 +152,7 @@ TEST(ClosedLoop, PersonsAndHeldMasses_EqualTheTableOfRadii) {
   EXPECT_FALSE(a.passes);
 }
 
-TEST(ClosedLoop, HeldMass_LimitsTheStiffnessAsTheTableSays) {
+TEST(ClosedLoop, HeldMass_LimitsTheStiffnessAsInTheTable) {
   struct Row {
     double k_ps, held;
     double gamma_0, gamma_half, gamma_1, relaxed;
@@ -178,7 +178,7 @@ TEST(ClosedLoop, HeldMass_LimitsTheStiffnessAsTheTableSays) {
   }
 }
 
-/// The reference's random search found these passive persons and objects, just under b_min.
+/// The reference's random search found these passive persons and objects, just below b_min.
 TEST(Certificate, WorstKnownPersonAndObject_AreUnstableJustBelowAndStableAtTheRequiredDamping) {
   struct Row {
     double gamma, worst, mass, stiffness, held, spring;
@@ -219,7 +219,7 @@ TEST(Certificate, DampedAxis_IsStableWithRandomPassivePersonsAndObjects) {
 }
 
 TEST(Certificate, RequiredDamping_IsLargestAtOneEndOfPhi) {
-  // Convex in Φ: a maximum of functions that are affine in Φ. The nine samples find the maximum.
+  // Convex in Φ, as a maximum of functions that are affine in Φ. The nine samples find the maximum.
   for (const double gamma : {0.0, 0.3, 1.0}) {
     const AxisCase c = axisOf(0.5, 5.0, 1, 1000.0, 20.0, 30.0, 4000.0, gamma);
     const AxisCertificate a = certifyAxis(c);
@@ -257,7 +257,7 @@ TEST(Certificate, ArmOnARotation_IsScaledByTheLeverArmSquared) {
 }
 
 struct Shipped {
-  const char* name;  ///< of the device and of the gains that go with it
+  const char* name;  ///< of the device and its gains
   const char* hand;
 };
 

@@ -1,5 +1,5 @@
-// Gains that hold their certificate, at random, with random passive persons and objects: none
-// becomes unstable, and the loop gives out no more than was put in and stored.
+// Random certified gains with random passive persons and objects: no loop becomes unstable, and the
+// loop gives out no more energy than was put in and stored.
 #include "certified_sets.hpp"
 #include "loop/control/axis_simulation.hpp"
 #include "support/figure.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kCertifiedTicks = 4000;
 
-/// A set of gains with somebody and something, in motion.
+/// A set of gains with a random person and object, in motion.
 AxisSimulation randomScene(const CertifiedSet& set, Draw& draw) {
   AxisLoop l = set.gains.loopIn(set.wall(), draw.chance(0.5) ? 1.0 : draw.unit(), set.phi);
   if (draw.chance(0.7)) {
@@ -32,7 +32,7 @@ AxisSimulation randomScene(const CertifiedSet& set, Draw& draw) {
   return axis;
 }
 
-TEST(CertifiedGains, PassivePersonsAndObjects_NoneIsUnstable) {
+TEST(CertifiedGains, RandomPassivePersonsAndObjects_AreStable) {
   Draw draw(72);
   int unstable = 0, number = 0;
   double most_growth = 0.0;
@@ -56,16 +56,17 @@ TEST(CertifiedGains, PassivePersonsAndObjects_NoneIsUnstable) {
   figure("largest energy of the second four seconds over the first", most_growth, "");
 }
 
-/// The balance of one axis, in units that are felt. The two ports of the loop are the device's
-/// handle and the avatar's inertia. Until tick k
+/// Energy balance of one axis, in rendered units. The two ports of the loop are the device's handle
+/// and the avatar's inertia. Until tick k
 ///   given(k) = Σ f Δx_m                 work of the effort that acted, on device and person
-///            + Σ σ′a Δx_s               work of the avatar's drive, on avatar and object
-///            − ∫ b v² dt                what the device's own damping took (it is part of the
-///            loop)
-/// is what the loop put out beyond what was put into it. It must come from what was stored:
+///             + Σ σ′a Δx_s               work of the avatar's drive, on avatar and object
+///             − ∫ b v² dt                loss in the device's own damping, a part of the loop
+/// is the energy that the loop gave out beyond what was put into it. It must come from the stored
+/// energy:
 ///   given(k) <= S(0) − S(k),        S = K_pm e²/2 + αk p²/2.
-/// A tank of capacity Ê lets an unstable loop go on until it owes that much.
-/// It begins at rest and unstretched, as rendering does: the energy comes from a person's push.
+/// A tank of capacity Ê lets an unstable loop continue until it owes that much.
+/// The axis starts at rest and unstretched, as rendering does: the energy comes from a person's
+/// push.
 struct Push {
   double effort = 0.0;
   int ticks = 0;
@@ -123,7 +124,7 @@ Balance balanceOf(AxisSimulation axis, const Push& push, bool with_tank) {
   return out;
 }
 
-TEST(CertifiedGains, PassivePersonsAndObjects_PutOutNoMoreThanWasPutInAndStored) {
+TEST(CertifiedGains, RandomPassivePersonsAndObjects_ReceiveNoMoreThanWasPutInAndStored) {
   Draw draw(73);
   double worst = 0.0, without = 0.0, uncertified = 0.0;
   int touched = 0, number = 0;
@@ -150,13 +151,13 @@ TEST(CertifiedGains, PassivePersonsAndObjects_PutOutNoMoreThanWasPutInAndStored)
   figure("the same without a tank on devices of a fifth of the damping, of a tank's, at least",
          std::min(uncertified, 1e6), "");
   EXPECT_EQ(touched, 0) << "a stable loop is left alone";
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(uncertified, 1.0) << "the balance would not show it";
   }
 }
 
-/// A device, nobody attached, flies at its speed limit against an avatar that a stop holds: the
-/// fastest that it comes back within the next two seconds.
+/// Throws a device that nobody holds at its speed limit against an avatar that a stop holds.
+/// @return largest speed of the rebound within the next two seconds
 double reboundSpeed(const CertifiedSet& set, double phi, double slew_per_s) {
   AxisSimulation axis(set.gains.loopIn(set.wall(), 1.0, phi), ContactCase::kRigid);
   axis.wall_linear = false;
@@ -170,7 +171,7 @@ double reboundSpeed(const CertifiedSet& set, double phi, double slew_per_s) {
   return fastest;
 }
 
-TEST(CertifiedGains, SlewThatTheCertificateAsksFor_IsEnoughAndHalfOfItIsNot) {
+TEST(CertifiedGains, SlewThatTheCertificateRequires_IsEnoughAndHalfOfItIsNot) {
   double worst = 0.0, half = 0.0;
   for (const CertifiedSet& set : certifiedSets()) {
     const double required = requiredSlew(set.gains);

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-/// Random gains that hold their certificate.
+/// Random gains that are certified.
 namespace wholehand::test {
 
 class Draw {
@@ -15,7 +15,7 @@ class Draw {
   explicit Draw(unsigned stream) : random_(seededRandom(stream)) {}
   double unit() { return uniform_(random_); }
   bool chance(double share) { return unit() < share; }
-  /// Even on the logarithm.
+  /// Uniform on the logarithm.
   double between(double low, double high) { return low * std::pow(high / low, unit()); }
   int upTo(int most) { return std::min(most, static_cast<int>(unit() * (most + 1))); }
 
@@ -30,8 +30,8 @@ struct CertifiedSet {
   [[nodiscard]] WallCase wall() const { return gains.walls.empty() ? WallCase{} : gains.walls[0]; }
 };
 
-/// A device axis, its gains and sometimes a wall: the damping is a little more than what the
-/// certificate asks for, and holds() says yes.
+/// A random device axis, its gains and sometimes a wall. Its damping is slightly more than the
+/// certificate requires, and holds() accepts it.
 inline CertifiedSet certifiedSet(Draw& draw) {
   for (;;) {
     CertifiedSet set;
@@ -66,7 +66,7 @@ inline CertifiedSet certifiedSet(Draw& draw) {
   }
 }
 
-/// 10,200 where every large count is asked for, else a sample by the seed. The same in every test.
+/// 10,200 sets with full counts, otherwise a sample by the seed; the same in every test.
 inline const std::vector<CertifiedSet>& certifiedSets() {
   static const std::vector<CertifiedSet> kSets = [] {
     Draw draw(71);
@@ -94,7 +94,7 @@ inline AxisDamping dampingOf(const AxisLoop& l) {
   return AxisDamping(1, l.k_pm * l.k_ds_per_s / l.k_ps_per_s2);
 }
 
-/// The shipped tank of a translation.
+/// The shipped energy tank of a translation.
 inline EnergyTankConfig tankOf(const AxisLoop& l) {
   DeviceModel device;
   device.output_delay_ticks = l.delay_ticks;
@@ -103,9 +103,9 @@ inline EnergyTankConfig tankOf(const AxisLoop& l) {
   axis.damping = l.damping;
   axis.effort_limit = 20.0;
   device.axes.push_back(axis);
-  // Nothing here is as much as 1 kJ: the account of the hand has tests of its own.
+  // No energy here reaches 1 kJ: the hand's account is disabled, since it has its own tests.
   EnergyTankConfig config = makeEnergyTank(device, l.period_s);
-  config.hand_capacity += 1e3;  // the axes' tanks alone
+  config.hand_capacity += 1e3;  // only the axes' tanks
   return config;
 }
 

@@ -1,5 +1,6 @@
-// Persons and objects that link the axes: the criterion against the one of a single axis, against
-// terminations built at its own worst frequency, and against loops stepped with random ones.
+// Persons and objects that link the axes. The criterion is compared with that of a single axis,
+// with terminations built at its own worst frequency, and with simulated loops with random
+// terminations.
 #include "certify/passivity.hpp"
 #include "certify/stability.hpp"
 #include "loop/control/axis_loop.hpp"
@@ -24,10 +25,10 @@ struct CoupledDraw {
   double between(double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   }
-  double spread(double low, double high) {  // even on the logarithm
+  double spread(double low, double high) {  // uniform on the logarithm
     return std::exp(between(std::log(low), std::log(high)));
   }
-  /// Positive semidefinite, of any rank from 1 on, of about that size.
+  /// Positive semidefinite, of random rank from 1 on and of about that size.
   Matrix semidefinite(int n, double size) {
     const int rank = 1 + static_cast<int>(random() % static_cast<unsigned>(n));
     const Matrix a = Matrix::NullaryExpr(n, rank, [this] { return between(-1.0, 1.0); });
@@ -35,7 +36,7 @@ struct CoupledDraw {
   }
 };
 
-/// Axes of about a kilogram, an avatar that couples them.
+/// Axes of about a kilogram with an avatar that couples them.
 CoupledCase drawCase(CoupledDraw& draw, int n) {
   CoupledCase c;
   c.delay_ticks = static_cast<int>(draw.random() % 3);
@@ -71,7 +72,7 @@ AxisStiffness stiffnessOf(const CoupledCase& c) {
   return out;
 }
 
-TEST(CoupledPassivity, OneAxis_NeedsWhatItNeedsByItself) {
+TEST(CoupledPassivity, OneAxis_NeedsItsSingleAxisDamping) {
   CoupledDraw draw{seededRandom(301)};
   double worst = 0.0;
   for (int trial = 0; trial < cases(60); ++trial) {
@@ -91,7 +92,7 @@ TEST(CoupledPassivity, OneAxis_NeedsWhatItNeedsByItself) {
   EXPECT_LE(worst, 1e-4);  // near rest 1 - cos φ leaves 5 digits of either
 }
 
-TEST(CoupledPassivity, AxesThatNothingCouples_NeedAtLeastTheMostOfEach) {
+TEST(CoupledPassivity, UncoupledAxes_NeedAtLeastTheLargestOfEach) {
   CoupledDraw draw{seededRandom(302)};
   for (int trial = 0; trial < cases(20); ++trial) {
     CoupledCase c = drawCase(draw, 3);
@@ -104,8 +105,8 @@ TEST(CoupledPassivity, AxesThatNothingCouples_NeedAtLeastTheMostOfEach) {
   }
 }
 
-/// Sufficient for more persons: never less than what linear ones need.
-TEST(CoupledPassivity, AnyPerson_NeedsAtLeastWhatLinearOnesDo) {
+/// This criterion covers more persons, so it never needs less than that of linear persons.
+TEST(CoupledPassivity, AnyPerson_NeedsAtLeastTheDampingOfLinearOnes) {
   CoupledDraw draw{seededRandom(305)};
   std::vector<double> ratios;
   for (int trial = 0; trial < cases(60); ++trial) {
@@ -121,7 +122,7 @@ TEST(CoupledPassivity, AnyPerson_NeedsAtLeastWhatLinearOnesDo) {
   figure("the same, most", ratios.back(), "");
 }
 
-/// The terms of certify/passivity.hpp, spelt again.
+/// The terms of certify/passivity.hpp, written independently.
 struct Terms {
   Eigen::VectorXcd free, felt, driven;
   Eigen::MatrixXcd avatar;
@@ -149,9 +150,9 @@ Terms termsOf(const CoupledCase& c, double angle_rad, double phi) {
 }
 
 /// At the worst frequency there is a passive person W x = u and a passive object Z y = v with which
-/// the loop swings for ever at just the damping that is said to be needed: Re xᴴu and Re yᴴv are
-/// not negative (such W and Z then exist), and with 2 % more damping they are not there.
-TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
+/// the loop oscillates undamped at exactly the damping that is reported as needed: Re xᴴu and Re
+/// yᴴv are not negative (such W and Z then exist). With 2 % more damping they do not exist.
+TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheRequiredDamping) {
   CoupledDraw draw{seededRandom(303)};
   double worst = 1.0;
   for (int trial = 0; trial < cases(40); ++trial) {
@@ -169,8 +170,9 @@ TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
       out.diagonal().array() += b + t.free.real().array();
       return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd>(out);
     };
-    // The damping of all axes is 1: the share is the damping. The null vector is the swing; where
-    // two axes need as much at this λ there are two, and a mixture of them is it.
+    // The damping of all axes is 1, so the share is the damping. The null vector is the
+    // oscillation; where two axes need the same at this λ there are two, and a mixture of them is
+    // the oscillation.
     const auto vectors = left(need.share).eigenvectors();
     double bears = 0.0;
     for (int degrees = 0; degrees < 360; ++degrees) {
@@ -183,8 +185,9 @@ TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
         const Eigen::VectorXcd driven = t.driven.asDiagonal() * x;
         const double object =
             y.dot(driven - t.avatar * y).real() / (std::abs(y.dot(driven)) + 1e-300);
-        if (object < -2e-3) continue;  // it would have to give energy
-        // How much damping this swing bears with a person who takes none: Re xᴴ W x = 0.
+        if (object < -2e-3) continue;  // the object would have to give energy
+        // Damping that this oscillation tolerates with a person who dissipates nothing: Re xᴴ W x =
+        // 0.
         const Eigen::VectorXcd felt = t.felt.asDiagonal() * y, free = t.free.asDiagonal() * x;
         bears = std::max(bears, x.dot(felt - free).real() / x.squaredNorm());
       }
@@ -197,8 +200,9 @@ TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
   EXPECT_GT(worst, 0.95);
 }
 
-/// The closed loop with a person and an object of full matrices, by unit states: device and person
-/// by the exact exponential under a held effort, avatar and object implicit at velocity level.
+/// The closed loop with a person and an object of full matrices, computed from unit states: device
+/// and person by the exact exponential under a constant effort, avatar and object implicitly at
+/// velocity level.
 struct Terminations {
   Matrix mass, damping, stiffness;         ///< person
   Matrix held_mass, held_damping, spring;  ///< object, on the avatar's coordinates
@@ -283,13 +287,14 @@ Terminations drawTerminations(CoupledDraw& draw, const CoupledCase& c) {
   return t;
 }
 
-/// The largest modulus but for what drifts: device and avatar together along what nothing holds.
+/// The largest modulus except for drifts: device and avatar moving together where nothing holds
+/// them.
 double radiusOf(const Matrix& loop) {
   const Eigen::EigenSolver<Matrix> solver(loop, false);
   return solver.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_NoneIsUnstable) {
+TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_AreStable) {
   CoupledDraw draw{seededRandom(304)};
   int tried = 0, unstable = 0;
   double largest = 0.0;
@@ -312,10 +317,10 @@ TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_NoneIsUnstable) {
   EXPECT_EQ(unstable, 0);
 }
 
-/// Thumb and fingers hold a rigid object, the person's move together: the shipped gains. With the
-/// former law, whose forces were felt 1.6 and 5.7 times, the felt stiffness was negative along one
-/// direction and the hand ran away; with one spring nothing grows.
-TEST(CoupledPassivity, FistRoundARigidObject_GrewUnderTheFormerLawAndDoesNotNow) {
+/// Thumb and fingers hold a rigid object and the person moves both together, with the shipped
+/// gains. The former law rendered the forces 1.6 and 5.7 times as large; the rendered stiffness was
+/// negative along one direction and the hand ran away. With one spring nothing grows.
+TEST(CoupledPassivity, FistAroundARigidObject_GrewUnderTheFormerLawAndIsStableNow) {
   CoupledCase c;
   c.delay_ticks = 1;
   c.period_s = kPeriod_s;
@@ -345,7 +350,7 @@ TEST(CoupledPassivity, FistRoundARigidObject_GrewUnderTheFormerLawAndDoesNotNow)
       const double tip = 2.5 * 0.08 * 0.08;  // 2.5 N·s/m at the tips
       t.mass = Matrix::Zero(2, 2);
       t.damping = tip * Matrix::Identity(2, 2);
-      t.stiffness = 1e3 * fist * fist.transpose();  // a fist: no motion along this
+      t.stiffness = 1e3 * fist * fist.transpose();  // a fist: no motion along this direction
       t.held_mass = t.held_damping = t.spring = Matrix::Zero(2, 2);
       t.ties = grasp.transpose();
       const auto rate = [&](const AxisRatio& sigma) {

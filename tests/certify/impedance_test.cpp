@@ -1,5 +1,5 @@
-// The felt impedance against closed forms of its ends, the certificate's own closed-loop matrix,
-// and the simulated device.
+// The rendered impedance, compared with closed forms of its limits, with the certificate's
+// closed-loop matrix and with the simulated device.
 #include "certify/impedance.hpp"
 
 #include "loop/control/axis_loop.hpp"
@@ -27,19 +27,19 @@ Complex felt(const AxisLoop& loop, ContactCase contact, double frequency_hz) {
   return feltImpedance(feltUncoupled(loop), contact, frequency_hz).felt;
 }
 
-/// Mass that is felt: what a slow acceleration meets.
+/// Rendered mass: the resistance to a slow acceleration.
 double feltMass(Complex z, double frequency_hz) {
   return z.imag() / omega(frequency_hz);
 }
 
-/// Stiffness that is felt: effort in phase with the position, Re jωZ.
+/// Rendered stiffness: effort in phase with the position, Re jωZ.
 double feltStiffness(Complex z, double frequency_hz) {
   return -z.imag() * omega(frequency_hz);
 }
 
-TEST(FeltImpedance, SlowFreeMotion_IsTheDevicesMassAndTheCouplings) {
-  // science.md 1.1: an acceleration a leaves the avatar a (1 + k_d τ)/k_p behind; γ gives back its
-  // share of the filter's lag.
+TEST(FeltImpedance, SlowFreeMotion_IsTheMassOfDeviceAndCoupling) {
+  // science.md 1.1: at an acceleration a the avatar lags by a (1 + k_d τ)/k_p; γ returns its share
+  // of the filter's lag.
   for (const double gamma : {0.0, 0.3, 1.0}) {
     AxisLoop l = robot();
     l.gamma = gamma;
@@ -47,7 +47,7 @@ TEST(FeltImpedance, SlowFreeMotion_IsTheDevicesMassAndTheCouplings) {
         l.k_pm * (1.0 + (1.0 - gamma) * l.k_ds_per_s * l.filter_tau_s) / l.k_ps_per_s2;
     const Complex z = felt(l, ContactCase::kFree, 0.05);
     EXPECT_NEAR(feltMass(z, 0.05), l.mass + coupling, tolerance(1e-3) * (l.mass + coupling));
-    EXPECT_NEAR(z.real(), l.damping, tolerance(1e-3) * l.damping);  // the coupling drags nothing
+    EXPECT_NEAR(z.real(), l.damping, tolerance(1e-3) * l.damping);  // the coupling adds no drag
   }
 }
 
@@ -58,14 +58,14 @@ TEST(FeltImpedance, SlowFreeMotionAtFullPhi_IsDampedByKdm) {
 }
 
 TEST(FeltImpedance, SlowRigidContact_IsTheCouplingsStiffness) {
-  // What remains of the device's mass at 0.01 Hz is 3e-3 N/m.
+  // At 0.01 Hz the device's mass contributes 3e-3 N/m.
   const Complex z = felt(robot(), ContactCase::kRigid, 0.01);
   EXPECT_NEAR(feltStiffness(z, 0.01), 1000.0, tolerance(1e-4) * 1000.0);
 }
 
-TEST(FeltImpedance, SlowContactWithASpring_IsTheSeriesOfBothSprings) {
-  // The avatar rests where m_a k_p (x − q) = k_o q, and K_pm (x − q) is felt, so that with
-  // σ = K_pm / (k_p m_a): 1/k = 1/K_pm + 1/(σ k_o). Below σ = 2, m_a = 0.125 kg, k_o = 700 N/m.
+TEST(FeltImpedance, SlowContactWithASpring_IsBothSpringsInSeries) {
+  // The avatar rests where m_a k_p (x − q) = k_o q, and K_pm (x − q) is rendered, so that with σ =
+  // K_pm / (k_p m_a): 1/k = 1/K_pm + 1/(σ k_o). Here σ = 2, m_a = 0.125 kg, k_o = 700 N/m.
   AxisLoop l = robot();
   const double sigma = 2.0, avatar_kg = l.k_pm / (l.k_ps_per_s2 * sigma), spring = 700.0;
   l.spring_per_s2 = spring / avatar_kg;
@@ -74,8 +74,8 @@ TEST(FeltImpedance, SlowContactWithASpring_IsTheSeriesOfBothSprings) {
   EXPECT_NEAR(feltStiffness(z, 0.01), expected, tolerance(1e-4) * expected);
 }
 
-TEST(FeltImpedance, SlowMotionWithAHeldMass_AddsItTimesSigma) {
-  // science.md 1.1: felt object mass = σ m_o.
+TEST(FeltImpedance, SlowMotionWithAHeldMass_AddsSigmaTimesTheMass) {
+  // science.md 1.1: rendered object mass = σ m_o.
   AxisLoop l = robot();
   const double without = feltMass(felt(l, ContactCase::kFree, 0.05), 0.05);
   const double sigma = 2.0, avatar_kg = l.k_pm / (l.k_ps_per_s2 * sigma), object_kg = 0.3;
@@ -93,7 +93,7 @@ TEST(FeltImpedance, DeviceAlone_IsMassAndDamping) {
 }
 
 /// The same by the certificate's closed-loop matrix A: a sine that moves the bare device through
-/// s_c(t) adds z s_c − A_device s_c in every period, and s = (z − A)⁻¹ of that.
+/// s_c(t) adds z s_c − A_device s_c in every period, so s = (z − A)⁻¹ of that.
 Complex byMatrix(const AxisLoop& l, ContactCase contact, double frequency_hz) {
   const Eigen::MatrixXd a = closedLoopMatrix(l, contact);
   const Complex s(0.0, omega(frequency_hz)), z = std::exp(s * l.period_s);
@@ -136,7 +136,7 @@ TEST(FeltImpedance, AnyLoop_AgreesWithTheClosedLoopMatrix) {
   EXPECT_LE(worst, tolerance(1e-6));
 }
 
-TEST(FeltImpedance, AxesThatInertiaDoesNotCouple_AreFeltAlone) {
+TEST(FeltImpedance, AxesNotCoupledByInertia_HaveTheImpedanceOfOneAxis) {
   FeltLoop three = feltUncoupled(robot());
   three.inertia = AxisMatrix::Zero(3, 3);
   three.inertia.diagonal() << 0.1, 0.25, 0.3;
@@ -152,13 +152,13 @@ TEST(FeltImpedance, AxesThatInertiaDoesNotCouple_AreFeltAlone) {
   const Complex alone = felt(robot(), ContactCase::kFree, 20.0);
   const Complex coupled = feltImpedance(three, ContactCase::kFree, 20.0).felt;
   EXPECT_NEAR(std::abs(coupled / alone - 1.0), 0.0, tolerance(1e-12));
-  three.inertia(0, 1) = three.inertia(1, 0) = 0.1;  // and it does count where it does
+  three.inertia(0, 1) = three.inertia(1, 0) = 0.1;  // coupled inertia does change it
   const Complex shaken = feltImpedance(three, ContactCase::kFree, 20.0).felt;
   EXPECT_GT(std::abs(shaken / alone - 1.0), 0.01);
 }
 
 TEST(LinearHold, SimulatedDeviceUnderRamps_MovesByItsGain) {
-  // The exact device under straight lines between the samples of a sine, after its transient.
+  // The exact device under linear interpolation of a sampled sine, after its transient.
   AxisLoop l = robot();
   for (const double frequency_hz : {1.0, 20.0, 100.0, 400.0}) {
     AxisDynamics device({l.mass, l.damping, 0.0, 0.0, -10.0, 10.0}, l.period_s);

@@ -1,7 +1,7 @@
-// Gains of several axes that hold the coupled criterion, at random, with random persons and objects
-// whose full matrices link the axes, stepped through time: none becomes unstable. The person's
-// side is the simulated device's own (loop/device/simulated/linked_dynamics.hpp). The same for
-// persons and objects that change from tick to tick, where the gains hold for any person.
+// Random gains of several axes that satisfy the coupled criterion, simulated in time with random
+// persons and objects whose full matrices link the axes: none becomes unstable. The person's side
+// is the simulated device's own (loop/device/simulated/linked_dynamics.hpp). The same for persons
+// and objects that change from tick to tick, with gains that hold for any person.
 #include "certified_sets.hpp"
 #include "certify/passivity.hpp"
 #include "certify/stability.hpp"
@@ -26,7 +26,7 @@ double spread(Draw& draw, double low, double high) {
   return low + (high - low) * draw.unit();
 }
 
-/// Positive semidefinite, of any rank from 1 on, of about that size.
+/// Positive semidefinite, of random rank from 1 on and of about that size.
 Matrix semidefinite(Draw& draw, int n, double size) {
   const Matrix a =
       Matrix::NullaryExpr(n, 1 + draw.upTo(n - 1), [&draw] { return spread(draw, -1.0, 1.0); });
@@ -36,8 +36,8 @@ Matrix sometimes(Draw& draw, int n, double low, double high) {
   return draw.chance(0.4) ? Matrix::Zero(n, n) : semidefinite(draw, n, draw.between(low, high));
 }
 
-/// Random γ, filters, delays, walls and armature (σ is 1 on every axis by the law); the damping a
-/// little more than the coupled criterion asks for. Nothing where none is enough.
+/// Random γ, filters, delays, walls and armature (σ is 1 on every axis by the law), with slightly
+/// more damping than the coupled criterion requires. @return nullopt where no damping is enough
 std::optional<CoupledCase> linkedSet(Draw& draw, double more, Persons persons = Persons::kLinear) {
   const int n = 2 + draw.upTo(2);
   CoupledCase c;
@@ -140,7 +140,7 @@ class LinkedLoop {
     xs_ += kPeriod_s * vs_;
   }
 
-  /// Of all that moves or is stretched [J].
+  /// Energy of everything that moves or is stretched [J].
   [[nodiscard]] double energy() const {
     double sum = v_.dot(plant_.mass * v_) + x_.dot(plant_.stiffness * x_) +
                  vs_.dot(inertia_ * vs_) + xs_.dot(spring_ * xs_);
@@ -170,7 +170,8 @@ class LinkedLoop {
   std::deque<AxisEffort> queue_;
 };
 
-/// A number that changes from tick to tick: at random, as a square wave of 2 to 200 ticks, or not.
+/// A number that changes from tick to tick: at random, as a square wave of 2 to 200 ticks, or
+/// never.
 class Changing {
  public:
   Changing(Draw& draw, double low, double high)
@@ -189,7 +190,7 @@ class Changing {
 };
 
 /// A spring, a flywheel and a dashpot behind gears whose ratios change from tick to tick: passive
-/// whatever they do, and neither linear in time nor constant.
+/// for any ratios, but neither linear nor time-invariant.
 struct ChangingPart {
   ChangingPart(Draw& draw, int n, double stiffness, double mass, double damping)
       : stiffness(stiffness), mass(mass), damping(damping) {
@@ -218,8 +219,8 @@ struct ChangingPart {
   std::vector<Changing> ratios;
 };
 
-/// Device and person by the implicit midpoint rule, which keeps their energy in every step; loop;
-/// avatar and object, implicit. Φ, person and object change from tick to tick.
+/// The loop with device and person by the implicit midpoint rule, which keeps their energy in every
+/// step, and implicit avatar and object. Φ, person and object change from tick to tick.
 class ChangingLoop {
  public:
   ChangingLoop(const CoupledCase& c, Draw& draw)
@@ -271,7 +272,7 @@ class ChangingLoop {
     moveAvatar(drive);
   }
 
-  /// Of all that moves or is stretched [J].
+  /// Energy of everything that moves or is stretched [J].
   [[nodiscard]] double energy() const {
     double sum = v_.dot(mass_ * v_) + vs_.dot(c_.inertias[0] * vs_);
     for (int i = 0; i < n_; ++i) {
@@ -309,7 +310,8 @@ class ChangingLoop {
                              kPeriod_s * (drive - object_.stiffness * object_.stretch * gear));
     xs_ += kPeriod_s * vs_;
     object_.stretch += kPeriod_s * gear.dot(vs_);
-    if (!to_wheel.isZero()) object_.wheel = to_wheel.dot(vs_);  // let go, it turns on
+    if (!to_wheel.isZero())
+      object_.wheel = to_wheel.dot(vs_);  // disengaged, the flywheel keeps turning
   }
 
   CoupledCase c_;
@@ -323,7 +325,7 @@ class ChangingLoop {
   std::deque<Vector> queue_;
 };
 
-/// Largest energy of the second two seconds over that of the first.
+/// Largest energy of the second two seconds divided by that of the first two.
 template <class Loop>
 double growthOf(Loop loop) {
   double first = loop.energy(), second = 0.0;
@@ -336,7 +338,7 @@ double growthOf(Loop loop) {
   return second / first;
 }
 
-TEST(LinkedGains, PersonsAndObjectsThatLinkTheAxes_NoneIsUnstable) {
+TEST(LinkedGains, PersonsAndObjectsThatLinkTheAxes_AreStable) {
   Draw draw(74);
   int tried = 0, unstable = 0;
   double most = 0.0;
@@ -357,7 +359,7 @@ TEST(LinkedGains, PersonsAndObjectsThatLinkTheAxes_NoneIsUnstable) {
   EXPECT_EQ(unstable, 0);
 }
 
-TEST(LinkedGains, PersonsAndObjectsThatChange_NoneIsUnstable) {
+TEST(LinkedGains, PersonsAndObjectsThatChange_AreStable) {
   Draw draw(76);
   int tried = 0;
   double most = 0.0;
@@ -375,8 +377,8 @@ TEST(LinkedGains, PersonsAndObjectsThatChange_NoneIsUnstable) {
   figure("largest energy of their second two seconds over the first", most, "");
 }
 
-/// It would see the others: what changes mostly brakes, hence the delay.
-TEST(LinkedGains, TooLittleDampingAndFiveTicksMoreDelay_IsNoticedByWhatChanges) {
+/// The test can fail: changing parts mostly dissipate, so it takes additional delay.
+TEST(LinkedGains, TooLittleDampingAndFiveMoreTicksOfDelay_IsDetectedWithChangingParts) {
   Draw draw(77);
   int grew = 0;
   for (int trial = 0; trial < 200; ++trial) {
@@ -389,8 +391,8 @@ TEST(LinkedGains, TooLittleDampingAndFiveTicksMoreDelay_IsNoticedByWhatChanges) 
   EXPECT_GT(grew, 0);
 }
 
-/// Nobody would notice if it saw nothing: with a thousandth of the damping some grow.
-TEST(LinkedGains, FarTooLittleDamping_IsNoticed) {
+/// The test can fail: with a thousandth of the damping some loops grow.
+TEST(LinkedGains, FarTooLittleDamping_IsDetected) {
   Draw draw(75);
   int grew = 0;
   for (int trial = 0; trial < 200; ++trial) {

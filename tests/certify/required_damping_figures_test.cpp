@@ -1,5 +1,6 @@
-// b_min is exact: for every row of the reference's table, and for loops at random, a passive person
-// and a passive object are built that swing at 2 % less, and nobody swings above it.
+// b_min is exact: for every row of the reference's table and for random loops, a passive person and
+// a passive object are built with which the loop oscillates at 2 % less damping, and none makes it
+// oscillate above b_min.
 #include "certified_sets.hpp"
 #include "certify/passivity.hpp"
 #include "loop/control/axis_loop.hpp"
@@ -11,13 +12,13 @@
 namespace wholehand::test {
 namespace {
 
-constexpr int kHalvings = 18;  // of the interval about a boundary
+constexpr int kHalvings = 18;  // of the interval around a boundary
 
 AxisLoop lightLoop(double k_ps, int delay, double filter_hz, double gamma) {
   return loopOf(0.5, 0.0, delay, 1000.0, 0.0, filter_hz, k_ps, gamma);
 }
 
-/// The table of b_min, K_pm 1000 N/m and 30 Hz, and the filter that makes γ dear.
+/// The table of b_min at K_pm 1000 N/m and 30 Hz, and the filter that makes γ costly.
 std::vector<AxisLoop> tableOfLoops() {
   std::vector<AxisLoop> out;
   for (const auto& [k_ps, delay, filter_hz] : {std::tuple{900.0, 1, 30.0},
@@ -49,13 +50,14 @@ struct Range {
   }
 };
 
-TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove) {
+TEST(RequiredDampingFigures, EveryRowOfTheTable_OscillatesTwoPercentBelowAndNotAbove) {
   Range at;
   for (const AxisLoop& l : tableOfLoops()) {
     const double required = requiredDamping(l);
     const Termination t = worstTermination(l, World::kLossless);
     ASSERT_TRUE(isPassive(t)) << nameOf(l);
-    // Over the edges of what is passive, not by the closed form of absolute stability.
+    // Computed over the boundary of passive terminations, not by the closed form of absolute
+    // stability.
     EXPECT_NEAR(t.most, required, 1e-4 * required) << nameOf(l);
     EXPECT_TRUE(swings(l, t, (1.0 - kSide) * required)) << nameOf(l);
     EXPECT_FALSE(swings(l, t, (1.0 + kSide) * required)) << nameOf(l);
@@ -68,7 +70,7 @@ TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove
   EXPECT_LE(at.most, 1.0 + 1e-6) << "b_min is less than what is needed";
 }
 
-/// Walls, Φ, filters, delays and rates at random.
+/// A random loop: wall, Φ, filter, delay and rate.
 AxisLoop loopOfAnyRate(Draw& draw) {
   AxisLoop l = lightLoop(400.0, draw.upTo(3), draw.between(15.0, 100.0),
                          draw.chance(0.15) ? 0.0 : draw.unit());
@@ -84,7 +86,7 @@ AxisLoop loopOfAnyRate(Draw& draw) {
   return l;
 }
 
-TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
+TEST(RequiredDampingFigures, RandomLoops_OscillateTwoPercentBelowAndNotAbove) {
   Draw draw(74);
   Range at;
   double short_of = 0.0;
@@ -93,8 +95,8 @@ TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   for (; number < wanted; ++number) {
     AxisLoop l = loopOfAnyRate(draw);
     const double required = requiredDamping(l);
-    if (!(required > 0.01)) continue;  // its own damping does
-    // The mass plays no part in b_min: a light one, with which 2 % shows well above rounding.
+    if (!(required > 0.01)) continue;  // its own damping is enough
+    // b_min does not depend on the mass; a light mass makes 2 % show well above rounding.
     l.mass = draw.between(10.0, 100.0) * required * l.period_s;
     const Termination t = worstTermination(l, World::kLossless);
     ASSERT_TRUE(isPassive(t)) << "loop " << number;
@@ -111,15 +113,16 @@ TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   EXPECT_LE(short_of, 1e-9) << "a guarantee is never less than the truth";
 }
 
-/// A swing that the tick cannot distinguish from its images: a person with one resonance answers
-/// only one of them, and needs the share (sin φ/2 / φ/2)² of b_min less what the others would add;
-/// at Nyquist, where a swing is its own image, twice that, 8/π².
-TEST(RequiredDampingFigures, PersonWithOneResonance_NeedsOnlyItsShareOfTheImages) {
+/// Oscillation whose frequency the sampling cannot distinguish from its images. A person with one
+/// resonance responds to only one of them and needs the share (sin φ/2 / φ/2)² of b_min less the
+/// contribution of the other images. At Nyquist, where an oscillation is its own image, the share
+/// is twice that, 8/π².
+TEST(RequiredDampingFigures, PersonWithOneResonance_NeedsOnlyTheirShareOfTheImages) {
   Range nyquist, below;
   for (const AxisLoop& l : tableOfLoops()) {
     const Termination t = worstTermination(l, World::kLossless, 0);
     const double half = 0.5 * t.angle_rad, weight = std::pow(std::sin(half) / half, 2.0);
-    if (t.angle_rad < 0.1) continue;  // images weigh nothing
+    if (t.angle_rad < 0.1) continue;  // images contribute almost nothing
     const bool own_image = t.angle_rad > 3.14;
     const double share = boundary(l, t, kHalvings) / t.needed;
     EXPECT_NEAR(share, own_image ? 2.0 * weight : weight, 0.005) << nameOf(l);
@@ -131,7 +134,7 @@ TEST(RequiredDampingFigures, PersonWithOneResonance_NeedsOnlyItsShareOfTheImages
   figure("the same elsewhere, most", below.most, "");
 }
 
-/// What an engine steps implicitly damps what swings fast: its objects need a little less.
+/// An implicit engine damps fast oscillations, so its objects need slightly less damping.
 TEST(RequiredDampingFigures, ObjectsOfTheEngine_NeedAlmostAsMuch) {
   Range share, at;
   for (const AxisLoop& l : tableOfLoops()) {
@@ -151,8 +154,8 @@ TEST(RequiredDampingFigures, ObjectsOfTheEngine_NeedAlmostAsMuch) {
   EXPECT_GT(share.least, 0.95);
 }
 
-/// The swing that grows fastest or fades slowest, stepped through time: its rate per tick. Two
-/// states a quarter of a swing apart: their sum of squares does not beat.
+/// Rate per tick of the fastest growing or slowest decaying oscillation, simulated in time. Uses
+/// two states a quarter of a cycle apart, whose sum of squares does not fluctuate.
 double simulatedRate(const TerminatedAxis& axis) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(axis.matrix());
   Eigen::Index which = 0;
@@ -167,7 +170,7 @@ double simulatedRate(const TerminatedAxis& axis) {
   return std::log(std::hypot(state.norm(), quarter.norm()) / swing.norm()) / kTicks;
 }
 
-TEST(RequiredDampingFigures, WorstTerminations_GrowAndFadeInTimeAsTheirRadiiSay) {
+TEST(RequiredDampingFigures, WorstTerminations_GrowAndDecayInTimeAsTheirRadiiSay) {
   double worst = 0.0;
   for (AxisLoop l : tableOfLoops()) {
     const Termination t = worstTermination(l, World::kLossless);
@@ -184,7 +187,7 @@ TEST(RequiredDampingFigures, WorstTerminations_GrowAndFadeInTimeAsTheirRadiiSay)
   EXPECT_LT(worst, tolerance(kSide));
 }
 
-/// Gives the loop a person and an object that the library's matrix has, too, and returns the same
+/// Gives the loop a person and an object that the library's matrix also has, and returns the same
 /// as a termination.
 Termination drawPersonAndObject(AxisLoop& l, Draw& draw, bool rigid) {
   l.person = {draw.between(0.1, 10.0), 0.0, draw.between(10.0, 5000.0)};
@@ -198,8 +201,8 @@ Termination drawPersonAndObject(AxisLoop& l, Draw& draw, bool rigid) {
   return t;
 }
 
-/// The tick of this test against the library's matrix, where that has person and object.
-TEST(RequiredDampingFigures, TerminatedAxis_IsTheLibrarysLoop) {
+/// Compares the tick of this test with the library's matrix, where that has person and object.
+TEST(RequiredDampingFigures, TerminatedAxis_EqualsTheLibrarysLoop) {
   Draw draw(75);
   for (int i = 0; i < 50; ++i) {
     AxisLoop l = loopOfAnyRate(draw);

@@ -1,6 +1,6 @@
-// Where the certificate says that a loop becomes unstable, it does: every axis is stepped through
-// time on both sides of every boundary of the reference's tables. The tables come from an
-// independent program (series for the matrix exponential, repeated squaring for the radius).
+// A loop becomes unstable where the certificate says so: every axis is simulated in time on both
+// sides of every boundary of the reference's tables. The tables come from an independent program
+// (series for the matrix exponential, repeated squaring for the radius).
 #include "certify/certificate.hpp"
 #include "loop/control/axis_loop.hpp"
 #include "loop/control/axis_simulation.hpp"
@@ -11,7 +11,8 @@
 namespace wholehand::test {
 namespace {
 
-/// Stiffness at which the simulation begins to swing wider, by bisection within ± 5 % of a guess.
+/// Stiffness at which the simulated oscillation begins to grow, by bisection within ± 5 % of a
+/// guess.
 double simulatedStiffness(AxisLoop l, ContactCase contact, double guess, long ticks) {
   double low = 0.95 * guess, high = 1.05 * guess;
   for (int i = 0; i < 6; ++i) {
@@ -22,7 +23,7 @@ double simulatedStiffness(AxisLoop l, ContactCase contact, double guess, long ti
   return 0.5 * (low + high);
 }
 
-TEST(StabilityFigures, RigidContactTable_SimulatedBoundaryIsThePredictedOne) {
+TEST(StabilityFigures, RigidContactTable_SimulatedBoundaryMatchesThePrediction) {
   double worst = 0.0;
   for (const auto& [mass, damping, delay, table] : kRigidContactTable) {
     const AxisLoop l = loopOf(mass, damping, delay, table, 0.0, 30.0);
@@ -36,7 +37,7 @@ TEST(StabilityFigures, RigidContactTable_SimulatedBoundaryIsThePredictedOne) {
   figure("rigid contact, simulated against predicted, worst", 100.0 * worst, "%");
 }
 
-TEST(StabilityFigures, ZWidthTable_SimulatedBoundaryIsThePredictedOne) {
+TEST(StabilityFigures, ZWidthTable_SimulatedBoundaryMatchesThePrediction) {
   double worst = 0.0;
   for (const auto& [delay, filter_hz, table] : kDampedContactTable) {
     if (filter_hz != 30.0 && (delay != 1 || filter_hz != 100.0)) continue;
@@ -51,7 +52,7 @@ TEST(StabilityFigures, ZWidthTable_SimulatedBoundaryIsThePredictedOne) {
 }
 
 TEST(StabilityFigures, PureDamper_IsUnstableBeyondTheLimit) {
-  // No stiffness to speak of, m 0.5 kg, b 1: 2 m/T less b without delay, 0.69 m/T with one tick.
+  // Negligible stiffness, m 0.5 kg, b 1: 2 m/T less b without delay, 0.69 m/T with one tick.
   const std::tuple<int, double, double> rows[] = {{0, 1e5, 999.0}, {1, 30.0, 345.0}};
   for (const auto& [delay, filter_hz, limit] : rows) {
     for (const double side : {0.97, 1.03}) {
@@ -63,7 +64,7 @@ TEST(StabilityFigures, PureDamper_IsUnstableBeyondTheLimit) {
   }
 }
 
-TEST(StabilityFigures, GraspedObjectTable_SimulatedBoundaryIsThePredictedOne) {
+TEST(StabilityFigures, GraspedObjectTable_SimulatedBoundaryMatchesThePrediction) {
   struct Row {
     double k_ps, held, gamma, table;
   };
@@ -82,13 +83,13 @@ TEST(StabilityFigures, GraspedObjectTable_SimulatedBoundaryIsThePredictedOne) {
   figure("grasped object, simulated against predicted, worst", 100.0 * worst, "%");
 }
 
-/// The radius as the rate at which the simulated energy fades or grows, long after the start.
+/// The radius as the rate at which the simulated energy decays or grows, long after the start.
 double simulatedRadius(const AxisLoop& l, ContactCase contact) {
   AxisSimulation axis(l, contact);
   axis.start(1e-3, 0.01);
   constexpr long kSettle = 8000, kMeasure = 24000;
-  // The root of the energy swings with the oscillation: its mean logarithm over the second half
-  // against that over the first.
+  // The root of the energy fluctuates with the oscillation, so the mean logarithms of both halves
+  // are compared.
   double first = 0.0, second = 0.0;
   for (long k = 0; k < kSettle + kMeasure; ++k) {
     axis.tick();
@@ -98,7 +99,7 @@ double simulatedRadius(const AxisLoop& l, ContactCase contact) {
   return std::exp((second - first) / (0.5 * kMeasure) / (0.5 * kMeasure));
 }
 
-TEST(StabilityFigures, SpectralRadii_AreTheRatesAtWhichTheSimulationFadesOrGrows) {
+TEST(StabilityFigures, SpectralRadii_AreTheSimulatedRatesOfDecayOrGrowth) {
   struct Row {
     bool arm;
     ContactCase contact;
@@ -120,8 +121,8 @@ TEST(StabilityFigures, SpectralRadii_AreTheRatesAtWhichTheSimulationFadesOrGrows
   }
 }
 
-/// Gains outside the certificate whose loop the eigenvalues call unstable do swing wider, at the
-/// predicted rate.
+/// Gains outside the certificate whose loop has unstable eigenvalues do oscillate with the
+/// predicted growth.
 TEST(StabilityFigures, GainsPredictedUnstable_GrowInTheSimulation) {
   auto rng = seededRandom(61);
   std::uniform_real_distribution<double> u(0.0, 1.0);
@@ -143,7 +144,7 @@ TEST(StabilityFigures, GainsPredictedUnstable_GrowInTheSimulation) {
     ++unstable;
     AxisSimulation axis(l, contact);
     axis.start(1e-3, 0.01);
-    // What is unstable may hardly show in the beginning: e^40 is beyond doubt.
+    // Growth is hardly visible in the beginning; e^40 is beyond doubt.
     const long ticks = std::lround(40.0 / std::log1p(excess));
     const double begun = axis.energy();
     for (long k = 0; k < ticks && axis.energy() < 1e30; ++k) axis.tick();

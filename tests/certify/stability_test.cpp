@@ -21,7 +21,7 @@ double radius(const AxisLoop& l, ContactCase contact) {
   return spectralRadius(closedLoopMatrix(l, contact));
 }
 
-/// Largest stiffness that holds a rigid contact, by bisection on the logarithm.
+/// Largest stable stiffness of a rigid contact, by bisection on the logarithm.
 double largestStiffness(AxisLoop l) {
   double low = 1.0, high = 1e6;
   for (int i = 0; i < 40; ++i) {
@@ -49,7 +49,7 @@ TEST(ClosedLoop, NonFiniteGain_IsInfinitelyUnstable) {
 TEST(ClosedLoop, VanishingDeviceDamping_HasTheLimitOfTheExactHold) {
   const Eigen::MatrixXd none =
       closedLoopMatrix(loopOf(0.5, 0.0, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
-  for (const double b : {1e-12, 1e-3, 0.00499, 0.00501}) {  // both sides of the series' end
+  for (const double b : {1e-12, 1e-3, 0.00499, 0.00501}) {  // both sides of the series' range
     const Eigen::MatrixXd some =
         closedLoopMatrix(loopOf(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
     // x += T²/2m (1 − bT/3m ..) f: first order in bT/m.
@@ -62,9 +62,9 @@ TEST(ClosedLoop, VanishingDeviceDamping_HasTheLimitOfTheExactHold) {
   EXPECT_NEAR(push(0.00501), 1e-6 * (0.5 - 0.00501e-3 / 0.5 / 6.0) / 0.5, 1e-15);
 }
 
-/// The certificate must speak of the loop that runs: the tick's own functions round a device that
-/// is integrated in ten thousand small steps a period.
-TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksOwnFunctions) {
+/// The certificate must describe the loop that runs: the matrix is compared with the tick's own
+/// functions on a device integrated in ten thousand small steps per period.
+TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksFunctions) {
   const double mass = 0.8, damping = 6.0, k_dm = 10.0, phi = 0.6;
   const CouplingGains gains = oneAxisGains(1000.0, 3900.0, 0.3);
   const AxisLoop l = loopOf(mass, damping, 2, 1000.0, phi * k_dm, 30.0, 3900.0, 0.3);
@@ -106,7 +106,7 @@ TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksOwnFunctions) {
 
 // ---- several axes
 
-TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
+TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheLoopRate) {
   for (const double w : {1.98, 2.02}) {  // w = T √(K/M); Jury: K/M < 4/T²
     const double r = spectralRadius(avatarLoopMatrix(AxisMatrix::Constant(1, 1, 0.3),
                                                      AxisStiffness(1, 0.3 * w * w * 1e6), 1e-3));
@@ -115,10 +115,10 @@ TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
 }
 
 TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
-  // 4 M − 2 T D − T² K positive definite: for a mode u the polynomial (z − 1)² m + T (z − 1) d +
-  // T² z k, which Jury's conditions leave stable for 4 m − 2 T d − T² k > 0. Where the least
-  // eigenvector of that matrix is no mode the loop may be stable a little beyond: it is never
-  // unstable below, and a mode that all axes share swings at the bound itself.
+  // The condition is 4 M − 2 T D − T² K positive definite. A mode u has the polynomial (z − 1)² m +
+  // T (z − 1) d + T² z k, which by Jury's conditions is stable for 4 m − 2 T d − T² k > 0. Where
+  // the smallest eigenvector of that matrix is no mode, the loop may be stable slightly beyond. It
+  // is never unstable below, and a mode that all axes share oscillates at the bound itself.
   auto rng = seededRandom(11);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < cases(50); ++trial) {
@@ -126,7 +126,8 @@ TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
     Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(rng); });
     const AxisMatrix inertia = a * a.transpose() + 0.05 * Eigen::MatrixXd::Identity(n, n);
     AxisStiffness shape(n);
-    for (int i = 0; i < n; ++i) shape[i] = inertia(i, i);  // one k_p for all: D and K are alike
+    for (int i = 0; i < n; ++i)
+      shape[i] = inertia(i, i);  // the same k_p for all axes: D and K are proportional
     const auto least = [&](double factor) {
       AxisStiffness k_pm = shape;
       k_pm.vec() *= factor;
@@ -147,7 +148,7 @@ TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
   }
 }
 
-TEST(RequiredDamping, PaperLaw_TendsToItsDirectCurrentLimit) {
+TEST(RequiredDamping, PaperLaw_TendsToItsLimitAtFrequencyZero) {
   // Closed form at frequency zero, γ = 0, n = 0: K T/2 + K (k_d − k_p T)² / (4 k_p (k_d − k_p
   // T/2)).
   const double kp = 2500.0, kd = criticalDamping(kp, 1e-3);
@@ -156,17 +157,17 @@ TEST(RequiredDamping, PaperLaw_TendsToItsDirectCurrentLimit) {
   EXPECT_NEAR(requiredDamping(loopOf(0.5, 1.0, 0, 1000.0, 0.0, 30.0, kp)), limit, 1e-3 * limit);
 }
 
-TEST(RequiredDamping, AvatarThatIsActiveItself_CannotBeSaved) {
+TEST(RequiredDamping, AvatarThatIsItselfActive_NeedsInfiniteDamping) {
   AxisLoop l = loopOf(0.5, 1.0, 0, 1000.0, 0.0, 30.0);
   l.k_ds_per_s = 1.0;  // below T k_p / 2 = 1.25
   EXPECT_EQ(requiredDamping(l), HUGE_VAL);
 }
 
-// Why the effort is written before the world is stepped (docs/adr/0002-write-before-step.md).
+// Why the effort is written before the world is stepped (docs/adr/0002-step-after-device-write.md).
 
 constexpr double kMass_kg = 0.4, kDamping_n_s_m = 2.0;
 
-/// Exact motion of m v' = f - b v over a time, as a matrix over [x, v, f].
+/// Exact motion of m v' = f - b v over a time, as a matrix on [x, v, f].
 Eigen::Matrix3d held(double time_s) {
   const double rate_per_s = kDamping_n_s_m / kMass_kg;
   const double travel_s = (1.0 - std::exp(-rate_per_s * time_s)) / rate_per_s;
@@ -176,11 +177,11 @@ Eigen::Matrix3d held(double time_s) {
   return out;
 }
 
-/// A device against a spring to a rigid stop: one period, in which the effort that was computed
-/// from the position at its start arrives `late_s` after it.
+/// One period of a device on a spring to a rigid stop. The effort computed from the position at the
+/// period's start arrives `late_s` after it.
 Eigen::Matrix3d onePeriod(double stiffness_n_m, double late_s) {
   Eigen::Matrix3d computed = Eigen::Matrix3d::Zero();
-  computed(2, 0) = -stiffness_n_m;  // of the position at the start of the period
+  computed(2, 0) = -stiffness_n_m;  // position at the start of the period
   const Eigen::Matrix3d until = held(late_s);
   Eigen::Matrix3d renewed = until;
   renewed.row(2) = computed.row(2);
@@ -196,8 +197,8 @@ double largestStable(double late_s) {
   return stable;
 }
 
-TEST(TickOrder, EffortThatWaitsForThePhysicsStep_LosesStiffness) {
-  constexpr double kWrite_s = 0.02e-3;  // what writing itself takes
+TEST(TickOrder, EffortWrittenAfterThePhysicsStep_LowersTheStableStiffness) {
+  constexpr double kWrite_s = 0.02e-3;  // duration of the write itself
   double before_n_m = largestStable(kWrite_s);
   for (const double step_s : {0.0, 0.1e-3, 0.4e-3, 0.8e-3}) {
     const double stable_n_m = largestStable(kWrite_s + step_s);

@@ -10,17 +10,16 @@
 #include <limits>
 #include <vector>
 
-/// The passive person and the passive object that need the most damping of all, built from the
-/// two-port of one axis, and the axis stepped through time with them (derivation:
-/// certify/passivity.hpp).
+/// Builds the passive person and the passive object that need the most damping, from the two-port
+/// of one axis, and simulates the axis in time with them (derivation: docs/certificate.md, Proofs).
 namespace wholehand::test {
 
-/// What steps the object. kLossless loses no energy (trapezoidal rule): together with dampers it is
+/// Integration of the object. kLossless loses no energy (trapezoidal rule); with dampers it covers
 /// every linear passive object. kEngine steps as an engine solves contacts (backward Euler), which
-/// damps whatever swings fast.
+/// damps fast oscillations.
 enum class World { kLossless, kEngine };
 
-/// Device b and person W, coupling, avatar and object Z at z = e^{jφ}: the loop swings for ever
+/// Device b and person W, coupling, avatar and object Z at z = e^{jφ}. The loop oscillates undamped
 /// where b + W + felt − round_trip / (avatar + Z) = 0.
 struct TwoPort {
   Complex felt, round_trip, avatar;
@@ -37,8 +36,8 @@ inline TwoPort twoPort(const AxisLoop& l, double angle_rad) {
           (1.0 - 1.0 / z) / t + l.k_ps_per_s2 * integral + l.k_ds_per_s / z};
 }
 
-/// The object that needs the most damping at one frequency. Of all passive ones it is on the edge:
-/// a mass, a spring, nothing or a stop (infinite).
+/// The object that needs the most damping at one frequency. It lies on the boundary of the passive
+/// ones: a mass, a spring, none or a stop (infinite).
 struct WorstObject {
   Complex impedance;
   double needed = 0.0;
@@ -54,7 +53,7 @@ inline WorstObject worstObject(const TwoPort& p, double angle_rad, World world) 
   };
   consider(0.0);
   for (const double edge : {edge_rad, -edge_rad}) {
-    // Along the edge the real part is largest where its slope is zero: a quadratic equation.
+    // Along the boundary the real part is largest where its slope is zero: a quadratic equation.
     const Complex a = p.avatar * std::polar(1.0, -edge), q = p.round_trip * std::polar(1.0, -edge);
     for (const double root : {std::abs(q), -std::abs(q)}) {
       const double along = (root * std::abs(a.imag()) - q.imag() * a.imag()) / q.real() - a.real();
@@ -64,17 +63,18 @@ inline WorstObject worstObject(const TwoPort& p, double angle_rad, World world) 
   return worst;
 }
 
-/// A mass hung on the handle by a spring.
+/// A mass attached to the handle by a spring.
 struct HungMass {
   double stiffness = 0.0, rate_per_s = 0.0;
   [[nodiscard]] double mass() const { return stiffness / (rate_per_s * rate_per_s); }
 };
 
-/// Nobody loses energy but the device, by its damping.
+/// A person and an object without losses; only the device's damping dissipates energy.
 struct Termination {
-  double angle_rad = 0.0;  ///< at which it begins to swing
+  double angle_rad = 0.0;  ///< angle at which the oscillation begins
   double most = 0.0;       ///< damping that the worst of all passive persons and objects needs
-  double needed = 0.0;  ///< at angle_rad; a slow swing is left for a faster one, if nearly as bad
+  double needed = 0.0;  ///< damping needed at angle_rad; a fast oscillation is preferred to a slow
+                        ///< one that is hardly worse
   double mass = 0.0, stiffness = 0.0;  ///< of device and person together
   std::vector<HungMass> hung;
   World world = World::kLossless;
@@ -82,13 +82,14 @@ struct Termination {
   double held_mass = 0.0, spring_per_s2 = 0.0;
 };
 
-/// Largest share of what is needed that is given away for a swing one can wait for.
+/// Largest share of the needed damping that is given up for an oscillation fast enough to simulate.
 constexpr double kWaiting = 0.006;
-/// How many images of the swing about multiples of the tick rate the person answers, too.
+/// Number of images of the oscillation at multiples of the tick rate that the person also responds
+/// to.
 constexpr int kImages = 20;
 
-/// Mass, spring and hung masses with these reactances at these rates, in rising order [rad/s]: one
-/// linear equation each.
+/// Finds mass, spring and attached masses that have the wanted reactances at the given rates
+/// [rad/s], which are in rising order. Each reactance is one linear equation.
 inline void buildPerson(Termination& t, double device_mass, const std::vector<double>& at,
                         const std::vector<double>& wanted) {
   t.hung.clear();
@@ -117,8 +118,8 @@ inline void buildPerson(Termination& t, double device_mass, const std::vector<do
   }
 }
 
-/// The same from the reactance at the swing's frequency, at its images, too (a sampled position
-/// cannot distinguish them).
+/// The same from the reactance at the oscillation's frequency and at its images, since a sampled
+/// position cannot distinguish them.
 inline void buildPerson(Termination& t, double device_mass, double reactance, double period_s,
                         int images) {
   const double rate = 2.0 * std::numbers::pi / period_s, first = t.angle_rad / period_s;
@@ -133,7 +134,7 @@ inline void buildPerson(Termination& t, double device_mass, double reactance, do
   buildPerson(t, device_mass, at, wanted);
 }
 
-/// Whether every mass and spring of it is one.
+/// True if every mass and spring has an admissible sign.
 inline bool isPassive(const Termination& t) {
   return t.mass > 0.0 && t.stiffness >= 0.0 && t.held_mass >= 0.0 && t.spring_per_s2 >= 0.0 &&
          std::all_of(t.hung.begin(), t.hung.end(),
@@ -141,7 +142,7 @@ inline bool isPassive(const Termination& t) {
 }
 
 inline Termination worstTermination(const AxisLoop& l, World world, int images = kImages) {
-  constexpr int kAngles = 3001;  // not those of requiredDamping()
+  constexpr int kAngles = 3001;  // a grid other than that of requiredDamping()
   constexpr double kSlowest_rad = 2e-5, kSlow_rad = 0.05;
   const auto angle = [](int i) {
     return kSlowest_rad *
@@ -177,8 +178,9 @@ inline Termination worstTermination(const AxisLoop& l, World world, int images =
   return t;
 }
 
-/// One axis with a termination, tick by tick: linear in its state
-/// [x, v, (x, v) of every hung mass | x before, v_f, x_s, v_s, force of a lossless mass, efforts].
+/// One axis with a termination, tick by tick, linear in its state
+/// [x, v, (x, v) of every attached mass | x before, v_f, x_s, v_s, force of lossless mass,
+/// efforts].
 class TerminatedAxis {
  public:
   TerminatedAxis(const AxisLoop& loop, const Termination& t)
@@ -224,10 +226,10 @@ class TerminatedAxis {
     const double driven = vs + t * (l_.k_ps_per_s2 * (x - xs) + l_.k_ds_per_s * (vf - vs));
     const double spring = t * t * t_.spring_per_s2;
     double after = 0.0;
-    if (t_.world == World::kEngine) {  // mass and spring by the velocity after the tick
+    if (t_.world == World::kEngine) {  // mass and spring use the velocity after the tick
       after =
           (driven + t_.held_mass * vs - t * t_.spring_per_s2 * xs) / (1.0 + t_.held_mass + spring);
-    } else {  // the spring by the mean position, the mass by the mean force
+    } else {  // the spring uses the mean position, the mass the mean force
       const double mass = 2.0 * t_.held_mass;
       after = (driven + mass * vs + t * force - t * t_.spring_per_s2 * xs) /
               (1.0 + mass + 0.5 * spring);
@@ -257,7 +259,7 @@ inline bool swings(AxisLoop l, const Termination& t, double damping) {
   return spectralRadius(TerminatedAxis(l, t).matrix()) > 1.0 + kRounding;
 }
 
-/// Device damping below which the termination swings, by bisection of the radius. 0: it never does.
+/// Device damping below which the loop oscillates, by bisection of the radius; 0: it never does.
 inline double boundary(const AxisLoop& l, const Termination& t, int halvings) {
   double low = 0.5 * t.most, high = 1.1 * t.most;
   if (!swings(l, t, low)) return 0.0;

@@ -14,13 +14,13 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = SOURCE / "scripts/godot_addon.py"
 sys.path.insert(0, str(SOURCE / "tests/support"))
 from watched_main import FULL, HANG_S, main  # noqa: E402
-# What stands for a renderer in godot3-server looks again at a mesh that was freed with its instance.
+# The dummy renderer of godot3-server accesses a mesh again that was freed with its instance.
 OF_THE_SERVER = r"ERROR: (getornull: Condition \"!id_map|mesh_get_\w+_count: Condition \"!m\")"
 MUTATIONS = 100_000 if FULL else 2_000
 
 
 class Program:
-    """`wholehand run` with pages; killed at the end of a test at the latest."""
+    """Runs `wholehand run` with pages; it is killed at the end of a test at the latest."""
 
     def __init__(self, test, *arguments, port=0):
         self.process = subprocess.Popen([PROGRAM, "run", "--port", str(port), "--no-rehearsal", *arguments], text=True,
@@ -42,7 +42,7 @@ def setUpModule():
         raise AssertionError(made.stderr)
     for file in (SOURCE / "tests/clients/godot").iterdir():
         shutil.copyfile(file, PROJECT / file.name)
-    # The pieces of the manual as they stand there, as the script of one node of a game that has a ring and a world.
+    # The code pieces of the manual, unchanged, as the script of one node in a game that has a ring and a world.
     manual = (SOURCE / "clients/godot/README.md").read_text(encoding="utf-8")
     pieces = re.findall(r"^```gdscript\n(.*?)^```", manual, re.S | re.M)
     if len(pieces) != 2:
@@ -69,11 +69,11 @@ class PlayedInGodot:
         return game
 
     def finish(self, game, expected=r"(?!)"):
-        """@param expected errors of the engine that are the test's own doing"""
+        """@param expected errors of the engine that the test causes on purpose"""
         said, _ = game.communicate(timeout=HANG_S)
         print("".join(line + "\n" for line in said.splitlines() if line.startswith("figure:")), end="")
         self.assertEqual(game.returncode, 0, said)
-        # Faults of a script end the function they happen in, and nothing else: they must not pass.
+        # Script errors only end the function in which they happen, so they must be searched for in the output.
         errors = [line for line in said.splitlines() if ("ERROR" in line or line.startswith("FAILED"))
                   and not re.match(OF_THE_SERVER, line)]
         self.assertEqual([error for error in errors if not re.match(expected, error)], [], said)
@@ -86,7 +86,7 @@ def of_run_gd(test, *arguments):
     return run
 
 
-TABLE = ("--exercise", str(SOURCE / "tests/clients/game_table.toml"))  # a scene that has bodies of its own
+TABLE = ("--exercise", str(SOURCE / "tests/clients/game_table.toml"))  # a scene with its own bodies
 AGAINST_THE_PROGRAM = {
     "drawn_where_the_program_says": (),
     "a_predicted_hand_is_ahead_of_the_state": (),
@@ -101,14 +101,14 @@ AGAINST_THE_PROGRAM = {
     "bodies_beyond_the_slots_are_one_node_in_and_out_of_reach": ("--wait", *TABLE),
     "a_thousand_bodies_are_cheap": ("--wait", *TABLE),
     "refused_orders_say_why": ("--wait", *TABLE),
-    "the_manuals_pieces_are_played": ("--wait", "--exercise", "game-scene"),  # as the manual says
+    "the_manuals_pieces_are_played": ("--wait", "--exercise", "game-scene"),  # the options that the manual gives
 }
 AgainstTheProgram = type("AgainstTheProgram", (PlayedInGodot, unittest.TestCase), {
     f"test_{name}": of_run_gd(name, *arguments) for name, arguments in AGAINST_THE_PROGRAM.items()})
 
 
 class OtherWays(PlayedInGodot, unittest.TestCase):
-    def test_axes_are_godots(self):
+    def test_axes_follow_godots_convention(self):
         self.finish(self.start("axes_are_godots", 1))
 
     def test_nodes_without_connection_say_what_to_do(self):
@@ -120,7 +120,7 @@ class OtherWays(PlayedInGodot, unittest.TestCase):
     def test_nobody_there_is_reported_once(self):
         self.finish(self.start("nobody_there_is_told_once", 1))
 
-    def test_a_program_that_is_restarted_is_found_again(self):
+    def test_restarted_program_is_found_again(self):
         program = Program(self, "--wait")
         game = self.start("a_program_that_is_restarted_is_found_again", program.port)
         while (line := game.stdout.readline()) != "connected\n":
@@ -129,7 +129,7 @@ class OtherWays(PlayedInGodot, unittest.TestCase):
         Program(self, "--wait", port=program.port)
         self.finish(game)
 
-    def test_a_token_opens_the_program(self):
+    def test_token_grants_access(self):
         token = "a-rather-long-secret-1234"
         program = Program(self, "--wait", "--token", token)
         self.finish(self.start("a_token_opens_the_program", program.port, WHOLEHAND_TOKEN=token),
@@ -139,7 +139,7 @@ class OtherWays(PlayedInGodot, unittest.TestCase):
 class Addon(unittest.TestCase):
     """scripts/godot_addon.py."""
 
-    def test_another_version_than_the_projects_is_refused(self):
+    def test_other_version_than_the_projects_is_refused(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
             tree = pathlib.Path(folder)
             for name in ("scripts/godot_addon.py", "scripts/gdscript4.py", "CMakeLists.txt"):

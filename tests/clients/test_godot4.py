@@ -1,7 +1,7 @@
 """The addon in GDScript of Godot 4: what scripts/godot_addon.py translates from that of Godot 3.
 
-test_godot4.py <folder to build in> [Class.test]. Debian has no Godot 4, so this does not run it: it holds every name of
-the output against those of Godot 4."""
+test_godot4.py <folder to build in> [Class.test]. Debian has no Godot 4, so the addon is not run: every name of
+the output is compared with the names of Godot 4."""
 import pathlib
 import re
 import shutil
@@ -16,8 +16,8 @@ SCRIPTS = SOURCE / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 import gdscript4  # noqa: E402
 
-# Names of Godot 3 that Godot 4 does not have, and its own. Godot's converter has such a table
-# (editor/renames_map_3_to_4.cpp); this one was compared with a part of it only.
+# Names of Godot 3 that Godot 4 does not have, and their replacements. Godot's converter has such a table
+# (editor/renames_map_3_to_4.cpp); this table was compared with a part of it only.
 GONE = {
     "Area": "Area3D", "Camera": "Camera3D", "CubeMesh": "BoxMesh", "Directory": "DirAccess", "File": "FileAccess",
     "GDScriptFunctionState": "await", "ImmediateGeometry": "ImmediateMesh", "KinematicBody": "CharacterBody3D",
@@ -36,13 +36,13 @@ GONE = {
     "to_ascii": "to_ascii_buffer", "to_json": "JSON.stringify", "to_utf8": "to_utf8_buffer", "translation": "position",
     "var2bytes": "var_to_bytes", "var2str": "var_to_str", "xform": "*", "xform_inv": "*", "yield": "await",
 }
-# Notation of Godot 3 that Godot 4 does not read.
+# Syntax of Godot 3 that Godot 4 does not accept.
 GONE_NOTATION = {
     r"^tool\b": "@tool", r"^export\b": "@export", r"^onready\b": "@onready", r"\bOS\.get_ticks_[mu]sec\b": "Time",
     r"\bconnect\([^()]*\bself\b": "SIGNAL.connect(METHOD)", r"\bsort_custom\(self\b": "sort_custom(METHOD)",
     r"\.instance\(\)": "instantiate()",
 }
-# All that the addon takes from Godot 4, as Godot 4.6 has it: words of GDScript, functions, types and their members.
+# All names that the addon uses of Godot 4, as in Godot 4.6: words of GDScript, functions, types and their members.
 GODOT4 = set("""
     and break const continue elif else enum export extends false for func if in is match not null or pass return signal static
     tool true var void while _
@@ -64,12 +64,12 @@ GODOT4 = set("""
 
 
 def code_of(text):
-    """Without comments and without texts, but for those that are one name."""
+    """The code without comments and texts, except texts that are a single name."""
     return re.sub(r'"[^"\n]*"|#[^\n]*', lambda match: match[0] if re.fullmatch(r'"\w+"', match[0]) else " ", text)
 
 
 def own_names(code):
-    """What scripts define themselves: functions, variables, signals, parameters, keys and members of enums."""
+    """Names that the scripts define: functions, variables, signals, parameters, keys and members of enums."""
     names = set(re.findall(r"\b(?:func|var|const|signal|for)\s+(\w+)", code)) | set(re.findall(r'"(\w+)"', code))
     for parameters in re.findall(r"\b(?:func|signal) \w+\(([^)]*)\)", code):
         names |= set(re.findall(r"(\w+)\s*(?:[:=,]|$)", parameters))
@@ -79,7 +79,7 @@ def own_names(code):
 
 
 def gone_in(text):
-    """What of Godot 3 is left, each with what Godot 4 has for it."""
+    """Remaining names of Godot 3, each with its replacement in Godot 4."""
     code = code_of(text)
     words = set(re.findall(r"[A-Za-z_]\w*", code))
     left = {name: new for name, new in GONE.items() if name in words}
@@ -98,7 +98,7 @@ def scripts_of(folder):
 
 
 class Names(unittest.TestCase):
-    def test_nothing_of_godot_3_is_left(self):
+    def test_no_name_of_godot_3_is_left(self):
         for name, text in scripts_of("godot4").items():
             self.assertEqual(gone_in(text), {}, f"{name}: translate it in scripts/gdscript4.py")
 
@@ -109,7 +109,7 @@ class Names(unittest.TestCase):
         self.assertLessEqual(set(gdscript4.TYPES) | set(gdscript4.METHODS), found)
         self.assertLessEqual({r"^tool\b", r"^export\b", r"\bOS\.get_ticks_[mu]sec\b", r"\bconnect\([^()]*\bself\b"}, found)
 
-    def test_every_name_is_the_addons_own_or_one_of_godot_4(self):
+    def test_every_name_is_defined_by_the_addon_or_godot_4(self):
         code = {name: code_of(text) for name, text in scripts_of("godot4").items()}
         own = own_names("\n".join(code.values()))
         used = {name: set(re.findall(r"(?<![\w.])[A-Za-z_]\w*|(?<=\.)[A-Za-z_]\w*", text)) for name, text in code.items()}
@@ -118,7 +118,7 @@ class Names(unittest.TestCase):
                              f"{name}: is it in Godot 4? Name it in GODOT4 here, or translate it in scripts/gdscript4.py")
         self.assertEqual(sorted(GODOT4 - own - set().union(*used.values())), [], "in GODOT4, and not used")
 
-    def test_scripts_that_stand_for_others_have_their_functions(self):
+    def test_replacement_scripts_have_the_same_functions(self):
         for file in (SOURCE / "clients/godot/godot4").glob("*.gd"):
             functions = [sorted(re.findall(r"^(?:static )?func ([a-z]\w*)\(", text, re.M)) for text in
                          (file.read_text(encoding="utf-8"), scripts_of(".")[file.name])]
@@ -127,14 +127,14 @@ class Names(unittest.TestCase):
 
 
 class Addon(unittest.TestCase):
-    def test_it_says_that_it_was_never_opened_in_the_editor(self):
+    def test_addon_states_that_it_was_never_opened_in_the_editor(self):
         addon = PROJECT / "godot4/addons/wholehand"
         for name in ("plugin.cfg", "README.md"):
             self.assertRegex((addon / name).read_text(encoding="utf-8"), r"never opened in (its|Godot 4's) editor", name)
         self.assertNotIn("Godot 4", (PROJECT / "addons/wholehand/plugin.cfg").read_text(encoding="utf-8"))
 
-    def test_the_archives_are_the_addons(self):
-        """Of Godot 3, too."""
+    def test_archives_contain_the_addon(self):
+        """Also for Godot 3."""
         names = {}
         for version, tree in (("", PROJECT), ("4", PROJECT / "godot4")):
             archive, = PROJECT.glob(f"wholehand-godot{version}-*.zip")
@@ -145,7 +145,7 @@ class Addon(unittest.TestCase):
         self.assertLessEqual({f"addons/wholehand/{name}" for name in ("plugin.cfg", "protocol.gd", "LICENSE")}, names[""])
         self.assertEqual(names["4"], names[""] | {"addons/wholehand/README.md"})
 
-    def test_a_rule_without_use_is_refused(self):
+    def test_unused_rule_is_refused(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
             tree = pathlib.Path(folder)
             for name in ("scripts", "clients/godot", "protocol"):

@@ -1,4 +1,4 @@
-"""The Unity package without Unity: made and checked; compiled by mono, assembly by assembly as its .asmdef files say,
+"""The Unity package without Unity: built and checked; compiled by mono, one assembly per .asmdef file,
 against a stand-in for UnityEngine (unity/stub); and run frame by frame against running programs (unity/*.cs).
 
 test_unity.py <udp_stand_in> <wholehand> <folder to build in>. Exit code 77: mono or flatc is not installed."""
@@ -22,7 +22,7 @@ from watched_main import main  # noqa: E402
 
 NAME = "org.wholehand.client"
 MANUALS = (SOURCE / "clients/csharp/README.md", SOURCE / f"clients/unity/{NAME}/README.md")
-STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # in the stub of NUnit
+STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # contained in the stub of NUnit
 
 
 def package_script(*arguments):
@@ -54,12 +54,12 @@ class Package(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         return shutil.copytree(self.package, pathlib.Path(folder.name) / NAME)
 
-    def test_the_package_is_sound(self):
+    def test_package_is_valid(self):
         for package in (self.package, SOURCE / "clients/unity" / NAME):
             checked = package_script("check", package)
             self.assertEqual(checked.returncode, 0, checked.stderr)
 
-    def test_the_archive_is_what_upm_takes(self):
+    def test_archive_has_the_layout_of_upm(self):
         version = re.search(r"VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text().split("project(")[1]).group(1)
         self.assertEqual(ARCHIVE.name, f"{NAME}-{version}.tgz")
         with tarfile.open(ARCHIVE) as archive:
@@ -74,11 +74,11 @@ class Package(unittest.TestCase):
             if not name.endswith(".meta"):
                 self.assertIn(f"{name}.meta", files)
 
-    def test_made_twice_it_has_the_same_bytes(self):
+    def test_second_build_has_the_same_bytes(self):
         made = package_script("make", self.copied().parent / "again")
         self.assertEqual(pathlib.Path(made.stdout.strip()).read_bytes(), ARCHIVE.read_bytes())
 
-    def test_a_package_that_is_unsound_is_refused_by_name(self):
+    def test_invalid_package_is_refused_by_name(self):
         meta, other = "Runtime/WholehandBody.cs.meta", "Runtime/WholehandWorld.cs.meta"
         for name, change, texts in (
                 ("Runtime/WholehandHand.cs.meta", None, ("Runtime/WholehandHand.cs", "WholehandHand.cs.meta is missing",
@@ -103,17 +103,17 @@ class Package(unittest.TestCase):
                 self.assertEqual(len(faults), 1, faults)
                 for text in texts:
                     self.assertIn(text, faults[0])
-        checked = package_script("check", copy)  # the last of them
+        checked = package_script("check", copy)  # checks the last copy
         self.assertEqual(checked.returncode, 1)
         self.assertEqual(len(checked.stderr.splitlines()), 1, checked.stderr)
 
 
 class Assemblies(unittest.TestCase):
-    """Each .asmdef as an assembly of its own, with what it references and nothing else."""
+    """Each .asmdef is compiled as a separate assembly with exactly its references."""
 
     paced = True
 
-    def test_they_compile_and_run(self):
+    def test_assemblies_compile_and_run(self):
         out, engine, editor, nunit, built = assemblies(self)
         tests = out / "HeadlessTests.exe"
         shared = [TESTS / "csharp/Runner.cs", TESTS / "csharp/RealProgram.cs", TESTS / "csharp/StandIn.cs"]
@@ -126,7 +126,7 @@ class Assemblies(unittest.TestCase):
 
 
 class Manuals(unittest.TestCase):
-    def test_each_piece_of_csharp_compiles_as_it_stands(self):
+    def test_csharp_pieces_compile_unchanged(self):
         out, engine, _, _, built = assemblies(self)
         pieces = [(manual.parent.name, piece) for manual in MANUALS
                   for piece in re.findall(r"^```csharp\n(.*?)^```", manual.read_text(encoding="utf-8"), re.S | re.M)]
@@ -190,7 +190,7 @@ def stubs_of(definition, stubs):
 
 
 def sources_of(folder, folders):
-    """As Unity: a source belongs to the nearest .asmdef above it."""
+    """A source belongs to the nearest .asmdef above it, as in Unity."""
     return [source for source in sorted(folder.rglob("*.cs"))
             if next(above for above in source.parents if above in folders) == folder]
 

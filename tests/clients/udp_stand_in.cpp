@@ -1,7 +1,7 @@
-// Plays the program to a game: a server and a UdpBridge whose records come at 1 kHz from a fake
-// backend, as telemetry hands them over. udp_stand_in [port] [token] prints the port of its pages,
-// then runs until its standard input ends, and prints how late it was itself: a client on a busy
-// machine is judged by that. Port "closed:N": pages at N, and no datagrams.
+// Stands in for the program: a server and a UdpBridge whose records come at 1 kHz from a fake
+// backend, as telemetry delivers them. udp_stand_in [port] [token] prints the port of its pages,
+// then runs until its standard input ends, and prints how late it was itself, so that a client on a
+// busy machine is judged fairly. Port "closed:N" serves pages at N and no datagrams.
 
 #include "loop/realtime/monotonic_clock.hpp"
 #include "station/server/server.hpp"
@@ -29,7 +29,7 @@ void sleepUntil(std::int64_t at_ns) {
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
 }
 
-/// The newest record is the one that was made last.
+/// A backend whose newest record is the one made last.
 class Program : public wholehand::test::FakeBackend {
  public:
   [[nodiscard]] bool latest(wholehand::TickRecord& out) const override {
@@ -39,7 +39,7 @@ class Program : public wholehand::test::FakeBackend {
   std::atomic<std::uint64_t> tick{0};
 };
 
-/// Publishes every tick that is due, in batches where it is late, as telemetry does.
+/// Publishes every due tick, in batches if it is late, as telemetry does.
 std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge, wholehand::Server& server,
                                   Program& backend, const std::atomic<bool>& stopping) {
   std::vector<std::int64_t> lateness_ns;
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   const std::string port = argc > 1 ? argv[1] : "0";
   const bool closed = port.starts_with("closed:");
   Program backend;
-  wholehand::ControlsArbiter controls;
+  wholehand::ControlHolder controls;
   wholehand::UdpBridge bridge(backend, controls);
   wholehand::ServerOptions options;
   options.port = static_cast<std::uint16_t>(std::atoi(port.c_str() + (closed ? 7 : 0)));

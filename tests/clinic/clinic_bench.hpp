@@ -35,17 +35,17 @@ class FakeClock final : public Clock {
   int offset = 60;
 };
 
-/// Obeys as the real one does, or does what a test says.
+/// A station that obeys like the real one, or as the test sets.
 class FakeStation final : public Station {
  public:
   [[nodiscard]] StationScene scene() const override { return now; }
   [[nodiscard]] StationReply open(const VisitOrder& order) override {
     orders.push_back(order);
     if (meanwhile) meanwhile();
-    if (reply.what != StationReply::What::kAccepted) return reply;
+    if (reply.what != StationReply::Status::kAccepted) return reply;
     const Parameters before = std::exchange(now.values, now.initial);
     for (const auto& [name, value] : order.parameters) {
-      // The next item of a visit raises no limit that was lowered.
+      // As in the real station, the next item of a visit does not raise a limit that was lowered.
       const bool goes_on = now.visit == order.visit && isEffortLimit(name) && before.contains(name);
       now.values[name] = goes_on ? std::min(value, before.at(name)) : value;
     }
@@ -58,14 +58,14 @@ class FakeStation final : public Station {
   }
   [[nodiscard]] StationReply close(std::uint64_t visit) override {
     closed.push_back(visit);
-    if (reply.what != StationReply::What::kAccepted) return reply;
+    if (reply.what != StationReply::Status::kAccepted) return reply;
     now.visit = 0;
     now.values = now.initial;
     return reply;
   }
   StationScene now = [] {
     StationScene scene;
-    scene.heard = true;
+    scene.received = true;
     scene.bounds = {{"effort_limit_hand_tip_n", {1.0, 10.0}}, {"effort_limit_arm_n", {2.0, 20.0}}};
     scene.initial = {{"effort_limit_hand_tip_n", 3.0},
                      {"effort_limit_arm_n", 6.0},
@@ -74,7 +74,7 @@ class FakeStation final : public Station {
     scene.values = scene.initial;
     return scene;
   }();
-  StationReply reply{StationReply::What::kAccepted, ""};
+  StationReply reply{StationReply::Status::kAccepted, ""};
   std::vector<VisitOrder> orders;
   std::vector<std::uint64_t> closed;
   std::function<void()> meanwhile;
@@ -104,7 +104,7 @@ inline Json planOf(int items = 1) {
   return plan;
 }
 
-/// A clinic whose first tile is signed in.
+/// A clinic whose first account is signed in.
 struct Bench {
   explicit Bench(bool begun = true) {
     options.folder = folder.path() + "/clinic";
@@ -125,7 +125,7 @@ struct Bench {
     token = said.value("token", "");
     recovery_code = said.value("recovery_code", "");
   }
-  /// As after kill -9: nobody is signed in.
+  /// Restarts the process as after kill -9: nobody is signed in before the call signs in again.
   void restart(bool signed_in = true) {
     clinic.reset();
     start();

@@ -27,11 +27,11 @@ std::string whyOfState(Bench& b) {
   return said.value("why", "");
 }
 
-TEST(Durability, KilledAtRandomMoments_NoAnsweredNoteIsLost) {
+TEST(Durability, KilledAtRandomMoments_LosesNoAnsweredNote) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
   b.clinic.reset();
-  std::mt19937 random(40);  // the seed is of no meaning: the moments differ by the machine anyway
+  std::mt19937 random(40);  // the seed does not matter: the moments vary with the machine
   int answered = 0;
   for (int round = 0; round < 20; ++round) {
     int ends[2];
@@ -48,7 +48,7 @@ TEST(Durability, KilledAtRandomMoments_NoAnsweredNoteIsLost) {
     }
     ::close(ends[1]);
     char one = 0;
-    ASSERT_EQ(::read(ends[0], &one, 1), 1);  // it has begun
+    ASSERT_EQ(::read(ends[0], &one, 1), 1);  // the child has begun
     ++answered;
     ::usleep(random() % 20'000);
     ::kill(child, SIGKILL);
@@ -61,14 +61,14 @@ TEST(Durability, KilledAtRandomMoments_NoAnsweredNoteIsLost) {
     const Json notes = b.get("/api/visits/open")["visit"]["notes"];
     ASSERT_GE(static_cast<int>(notes.size()), answered) << "round " << round;
     ASSERT_LE(static_cast<int>(notes.size()),
-              answered + round + 1);  // at most the one under way, each round
+              answered + round + 1);  // at most one unanswered note a round
     answered = static_cast<int>(notes.size());
     b.clinic.reset();
   }
   fmt::print("figure: {} notes answered over 20 kills, 0 lost\n", answered);
 }
 
-TEST(Durability, CanaryName_InNoFile_NoCsv_NoLog) {
+TEST(Durability, PatientName_AppearsInNoFileCsvOrLog) {
   Bench b;
   const std::string canary = "Xanthippe Quaxenberg";
   Json body = patientOf("P-001", canary);
@@ -89,7 +89,7 @@ TEST(Durability, CanaryName_InNoFile_NoCsv_NoLog) {
        {"Xanthippe", "Quaxenberg", "987654321987", "1931-07-19", "73519462", "correct horse"}) {
     EXPECT_EQ(all.find(secret), std::string::npos) << secret;
   }
-  EXPECT_NE(all.find("P-001"), std::string::npos);  // the search finds what is there
+  EXPECT_NE(all.find("P-001"), std::string::npos);  // proves that the search works
 }
 
 TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
@@ -123,8 +123,8 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.h5"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a.json"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
-  EXPECT_TRUE(std::filesystem::exists(b.options.recordings + "/a-report-2"));  // another's
-  // A second folder, which knows of the erasure only by the list beside the backup.
+  EXPECT_TRUE(std::filesystem::exists(b.options.recordings + "/a-report-2"));  // of another patient
+  // The second folder knows of the erasure only from the list beside the backup.
   for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();
     const auto restored = restoreBackup(backup, folder);
@@ -136,12 +136,12 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
     EXPECT_EQ(patients[0]["id"], stays);
     EXPECT_EQ(b.raw("GET", "/api/export/all.csv", "").body.find("P-001"), std::string::npos);
   }
-  // What was recorded after the backup has numbers that are given out again nowhere.
+  // Numbers of recordings made after the backup are never given again.
   b.station.now.visit = 0;
   EXPECT_GT(std::abs(b.beginVisit(stays) - visit), 1000);
 }
 
-TEST(Durability, ErasedAfterAMerge_TheDoubleStaysErasedAfterAnOlderBackup) {
+TEST(Durability, PatientErasedAfterAMerge_StaysErasedWithItsDoubleAfterAnOlderBackup) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001", "Anna Gone"),
                      twin = b.addPatient("P-002", "Anna Double"),
@@ -166,12 +166,12 @@ TEST(Durability, ErasedAfterAMerge_TheDoubleStaysErasedAfterAnOlderBackup) {
   EXPECT_EQ(patients[0]["id"], stays);
 }
 
-TEST(Durability, Backup_IsComparedAndRead_DamagedOneIsRefused) {
+TEST(Durability, Backup_IsVerifiedAndADamagedOneIsRefused) {
   Bench b;
   b.addPatient("P-001");
   const std::string backup = b.options.backups + "/b.db";
   ASSERT_TRUE(backUp(b.options.folder, backup).ok());
-  EXPECT_FALSE(backUp(b.options.folder, backup).ok());  // never over another
+  EXPECT_FALSE(backUp(b.options.folder, backup).ok());  // an existing backup is never overwritten
   std::string bytes = textOf(backup);
   bytes.resize(bytes.size() / 2);
   std::ofstream(backup, std::ios::binary) << bytes;
@@ -200,7 +200,7 @@ TEST(Durability, NewerSchemaAndEditedMigration_AreRefusedByName) {
   EXPECT_NE(whyOfState(b).find("001.sql"), std::string::npos);
 }
 
-TEST(Durability, DatabaseWithoutItsKey_IsNamed_AndGoesOnOnceItIsBack) {
+TEST(Durability, DatabaseWithoutItsKey_IsReportedAndWorksOnceTheKeyIsBack) {
   Bench b;
   const std::string keys = b.options.folder + "/keys";
   std::filesystem::rename(keys, keys + ".away");
@@ -214,7 +214,7 @@ TEST(Durability, DatabaseWithoutItsKey_IsNamed_AndGoesOnOnceItIsBack) {
   b.restart();
   EXPECT_EQ(b.get("/api/state")["clinic"], "open");
   std::filesystem::rename(b.database(),
-                          b.database() + ".away");  // nothing is written to a lost file
+                          b.database() + ".away");  // no note is written to a removed file
   EXPECT_EQ(b.refused("/api/patients", patientOf("P-001")), "database");
   EXPECT_NE(whyOfState(b).find("is gone: put it back"), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(b.database()));
@@ -222,7 +222,7 @@ TEST(Durability, DatabaseWithoutItsKey_IsNamed_AndGoesOnOnceItIsBack) {
   EXPECT_NE(b.addPatient("P-001"), 0);
 }
 
-TEST(Durability, RecordsWithoutDatabaseOrKey_ThrowAndDoNotAbort) {
+TEST(Durability, RecordsWithoutDatabaseOrKey_ThrowWithoutAbort) {
   Bench b;
   Records records(b.options, b.clock);
   EXPECT_THROW((void)records.db(), DatabaseError);
@@ -233,7 +233,7 @@ TEST(Durability, RecordsWithoutDatabaseOrKey_ThrowAndDoNotAbort) {
   EXPECT_THROW((void)records.unseal("note", "sealed"), DatabaseError);
 }
 
-TEST(Durability, LockedDatabaseAndFullDisk_AreAnswered_ReadingGoesOn) {
+TEST(Durability, WritesToALockedDatabaseOrFullDisk_AreRefusedAndReadsContinue) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
   {
@@ -243,7 +243,7 @@ TEST(Durability, LockedDatabaseAndFullDisk_AreAnswered_ReadingGoesOn) {
     EXPECT_EQ(b.get(fmt::format("/api/patients/{}", id))["code"], "P-001");
     other.run("ROLLBACK");
   }
-  std::signal(SIGXFSZ, SIG_IGN);  // files end here: as on a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // a file size limit acts like a full disk
   rlimit before{};
   ::getrlimit(RLIMIT_FSIZE, &before);
   const rlimit full{4096, before.rlim_max};
@@ -256,7 +256,7 @@ TEST(Durability, LockedDatabaseAndFullDisk_AreAnswered_ReadingGoesOn) {
   EXPECT_NE(b.addPatient("P-003"), 0);
 }
 
-TEST(Durability, TheLogOnlyGrows_AndSaysWhoDidWhat) {
+TEST(Durability, Log_OnlyGrowsAndNamesWhoDidWhat) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
   b.get(fmt::format("/api/patients/{}", id));

@@ -1,5 +1,5 @@
 #include "clinic/http_server.hpp"
-#include "clinic/station.hpp"
+#include "clinic/station_client.hpp"
 #include "clinic_bench.hpp"
 
 #include <arpa/inet.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kOrigin = "http://127.0.0.1:8787";
 
-/// Sends bytes, reads the whole answer.
+/// Sends bytes and reads the whole answer.
 std::string answerTo(std::uint16_t port, const std::string& bytes) {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in to{};
@@ -42,7 +42,7 @@ std::string request(const std::string& first_line, const std::string& headers,
                      body.size(), body);
 }
 
-TEST(Http, OnlyTheStationsPagesAreAnswered) {
+TEST(Http, Requests_AreAnsweredOnlyForTheStationsPages) {
   Bench b(false);
   auto server = HttpServer::start(*b.clinic, 0, {kOrigin});
   ASSERT_TRUE(server.ok());
@@ -71,7 +71,7 @@ TEST(Http, OnlyTheStationsPagesAreAnswered) {
   EXPECT_NE(begun.find("recovery_code"), std::string::npos) << begun;
 }
 
-TEST(Http, ManyAtOnce_EachIsAnsweredOrEnded) {
+TEST(Http, ManyConnectionsAtOnce_AreEachAnsweredOrClosed) {
   Bench b;
   auto server = HttpServer::start(*b.clinic, 0, {kOrigin});
   ASSERT_TRUE(server.ok());
@@ -93,14 +93,14 @@ namespace net = boost::asio;
 namespace beast = boost::beast;
 namespace fb = wholehand::protocol;
 
-void say(beast::websocket::stream<net::ip::tcp::socket>& socket,
-         flatbuffers::FlatBufferBuilder& b) {
+void send(beast::websocket::stream<net::ip::tcp::socket>& socket,
+          flatbuffers::FlatBufferBuilder& b) {
   socket.binary(true);
   socket.write(net::buffer(b.GetBufferPointer(), b.GetSize()));
 }
 
-/// A station that sends one scene, then answers so many orders: the first refused, the others
-/// accepted.
+/// A station that sends one scene and then answers `orders` orders: it refuses the first and
+/// accepts the others.
 void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head,
                  std::vector<std::string>& heard) {
   beast::websocket::stream<net::ip::tcp::socket> socket(acceptor.accept());
@@ -121,7 +121,7 @@ void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head
   out.add_visit(5);
   fb::FinishMessageBuffer(scene,
                           fb::CreateMessage(scene, 1, fb::Payload::Scene, out.Finish().Union()));
-  say(socket, scene);
+  send(socket, scene);
   for (int i = 0; i < orders; ++i) {
     beast::flat_buffer bytes;
     socket.read(bytes);
@@ -139,36 +139,37 @@ void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head
     fb::FinishMessageBuffer(
         reply, fb::CreateMessage(reply, 1, fb::Payload::Reply,
                                  fb::CreateReply(reply, command->id(), i != 0, reason).Union()));
-    say(socket, reply);
+    send(socket, reply);
   }
 }
 
-TEST(StationLink, OrdersAndReplies_CrossTheWire_LostConnectionIsSilence) {
+TEST(StationLink, OrdersAndReplies_ArePassedAndALostConnectionCountsAsSilence) {
   net::io_context io;
   net::ip::tcp::acceptor acceptor(io, {net::ip::address_v4::loopback(), 0});
   std::string head;
   std::vector<std::string> heard;
   std::thread station([&] { playStation(acceptor, 3, head, heard); });
   StationClient client(acceptor.local_endpoint().port(), "secret");
-  while (!client.scene().heard) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (!client.scene().received) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_EQ(client.scene().visit, 5U);
-  EXPECT_EQ(client.scene().bounds.at("effort_limit_arm_n")[0], 0.05);  // as the file states it
+  EXPECT_EQ(client.scene().bounds.at("effort_limit_arm_n")[0],
+            0.05);  // as the exercise file states it
   const VisitOrder order{
       9007199254740993ULL,          2, "cocktail-bar", 3, "", "visit-9-left.toml", "full",
       {{"effort_limit_arm_n", 4.5}}};
   const StationReply refused = client.open(order);
-  EXPECT_EQ(refused.what, StationReply::What::kRefused);
+  EXPECT_EQ(refused.what, StationReply::Status::kRefused);
   EXPECT_EQ(refused.why, "is armed");
-  EXPECT_EQ(client.open(order).what, StationReply::What::kAccepted);
-  EXPECT_EQ(client.close(order.visit).what, StationReply::What::kAccepted);
+  EXPECT_EQ(client.open(order).what, StationReply::Status::kAccepted);
+  EXPECT_EQ(client.close(order.visit).what, StationReply::Status::kAccepted);
   station.join();
   EXPECT_EQ(head, "/ws?role=therapist Bearer secret");
   EXPECT_EQ(heard, (std::vector<std::string>{
                        "open 9007199254740993 2 cocktail-bar visit-9-left.toml Full 4.5",
                        "open 9007199254740993 2 cocktail-bar visit-9-left.toml Full 4.5",
                        "close 9007199254740993"}));
-  while (client.scene().heard) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_EQ(client.close(1).what, StationReply::What::kSilent);
+  while (client.scene().received) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(client.close(1).what, StationReply::Status::kSilent);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a power cut, and a disk that fails at any of its writes, leave of a clinic's database.
+// Checks a clinic's database after power cuts, and after disk writes that fail.
 #include "clinic/backup.hpp"
 #include "clinic_bench.hpp"
 #include "support/seed.hpp"
@@ -11,19 +11,19 @@
 namespace wholehand::clinic {
 namespace {
 
-/// Notes what SQLite writes and syncs. A disk that loses power keeps all that was synced, and of
-/// the rest any part.
+/// Records the writes and syncs of SQLite. A disk that loses power keeps all synced bytes, and any
+/// part of the others.
 class Disk {
  public:
   struct Step {
-    enum class What { kWrite, kTruncate, kSync, kDelete };
-    What what;
+    enum class Kind { kWrite, kTruncate, kSync, kDelete };
+    Kind what;
     std::string file;  ///< name
     std::int64_t at = 0;
     std::string bytes = {};
   };
   std::vector<Step> steps;
-  int writes_left = -1;  ///< then the disk is full; negative: never
+  int writes_left = -1;  ///< number of writes until the disk is full; negative: never full
 
   Disk() {
     sqlite3_vfs_register(&own_, 1);
@@ -37,23 +37,24 @@ class Disk {
   Disk(const Disk&) = delete;
   Disk& operator=(const Disk&) = delete;
 
-  /// What is on the disk when the power goes before a step.
+  /// Contents of the disk if the power fails before step `moment`.
   template <class Random>
   std::map<std::string, std::string> after(std::size_t moment, Random& random) const {
-    std::map<std::string, std::size_t> synced;  // all before it, by file
+    std::map<std::string, std::size_t>
+        synced;  // by file: the last sync; all earlier writes are kept
     for (std::size_t i = 0; i < moment; ++i) {
-      if (steps[i].what == Step::What::kSync) synced[steps[i].file] = i;
+      if (steps[i].what == Step::Kind::kSync) synced[steps[i].file] = i;
     }
     std::map<std::string, std::string> files;
     for (std::size_t i = 0; i < moment; ++i) {
       const Step& step = steps[i];
       const auto at = static_cast<std::size_t>(step.at);
-      const std::string& by = step.what == Step::What::kDelete ? kFolder : step.file;
+      const std::string& by = step.what == Step::Kind::kDelete ? kFolder : step.file;
       const bool kept = synced.contains(by) && i < synced[by];
       if (!kept && random() % 2 == 0) continue;
-      if (step.what == Step::What::kDelete) files.erase(step.file);
-      if (step.what == Step::What::kTruncate) files[step.file].resize(at);
-      if (step.what != Step::What::kWrite) continue;
+      if (step.what == Step::Kind::kDelete) files.erase(step.file);
+      if (step.what == Step::Kind::kTruncate) files[step.file].resize(at);
+      if (step.what != Step::Kind::kWrite) continue;
       std::string bytes = step.bytes;
       if (!kept && random() % 2 == 0)
         bytes.resize(random() % (bytes.size() / kSector + 1) * kSector);
@@ -66,17 +67,17 @@ class Disk {
 
  private:
   static constexpr std::size_t kSector = 512;
-  inline static const std::string kFolder;  // its name in the steps: none
-  /// Stands before the real one.
+  inline static const std::string kFolder;  // the folder has no name in the steps
+  /// Wraps SQLite's own file.
   struct File : sqlite3_file {
     sqlite3_file* real;
     Disk* disk;        ///< null: a temporary file
-    const char* path;  ///< SQLite keeps it as long as the file is open
-    bool is_new;       ///< a log: its first sync is the folder's, too
+    const char* path;  ///< SQLite keeps the text while the file is open
+    bool is_new;       ///< a new log: its first sync also syncs the folder
     [[nodiscard]] std::string name() const {
       return std::filesystem::path(path).filename().string();
     }
-    void note(Step::What what, std::int64_t at = 0, std::string bytes = {}) const {
+    void note(Step::Kind what, std::int64_t at = 0, std::string bytes = {}) const {
       if (disk != nullptr) disk->steps.push_back({what, name(), at, std::move(bytes)});
     }
   };
@@ -103,26 +104,26 @@ class Disk {
   }
   static int remove(sqlite3_vfs*, const char* path, int sync) {
     const std::string name = std::filesystem::path(path).filename().string();
-    current->steps.push_back({Step::What::kDelete, name});
-    if (sync != 0) current->steps.push_back({Step::What::kSync, kFolder});
+    current->steps.push_back({Step::Kind::kDelete, name});
+    if (sync != 0) current->steps.push_back({Step::Kind::kSync, kFolder});
     return real_->xDelete(real_, path, 0);
   }
   static int write(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 at) {
     if (isFull()) return SQLITE_FULL;
-    of(file).note(Step::What::kWrite, at,
+    of(file).note(Step::Kind::kWrite, at,
                   {static_cast<const char*>(bytes), static_cast<std::size_t>(size)});
     return realOf(file)->pMethods->xWrite(realOf(file), bytes, size, at);
   }
   static int truncate(sqlite3_file* file, sqlite3_int64 size) {
-    of(file).note(Step::What::kTruncate, size);
+    of(file).note(Step::Kind::kTruncate, size);
     return realOf(file)->pMethods->xTruncate(realOf(file), size);
   }
   static int sync(sqlite3_file* file, int) {
     if (isFull()) return SQLITE_IOERR_FSYNC;
-    of(file).note(Step::What::kSync);
+    of(file).note(Step::Kind::kSync);
     if (std::exchange(of(file).is_new, false))
-      current->steps.push_back({Step::What::kSync, kFolder});
-    return SQLITE_OK;  // the disk of the test is this one
+      current->steps.push_back({Step::Kind::kSync, kFolder});
+    return SQLITE_OK;  // this wrapper is the disk of the test
   }
 
   template <auto kMethod>
@@ -134,8 +135,7 @@ class Disk {
     }
   };
   using M = sqlite3_io_methods;
-  // Without xFetch: no file is written by way of memory, and no page is read that was not asked
-  // for.
+  // No xFetch: files are not mapped into memory, and no page is read without a request.
   static constexpr M kMethods = {2,
                                  Forward<&M::xClose>::call,
                                  Forward<&M::xRead>::call,
@@ -168,16 +168,16 @@ class Disk {
   }();
 };
 
-/// What was answered, and how many steps of the disk were done then.
-struct Answered {
+/// A change that was answered, and the number of disk steps until then.
+struct AnsweredRequest {
   std::size_t steps;
   std::string note, code, erased;
 };
 
-TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
+TEST(PowerCut, PowerCutAtRandomMoments_LosesNoAnsweredChangeAndKeepsTheDatabaseSound) {
   Disk disk;
   Bench b;
-  std::vector<Answered> answered;
+  std::vector<AnsweredRequest> answered;
   const std::size_t begun = disk.steps.size();
   for (int round = 0; round < 4; ++round) {
     const std::string code = fmt::format("P-{:03}", round);
@@ -191,7 +191,7 @@ TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
       answered.push_back({disk.steps.size(), text, "", ""});
     }
     b.finish(visit);
-    if (round == 1) b.restart();  // the log is written into the database, and removed
+    if (round == 1) b.restart();  // writes the log into the database and removes it
     if (round != 2) continue;
     const std::int64_t gone = b.addPatient("GONE");
     b.post(fmt::format("/api/patients/{}/erase", gone), {{"code", "GONE"}});
@@ -201,7 +201,7 @@ TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
   auto random = test::seededRandom(4010);
   const std::size_t end = disk.steps.size();
   int lost = 0;
-  const int cuts = test::kFew ? 10 : 100;
+  const int cuts = test::kReducedCounts ? 10 : 100;
   for (int cut = 0; cut < cuts; ++cut) {
     const std::size_t moment = begun + random() % (end - begun + 1);
     SCOPED_TRACE(fmt::format("cut {} before step {} of {}", cut, moment, end));
@@ -225,7 +225,7 @@ TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
         for (const Json& note : visit["notes"]) notes.insert(note["text"]);
       }
     }
-    for (const Answered& a : answered) {
+    for (const AnsweredRequest& a : answered) {
       if (a.steps > moment) break;
       const bool here = (a.note.empty() || notes.contains(a.note)) &&
                         (a.code.empty() || codes.contains(a.code)) &&
@@ -234,14 +234,13 @@ TEST(PowerCut, AtRandomMoments_NothingAnsweredIsLost_TheDatabaseIsSound) {
       ++lost;
       ADD_FAILURE() << "lost: " << a.note << a.code << a.erased;
     }
-    disk.steps.resize(end);  // the copies' own
+    disk.steps.resize(end);  // drops the steps of the copy
   }
   fmt::print("figure: {} answered changes, {} power cuts, {} lost\n", answered.size(), cuts, lost);
 }
 
-// The next write, the one after it, and so on: whichever is the first that the disk has no room
-// for.
-TEST(PowerCut, DiskFullAtEveryWrite_IsRefusedByName_NothingIsHalfDone) {
+// The disk becomes full at the next write, the one after it, and so on.
+TEST(PowerCut, DiskFullAtAnyWrite_RefusesTheWholeRequestByName) {
   Disk disk;
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
@@ -280,7 +279,7 @@ TEST(PowerCut, DiskFullAtEveryWrite_IsRefusedByName_NothingIsHalfDone) {
     EXPECT_NE(everything(), before) << request.path;
   }
   b.finish(visit);
-  // What was erased is erased, also where there is no room to pack the rest.
+  // An erased patient stays erased even without room to compact the file.
   const std::int64_t gone = b.addPatient("GONE");
   for (int writes = 0; writes < 100; ++writes) {
     disk.writes_left = writes;
@@ -293,7 +292,7 @@ TEST(PowerCut, DiskFullAtEveryWrite_IsRefusedByName_NothingIsHalfDone) {
   }
   b.clinic->backUpIfDue();
   EXPECT_EQ(textOf(b.database() + "-wal").find("GONE"), std::string::npos);
-  // A visit that was refused is open nowhere, or everywhere.
+  // A refused visit is open neither in the clinic nor in the station, or in both.
   for (int writes = 0; writes < 100; ++writes) {
     disk.writes_left = writes;
     b.post(fmt::format("/api/patients/{}/visits", id), {{"side", "right"}, {"plan", planOf()}});

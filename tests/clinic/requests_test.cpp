@@ -5,14 +5,14 @@
 namespace wholehand::clinic {
 namespace {
 
-TEST(Csv, CellThatASpreadsheetTakesForAFormula_IsMarked) {
+TEST(Csv, FormulaInACell_IsMarkedAsText) {
   EXPECT_EQ(csvCell("=HYPERLINK(\"x\")"), "\"'=HYPERLINK(\"\"x\"\")\"");
   for (const char* text : {"+1", "-1", "@a", "\ta", "\ra"})
     EXPECT_NE(csvCell(text).find('\''), std::string::npos);
   EXPECT_EQ(csvCell("P-001"), "P-001");
 }
 
-TEST(Requests, EachRole_IsAnsweredAsWritten) {
+TEST(Requests, EachRole_IsAnsweredAsDocumented) {
   struct Row {
     const char *method, *path;
     const char *locked, *signed_out, *hidden;
@@ -82,12 +82,12 @@ TEST(Requests, EachRole_IsAnsweredAsWritten) {
   }
 }
 
-TEST(Requests, NamesHiddenAfterFiveMinutes_OpenVisitStaysUsable) {
+TEST(Requests, NamesAfterFiveMinutes_AreHiddenAndTheOpenVisitStaysUsable) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"), 2);
   b.post(fmt::format("/api/visits/{}/notes", visit),
          {{"kind", "text"}, {"text", "Anna was tired"}});
-  for (int i = 0; i < 10; ++i) {  // the page's own questions are no input
+  for (int i = 0; i < 10; ++i) {  // the page's own requests do not count as input
     b.clock.pass(30 * kSecond_us);
     b.get("/api/state");
     b.get("/api/visits/open");
@@ -103,7 +103,7 @@ TEST(Requests, NamesHiddenAfterFiveMinutes_OpenVisitStaysUsable) {
   EXPECT_EQ(b.get("/api/patients")["open"].size(), 1U);
 }
 
-TEST(Requests, NoteOfAKnownNumber_SentAgain_IsOneNote) {
+TEST(Requests, NoteSentAgainWithItsNumber_IsStoredOnce) {
   Bench b;
   const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
   const std::int64_t visit = b.beginVisit(a);
@@ -111,7 +111,7 @@ TEST(Requests, NoteOfAKnownNumber_SentAgain_IsOneNote) {
   const auto put = [&](const Json& body) { return b.ask("PUT", path, body, ""); };
   EXPECT_EQ(put({{"text", "of nothing"}})["refused"], "not_found");
   Json body = {{"visit", visit}, {"kind", "text"}, {"text", "cue"}, {"at_us", kNoon_us}};
-  EXPECT_EQ(put(body), put(body));  // the first answer was lost
+  EXPECT_EQ(put(body), put(body));  // sent again because the first answer was lost
   EXPECT_EQ(b.status, 200);
   EXPECT_EQ(put({{"text", "cue given"}})["at_us"], kNoon_us);
   b.restart();
@@ -141,9 +141,9 @@ TEST(Requests, NoteOfAKnownNumber_SentAgain_IsOneNote) {
   EXPECT_EQ(b.ask("PUT", "/api/notes/7", {{"patient", a}, {"text", "calls"}})["text"], "calls");
 }
 
-TEST(Requests, BeforeTheFirstStart_TheFolderIsNamed_AndWhetherItIsEmpty) {
+TEST(Requests, StateBeforeTheFirstStart_NamesTheFolderAndWhetherItIsEmpty) {
   Bench b(false);
-  for (int i = 0; i < 2; ++i, b.restart(false)) {  // what the process made itself is nothing
+  for (int i = 0; i < 2; ++i, b.restart(false)) {  // files of the process itself do not count
     const Json folder = b.get("/api/state")["folder"];
     EXPECT_EQ(folder["path"], b.options.folder);
     EXPECT_EQ(folder["empty"], true);
@@ -154,7 +154,7 @@ TEST(Requests, BeforeTheFirstStart_TheFolderIsNamed_AndWhetherItIsEmpty) {
   EXPECT_FALSE(b.get("/api/state").contains("folder"));
 }
 
-TEST(Requests, AThousandTriesAtAPin_FewAreJudged) {
+TEST(Requests, ThousandTriesAtAPin_AreMostlyRejectedUnchecked) {
   Bench b;
   int judged = 0;
   std::int64_t wait_s = 0;
@@ -166,14 +166,15 @@ TEST(Requests, AThousandTriesAtAPin_FewAreJudged) {
     b.clock.pass(kSecond_us);
     if (i == 500) b.restart(false), b.post("/api/unlock", {{"pass_phrase", "correct horse"}});
   }
-  EXPECT_LE(judged, 11);  // 5, then after 30, 60, 120, 240 s ..., and one more after the restart
+  EXPECT_LE(judged,
+            11);  // 5 tries, then one after 30, 60, 120, 240 s ..., and one more after the restart
   EXPECT_GE(wait_s, 240);
   EXPECT_EQ(b.refused("/api/sign_in", {{"account", 1}, {"pin", "1234"}}), "too_many_tries");
   b.clock.pass(3600 * kSecond_us);
   EXPECT_NE(b.post("/api/sign_in", {{"account", 1}, {"pin", "1234"}}).value("token", ""), "");
 }
 
-TEST(Requests, BrowsersKey_SameAfterARestart_AnotherForEachAccount) {
+TEST(Requests, BrowserKey_SurvivesARestartAndDiffersByAccount) {
   Bench b;
   const auto key_of = [&](int account, const char* pin) {
     return b.post("/api/sign_in", {{"account", account}, {"pin", pin}}).value("browser_key", "");
@@ -187,7 +188,7 @@ TEST(Requests, BrowsersKey_SameAfterARestart_AnotherForEachAccount) {
   EXPECT_EQ(key_of(2, "1234"), "");
 }
 
-TEST(Requests, PhraseAndRecoveryCode_EachOpens_MistypedIsSaid) {
+TEST(Requests, PhraseOrRecoveryCode_UnlocksAndATypingErrorIsReported) {
   Bench b;
   b.restart(false);
   EXPECT_EQ(b.refused("/api/unlock", {{"pass_phrase", "wrong horse"}}), "wrong_phrase");
@@ -204,7 +205,7 @@ TEST(Requests, PhraseAndRecoveryCode_EachOpens_MistypedIsSaid) {
   EXPECT_EQ(b.get("/api/state")["clinic"], "open");
 }
 
-TEST(Requests, BadInput_IsRefusedByName_ChangesNothing) {
+TEST(Requests, BadInput_IsRefusedByNameAndChangesNothing) {
   Bench b;
   b.addPatient("P-001");
   const std::string before = b.raw("GET", "/api/patients", "").body;
@@ -218,7 +219,7 @@ TEST(Requests, BadInput_IsRefusedByName_ChangesNothing) {
   for (const char* code : {"=HYPERLINK(", "a/b", "", "\xF0\x9F\x98\x80", "P 1"})
     EXPECT_EQ(field("/code", code), "code");
   EXPECT_EQ(field("/code", std::string(61, 'a')), "code");
-  EXPECT_EQ(field("/code", "p-001"), "code");  // exists, but for its case
+  EXPECT_EQ(field("/code", "p-001"), "code");  // exists in upper case
   EXPECT_EQ(field("/name", ""), "name");
   EXPECT_EQ(field("/name", "two\nlines"), "name");
   EXPECT_EQ(field("/born", "2026-11-30"), "born");  // in the future
@@ -234,7 +235,7 @@ TEST(Requests, BadInput_IsRefusedByName_ChangesNothing) {
   }
   EXPECT_EQ(field("/parameters/unheard_of", 1), "parameters");
   Json plan = planOf();
-  plan[0]["parameters"]["effort_limit_hand_tip_n"] = 4.0;  // gentle: 3 N
+  plan[0]["parameters"]["effort_limit_hand_tip_n"] = 4.0;  // above the gentle limit of 3 N
   EXPECT_EQ(field("/plan", plan), "plan[0].parameters.effort_limit_hand_tip_n");
   plan = planOf();
   plan[0]["level"] = 5;
@@ -258,11 +259,12 @@ TEST(Requests, BadInput_IsRefusedByName_ChangesNothing) {
                       .body)["why"],
       "a key stands twice");
   EXPECT_EQ(b.post("/api/patients", Json::array()).value("refused", ""), "bad_value");
-  EXPECT_EQ(b.raw("POST", "/api/patients", patientOf("P-003").dump(), "").status, 400);  // no key
+  EXPECT_EQ(b.raw("POST", "/api/patients", patientOf("P-003").dump(), "").status,
+            400);  // without a request key
   EXPECT_EQ(b.raw("GET", "/api/patients", "").body, before);
 }
 
-TEST(Requests, TwoConsolesChangeOnePatient_SecondSeesBothTexts) {
+TEST(Requests, SecondChangeOfOnePatient_IsRefusedWithBothTexts) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
   Json body = patientOf("P-001");
@@ -276,7 +278,7 @@ TEST(Requests, TwoConsolesChangeOnePatient_SecondSeesBothTexts) {
   EXPECT_EQ(said["now"]["warnings"], "shoulder");
 }
 
-TEST(Requests, SameKeyAgain_GivesTheFirstAnswer_AlsoAfterARestart) {
+TEST(Requests, RepeatedRequestKey_GetsTheFirstAnswerEvenAfterARestart) {
   Bench b;
   const Json first = b.ask("POST", "/api/patients", patientOf("P-001"), "page-7");
   b.restart();
@@ -286,10 +288,10 @@ TEST(Requests, SameKeyAgain_GivesTheFirstAnswer_AlsoAfterARestart) {
             "Idempotency-Key");
 }
 
-TEST(Requests, Search_FindsByNameAndCode_WhateverTheCase) {
+TEST(Requests, Search_FindsNameAndCodeInAnyCase) {
   Bench b;
   b.addPatient("P-001", "Zo\xC3\xAB M\xC3\xBCller");
-  b.addPatient("P-002", "Zo\xC3\xAB M\xC3\xBCller");  // two of one name are two patients
+  b.addPatient("P-002", "Zo\xC3\xAB M\xC3\xBCller");  // two patients of the same name
   b.addPatient("Q-003", "Karl Huber");
   const auto count = [&](const char* find) {
     b.find = find;
@@ -300,7 +302,7 @@ TEST(Requests, Search_FindsByNameAndCode_WhateverTheCase) {
   EXPECT_EQ(count("nobody"), 0U);
 }
 
-/// p99 of processor time over every kind of answer [s].
+/// p99 of the processor time over all kinds of answer [s].
 double slowAnswer_s(int patients, int visits) {
   Bench b;
   for (int i = 0; i < patients; ++i) b.addPatient(fmt::format("P-{:03}", i));
@@ -349,13 +351,13 @@ double slowAnswer_s(int patients, int visits) {
   return times_s[times_s.size() * 99 / 100];
 }
 
-TEST(Requests, P99OfProcessorTime_FewPatients) {
+TEST(Requests, ProcessorTimeOfAnswers_FewPatients_StaysBelowTheLimit) {
   const double p99_s = slowAnswer_s(20, 200);
   fmt::print("figure: clinic answer, 20 patients, 200 visits: p99 {:.1f} ms of CPU\n", 1e3 * p99_s);
   EXPECT_LT(p99_s, 0.1);
 }
 
-TEST(Requests, P99OfProcessorTime_200Patients10000Visits_slow) {
+TEST(Requests, ProcessorTimeOfAnswers_200Patients10000Visits_StaysBelowTheLimit_slow) {
   const double p99_s = slowAnswer_s(200, 10'000);
   fmt::print("figure: clinic answer, 200 patients, 10000 visits: p99 {:.1f} ms of CPU\n",
              1e3 * p99_s);

@@ -8,13 +8,13 @@
 namespace wholehand::clinic {
 namespace {
 
-/// What `wholehand measures` would say, by file name; a file without is damaged.
+/// Answers of `wholehand measures` by file name; a file without an entry counts as damaged.
 struct FakeMeasures {
-  std::map<std::string, Json> says;
+  std::map<std::string, Json> results;
   Measure measure() {
     return [this](const std::string& path, std::string& why) -> std::optional<Json> {
-      const auto found = says.find(std::filesystem::path(path).filename().string());
-      if (found != says.end()) return found->second;
+      const auto found = results.find(std::filesystem::path(path).filename().string());
+      if (found != results.end()) return found->second;
       why = "is truncated";
       return {};
     };
@@ -45,7 +45,7 @@ void record(const Bench& b, const std::string& name, const std::string& bytes = 
   std::ofstream(b.options.recordings + "/" + name) << bytes;
 }
 
-/// Twice, as a file that changes is still being written.
+/// Looks twice, because a file that changed since the last look is still being written.
 void look(Bench& b, FakeMeasures& measures) {
   for (int i = 0; i < 2; ++i) {
     b.clinic->lookAtRecordings(measures.measure(), {});
@@ -53,7 +53,7 @@ void look(Bench& b, FakeMeasures& measures) {
   }
 }
 
-TEST(Visits, Begin_LimitsAreThePersons_HandAndItemToo) {
+TEST(Visits, BeginOfAVisit_SendsThePersonsLimitsHandAndItem) {
   Bench b;
   Json body = patientOf("P-001");
   body["parameters"] = {{"effort_limit_arm_n", 5.0}, {"level_ratio", 0.5}};
@@ -69,8 +69,8 @@ TEST(Visits, Begin_LimitsAreThePersons_HandAndItemToo) {
   const VisitOrder& order = b.station.orders.at(0);
   EXPECT_EQ(order.visit, visit["id"].get<std::uint64_t>());
   EXPECT_EQ(order.help, "full");
-  // Preset gentle (3 N, 6 N), then the person's own, then the item's; level_ratio is of another
-  // exercise.
+  // The preset gentle (3 N, 6 N), overridden by the person's values, overridden by the item's;
+  // level_ratio belongs to another exercise.
   EXPECT_EQ(order.parameters,
             (Parameters{{"effort_limit_arm_n", 5.0}, {"effort_limit_hand_tip_n", 2.0}}));
   EXPECT_EQ(order.hand, "");
@@ -82,14 +82,14 @@ TEST(Visits, Begin_LimitsAreThePersons_HandAndItemToo) {
   EXPECT_EQ(b.station.orders.at(1).parameters.at("effort_limit_hand_tip_n"), 3.0);
 }
 
-TEST(Visits, ShippedHandWithinHalfAMillimetre_IsUsed) {
+TEST(Visits, ShippedHand_IsUsedIfItsSizeMatches) {
   const auto hands = loadShippedHands(std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands");
   ASSERT_TRUE(hands.ok());
   EXPECT_EQ(shippedHand(*hands, "left", 0.1524, 0.0696), "woman-p05-left");
   EXPECT_EQ(shippedHand(*hands, "left", 0.1526, 0.0696), "");
 }
 
-TEST(Visits, EverySizeOffered_IsAHandFile) {
+TEST(Visits, EveryOfferedHandSize_GivesAValidHandFile) {
   const test::Folder folder;
   const std::string hands = std::string(WHOLEHAND_SOURCE_DIR) + "/config/hands";
   for (const double length_m : {0.150, 0.1825, 0.215}) {
@@ -101,7 +101,7 @@ TEST(Visits, EverySizeOffered_IsAHandFile) {
   }
 }
 
-TEST(Visits, PresetsFitTheShippedExercises) {
+TEST(Visits, Presets_AreWithinTheRangesOfTheShippedExercises) {
   const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config";
   const auto presets = loadPresets(config + "/clinic/presets.toml");
   ASSERT_TRUE(presets.ok()) << format(presets.errors());
@@ -114,39 +114,39 @@ TEST(Visits, PresetsFitTheShippedExercises) {
   }
 }
 
-TEST(Visits, RefusedBegin_LeavesNothingBehind) {
+TEST(Visits, RefusedBegin_LeavesNoVisit) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
   const std::string path = fmt::format("/api/patients/{}/visits", id);
   const Json body = {{"side", "right"}, {"plan", planOf()}};
-  b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
+  b.station.reply = {StationReply::Status::kRefused, "is armed; stop first"};
   EXPECT_EQ(b.post(path, body)["why"], "is armed; stop first");
-  b.station.now.heard = false;
+  b.station.now.received = false;
   EXPECT_EQ(b.refused(path, body), "station_silent");
-  b.station.now.heard = true;
+  b.station.now.received = true;
   EXPECT_EQ(b.refused(path, {{"side", "left"}, {"plan", planOf()}}),
-            "bad_value");  // the wrong side
+            "bad_value");  // the person has no plan for the left side
   EXPECT_TRUE(b.get(fmt::format("/api/patients/{}", id))["visits"].empty());
   EXPECT_EQ(b.get("/api/state")["visit"], 0);
-  b.station.reply = {StationReply::What::kAccepted, ""};
+  b.station.reply = {StationReply::Status::kAccepted, ""};
   EXPECT_NE(b.beginVisit(id), 0);
 }
 
-TEST(Visits, SilentBegin_ARecordingOfItIsThePatients) {
+TEST(Visits, RecordingOfAnUnansweredBegin_IsAssignedToThePatient) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001");
   const Json body = {{"side", "right"}, {"plan", planOf()}};
   const std::string path = fmt::format("/api/patients/{}/visits", id);
-  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  b.station.reply = {StationReply::Status::kSilent, "5 s"};
   EXPECT_EQ(b.refused(path, body), "station_silent");
   EXPECT_EQ(b.get("/api/state")["visit"], 0);
-  b.station.reply = {StationReply::What::kAccepted, ""};
-  const VisitOrder late = b.station.orders.back();  // it obeys after all, and somebody trains
+  b.station.reply = {StationReply::Status::kAccepted, ""};
+  const VisitOrder late = b.station.orders.back();  // the station obeys late, and somebody trains
   (void)b.station.open(late);
   record(b, "a.h5");
   const auto number = static_cast<std::int64_t>(late.visit);
-  measures.says["a.h5"] = FakeMeasures::of(number, "aa", 5.0);
+  measures.results["a.h5"] = FakeMeasures::of(number, "aa", 5.0);
   look(b, measures);
   for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
   EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{late.visit});
@@ -157,23 +157,23 @@ TEST(Visits, SilentBegin_ARecordingOfItIsThePatients) {
   EXPECT_GE(visits[0]["ended_us"], visits[0]["began_us"]);
   ASSERT_EQ(visits[0]["trials"].size(), 1U);
   EXPECT_EQ(visits[0]["trials"][0]["state"], "measured");
-  EXPECT_NE(b.beginVisit(id), 0);  // nothing is open
-  // A guest's stands among the guests.
+  EXPECT_NE(b.beginVisit(id), 0);  // no visit is open any more
+  // A guest's visit is listed among the guests.
   b.finish(static_cast<std::int64_t>(b.station.now.visit));
-  b.station.reply = {StationReply::What::kSilent, "5 s"};
+  b.station.reply = {StationReply::Status::kSilent, "5 s"};
   EXPECT_EQ(b.refused("/api/guest_visits", {{"side", "left"}}), "station_silent");
   EXPECT_EQ(b.get("/api/patients")["guests"].size(), 1U);
 }
 
-TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
+TEST(Visits, SecondConsole_CannotBeginOrChangeTheVisitOfTheFirst) {
   Bench b;
   const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
-  b.station.meanwhile = [&] {  // a second console, while the first one's order is on its way
+  b.station.meanwhile = [&] {  // a second console asks while the first order is on its way
     b.station.meanwhile = nullptr;
     EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/visits", other),
                         {{"side", "right"}, {"plan", planOf()}}),
               "busy");
-    EXPECT_EQ(b.get("/api/state")["clinic"], "open");  // no other request waits
+    EXPECT_EQ(b.get("/api/state")["clinic"], "open");  // other requests are answered
   };
   const std::int64_t visit = b.beginVisit(a);
   const Json second =
@@ -192,7 +192,7 @@ TEST(Visits, TwoConsoles_SecondBeginAndSecondFinishAreRefused) {
   EXPECT_EQ(b.station.orders.size(), 1U);
 }
 
-TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
+TEST(Visits, LockOrDatabaseLossWhileTheStationIsAsked_IsAnswered) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id, 2);
   const std::string path = fmt::format("/api/visits/{}", visit);
@@ -215,13 +215,13 @@ TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
   put_back();
   EXPECT_EQ(b.post(path + "/item", {{"item", 0}})["item"], 0);
   b.station.meanwhile = lose;
-  b.station.reply = {StationReply::What::kRefused, "is armed; stop first"};
+  b.station.reply = {StationReply::Status::kRefused, "is armed; stop first"};
   EXPECT_EQ(b.refused(path + "/item", {{"item", 1}}), "station");
   put_back();
-  b.station.reply = {StationReply::What::kAccepted, ""};
+  b.station.reply = {StationReply::Status::kAccepted, ""};
   b.finish(visit);
   EXPECT_EQ(b.status, 200);
-  for (const auto what : {StationReply::What::kAccepted, StationReply::What::kSilent}) {
+  for (const auto what : {StationReply::Status::kAccepted, StationReply::Status::kSilent}) {
     b.station.now.visit = 0;
     b.station.meanwhile = lose;
     b.station.reply.what = what;
@@ -229,9 +229,9 @@ TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
                         {{"side", "right"}, {"plan", planOf()}}),
               "database");
     put_back();
-    b.station.reply = {StationReply::What::kAccepted, ""};
+    b.station.reply = {StationReply::Status::kAccepted, ""};
     const std::int64_t begun = b.get("/api/state")["visit"];
-    EXPECT_NE(begun, 0);  // its row was on the disk before
+    EXPECT_NE(begun, 0);  // its row was written before the loss
     b.finish(begun);
   }
   b.post("/api/lock");
@@ -239,7 +239,7 @@ TEST(Visits, LockedOrLostWhileTheStationIsAsked_IsAnswered) {
   EXPECT_EQ(b.get("/api/state")["clinic"], "locked");
 }
 
-TEST(Visits, PainOfNought_IsAnAnswer) {
+TEST(Visits, PainOfZero_IsStored) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
   const std::string path = fmt::format("/api/visits/{}/pain", visit);
@@ -250,23 +250,23 @@ TEST(Visits, PainOfNought_IsAnAnswer) {
   }
 }
 
-TEST(Visits, ClockSetBackADay_VisitDoesNotEndBeforeItBegan) {
+TEST(Visits, VisitAcrossAClockSetBackADay_DoesNotEndBeforeItBegan) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
   b.clock.now -= kDay_us;
-  b.clock.offset = 120;  // and daylight saving begins
+  b.clock.offset = 120;  // daylight saving time begins
   const Json done = b.post(fmt::format("/api/visits/{}/finish", visit), {{"state", "done"}});
   EXPECT_GE(done["ended_us"], done["began_us"]);
   EXPECT_EQ(done["offset_min"], 60);
   EXPECT_EQ(isoTime(kNoon_us, -210), "2026-11-28T08:30:00-03:30");
 }
 
-TEST(Visits, ClockSetBackADay_NotesAndTheNextVisitAreKept) {
+TEST(Visits, NotesAndVisitAfterAClockSetBackADay_AreKept) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
   const std::string notes = fmt::format("/api/visits/{}/notes", visit);
   b.post(notes, {{"text", "before"}, {"at_us", kNoon_us}});
-  b.clock.now -= kDay_us;  // the clock that only goes on goes on
+  b.clock.now -= kDay_us;  // the monotonic clock continues
   b.post(notes, {{"text", "after"}, {"at_us", kNoon_us - kDay_us}});
   EXPECT_EQ(b.status, 200);
   b.post(notes, {{"text", "of the page's clock"}, {"at_us", kNoon_us}});
@@ -278,7 +278,7 @@ TEST(Visits, ClockSetBackADay_NotesAndTheNextVisitAreKept) {
   EXPECT_EQ(b.get(fmt::format("/api/patients/{}", id))["visits"].size(), 2U);
 }
 
-TEST(Visits, DaylightSavingBetweenTwo_EachSaysItsOwnLocalTime) {
+TEST(Visits, VisitsAcrossDaylightSaving_StateTheirOwnLocalTime) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001");
   const auto visit_at = [&](const char* utc, int offset_min) {
@@ -287,7 +287,7 @@ TEST(Visits, DaylightSavingBetweenTwo_EachSaysItsOwnLocalTime) {
     b.finish(b.beginVisit(id));
   };
   visit_at("2026-10-25T00:30:00Z", 120);
-  visit_at("2026-10-25T01:10:00Z", 60);  // an hour of the day comes twice
+  visit_at("2026-10-25T01:10:00Z", 60);  // this hour occurs twice on that day
   const std::string csv = b.raw("GET", "/api/export/all.csv", "").body;
   const std::size_t first = csv.find(",2026-10-25T02:30:00+02:00,");
   const std::size_t second = csv.find(",2026-10-25T02:10:00+01:00,");
@@ -299,14 +299,14 @@ TEST(Visits, DaylightSavingBetweenTwo_EachSaysItsOwnLocalTime) {
   EXPECT_GT(visits[0]["began_us"], visits[1]["began_us"]);
 }
 
-TEST(Visits, Mistakes_MovedMergedDeletedNoted) {
+TEST(Visits, MistakenVisitsAndPatients_CanBeMovedMergedAndDeleted) {
   Bench b;
   const std::int64_t right = b.addPatient("P-001"), wrong = b.addPatient("P-002");
   const std::int64_t visit = b.beginVisit(wrong);
   b.post(fmt::format("/api/visits/{}/notes", visit), {{"kind", "tired"}, {"text", ""}});
   const std::string move = fmt::format("/api/visits/{}/move", visit);
   EXPECT_EQ(b.refused(move, {{"patient", right}}),
-            "visit_open");  // the wrong person's limits are in force
+            "visit_open");  // the limits of the wrong person apply
   b.finish(visit);
   b.post(move, {{"patient", right}});
   const Json moved = b.get(fmt::format("/api/patients/{}", right))["visits"];
@@ -327,7 +327,7 @@ TEST(Visits, Mistakes_MovedMergedDeletedNoted) {
   EXPECT_EQ(b.ask("DELETE", fmt::format("/api/visits/{}", visit))["refused"], "changed");
 
   EXPECT_EQ(b.ask("DELETE", fmt::format("/api/patients/{}", wrong))["refused"],
-            "changed");  // has a visit
+            "changed");  // refused: has a visit
   const Json merged = b.post(fmt::format("/api/patients/{}/merge", right), {{"from", wrong}});
   EXPECT_EQ(merged["visits"].size(), 2U);
   EXPECT_EQ(b.get(fmt::format("/api/patients/{}", wrong))["refused"], "not_found");
@@ -335,10 +335,11 @@ TEST(Visits, Mistakes_MovedMergedDeletedNoted) {
   b.ask("DELETE", fmt::format("/api/patients/{}", mistyped));
   EXPECT_EQ(b.status, 200);
   EXPECT_EQ(b.post(fmt::format("/api/patients/{}/no_show", right))["state"], "no_show");
-  EXPECT_EQ(b.get("/api/patients")["patients"][0]["visits"], 2);  // of them a no-show is none
+  EXPECT_EQ(b.get("/api/patients")["patients"][0]["visits"],
+            2);  // a visit that was missed is not counted
 }
 
-TEST(Visits, StationBeganAnew_VisitIsOfferedAsUnfinished_GoesOn) {
+TEST(Visits, VisitAfterARestartOfTheStation_IsOfferedAsUnfinishedAndContinues) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id, 2);
   b.station.now.visit = 0;
@@ -350,7 +351,7 @@ TEST(Visits, StationBeganAnew_VisitIsOfferedAsUnfinished_GoesOn) {
   EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["state"], "open");
 }
 
-TEST(Visits, UnfinishedOneThatWasMoved_GoesOnWithTheRightHandOrNotAtAll) {
+TEST(Visits, UnfinishedVisitThatWasMoved_ContinuesOnlyWithTheRightHand) {
   Bench b;
   Json left = patientOf("P-002"), small = patientOf("P-003");
   left["side"] = "left";
@@ -375,7 +376,7 @@ TEST(Visits, UnfinishedOneThatWasMoved_GoesOnWithTheRightHandOrNotAtAll) {
   EXPECT_NE(textOf(file).find("length_m = 0.171\n"), std::string::npos);
   EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
   EXPECT_EQ(b.get(path)["hand"], b.station.orders.back().hand_file);
-  // Its size is corrected while the visit is unfinished.
+  // The hand size is corrected while the visit is unfinished.
   b.post(path + "/finish", {{"state", "unfinished"}});
   Json person = b.get(fmt::format("/api/patients/{}", right));
   person["hands"] = patientOf("")["hands"];
@@ -386,9 +387,9 @@ TEST(Visits, UnfinishedOneThatWasMoved_GoesOnWithTheRightHandOrNotAtAll) {
   EXPECT_FALSE(std::filesystem::exists(file));
 }
 
-TEST(Visits, StationHoldsAVisitThatIsOver_ItIsClosedThere) {
+TEST(Visits, StationWithAnUnknownVisit_IsToldToCloseIt) {
   Bench b;
-  b.station.now.visit = 77;  // of another clinic, or finished while the station was away
+  b.station.now.visit = 77;  // of another clinic, or finished while the station did not answer
   for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
   EXPECT_EQ(b.station.closed, std::vector<std::uint64_t>{77});
 }
@@ -397,30 +398,31 @@ Json personOf(Bench& b, std::int64_t id) {
   return b.get(fmt::format("/api/patients/{}", id));
 }
 
-TEST(Settings, WhatATherapistSetsInAVisit_IsWhatTheNextBeginsWith) {
+TEST(Settings, SettingsOfAVisit_ApplyToTheNextVisit) {
   Bench b;
-  const std::int64_t id = b.addPatient("P-001");  // gentle: 3 N, 6 N
+  const std::int64_t id = b.addPatient("P-001");  // preset gentle: 3 N, 6 N
   Json plan = planOf(2);
   plan[0]["parameters"] = {{"effort_limit_hand_tip_n", 2.0}, {"damping_full_n", 4.0}};
   const std::string visits = fmt::format("/api/patients/{}/visits", id);
   const std::int64_t first = b.post(visits, {{"side", "right"}, {"plan", plan}})["id"];
   Parameters& now = b.station.now.values;
-  now["effort_limit_arm_n"] = 8.0;  // raised by a press
-  now["damping_full_n"] = 7.0;      // of the item
+  now["effort_limit_arm_n"] = 8.0;  // raised by the therapist
+  now["damping_full_n"] = 7.0;      // a value of the item
   b.station.now.help = "none";
   b.clinic->lookAtStation();
-  b.restart();  // nothing is lost with the process
+  b.restart();  // a restart loses no value
   b.post(fmt::format("/api/visits/{}/item", first), {{"item", 1}});
   EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 8.0);
-  EXPECT_EQ(now["effort_limit_hand_tip_n"], 2.0);  // the item's lower limit stays in the visit
+  EXPECT_EQ(now["effort_limit_hand_tip_n"],
+            2.0);  // the lower limit of the item stays during the visit
   now["level_ratio"] = 1.25;
   now["effort_limit_arm_n"] = 7.0;
   b.station.now.level = 2;
-  EXPECT_EQ(personOf(b, id)["parameters"], Json::object());  // until the visit is closed
+  EXPECT_EQ(personOf(b, id)["parameters"], Json::object());  // unchanged until the visit is closed
   b.finish(first);
   EXPECT_EQ(b.status, 200);
   const Json person = personOf(b, id);
-  // The lower limit at the fingertips was the item's, not the person's.
+  // The lower limit at the fingertips belongs to the item, not to the person.
   EXPECT_EQ(person["parameters"], (Json{{"effort_limit_arm_n", 7.0}, {"level_ratio", 1.25}}));
   EXPECT_EQ(person["visits"][0]["changed"], person["parameters"]);
   EXPECT_EQ(person["today"][0]["help"], "none");
@@ -435,10 +437,10 @@ TEST(Settings, WhatATherapistSetsInAVisit_IsWhatTheNextBeginsWith) {
   EXPECT_EQ(next.help, "none");
 }
 
-TEST(Settings, WithoutAVisit_OrOfAnother_AreNobodys) {
+TEST(Settings, SettingsOutsideAPersonsVisit_AreNotStored) {
   Bench b;
   const std::int64_t a = b.addPatient("P-001"), other = b.addPatient("P-002");
-  b.station.now.values["effort_limit_arm_n"] = 15.0;  // at the console
+  b.station.now.values["effort_limit_arm_n"] = 15.0;  // set at the console without a visit
   b.clinic->lookAtStation();
   const std::int64_t visit = b.beginVisit(a);
   EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
@@ -454,7 +456,7 @@ TEST(Settings, WithoutAVisit_OrOfAnother_AreNobodys) {
   }
 }
 
-TEST(Settings, VisitOfTheWrongPerson_GivesItsSettingsBack_AndTheRightOneNone) {
+TEST(Settings, VisitMovedToAnotherPerson_ReturnsTheFirstPersonsSettingsAndChangesNoOther) {
   Bench b;
   Json body = patientOf("P-001");
   body["parameters"] = {{"effort_limit_arm_n", 5.0}};
@@ -470,7 +472,7 @@ TEST(Settings, VisitOfTheWrongPerson_GivesItsSettingsBack_AndTheRightOneNone) {
   EXPECT_EQ(personOf(b, right)["parameters"], Json::object());
 }
 
-TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
+TEST(Settings, LoweredLimit_CapsThePlanAlsoIfTheStationIsKilled) {
   Bench b;
   Json body = patientOf("P-001");
   body["plan"] = planOf(2);
@@ -481,7 +483,7 @@ TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
   b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}});
   b.station.now.values["effort_limit_arm_n"] = 4.0;
   b.clinic->lookAtStation();
-  b.station.now.visit = 0;  // the program was killed
+  b.station.now.visit = 0;  // the station was killed
   for (int i = 0; i < 12; ++i, b.clock.pass(kSecond_us)) b.clinic->lookAtStation();
   Json person = personOf(b, id);
   EXPECT_EQ(person["visits"][0]["state"], "unfinished");
@@ -492,7 +494,7 @@ TEST(Settings, LimitThatWasLowered_CapsThePlan_StationThatIsGoneKeepsIt) {
   EXPECT_EQ(b.status, 200);
 }
 
-TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_HoldsWhenItGoesOn_AndWhenItIsEnded) {
+TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_AppliesWhenItContinuesOrEnds) {
   for (const bool goes_on : {true, false}) {
     Bench b;
     Json body = patientOf("P-001");
@@ -511,13 +513,13 @@ TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_HoldsWhenItGoesOn_AndWhenItIsE
       const Json now = b.post(path + "/item", {{"item", 0}});
       ASSERT_EQ(b.status, 200) << now;
       EXPECT_EQ(b.station.orders.back().parameters.at("effort_limit_arm_n"), 4.0);
-      EXPECT_EQ(now["changed"], (Json{{"damping_full_n", 7.0}}));  // what still holds
+      EXPECT_EQ(now["changed"], (Json{{"damping_full_n", 7.0}}));  // the change that still applies
     }
     b.post(path + "/finish", {{"state", "done"}});
     ASSERT_EQ(b.status, 200);
     EXPECT_EQ(personOf(b, id)["parameters"],
               (Json{{"effort_limit_arm_n", 4.0}, {"damping_full_n", 7.0}}));
-    // Moved away, it gives back what is still its own.
+    // Moving the visit to another person takes back only the values that are still its own.
     const std::int64_t right = b.addPatient("P-002");
     b.post(path + "/move", {{"patient", right}});
     ASSERT_EQ(b.status, 200);
@@ -526,7 +528,7 @@ TEST(Settings, LimitLoweredAfterAnUnfinishedVisit_HoldsWhenItGoesOn_AndWhenItIsE
   }
 }
 
-TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
+TEST(Trials, Recording_IsMeasuredOnceAndListedInTheVisit) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
@@ -535,7 +537,7 @@ TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["state"], "waiting");
   b.station.now.recording = "";
   record(b, "a.h5");
-  measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 97.0);
+  measures.results["a.h5"] = FakeMeasures::of(visit, "aa", 97.0);
   look(b, measures);
   b.finish(visit);
   const Json trial = b.get(fmt::format("/api/patients/{}", id))["visits"][0]["trials"][0];
@@ -543,7 +545,7 @@ TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
   EXPECT_EQ(trial["results"][0]["value"], 97.0);
   EXPECT_EQ(trial["began_us"], kNoon_us + 5 * kSecond_us);
   EXPECT_TRUE(trial["reach_s"].is_null());
-  measures.says.clear();  // measured again, it would fail
+  measures.results.clear();  // a second measurement would fail
   b.restart();
   look(b, measures);
   const Json patient = b.get(fmt::format("/api/patients/{}", id));
@@ -558,7 +560,7 @@ TEST(Trials, Recording_IsMeasuredOnce_StandsInTheVisit) {
   EXPECT_EQ(csv.find("Keller"), std::string::npos);
 }
 
-TEST(Trials, MissedWhileTheProcessWasDown_AreFound) {
+TEST(Trials, RecordingsMadeWhileTheProcessWasDown_AreFound) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
@@ -566,37 +568,37 @@ TEST(Trials, MissedWhileTheProcessWasDown_AreFound) {
   for (int i = 0; i < 5; ++i) {
     const std::string name = fmt::format("{}.h5", i);
     record(b, name);
-    measures.says[name] = FakeMeasures::of(visit, name, 50.0 + i);
+    measures.results[name] = FakeMeasures::of(visit, name, 50.0 + i);
   }
   b.restart();
   look(b, measures);
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 5U);
 }
 
-TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
+TEST(Trials, UnusableOrMovedRecordings_AreReportedWithTheReason) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
   for (const char* name :
        {"ours.h5", "copy.h5", "foreign.h5", "none.h5", "broken.h5", "empty.h5", "part.h5"})
     record(b, name);
-  measures.says = {{"ours.h5", FakeMeasures::of(visit, "aa", 1)},
-                   {"copy.h5", FakeMeasures::of(visit, "aa", 1)},
-                   {"foreign.h5", FakeMeasures::of(12345, "bb", 1)},
-                   {"none.h5", FakeMeasures::of(0, "cc", 1)},
-                   {"empty.h5", FakeMeasures::of(visit, "dd", 1, 0)},
-                   {"part.h5", FakeMeasures::of(0, "ff", 1)}};
-  measures.says["part.h5"]["recording"]["complete"] = false;
+  measures.results = {{"ours.h5", FakeMeasures::of(visit, "aa", 1)},
+                      {"copy.h5", FakeMeasures::of(visit, "aa", 1)},
+                      {"foreign.h5", FakeMeasures::of(12345, "bb", 1)},
+                      {"none.h5", FakeMeasures::of(0, "cc", 1)},
+                      {"empty.h5", FakeMeasures::of(visit, "dd", 1, 0)},
+                      {"part.h5", FakeMeasures::of(0, "ff", 1)}};
+  measures.results["part.h5"]["recording"]["complete"] = false;
   look(b, measures);
   const auto trials = [&] { return b.get("/api/visits/open")["visit"]["trials"]; };
-  ASSERT_EQ(trials().size(), 2U);  // the copy counts once
+  ASSERT_EQ(trials().size(), 2U);  // a recording and its copy count once
   const auto why = [&](const char* name) {
     Database db(b.database(), Database::Mode::kReadWrite);
     Statement row = db.query("SELECT state || ': ' || why FROM trial WHERE recording = ?", name);
     return row.step() ? row.text(0) : "";
   };
   EXPECT_EQ(why("foreign.h5"), "ignored: visit 12345 is not of this clinic, or was erased");
-  EXPECT_EQ(why("none.h5"), "measured: ");  // of nobody yet
+  EXPECT_EQ(why("none.h5"), "measured: ");  // not yet given to a person
   EXPECT_EQ(why("broken.h5"), "failed: is truncated");
   EXPECT_EQ(why("empty.h5"), "failed: the recording has no tick");
   EXPECT_EQ(why("part.h5"), "measured: the recording is not whole: its measures are of a part");
@@ -606,19 +608,20 @@ TEST(Trials, ForeignTruncatedEmptyCopiedRenamedDeleted_AreSaid) {
   look(b, measures);
   EXPECT_EQ(why(kept.c_str()), "measured: the recording is gone");
   record(b, "renamed.h5");
-  measures.says["renamed.h5"] = FakeMeasures::of(visit, "aa", 1);
+  measures.results["renamed.h5"] = FakeMeasures::of(visit, "aa", 1);
   look(b, measures);
   EXPECT_EQ(why("renamed.h5"), "measured: ");
   EXPECT_EQ(trials().size(), 2U);
   std::ofstream(b.options.recordings + "/broken.h5", std::ios::app)
-      << "the rest";  // it was being written
-  measures.says["broken.h5"] = FakeMeasures::of(visit, "ee", 1);
+      << "the rest";  // the file grows: it was still being written
+  measures.results["broken.h5"] = FakeMeasures::of(visit, "ee", 1);
   look(b, measures);
   EXPECT_EQ(trials().size(), 3U);
 }
 
-// Each is named where a therapist looks: in its visit's list, or among the sessions of nobody.
-TEST(Trials, EveryKindOfBadRecording_IsNamedInAList) {
+// Each recording is named where a therapist looks: in the list of its visit, or among the sessions
+// without a visit.
+TEST(Trials, EveryKindOfBadRecording_IsListedByName) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
@@ -628,17 +631,17 @@ TEST(Trials, EveryKindOfBadRecording_IsNamedInAList) {
     for (const Json& trial : list) out[trial["recording"]] = trial["why"];
     return out;
   };
-  record(b, stem + ".h5", "half a recor");              // truncated: its name says whose it is
+  record(b, stem + ".h5", "half a recor");              // truncated; its name tells the visit
   record(b, stem + "-2.h5");                            // deleted later
-  record(b, stem + "-3.h5");                            // without a tick
-  record(b, "20261128-120005-visit-77-bar.h5", "cut");  // of no visit here
+  record(b, stem + "-3.h5");                            // a recording without a tick
+  record(b, "20261128-120005-visit-77-bar.h5", "cut");  // of a visit that does not exist here
   record(b, "foreign.h5");
   record(b, "written.h5");
   b.station.now.recording = "written.h5";
-  measures.says = {{stem + "-2.h5", FakeMeasures::of(visit, "aa", 1)},
-                   {stem + "-3.h5", FakeMeasures::of(visit, "bb", 1, 0)},
-                   {"foreign.h5", FakeMeasures::of(12345, "cc", 1)},
-                   {"written.h5", FakeMeasures::of(visit, "dd", 1)}};
+  measures.results = {{stem + "-2.h5", FakeMeasures::of(visit, "aa", 1)},
+                      {stem + "-3.h5", FakeMeasures::of(visit, "bb", 1, 0)},
+                      {"foreign.h5", FakeMeasures::of(12345, "cc", 1)},
+                      {"written.h5", FakeMeasures::of(visit, "dd", 1)}};
   b.clinic->lookAtStation();
   look(b, measures);
   std::filesystem::remove(b.options.recordings + "/" + stem + "-2.h5");
@@ -652,7 +655,7 @@ TEST(Trials, EveryKindOfBadRecording_IsNamedInAList) {
   EXPECT_EQ(named(b.get("/api/sessions")["sessions"]),
             (Named{{"20261128-120005-visit-77-bar.h5", "is truncated"},
                    {"foreign.h5", "visit 12345 is not of this clinic, or was erased"}}));
-  // Put back, and written to its end: nothing is lost.
+  // A recording that returns, or is written to its end, is measured.
   record(b, stem + "-2.h5");
   b.station.now.recording = "";
   look(b, measures);
@@ -662,7 +665,7 @@ TEST(Trials, EveryKindOfBadRecording_IsNamedInAList) {
             2);
 }
 
-TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
+TEST(Trials, FailedMeasurement_IsRetriedWhileTheProcessRuns) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
@@ -682,7 +685,7 @@ TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
   };
   pass(3600);
   EXPECT_GE(tries, 4);
-  EXPECT_LE(tries, 8);  // twice as long each time: 30 s, 60 s, ..., 1920 s
+  EXPECT_LE(tries, 8);  // the interval doubles: 30 s, 60 s, ..., 1920 s
   memory_is_back = true;
   pass(3700);
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["state"], "measured");
@@ -691,7 +694,7 @@ TEST(Trials, WhatFailed_IsTriedAgainWhileTheProcessRuns) {
   EXPECT_EQ(tries, then);
 }
 
-TEST(Trials, DatabaseLostWhileOneIsMeasured_BothAreFoundLater) {
+TEST(Trials, RecordingsDuringADatabaseLoss_AreFoundLater) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"));
   bool lose = true;
@@ -716,7 +719,7 @@ TEST(Trials, DatabaseLostWhileOneIsMeasured_BothAreFoundLater) {
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"].size(), 2U);
 }
 
-TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
+TEST(Sessions, SessionsRecordedWithoutTheRecords_CanBeAssignedOrDeleted) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), earlier = b.beginVisit(id, 2);
@@ -724,15 +727,15 @@ TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
   b.clinic.reset();
   for (const char* name : {"a.h5", "b.h5", "c.h5"}) {
     record(b, name);
-    measures.says[name] = FakeMeasures::of(0, name, 5.0);
+    measures.results[name] = FakeMeasures::of(0, name, 5.0);
   }
   record(b, "c.json");
-  measures.says["b.h5"]["recording"]["began_utc"] = "2026-11-28T12:10:05Z";
+  measures.results["b.h5"]["recording"]["began_utc"] = "2026-11-28T12:10:05Z";
   b.restart();
   look(b, measures);
   const Json list = b.get("/api/sessions")["sessions"];
   ASSERT_EQ(list.size(), 3U);
-  EXPECT_EQ(list[0]["recording"], "b.h5");  // the newest first
+  EXPECT_EQ(list[0]["recording"], "b.h5");  // newest first
   std::map<std::string, std::int64_t> number;
   for (const Json& session : list) number[session["recording"]] = session["id"];
   const Json gift = {{"patient", id}, {"sessions", {number["a.h5"], number["b.h5"]}}};
@@ -744,16 +747,16 @@ TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
   EXPECT_EQ(visit["ended_us"], kNoon_us + 665 * kSecond_us);
   EXPECT_EQ(visit["trials"].size(), 2U);
   EXPECT_EQ(b.refused("/api/sessions/give", gift), "changed");
-  EXPECT_EQ(personOf(b, id)["today"].size(), 2U);  // of the visit that had a plan
+  EXPECT_EQ(personOf(b, id)["today"].size(), 2U);  // the plan of the earlier visit
   b.ask("DELETE", fmt::format("/api/sessions/{}", number["c.h5"]));
   EXPECT_EQ(b.status, 200);
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/c.h5"));
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/c.json"));
   EXPECT_EQ(b.get("/api/sessions")["sessions"], Json::array());
-  b.clinic.reset();  // the recordings name no visit; the gift stays
+  b.clinic.reset();  // the recordings name no visit; the assignment must stay
   ASSERT_TRUE(rebuildTrials(b.options.folder, b.options.recordings, measures.measure()).ok());
   std::filesystem::rename(b.options.recordings + "/a.h5", b.options.recordings + "/z.h5");
-  measures.says["z.h5"] = measures.says["a.h5"];
+  measures.results["z.h5"] = measures.results["a.h5"];
   b.restart();
   look(b, measures);
   const Json kept = b.get(fmt::format("/api/visits/{}", visit["id"].get<std::int64_t>()));
@@ -761,7 +764,7 @@ TEST(Sessions, RecordedWhileTheRecordsWereGone_AreGivenOrDeleted) {
   for (const Json& trial : kept["trials"]) EXPECT_EQ(trial["state"], "measured") << trial;
 }
 
-TEST(Sessions, VisitThatIsOpenWhenTheProcessDies_GoesOn) {
+TEST(Sessions, VisitOpenWhenTheProcessDies_Continues) {
   Bench b;
   const std::int64_t visit = b.beginVisit(b.addPatient("P-001"), 2);
   b.restart();
@@ -771,13 +774,13 @@ TEST(Sessions, VisitThatIsOpenWhenTheProcessDies_GoesOn) {
   EXPECT_EQ(b.post(fmt::format("/api/visits/{}/item", visit), {{"item", 1}})["item"], 1);
 }
 
-TEST(Sessions, DeletedGuest_LeavesNoRecording) {
+TEST(Sessions, DeletedGuestVisit_DeletesItsRecording) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t guest = b.post("/api/guest_visits", {{"side", "left"}})["id"];
   b.finish(guest);
   record(b, "a.h5");
-  measures.says["a.h5"] = FakeMeasures::of(guest, "aa", 5.0);
+  measures.results["a.h5"] = FakeMeasures::of(guest, "aa", 5.0);
   look(b, measures);
   std::filesystem::create_directory(b.options.recordings + "/a-report");
   record(b, "a-report/index.html");
@@ -787,14 +790,14 @@ TEST(Sessions, DeletedGuest_LeavesNoRecording) {
   EXPECT_FALSE(std::filesystem::exists(b.options.recordings + "/a-report"));
 }
 
-TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
+TEST(Trials, Rebuild_RestoresTrialsFromTheFolderAlone) {
   Bench b;
   FakeMeasures measures;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
   record(b, "a.h5");
-  measures.says["a.h5"] = FakeMeasures::of(visit, "aa", 12.0);
+  measures.results["a.h5"] = FakeMeasures::of(visit, "aa", 12.0);
   record(b, "g.h5");
-  measures.says["g.h5"] = FakeMeasures::of(0, "gg", 7.0);
+  measures.results["g.h5"] = FakeMeasures::of(0, "gg", 7.0);
   look(b, measures);
   const Json session = b.get("/api/sessions")["sessions"][0];
   const std::int64_t given =
@@ -806,11 +809,11 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
   }
   for (const char* name : {"a (copy).h5", "a.h5.h5"}) {
     record(b, name);
-    measures.says[name] = measures.says["a.h5"];
+    measures.results[name] = measures.results["a.h5"];
   }
   std::filesystem::rename(b.options.recordings + "/g.h5", b.options.recordings + "/h.h5");
-  measures.says["h.h5"] = measures.says["g.h5"];
-  for (int i = 0; i < 2; ++i) {  // once more changes nothing
+  measures.results["h.h5"] = measures.results["g.h5"];
+  for (int i = 0; i < 2; ++i) {  // a second rebuild changes nothing
     const auto rebuilt = rebuildTrials(b.options.folder, b.options.recordings, measures.measure());
     ASSERT_TRUE(rebuilt.ok());
     EXPECT_EQ(*rebuilt, "4 recordings: 2 are trials of this clinic's visits, 2 are not");
@@ -824,7 +827,7 @@ TEST(Trials, Rebuild_MakesThemFromTheFolderAlone) {
   EXPECT_EQ(b.get("/api/visits/open")["visit"]["trials"][0]["results"][0]["value"], 12.0);
 }
 
-TEST(Trials, Child_ItsReasonIsKept_ItsTimeIsLimited) {
+TEST(Trials, MeasuringProcess_ReportsItsReasonAndIsLimitedInTime) {
   const test::Folder folder;
   const std::string program = folder.path() + "/measures";
   std::ofstream(program) << "#!/bin/sh\ncase $2 in *good*) echo '{\"measures\":1}';; *) echo \"$2: "

@@ -1,5 +1,5 @@
-/* A driver for tests of the conformance suite: two rails that do all that device.h asks, but for the
- * one thing that the settings name. "moving" breaks nothing: it lets the rails move by themselves. */
+/* A driver for tests of the conformance suite: two rails that follow all rules of device.h but the
+ * one that the settings name. "moving" breaks no rule: the rails move by themselves. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 
@@ -108,7 +108,7 @@ static void watch(wh_device* device, int64_t now) {
   if (device->silenced) memset(device->effort, 0, sizeof device->effort);
 }
 
-/* Where axis i stands: at rest, or on a slow parabola in steps of the encoder. */
+/* Position of axis i: at rest, or on a slow parabola in steps of the encoder. */
 static double place(const wh_device* device, int i, int64_t now) {
   const double t = (double)((now - device->opened_ns) % 1000000000) * 1e-9;
   const double step_m = is(device, "coarse") ? 50.0 * resolution_m : resolution_m;
@@ -176,7 +176,7 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   return WH_OK;
 }
 
-/* Whether a command may be carried out. */
+/* Returns whether a command may be carried out. */
 static int sound(const wh_device* device, const wh_command* command) {
   uint32_t i;
   if (!device->enabled && !is(device, "willing")) return 0;

@@ -1,7 +1,8 @@
-/* A driver for tests of the conformance suite: two rails that move, x and y, each a handle of 0.25 kg
- * that nobody holds. The settings "WORD" or "WORD AXIS" name what is wrong with one axis (y where none
- * is named); "" is sound, and so are "weighs" and "rubs". What it says of its efforts is what was
- * asked of it, unless stated: only the motion shows it. The rails are there before open and after close. */
+/* A driver for tests of the conformance suite: two moving rails, x and y, each a handle of 0.25 kg
+ * that nobody holds. The settings "WORD" or "WORD AXIS" name the defect of one axis (y if none is
+ * named); "" has no defect, and neither have "weighs" and "rubs". It reports as efforts what was
+ * commanded, unless stated otherwise, so that only the motion shows a defect. The rails exist
+ * before open and after close. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 
@@ -16,13 +17,14 @@ static const int64_t step_ns = 250000;
 static const double limit_n = 8.0, travel_m = 0.1, silence_s = 0.05, resolution_m = 1e-5;
 static const double mass_kg = 0.25, damping = 3.0;
 
-/* The drive's last commands, as it says and as its motors do. */
+/* The last commands of the drive: the efforts that it reports (said) and that its motors get
+ * (given). */
 typedef struct {
   int64_t at_ns;
   double said[AXES], given[AXES];
 } entry;
 
-/* The rails. */
+/* State of the rails. */
 static struct {
   int64_t at_ns;
   double position[AXES], velocity[AXES], state[AXES];
@@ -54,7 +56,7 @@ static void tell(const entry* next) {
   rails.commanded[rails.entries % ENTRIES] = *next;
 }
 
-/* The command at a time. */
+/* The command in force at a time. */
 static const entry* commanded_at(int64_t at_ns) {
   uint64_t back;
   for (back = 0; back < ENTRIES - 1 && back < rails.entries; ++back) {
@@ -64,13 +66,13 @@ static const entry* commanded_at(int64_t at_ns) {
   return last();
 }
 
-/* Goes to neutral. `word`: the axis that it names keeps its effort and does not say so. */
+/* Goes to neutral. The axis with the defect `word` keeps its effort and does not report it. */
 static void let_go(const wh_device* device, int64_t at_ns, const char* word) {
   entry next = *last();
   int i;
   next.at_ns = at_ns;
   for (i = 0; i < AXES; ++i) {
-    if (on(device, i, "holds")) continue; /* and says so */
+    if (on(device, i, "holds")) continue; /* and reports it */
     next.said[i] = on(device, i, "keeps_saying") ? next.said[i] : 0.0;
     if (!on(device, i, word)) next.given[i] = 0.0;
   }
@@ -81,7 +83,7 @@ static double clamp(double value, double most) {
   return value > most ? most : value < -most ? -most : value;
 }
 
-/* What the motor of an axis does in a step that begins at a time. */
+/* Effort of an axis's motor in the step that begins at a time. */
 static double motor(const wh_device* device, int i, int64_t at_ns) {
   const double dt = (double)step_ns * 1e-9;
   double effort = commanded_at(on(device, i, "late") ? at_ns - 20000000 : at_ns)->given[i];
@@ -106,11 +108,11 @@ static double motor(const wh_device* device, int i, int64_t at_ns) {
   return effort;
 }
 
-/* In its own time, however late somebody reads. */
+/* Advances in its own steps, however late it is read. */
 static void advance(wh_device* device, int64_t now) {
   const double dt = (double)step_ns * 1e-9;
   const int slow = is(device, "patient") && last()->given[device->axis] != 0.0;
-  const int locks = is(device, "weighs") || is(device, "forgets"); /* a brake where nothing drives */
+  const int locks = is(device, "weighs") || is(device, "forgets"); /* a brake holds while no motor drives */
   const double patience_s = slow ? 5.0 * silence_s : silence_s;
   int i;
   for (; rails.at_ns + step_ns <= now; rails.at_ns += step_ns) {
@@ -245,7 +247,7 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   return WH_OK;
 }
 
-/* Whether a command may be carried out. */
+/* Returns whether a command may be carried out. */
 static int sound(const wh_device* device, const wh_command* command) {
   int i;
   if (!device->enabled || command->axes != AXES || device->deaf) return 0;
@@ -271,7 +273,7 @@ static int write_command(wh_device* device, const wh_command* command) {
   next.at_ns = now;
   for (i = 0; i < AXES; ++i) {
     const double asked = command->effort[i];
-    /* Of the sum: what the other axis leaves, too. */
+    /* The limit holds for the sum of both axes: one axis may use what the other leaves. */
     const double most = is(device, "limits_sum") ? AXES * limit_n : limit_n;
     const int free = on(device, i, "unlimited") || on(device, i, "unlimited_unsaid") ||
                      (on(device, i, "unlimited_back") && asked < 0.0);

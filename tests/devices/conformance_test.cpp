@@ -1,10 +1,10 @@
-// Drivers that break one rule each, and drivers that break none.
+// The conformance suite with drivers that break one rule each, and with correct drivers.
 #include "devices/conformance/conformance.hpp"
 
 #include "drivers/firmware_process.hpp"
 #include "loop/realtime/allocation_counter.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/watched_main.hpp"
 
@@ -42,9 +42,9 @@ std::string failures(const std::vector<CheckResult>& results) {
   return out;
 }
 
-// The finding of one check. Where this machine kept a check waiting, times excuse the driver: it is
-// asked again, up to `times`.
-CheckFinding judgedBy(const std::string& id, const ConformanceOptions& options, int times = 5) {
+// The finding of one check. A check that this machine delayed excuses the driver, so it is repeated
+// up to `times` times.
+CheckFinding findingOf(const std::string& id, const ConformanceOptions& options, int times = 5) {
   CheckFinding found;
   for (int k = 0; k < times && found.outcome != Outcome::kFailed; ++k) {
     for (const CheckResult& r : conform(options)) {
@@ -58,8 +58,8 @@ std::string groupOf(const std::string& id) {
   return id.substr(0, id.find('.') + 1);
 }
 
-/// A driver that breaks the rule of one check: broken_driver.c by its settings, or an object of
-/// faulty_driver.c that is built so.
+/// A driver that breaks the rule of one check: broken_driver.c with these settings, or
+/// faulty_driver.c built as this object.
 struct Broken {
   const char* name;
   const char* check;
@@ -68,12 +68,12 @@ struct Broken {
 
 class OneRuleBroken : public testing::TestWithParam<Broken> {};
 
-TEST_P(OneRuleBroken, IsFoundByTheCheckThatIsMeantForIt) {
+TEST_P(OneRuleBroken, Defect_IsFoundByItsCheck) {
   const std::string id = GetParam().check;
   const DriverLocation driver =
       GetParam().is_object ? builtAt(GetParam().name) : builtAt("broken", GetParam().name);
   const bool uncounted = id == "time.read_allocations" && !allocationCountingAvailable();
-  const CheckFinding found = judgedBy(id, with(driver, id, 1.5), uncounted ? 1 : 5);
+  const CheckFinding found = findingOf(id, with(driver, id, 1.5), uncounted ? 1 : 5);
   if (uncounted) {
     EXPECT_EQ(found.outcome, Outcome::kSkipped) << "a sanitizer owns malloc";
     return;
@@ -138,25 +138,25 @@ const std::vector<Broken> kBroken = {{"exits", "lifecycle.open"},
 INSTANTIATE_TEST_SUITE_P(Kinds, OneRuleBroken, testing::ValuesIn(kBroken),
                          [](const auto& tested) { return tested.param.name; });
 
-/// One thing that is wrong with one axis of broken_rails.c, and the check that is meant for it.
+/// One defect of one axis of broken_rails.c, and the check that must find it.
 struct BrokenRail {
   const char* defect;
   const char* check;
   const char* axis = "y";
-  bool of_all = false;  ///< of both axes
+  bool of_all = false;  ///< both axes have the defect
 };
 
 class OneAxisBroken : public testing::TestWithParam<BrokenRail> {};
 
-TEST_P(OneAxisBroken, IsFoundByTheCheckThatIsMeantForItAndNamed) {
+TEST_P(OneAxisBroken, Defect_IsFoundByItsCheckWithTheAxis) {
   const auto& [defect, id, axis, of_all] = GetParam();
   ConformanceOptions options = with(builtAt("broken_rails", std::string(defect) + " " + axis), id);
   options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
-  const CheckFinding found = judgedBy(id, options, 3);
+  const CheckFinding found = findingOf(id, options, 3);
   EXPECT_EQ(found.outcome, Outcome::kFailed) << found.text;
-  if (!of_all) EXPECT_TRUE(says(found.text, axis)) << found.text;
+  if (!of_all) EXPECT_TRUE(contains(found.text, axis)) << found.text;
 }
-// These passed a suite that looked at bits, at measured efforts and at the first axis.
+// These defects passed an earlier suite that judged bits, measured efforts and the first axis.
 const std::vector<BrokenRail> kBrokenRails = {
     {"late", "motion.delay"},           {"halved", "motion.measured"},
     {"turned", "motion.sign"},          {"holds", "commands.neutral_again"},
@@ -165,7 +165,7 @@ const std::vector<BrokenRail> kBrokenRails = {
     {"repeats", "motion.jumps"},        {"old", "samples.age", "y", true},
     {"disable_bit", "motion.disable"},
 };
-// The same on the first axis, and what is said otherwise than done.
+// Defects of the first axis, and reports that differ from the motion.
 const std::vector<BrokenRail> kMoreBrokenRails = {{"turned", "motion.sign", "x"},
                                                   {"watchdog_bit", "motion.silence", "x"},
                                                   {"disable_bit", "motion.disable", "x"},
@@ -195,8 +195,8 @@ const std::vector<BrokenRail> kMoreBrokenRails = {{"turned", "motion.sign", "x"}
                                                   {"dead_zone", "motion.proportional"},
                                                   {"smoothed", "motion.delay"},
                                                   {"slewed", "motion.delay"},
-                                                  // It answers as late as it likes; how much no
-                                                  // mass explains depends on the pushes before.
+                                                  // It answers arbitrarily late; the part that no
+                                                  // mass explains depends on the earlier pushes.
                                                   {"integrated", "motion.delay"},
                                                   {"forgets", "motion.enable"},
                                                   {"remembers", "motion.enable"},
@@ -218,39 +218,40 @@ std::string nameOfRail(const testing::TestParamInfo<BrokenRail>& tested) {
   std::replace(name.begin(), name.end(), '.', '_');
   return name;
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, OneAxisBroken, testing::ValuesIn(aTenth(kBrokenRails)), nameOfRail);
-INSTANTIATE_TEST_SUITE_P(More, OneAxisBroken, testing::ValuesIn(aTenth(kMoreBrokenRails)),
+INSTANTIATE_TEST_SUITE_P(Kinds, OneAxisBroken, testing::ValuesIn(sampleTenth(kBrokenRails)),
+                         nameOfRail);
+INSTANTIATE_TEST_SUITE_P(More, OneAxisBroken, testing::ValuesIn(sampleTenth(kMoreBrokenRails)),
                          nameOfRail);
 
-TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
+TEST(Conformance, DriverThatCrashes_FailsTheRunningCheckAndNoOtherGroup) {
   const auto results = conform(with(builtAt("broken", "crashes"), "samples."));
-  EXPECT_TRUE(says(failures(results), "samples.succeed: the driver ended the process"));
+  EXPECT_TRUE(contains(failures(results), "samples.succeed: the driver ended the process"));
   EXPECT_EQ(results.back().finding.outcome, Outcome::kSkipped);
   EXPECT_EQ(failures(conform(with(builtAt("broken", "crashes"), "description."))), "");
 }
 
 TEST(Conformance, DriverThatHangs_IsEndedAndReported) {
   const auto results = conform(with(builtAt("broken", "hangs"), "samples.", 0.5));
-  EXPECT_TRUE(says(failures(results), "samples.succeed: the driver hangs"));
+  EXPECT_TRUE(contains(failures(results), "samples.succeed: the driver hangs"));
 }
 
-TEST(Conformance, GoodDrivers_FailNothing) {
+TEST(Conformance, CorrectDrivers_PassEveryCheck) {
   EXPECT_EQ(failures(conform(with(builtAt("broken", "moving"), "samples."))), "");
   EXPECT_EQ(failures(conform(with(builtAt("rails"), ""))), "");
 }
 
-// Sound, with a weight that the driver carries and a brake holds, with dry friction, and without a
-// measured effort.
-TEST(Conformance, GoodRails_FailNothing) {
-  for (const std::string& kind : aTenth<std::string>({"", "weighs", "rubs", "silent"})) {
+// Correct rails: plain, with a weight that the driver carries and a brake holds, with dry friction,
+// and without a measured effort.
+TEST(Conformance, CorrectRails_PassEveryCheck) {
+  for (const std::string& kind : sampleTenth<std::string>({"", "weighs", "rubs", "silent"})) {
     ConformanceOptions options = with(builtAt("broken_rails", kind), "");
     options.known = {{"x", 0.25, 0.0}, {"y", 0.25, 0.0}};
     EXPECT_EQ(failures(conform(options)), "") << kind;
   }
 }
 
-// Its firmware is a process of its own: rails of 0.25 kg with 3 N·s/m.
-TEST(Conformance, FrameAndItsFirmware_FailNothingThatMoves) {
+// The firmware runs in its own process: rails of 0.25 kg with 3 N·s/m.
+TEST(Conformance, FrameAndItsFirmware_PassTheMotionChecks) {
   const std::vector<std::string> carriers = everyCarrier();
   const FirmwareProcess firmware(carriers[seed() % carriers.size()]);
   ConformanceOptions options = with(builtAt("frame"), "motion.");
@@ -259,26 +260,26 @@ TEST(Conformance, FrameAndItsFirmware_FailNothingThatMoves) {
   EXPECT_EQ(failures(conform(options)), "") << firmware.locator();
 }
 
-// It may wait, has no watchdog of its own and moves by itself: what it does without effort.
-TEST(Conformance, DriverForHosts_FailsNothingThatLooks) {
+// A driver for hosts may wait, has no watchdog and moves by itself; only checks without effort run.
+TEST(Conformance, DriverForHosts_PassesTheChecksWithoutEffort) {
   const Folder folder;
   ConformanceOptions options = with(builtAt("pushed", folder.file("kept")), "");
   options.allow_effort = false;
   EXPECT_EQ(failures(conform(options)), "");
 }
 
-TEST(Conformance, WithoutLeave_EnablesNothing) {
+TEST(Conformance, RunWithoutPermissionForEffort_EnablesNothing) {
   ConformanceOptions options = with(builtAt("broken"), "");
   options.allow_effort = false;
   for (const CheckResult& r : conform(options)) {
     if (r.check->effect == Effect::kLooks) continue;
     EXPECT_EQ(r.finding.outcome, Outcome::kSkipped) << r.check->id;
-    EXPECT_TRUE(says(r.finding.text, "--allow-effort")) << r.check->id;
+    EXPECT_TRUE(contains(r.finding.text, "--allow-effort")) << r.check->id;
   }
 }
 
-// What a check sends moves a person's hand: only checks that say so may enable.
-TEST(Conformance, Checks_HaveNamesOfTheirOwnAndSayWhatTheyDo) {
+// Efforts of a check move a person's hand, so only checks that state it may enable.
+TEST(Conformance, Checks_HaveUniqueNamesAndDescriptions) {
   std::set<std::string> ids;
   for (const CheckGroup& group : checkGroups()) {
     for (const Check& check : group.checks) {

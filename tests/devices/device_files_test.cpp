@@ -22,7 +22,7 @@ struct FileBench {
   Intention intention;
 };
 
-/// A shipped device with the relaxed adult, who plays the first recording.
+/// A shipped device with the relaxed adult, who follows the first recorded motion.
 FileBench shipped(const std::string& device_name) {
   Expected<DeviceModel> device = loadDeviceFile(kRoot + "/config/devices/" + device_name + ".toml");
   EXPECT_TRUE(device.ok()) << (device.ok() ? "" : format(device.errors()));
@@ -61,7 +61,7 @@ TEST_P(ShippedDevice, RecordedMotion_IsFollowedInsideTheRange) {
       ASSERT_LE(std::abs(device.velocity()[k]), axis.speed_limit) << axis.name << " at " << i;
     }
   }
-  // At rest after the end, the person is off by no more than dry friction over stiffness.
+  // At rest after the end, the person's error is at most dry friction over stiffness.
   for (int k = 0; k < reading.q_m.size(); ++k) {
     const double slack = s.device.axes[k].coulomb / s.patient.axes[k].stiffness;
     EXPECT_NEAR(reading.q_m[k], test::personAt(device).intention[k],

@@ -1,9 +1,8 @@
-// Loops and hosts that are lost, as processes. WHOLEHAND_FULL loses 1,000 of each kind and looks
-// for false alarms for 10 minutes.
-//
-// Each figure is judged by the time stamps of the host itself. A machine that does not run the host
-// for a while delays it by that: the host's own longest gap between two cycles is added to what is
-// allowed, and printed. An alarm is false where the loop's own clock knows no gap of 20 ms.
+// Losses of loop and host processes. WHOLEHAND_FULL loses 1,000 of each kind and looks for false
+// alarms for 10 minutes.
+// Each figure is judged by the host's own time stamps. A machine that does not run the host for a
+// while delays it, so the host's longest gap between two cycles is added to the allowed time, and
+// printed. An alarm is false if the loop's own clock shows no gap of 20 ms.
 #include "devices/host/hosted_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
 #include "devices/plugin/plugin_driver.hpp"
@@ -34,7 +33,7 @@ std::string desktopFile() {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml";
 }
 
-// x carries a weight of its own, so that neutral is not 0.
+// x carries its own weight, so that its neutral effort is not 0.
 DeviceModel weighted() {
   DeviceModel model = orThrow(loadDeviceFile(desktopFile()));
   model.output_delay_ticks = 2;
@@ -42,12 +41,12 @@ DeviceModel weighted() {
   return model;
 }
 
-struct Given {
+struct SentEffort {
   std::int64_t at_ns;
   std::array<double, 3> effort;
 };
 
-/// Three axes that keep every effort they are given, with its time.
+/// A driver of three axes that stores every effort with its time.
 class KeepingDriver final : public PlainDriver {
  public:
   KeepingDriver() : PlainDriver({"x", "y", "z"}, plainAxis()), given_(std::size_t{1} << 16U) {}
@@ -67,10 +66,10 @@ class KeepingDriver final : public PlainDriver {
     count_.store(n + 1, std::memory_order_release);
     return WH_OK;
   }
-  /// Since that time; at most the last 60,000. While nothing new is of interest.
-  [[nodiscard]] std::vector<Given> since(std::int64_t from_ns) const {
+  /// Efforts since that time; at most the last 60,000. Call it while no new ones matter.
+  [[nodiscard]] std::vector<SentEffort> since(std::int64_t from_ns) const {
     const std::size_t n = count_.load(std::memory_order_acquire);
-    std::vector<Given> out;
+    std::vector<SentEffort> out;
     for (std::size_t i = n > 60'000 ? n - 60'000 : 0; i < n; ++i) {
       if (given_[i % given_.size()].at_ns >= from_ns) out.push_back(given_[i % given_.size()]);
     }
@@ -79,20 +78,20 @@ class KeepingDriver final : public PlainDriver {
 
  private:
   std::uint64_t samples_ = 0;
-  std::vector<Given> given_;
+  std::vector<SentEffort> given_;
   std::atomic<std::size_t> count_{0};
 };
 
-// What one loss came to.
+// Measured times of one loss.
 struct Loss {
-  double noticed_ms = 0.0;  ///< last command to the ramp
-  double neutral_ms = 0.0;  ///< last command to the neutral effort
-  double late_ms = 0.0;     ///< by which the machine kept the host waiting
+  double noticed_ms = 0.0;  ///< from the last command to the start of the ramp
+  double neutral_ms = 0.0;  ///< from the last command to the neutral effort
+  double late_ms = 0.0;     ///< delay of the host by the machine
 };
 
 // @pre the loop has been lost, and the host has latched
-Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
-           const AxisEffort& neutral) {
+Loss lossOf(const KeepingDriver& driver, const std::vector<HostEvent>& events,
+            const AxisEffort& neutral) {
   Loss loss;
   std::int64_t last_ns = 0, ramp_ns = 0;
   for (const HostEvent& event : events) {
@@ -106,7 +105,7 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
     loss.noticed_ms = static_cast<double>(event.silent_ns) * 1e-6;
   }
   EXPECT_NE(ramp_ns, 0) << "no ramp";
-  const std::vector<Given> given = driver.since(ramp_ns - 1'000'000);
+  const std::vector<SentEffort> given = driver.since(ramp_ns - 1'000'000);
   std::int64_t neutral_ns = 0;
   for (std::size_t k = 1; k < given.size(); ++k) {
     if (given[k].at_ns < ramp_ns) continue;
@@ -117,8 +116,8 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
       const double is = given[k].effort[axis] - neutral[i];
       EXPECT_LE(std::abs(is), std::abs(was)) << kAlways << "axis " << i << " rises";
       EXPECT_GE(is * was, 0.0) << kAlways << "axis " << i << " goes through neutral";
-      // The steepest slope of the ramp from the largest effort, 8 N, over 80 ms; a write may be
-      // late by what the host was.
+      // The steepest slope of the ramp from the largest effort, 8 N, over 80 ms; a write may be as
+      // late as the host was.
       const double apart_ms =
           static_cast<double>(given[k].at_ns - given[k - 1].at_ns) * 1e-6 + kPeriod_ms;
       EXPECT_LE(std::abs(is - was), 1.5 * 8.5 / 80.0 * (apart_ms + loss.late_ms)) << "a step";
@@ -133,13 +132,13 @@ Loss judge(const KeepingDriver& driver, const std::vector<HostEvent>& events,
 
 struct Kind {
   const char* name;
-  const char* partner;  ///< what the loop does by itself
-  int signal;           ///< what it is sent; 0: nothing
+  const char* partner;  ///< behaviour of the loop (host_partner.cpp)
+  int signal;           ///< signal sent to it; 0: none
 };
 
 class LostLoop : public testing::TestWithParam<Kind> {};
 
-TEST_P(LostLoop, IsTakenToNeutralWithin110ms) {
+TEST_P(LostLoop, LoopLost_IsTakenToNeutralWithin110ms) {
   const int losses = full() ? 1000 : 12;
   const std::string name = hostName("lost");
   const auto driver = std::make_shared<KeepingDriver>();
@@ -158,7 +157,7 @@ TEST_P(LostLoop, IsTakenToNeutralWithin110ms) {
     }
     ASSERT_TRUE(host.awaits(HostPhase::kLatched));
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    const Loss loss = judge(*driver, host.events(), neutral);
+    const Loss loss = lossOf(*driver, host.events(), neutral);
     noticed_ms = std::max(noticed_ms, loss.noticed_ms);
     neutral_ms = std::max(neutral_ms, loss.neutral_ms);
     late_ms = std::max(late_ms, loss.late_ms);
@@ -181,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LostLoop,
                                          Kind{"runaway", "runaway", 0}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
-TEST(LivingLoop, BesideBusyPrograms_IsNeverLost) {
+TEST(LivingLoop, LoopBesideBusyPrograms_IsNeverReportedLost) {
   const int seconds = full() ? 600 : 5;
   const std::string name = hostName("alive");
   HostThread host(name, std::make_shared<KeepingDriver>(), weighted());
@@ -205,7 +204,7 @@ TEST(LivingLoop, BesideBusyPrograms_IsNeverLost) {
       ++tenths;
     }
     const bool alarm = host.sample().phase != HostPhase::kRendering;
-    if (alarm) sleepMs(500);  // the loop lives: its next command shows how long it stood still
+    if (alarm) sleepMs(500);  // the loop is alive: its next command shows how long it stood still
     HostCommand last{};
     ASSERT_TRUE(host.frame().command.take(last));
     longest_ms = std::max(longest_ms, last.effort[kGapAt]);
@@ -221,7 +220,7 @@ TEST(LivingLoop, BesideBusyPrograms_IsNeverLost) {
   for (std::thread& thread : busy) thread.join();
 }
 
-// How a host is lost, and what of its settings does it.
+// A way to lose a host: by a signal or by its driver's settings.
 struct HostKind {
   const char* name;
   const char* settings;
@@ -230,8 +229,8 @@ struct HostKind {
 
 class LostHost : public testing::TestWithParam<HostKind> {};
 
-// The loop's clock is its ticks: 20 ms are 20 of them, and one more until the sample is older.
-TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
+// The loop counts ticks: 20 ms are 20 ticks, and one more until the sample is older.
+TEST_P(LostHost, HostLost_IsAFaultWithinTheLongestGap) {
   const int losses = full() ? 1000 : 12;
   const std::string name = hostName("dies");
   const std::string path = std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so";
@@ -242,7 +241,7 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
   std::unique_ptr<HapticDevice> device;
   for (int k = 0, stalls = 0; k < losses; ++k) {
     Partner host({"host", name, path, GetParam().settings, desktopFile()});
-    // The first connects; from then on a new arming finds the new host.
+    // The first host is connected to; later ones are found by a new arming.
     bool open = false;
     for (int i = 0; i < 60'000 && !open; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -268,7 +267,7 @@ TEST_P(LostHost, IsAFaultWithinTheLongestGap) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     if (any(faults & Fault::kEnableLost) && gap.longest_ms() > kLoopSilence_ms && stalls < losses) {
-      ++stalls;  // the machine let this loop stand still: the host let go of it before it died
+      ++stalls;  // the machine stalled this loop, so the host released it before dying
       --k;
       device->close();
       continue;
@@ -295,8 +294,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LostHost,
                                          HostKind{"crash", "crashes@1500", 0}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
-// The host keeps its last answer: that of the loop which died is no answer to the next one.
-TEST(RestartedHost, OfWhichAnotherLoopHasDied_EnablesAnew) {
+// The host keeps its last answer. An answer to the loop that died must not count for the next loop.
+TEST(RestartedHost, HostRestartedAfterALostLoop_EnablesAgain) {
   const std::string name = hostName("restarted");
   const auto driver = std::make_shared<KeepingDriver>();
   const DeviceModel model = weighted();
@@ -318,8 +317,8 @@ TEST(RestartedHost, OfWhichAnotherLoopHasDied_EnablesAnew) {
   EXPECT_EQ(host->sample().session, of_the_other + 1);
 }
 
-// A stopped host, or one whose driver blocks for good.
-TEST(StoppedHost, KeepsNoRunFromEndingAndIsNotArmed) {
+// The host is stopped, or its driver blocks forever.
+TEST(StoppedHost, HostStopped_DoesNotBlockClosingAndIsNotArmed) {
   const std::string name = hostName("stopped");
   Partner host({"host", name, std::string(WHOLEHAND_BINARY_DIR) + "/drivers/may_wait.so", "",
                 desktopFile()});

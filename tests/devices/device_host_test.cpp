@@ -12,14 +12,14 @@
 namespace wholehand::test {
 namespace {
 
-// The machine let the test stand still: what follows is about another thing.
+// Arms again if the machine stalled the test and the host latched; the test is not about this.
 void armAnewWhereLatched(HostThread& host, HapticDevice& device) {
   if (host.sample().phase != HostPhase::kLatched) return;
   device.close();
   ASSERT_TRUE(openEnabled(device));
 }
 
-/// The faulty driver's axes, from another maker, who says no serial number.
+/// A driver with the axes of the faulty driver, of another maker, without a serial number.
 class CarryingDriver final : public PlainDriver {
  public:
   explicit CarryingDriver(std::vector<wh_axis> axes)
@@ -38,7 +38,7 @@ class CarryingDriver final : public PlainDriver {
   std::uint64_t samples_ = 0;
 };
 
-TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
+TEST(HostedDevice, AxesInAnotherOrder_AreMappedToTheFilesOrder) {
   const std::string name = hostName("order");
   const auto driver = faultyDriver("");
   HostThread host(name, driver, desktop());
@@ -49,7 +49,7 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   const auto device = deviceOf(hosted);
   ASSERT_NO_FATAL_FAILURE(expectPlacesOfFaultyDriver(*device));
   ASSERT_TRUE(device->enable());
-  // The driver measures what it was given.
+  // The driver reports the commanded effort as measured.
   bool given = false;
   for (int i = 0; i < 2000 && !given; ++i) {
     armAnewWhereLatched(host, *device);
@@ -67,11 +67,11 @@ TEST(HostedDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
   EXPECT_EQ(host.sample().sample.status & WH_ENABLED, 0U);
 }
 
-TEST(HostedDevice, DelayOfTheHost_IsHeldAgainstTheFile) {
+TEST(HostedDevice, DelayOfTheHost_IsComparedWithTheFile) {
   const std::string name = hostName("delay");
   HostThread host(name, faultyDriver(""), desktop(), 1000.0);
   const auto hosted = orThrow(HostedDriver::connect(name));
-  // 1 ms of the driver and two cycles of 1 ms; the file states 2 ms.
+  // The delay is 1 ms of the driver and two cycles of 1 ms; the file states 2 ms.
   const auto device = PluginDevice::make(hosted, desktop(), 1e-3);
   ASSERT_FALSE(device);
   EXPECT_NE(format(device.errors()).find("has a delay of 0.003, the file states 0.002"),
@@ -79,7 +79,7 @@ TEST(HostedDevice, DelayOfTheHost_IsHeldAgainstTheFile) {
       << format(device.errors());
 }
 
-TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
+TEST(HostedDevice, NeutralEffortOtherThanTheHosts_IsRefusedWithTheAxis) {
   const std::string name = hostName("neutral");
   HostThread host(name, faultyDriver(""), desktop());
   const auto hosted = orThrow(HostedDriver::connect(name));
@@ -91,8 +91,8 @@ TEST(HostedDevice, OtherNeutralEffortThanTheHosts_IsRefusedWithTheAxis) {
   EXPECT_EQ(said.front().value, "z");
 }
 
-// What was checked is what is armed: a name says nothing of the device behind it.
-TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
+// The armed device must be the checked one; the host's name alone does not prove it.
+TEST(HostedDevice, HostRestartedWithAnotherDevice_IsDetectedBeforeEnabling) {
   const std::string name = hostName("again");
   const auto first = faultyDriver("");
   auto host = std::make_unique<HostThread>(name, first, desktop());
@@ -107,7 +107,7 @@ TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   HostThread second(name, std::make_shared<CarryingDriver>(first->axes()), other);
   const auto again = hosted->reconnect();
   ASSERT_TRUE(again) << format(
-      again.errors());  // the process of the first one lives: it is this one
+      again.errors());  // the process of the first host is this one and still runs
   EXPECT_NE(hosted->identity().serial, serial);
   EXPECT_NE(hosted->identity().driver_sha256, digest);
   const Diagnostics said = hosted->differences(desktop());
@@ -116,14 +116,14 @@ TEST(HostedDevice, HostStartedAgainWithAnotherDevice_IsKnownBeforeItIsEnabled) {
   EXPECT_NE(said[1].problem.find("effort limit"), std::string::npos);
 }
 
-TEST(HostedDevice, DriverThatMayWait_IsTakenByTheHostOnly) {
+TEST(HostedDevice, DriverThatMayWait_IsAcceptedOnlyByTheHost) {
   EXPECT_FALSE(PluginDriver::load({built("may_wait"), "", ""}));
   const std::string name = hostName("waits");
   HostThread host(name, faultyDriver("", "may_wait"), desktop());
   EXPECT_TRUE(openEnabled(*deviceOf(orThrow(HostedDriver::connect(name)))));
 }
 
-TEST(HostedDevice, ReadsAndWrites_AllocateNothingCallNothingAndTakeAMicrosecond) {
+TEST(HostedDevice, ReadsAndWrites_AllocateNothingMakeNoSystemCallAndTakeAMicrosecond) {
   const std::string name = hostName("cost");
   HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
@@ -163,7 +163,7 @@ TEST(HostedDevice, ReadsAndWrites_AllocateNothingCallNothingAndTakeAMicrosecond)
   }
 }
 
-TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
+TEST(HostedDevice, LoopThatStoppedForAWhile_IsDisabledUntilItArmsAgain) {
   const std::string name = hostName("latch");
   HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
@@ -174,7 +174,7 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
   }
   ASSERT_TRUE(host.awaits(HostPhase::kLatched));
   EXPECT_EQ(host.sample().reason, ReleaseReason::kLoopSilent);
-  // The sample of a cycle is read before its effort is written.
+  // In a cycle, the sample is read before the effort is written.
   for (int i = 0; i < 60'000 && host.sample().sample.effort[3] != 0.0; ++i) sleepMs(1);
   DeviceReading reading;
   for (int i = 0; i < 50; ++i) {
@@ -197,7 +197,7 @@ TEST(HostedDevice, LoopThatStopsAndGoesOn_FindsItsEnableLostUntilItArmsAnew) {
   EXPECT_TRUE(heard);
 }
 
-TEST(HostedDevice, HostThatIsAskedToEnd_IsAtNeutralFirst) {
+TEST(HostedDevice, HostAskedToEnd_GoesToNeutralFirst) {
   const std::string name = hostName("ends");
   const auto driver = faultyDriver("");
   HostThread host(name, driver, desktop());
@@ -227,7 +227,7 @@ TEST(HostedDevice, HostThatIsAskedToEnd_IsAtNeutralFirst) {
   EXPECT_EQ(sample.effort[3], 0.0);
 }
 
-/// Along x.
+/// Pushes along x until the effort is measured.
 void pushUntilMeasured(HostThread& host, HapticDevice& device, double effort_n) {
   for (int i = 0; i < 60'000 && host.sample().sample.effort[3] != effort_n; ++i) {
     armAnewWhereLatched(host, device);
@@ -236,7 +236,7 @@ void pushUntilMeasured(HostThread& host, HapticDevice& device, double effort_n) 
   }
 }
 
-TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
+TEST(HostedDevice, DeviceClosedWhileItPushes_GoesToNeutralBeforeItIsDisabled) {
   const std::string name = hostName("closes");
   HostThread host(name, faultyDriver(""), desktop());
   const auto device = deviceOf(orThrow(HostedDriver::connect(name)));
@@ -255,8 +255,8 @@ TEST(HostedDevice, ClosedWhileItPushes_IsAtNeutralBeforeItIsDisabled) {
   EXPECT_EQ(events.back().phase, HostPhase::kIdle);
 }
 
-// The last command and the end come within one cycle of the host: it must hear both.
-TEST(HostedDevice, ClosedRightAfterItsNeutralCommand_IsNotLetGoOf) {
+// The last command and the end arrive within one cycle of the host; it must see both.
+TEST(HostedDevice, DeviceClosedRightAfterANeutralCommand_DoesNotRamp) {
   const std::string name = hostName("neutral");
   HostThread host(name, faultyDriver(""), desktop());
   for (int session = 0; session < 10; ++session) {
@@ -278,8 +278,8 @@ struct Failing {
 
 class FailingHostedDevice : public testing::TestWithParam<Failing> {};
 
-// What a device says of itself reaches the loop as it does without a host.
-TEST_P(FailingHostedDevice, TellsTheLoop) {
+// Faults that a device reports reach the loop as they do without a host.
+TEST_P(FailingHostedDevice, DeviceFault_IsReportedToTheLoop) {
   const std::string name = hostName("fails");
   HostThread host(name, faultyDriver(std::string(GetParam().name) + "@4000", "may_wait"),
                   desktop());

@@ -1,7 +1,7 @@
 #include "devices/plugin/plugin_driver.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,24 +38,24 @@ TEST_F(DriverLookup, Name_IsFoundInTheFirstFolderThatHasIt) {
   EXPECT_EQ(orThrow(findDriver("moteus", folders_)), (folder_ / "installed/moteus.so").string());
 }
 
-TEST_F(DriverLookup, PathOrFile_IsTakenAsItIs) {
+TEST_F(DriverLookup, PathOrFile_IsUsedUnchanged) {
   EXPECT_EQ(orThrow(findDriver("/a/b", folders_)), "/a/b");
   EXPECT_EQ(orThrow(findDriver("./frame", folders_)), "./frame");
   EXPECT_EQ(orThrow(findDriver("frame.so", folders_)), "./frame.so")
       << "in the working directory, not where libraries of the system are";
 }
 
-TEST_F(DriverLookup, WrongName_IsRefusedWithThoseThatExist) {
+TEST_F(DriverLookup, UnknownName_IsRefusedWithTheExistingNames) {
   const auto path = findDriver("fram", folders_);
   ASSERT_FALSE(path);
   const std::string said = format(path.errors());
-  EXPECT_TRUE(says(said, "--driver = fram: is no driver"));
-  EXPECT_TRUE(says(said, "give one of frame, moteus, or the path"));
+  EXPECT_TRUE(contains(said, "--driver = fram: is no driver"));
+  EXPECT_TRUE(contains(said, "give one of frame, moteus, or the path"));
   EXPECT_FALSE(findDriver("", folders_));
   EXPECT_FALSE(findDriver("notes", folders_));
 }
 
-TEST_F(DriverLookup, NoFolders_SaySo) {
+TEST_F(DriverLookup, NoFolders_AreReported) {
   const auto path = findDriver("frame", {});
   EXPECT_TRUE(refusedWith(path, "none ship"));
 }

@@ -1,4 +1,5 @@
-// The part of a device host that decides which effort goes to the device: simulated time.
+// The effort guard of a device host, which decides which effort goes to the device, in simulated
+// time.
 #include "devices/host/effort_guard.hpp"
 
 #include "support/figure.hpp"
@@ -25,11 +26,11 @@ GuardConfig configAt(double rate_hz) {
   config.neutral = AxisEffort(kAxes);
   config.neutral[2] = 1.5;  // carries its own weight
   config.limit = AxisEffort(kAxes, 8.0);
-  config.most_change = AxisEffort(kAxes, 100.0);  // never acts, but where a test is about it
+  config.most_change = AxisEffort(kAxes, 100.0);  // so large that it acts only in the tests of it
   return config;
 }
 
-/// Of session 1, at so many ms.
+/// A command of session 1 at `at_ms` [ms].
 HostCommand commandAt(int sequence, std::int64_t at_ms, double x, double y, double z) {
   HostCommand command{};
   command.session = 1;
@@ -40,11 +41,11 @@ HostCommand commandAt(int sequence, std::int64_t at_ms, double x, double y, doub
   return command;
 }
 
-/// A guard from the beginning of its session, at 0 ms.
+/// A guard whose session begins at 0 ms.
 struct Guard {
   explicit Guard(double rate_hz = 1000.0)
       : config(configAt(rate_hz)), state(beginSession(1, kStart_ns, config)) {}
-  /// It renders, since this command.
+  /// The guard renders since this command.
   explicit Guard(const HostCommand& first, double rate_hz = 1000.0) : Guard(rate_hz) {
     cycleAt(kStart_ns, &first);
   }
@@ -66,7 +67,7 @@ struct Guard {
   GuardState state;
 };
 
-/// Draws between two numbers.
+/// Returns a function that draws between two numbers.
 auto between(std::mt19937_64& random) {
   return [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -86,9 +87,9 @@ TEST(EffortGuard, EveryNewCommand_IsPassedOnInItsCycleAndClamped) {
   }
 }
 
-// The requirement: silence for 20 ms, then monotone to neutral, all within 110 ms of the last
+// Requirement: after 20 ms of silence, a monotone ramp to neutral, all within 110 ms of the last
 // command, at every rate and however late the host itself is called.
-TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
+TEST(EffortGuard, SilentLoop_FallsMonotonicallyToNeutralWithin110ms) {
   auto random = seededRandom(901);
   const auto uniform = between(random);
   double worst_ms = 0.0;
@@ -126,16 +127,16 @@ TEST(EffortGuard, SilentLoop_IsAtNeutralWithin110msAndOnlyFalls) {
   EXPECT_LE(worst_ms, 110.0);
 }
 
-TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
+TEST(EffortGuard, BlockedHost_JudgesTheLoopByItsTimeStamps) {
   const HostCommand last = commandAt(5, 0, 4.0, 0.0, 1.5);
-  // The loop went on: its newest command is 1 ms old.
+  // The loop continued: its newest command is 1 ms old.
   Guard lives(last);
   lives.cycle(50, commandAt(54, 49, 5.0, 0.0, 1.5), 50);
   EXPECT_EQ(lives.state.phase, HostPhase::kRendering);
   EXPECT_LT(lives.sent(0), 4.1) << "no step";
   for (int k = 1; k <= 30; ++k) lives.cycle(50 + k, commandAt(54 + k, 50 + k, 5.0, 0.0, 1.5));
   EXPECT_EQ(lives.sent(0), 5.0) << "blended in within 30 ms";
-  // The loop died 25 ms ago: the ramp begins at what the device holds, not at what comes too late.
+  // The loop died 25 ms ago: the ramp begins at the effort of the device, not at the late command.
   Guard died(last);
   died.cycle(50, commandAt(29, 25, -5.0, 0.0, 1.5), 50);
   died.expect(HostPhase::kRamping, ReleaseReason::kLoopSilent);
@@ -143,8 +144,9 @@ TEST(EffortGuard, HostThatWasBlocked_JudgesTheLoopByItsTimeStamps) {
   EXPECT_LT(died.sent(0), 4.0);
 }
 
-// A host that stood still while its loop went to neutral: the device is not dropped.
-TEST(EffortGuard, HostThatWasBlockedWhileTheLoopRamped_DoesNotDropTheEffort) {
+// If the host stood still while its loop ramped to neutral, the device's effort must not drop in a
+// step.
+TEST(EffortGuard, HostBlockedWhileTheLoopRamped_DoesNotStepTheEffort) {
   Guard guard(commandAt(5, 0, 8.0, 0.0, 1.5));
   for (int k = 0; k < 40; ++k) {
     const double before = guard.sent(0);
@@ -155,7 +157,7 @@ TEST(EffortGuard, HostThatWasBlockedWhileTheLoopRamped_DoesNotDropTheEffort) {
   EXPECT_EQ(guard.sent(0), 0.0);
 }
 
-// Blocked in the middle of the ramp: the slew limit is the last word.
+// Also if the host is blocked during the ramp, the slew limit has the last word.
 TEST(EffortGuard, AnyEffort_ChangesByNoMoreThanTheSlewLimit) {
   auto random = seededRandom(903);
   const auto uniform = between(random);
@@ -200,7 +202,7 @@ struct FaultyOrder {
 
 class FaultyCommand : public testing::TestWithParam<FaultyOrder> {};
 
-TEST_P(FaultyCommand, IsNeverSentAndEndsAtNeutral) {
+TEST_P(FaultyCommand, BadCommand_IsNeverSentAndEndsAtNeutral) {
   Guard guard(commandAt(5, 0, 4.0, -2.0, 3.0));
   for (int k = 1; k < 130; ++k) {
     HostCommand command = commandAt(5 + k, k, 7.0, 7.0, 7.0);
@@ -233,12 +235,12 @@ INSTANTIATE_TEST_SUITE_P(
                     ReleaseReason::kLoopSilent}),
     [](const auto& tested) { return tested.param.name; });
 
-TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
+TEST(EffortGuard, LatchedGuard_IgnoresCommandsUntilANewSession) {
   const HostCommand last = commandAt(5, 0, 4.0, -2.0, 3.0);
   Guard guard(last);
   for (int k = 1; k <= 120; ++k) guard.cycle(k, last);
   ASSERT_EQ(guard.state.phase, HostPhase::kLatched);
-  for (int k = 0; k < 500; ++k) {  // the loop was stopped, not killed: it goes on
+  for (int k = 0; k < 500; ++k) {  // the loop was only stopped and continues
     guard.cycle(121 + k, commandAt(6 + k, 121 + k, 4.0, 4.0, 4.0));
     ASSERT_EQ(guard.state.phase, HostPhase::kLatched);
     ASSERT_EQ(guard.sent(0), 0.0);
@@ -253,14 +255,14 @@ TEST(EffortGuard, Latched_HearsNobodyUntilANewSession) {
   EXPECT_EQ(guard.sent(0), 2.0);
 }
 
-TEST(EffortGuard, SilentWhereTheEffortIsNeutral_LatchesWithoutARamp) {
+TEST(EffortGuard, SilenceAtTheNeutralEffort_LatchesWithoutARamp) {
   const HostCommand last = commandAt(5, 0, 0.0, 0.0, 1.5);
   Guard guard(last);
   guard.cycle(21, last);
   guard.expect(HostPhase::kLatched, ReleaseReason::kSilentAtNeutral);
 }
 
-TEST(EffortGuard, HostThatEnds_RampsWhateverTheLoopCommands) {
+TEST(EffortGuard, EndingHost_RampsRegardlessOfTheLoopsCommands) {
   Guard guard(commandAt(5, 0, 4.0, 0.0, 1.5));
   for (int k = 1; k <= 80; ++k) {
     guard.cycle(k, commandAt(5 + k, k, 4.0, 0.0, 1.5), 1, ReleaseReason::kHostEnds);
@@ -269,9 +271,9 @@ TEST(EffortGuard, HostThatEnds_RampsWhateverTheLoopCommands) {
   EXPECT_EQ(guard.sent(0), 0.0);
 }
 
-// A host that stood still blends in what it missed: the loop has come to neutral and ended before
-// the device has. That is no loop to be let go of, and no step for the device.
-TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotBlamed) {
+// After a standstill, the host blends in the missed commands. Here the loop has come to neutral and
+// ended before the device has. This is no fault of the loop, and the device sees no step.
+TEST(EffortGuard, LoopEndedAtNeutralWhileTheHostWasBlocked_IsFollowedWithoutAFault) {
   const HostCommand pushes = commandAt(5, 0, 4.0, -2.0, 1.5);
   const HostCommand neutral = commandAt(12, 8, 0.0, 0.0, 1.5);
   Guard guard(pushes);
@@ -294,7 +296,7 @@ TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotB
   EXPECT_EQ(pushing.state.reason, ReleaseReason::kLoopEnded) << "one that ended while it pushed is";
 }
 
-TEST(EffortGuard, EnabledAndNeverCommanded_StaysNeutralAndLatches) {
+TEST(EffortGuard, EnabledWithoutACommand_StaysNeutralAndLatches) {
   Guard guard;
   guard.cycleAt(kStart_ns + 9'000 * kMs, nullptr);
   EXPECT_EQ(guard.state.phase, HostPhase::kWaiting);

@@ -22,7 +22,7 @@ DeviceModel desktopModel() {
       loadDeviceFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml"));
 }
 
-/// A driver of three axes that obeys every command, for what calls drivers.
+/// A driver of three axes that obeys every command.
 class Obedient final : public PlainDriver {
  public:
   explicit Obedient(const std::vector<const char*>& names) : PlainDriver(names, axis()) {}
@@ -48,8 +48,8 @@ class Obedient final : public PlainDriver {
     return !enabled || std::strcmp(kind.load(), "refuse") == 0 ? WH_FAILED : WH_OK;
   }
 
-  std::atomic<const char*> kind{""};    ///< of the fault
-  const FaultAdapter* clock = nullptr;  ///< of its samples; null: real time
+  std::atomic<const char*> kind{""};    ///< kind of the injected fault
+  const FaultAdapter* clock = nullptr;  ///< clock of its samples; null: real time
 
  private:
   static wh_axis axis() {
@@ -63,7 +63,7 @@ class Obedient final : public PlainDriver {
   std::int64_t taken_ns_ = 0;
 };
 
-// Of the words that a table has; they live as long as the program.
+// Returns a permanent copy of a fault name of the table.
 const char* lasting(const std::string& kind) {
   for (const char* known : {"unplug", "missing", "drive", "enable", "unhomed", "silenced",
                             "backwards", "clock", "frozen", "refuse"}) {
@@ -83,7 +83,7 @@ class Direct final : public FaultAdapter {
       std::make_shared<Obedient>(std::vector<const char*>{"z", "y", "x"});
 };
 
-/// The composite as a driver.
+/// The composite of two drivers, as one driver.
 class Pair final : public DeviceDriver {
  public:
   explicit Pair(const Composite::Parts& parts) {
@@ -125,7 +125,7 @@ class OfTwo final : public FaultAdapter {
   std::shared_ptr<Obedient> hand_ = std::make_shared<Obedient>(std::vector<const char*>{"z"});
 };
 
-/// Firmware, line and frame device in step.
+/// Firmware, line and frame device advanced in lock-step.
 class FrameDriver final : public BenchDriver {
  public:
   using BenchDriver::BenchDriver;
@@ -158,7 +158,7 @@ class OverTheFrame final : public FaultAdapter {
     if (kind == "drive") bench_.state.status |= WH_DRIVE_FAULT;
     if (kind == "unhomed") bench_.state.status &= ~static_cast<std::uint32_t>(WH_HOMED);
     if (kind == "frozen") bench_.silent = true;
-    if (kind == "silenced") bench_.now_us += 25'000;  // its watchdog has 20 ms
+    if (kind == "silenced") bench_.now_us += 25'000;  // its watchdog allows 20 ms
   }
 
  private:
@@ -228,7 +228,7 @@ DeviceModel hostedModel() {
   return model;
 }
 
-/// Through shared memory and the thread of a host, in real time.
+/// A device behind shared memory and a host thread, in real time.
 class Hosted final : public FaultAdapter {
  public:
   Hosted()

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-/// Each adapter that ships, with a device behind it into which a test can inject faults.
+/// Every shipped adapter, with a device behind it into which a test can inject faults.
 namespace wholehand::test {
 
 class FaultAdapter {
@@ -14,11 +14,11 @@ class FaultAdapter {
   virtual ~FaultAdapter() = default;
   [[nodiscard]] virtual std::shared_ptr<DeviceDriver> driver() = 0;
   [[nodiscard]] const DeviceModel& model() const { return model_; }
-  /// A millisecond goes by.
+  /// Lets 1 ms pass.
   virtual void pass() { now_ns_ += 1'000'000; }
   /// The clock of the samples.
   [[nodiscard]] virtual std::int64_t now_ns() const { return now_ns_; }
-  /// From now on the device has this fault.
+  /// Gives the device this fault from now on.
   virtual void injectFault(const std::string& kind) = 0;
   [[nodiscard]] virtual bool inRealTime() const { return false; }
 
@@ -37,7 +37,7 @@ class FaultAdapter {
 [[nodiscard]] std::unique_ptr<FaultAdapter> makeForceDimension();
 [[nodiscard]] std::unique_ptr<FaultAdapter> makeHosted();
 
-/// Passes everything on and reads every sample by the words of device.h.
+/// Passes all calls on and interprets every sample by the rules of device.h.
 class WatchedDriver final : public DeviceDriver {
  public:
   explicit WatchedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
@@ -51,18 +51,18 @@ class WatchedDriver final : public DeviceDriver {
   }
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     const int result = driver_->read(sample);
-    says_stop_ = result < 0;
+    reports_stop_ = result < 0;
     if (result < 0) return result;
     constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
-    if ((sample.status & kNeeded) != kNeeded) says_stop_ = true;
-    if ((sample.status & (WH_DRIVE_FAULT | WH_SILENCED)) != 0) says_stop_ = true;
-    if ((sample.valid & missed_) != missed_) says_stop_ = true;
+    if ((sample.status & kNeeded) != kNeeded) reports_stop_ = true;
+    if ((sample.status & (WH_DRIVE_FAULT | WH_SILENCED)) != 0) reports_stop_ = true;
+    if ((sample.valid & missed_) != missed_) reports_stop_ = true;
     missed_ = sample.valid;
     if (known_ && (sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns)) {
-      says_stop_ = true;
+      reports_stop_ = true;
     }
     still_ = known_ && sample.sequence == last_.sequence ? still_ + 1 : 0;
-    if (still_ > 20) says_stop_ = true;
+    if (still_ > 20) reports_stop_ = true;
     known_ = true;
     last_ = sample;
     return result;
@@ -70,14 +70,14 @@ class WatchedDriver final : public DeviceDriver {
   [[nodiscard]] int write(const wh_command& command) noexcept override {
     return driver_->write(command);
   }
-  /// The sample that was read last.
-  [[nodiscard]] bool saysStop() const { return says_stop_; }
+  /// Whether the last sample read reports a stop.
+  [[nodiscard]] bool reportsStop() const { return reports_stop_; }
 
  private:
   std::shared_ptr<DeviceDriver> driver_;
-  bool says_stop_ = false, known_ = false;
+  bool reports_stop_ = false, known_ = false;
   int still_ = 0;
-  std::uint32_t missed_ = 0;  ///< axes that were valid so far
+  std::uint32_t missed_ = 0;  ///< axes that have been valid
   wh_sample last_{};
 };
 

@@ -1,7 +1,7 @@
-// Every kind of fault of a device, behind every adapter that ships, at random ticks: the ramp
-// begins at most a tick after the sample that says so. What a sample says is read here by device.h
-// alone, beside PluginDevice; that a stopping fault begins the ramp in its own tick, for a whole
-// rig: FailingDevice.InATick_IsReportedAndRampsToNeutral in plugin_device_test.cpp.
+// Injects every kind of device fault behind every shipped adapter at random ticks: the ramp begins
+// at most one tick after the sample that reports it. Samples are interpreted here by device.h
+// alone, independently of PluginDevice. FailingDevice in plugin_device_test.cpp tests for a whole
+// rig that a stopping fault begins the ramp in its own tick.
 #include "devices/fault_table_adapters.hpp"
 #include "support/figure.hpp"
 #include "support/open_enabled.hpp"
@@ -23,9 +23,10 @@ struct Row {
   const char* adapter;
   std::unique_ptr<FaultAdapter> (*make)();
   std::vector<const char*> kinds;
-  int latest;     ///< ticks of healthy samples before the fault, at the most
-  int cases;      ///< of each kind; 1,000 with WHOLEHAND_FULL=1
-  int most_said;  ///< ticks from the fault to the sample that says it; standing still is more
+  int latest;     ///< largest number of healthy ticks before the fault
+  int cases;      ///< runs for each kind; 1,000 with WHOLEHAND_FULL=1
+  int most_said;  ///< largest number of ticks from the fault to the sample that reports it; frozen
+                  ///< samples take longer
 };
 
 const Row kTable[] = {
@@ -42,7 +43,7 @@ const Row kTable[] = {
       "refuse"},
      1000,
      20,
-     8},  // 5 ms of skew before a part that stands still is not valid
+     8},  // a frozen part is invalid after 5 ms of skew
     {"frame",
      &makeFrame,
      {"unplug", "missing", "drive", "unhomed", "silenced", "frozen"},
@@ -66,13 +67,13 @@ const Row kTable[] = {
 
 constexpr int kStill_ticks = 22;  // desktop-3axis allows 20 ms
 
-struct Course {
-  int said = -1, began = -1;  ///< ticks after the fault
-  bool healthy = true;        ///< until then
+struct FaultTrace {
+  int said = -1, began = -1;  ///< ticks from the fault to its report and to the ramp; -1: never
+  bool healthy = true;        ///< no fault before the injected one
 };
 
-Course runInto(FaultAdapter& adapter, const char* kind, int at) {
-  Course course;
+FaultTrace runInto(FaultAdapter& adapter, const char* kind, int at) {
+  FaultTrace trace;
   const auto watched = std::make_shared<WatchedDriver>(adapter.driver());
   static const FaultAdapter* clock = nullptr;
   clock = &adapter;
@@ -81,56 +82,57 @@ Course runInto(FaultAdapter& adapter, const char* kind, int at) {
   EXPECT_TRUE(openEnabled(*device));
   DeviceReading reading;
   const AxisEffort neutral(adapter.model().axisCount());
-  for (int tick = 0; tick < at + 1100 && course.began < 0; ++tick) {
+  for (int tick = 0; tick < at + 1100 && trace.began < 0; ++tick) {
     if (tick == at) adapter.injectFault(kind);
     adapter.pass();
     Fault faults = device->read(reading, 1);
     faults |= device->write(neutral);
-    const bool says = watched->saysStop() || any(faults & Fault::kDeviceWrite);
-    if (tick < at && (says || any(faults & kStoppingFaults))) {
-      course.healthy = false;
-      return course;
+    const bool reports = watched->reportsStop() || any(faults & Fault::kDeviceWrite);
+    if (tick < at && (reports || any(faults & kStoppingFaults))) {
+      trace.healthy = false;
+      return trace;
     }
-    if (course.said < 0 && says) course.said = tick - at;
-    if (any(faults & kStoppingFaults)) course.began = tick - at;
+    if (trace.said < 0 && reports) trace.said = tick - at;
+    if (any(faults & kStoppingFaults)) trace.began = tick - at;
   }
   device->close();
-  return course;
+  return trace;
 }
 
 class FaultTable : public testing::TestWithParam<Row> {};
 
-TEST_P(FaultTable, OfEveryKindAtRandomTicks_BeginsTheRampAtMostATickAfterTheSampleSaysSo) {
+TEST_P(FaultTable, EveryFaultAtRandomTicks_RampsWithinATickOfTheReportingSample) {
   const Row& row = GetParam();
-  const int runs = fullCounts() ? 1000 : kFew ? 2 : row.cases;
+  const int runs = fullCounts() ? 1000 : kReducedCounts ? 2 : row.cases;
   auto random = seededRandom(1213);
   int judged = 0;
   for (const char* kind : row.kinds) {
     for (int i = 0; i < runs; ++i) {
-      // From 2 on: a watchdog begins with the first command, which arrives a tick after it was
-      // sent.
+      // The fault comes in tick 2 or later: a watchdog starts with the first command, which arrives
+      // a tick after it was sent.
       const int at = 2 + static_cast<int>(random() % static_cast<unsigned>(row.latest));
       SCOPED_TRACE(std::string(row.adapter) + ", " + kind + " at tick " + std::to_string(at));
       const auto adapter = row.make();
-      const Course course = runInto(*adapter, kind, at);
-      // In real time the machine may have let this loop stand still: that is another fault.
-      if (!course.healthy && adapter->inRealTime()) continue;
-      ASSERT_TRUE(course.healthy);
-      ASSERT_GE(course.began, 0) << "never begins";
+      const FaultTrace trace = runInto(*adapter, kind, at);
+      // In real time the machine may have stalled this loop, which is another fault.
+      if (!trace.healthy && adapter->inRealTime()) continue;
+      ASSERT_TRUE(trace.healthy);
+      ASSERT_GE(trace.began, 0) << "never begins";
       const bool still = std::string(kind) == "frozen";
       const int most_said = row.most_said + (still ? kStill_ticks : 0);
       ++judged;
-      // Samples that stand still age: their mean age may end the session before the standstill.
-      if (still && course.said < 0) {
-        ASSERT_LE(course.began, most_said);
+      // Frozen samples age: their mean age may end the session before the frozen sequence does.
+      if (still && trace.said < 0) {
+        ASSERT_LE(trace.began, most_said);
         continue;
       }
-      ASSERT_GE(course.said, 0) << "begins, and no sample says so";
-      ASSERT_LE(course.began - course.said, 1);
-      ASSERT_LE(course.said, most_said);
+      ASSERT_GE(trace.said, 0) << "begins, and no sample says so";
+      ASSERT_LE(trace.began - trace.said, 1);
+      ASSERT_LE(trace.said, most_said);
     }
   }
-  EXPECT_GT(judged, kFew ? 0 : static_cast<int>(row.kinds.size())) << "the table must not be empty";
+  EXPECT_GT(judged, kReducedCounts ? 0 : static_cast<int>(row.kinds.size()))
+      << "the table must not be empty";
 }
 INSTANTIATE_TEST_SUITE_P(Adapters, FaultTable, testing::ValuesIn(kTable), [](const auto& tested) {
   std::string name = tested.param.adapter;

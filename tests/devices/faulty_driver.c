@@ -1,6 +1,6 @@
-/* A driver for tests: does as its settings say. "drive@40" has the drive fault from the 40th sample
- * on, "weak" states a smaller effort limit. What is wrong with the shared object itself is chosen
- * when it is built. */
+/* A driver for tests that behaves as its settings say: "drive@40" reports a drive fault from the
+ * 40th sample on, "weak" states a smaller effort limit. Defects of the shared object itself are
+ * chosen when it is built. */
 #define _POSIX_C_SOURCE 200809L
 #include <wholehand/device.h>
 
@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 enum { AXES = 4 };
-/* In another order than the device file, and one axis more. */
+/* The axes are in another order than in the device file, with one axis more. */
 static const char* const names[AXES] = {"z", "roll", "y", "x"};
 
 struct wh_device {
@@ -73,7 +73,7 @@ static int control(wh_device* device, uint32_t verb, double argument) {
   return WH_OK;
 }
 
-/* Each axis stands at a place of its own and measures its effort. */
+/* Each axis has its own position and reports the commanded effort as measured. */
 static int read_sample(wh_device* device, wh_sample* sample) {
   const struct timespec fifty_ms = {0, 50000000};
   uint64_t n = ++device->samples;
@@ -118,7 +118,7 @@ static int write_command(wh_device* device, const wh_command* command) {
 
 static void close_device(wh_device* device) { free(device); }
 
-/* "anonymous" does not know which device it is. */
+/* "anonymous" does not know its device's identity. */
 static int identify(wh_device* device, wh_identity* identity) {
   if (is(device, "anonymous")) return WH_FAILED;
   strcpy(identity->serial, is(device, "other") ? "S-2" : "S-1");

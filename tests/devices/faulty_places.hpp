@@ -6,8 +6,8 @@
 
 namespace wholehand::test {
 
-/// Opens a device of x, y and z behind the faulty driver, which has z, roll, y, x at 1, 2, 3, 4
-/// mm: its file's order counts.
+/// Opens a device of x, y and z behind the faulty driver, whose z, roll, y, x are at 1, 2, 3, 4 mm.
+/// The order of the device file must apply.
 inline void expectPlacesOfFaultyDriver(HapticDevice& device) {
   ASSERT_TRUE(device.open());
   ASSERT_TRUE(device.ready());

@@ -1,9 +1,7 @@
-/* A driver for tests: one rail that a person holds while it is disabled. Settings: a file of eight
- * doubles that the test shares with it.
- *
- *   test writes   0: where the person holds it [m]   1: emergency stop pressed
- *                 2: how long WH_ENABLE takes [s]    3: samples stand still
- *   driver writes 4: enabled   5: effort [N]   6: position [m]   7: largest effort so far [N] */
+/* A driver for tests: one rail that a person holds while it is disabled. Its settings name a file
+ * of eight doubles shared with the test. Written by the test: 0: where the person holds it [m], 1:
+ * emergency stop pressed, 2: how long WH_ENABLE takes [s], 3: whether samples are frozen. Written
+ * by the driver: 4: enabled, 5: effort [N], 6: position [m], 7: largest effort so far [N]. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 

@@ -1,9 +1,8 @@
-// The other side of a device host, in a process of its own, for tests that lose it:
-//   host_partner loop NAME KIND            commands efforts at 1 kHz through the host NAME, and
-//   after
-//                                          100 ticks does as KIND says: forever, deadlock, runaway
-//   host_partner host NAME DRIVER SETTINGS DEVICE_FILE     is such a host
-//   host_partner hold NAME                 holds the name and does nothing
+// The other side of a device host as a process, for tests that lose it:
+//   host_partner loop NAME KIND   commands efforts at 1 kHz through the host NAME, and after 100
+//                                 ticks does what KIND says: forever, deadlock, runaway
+//   host_partner host NAME DRIVER SETTINGS DEVICE_FILE   runs such a host
+//   host_partner hold NAME        holds the name and does nothing
 #include "devices/host/hosted_driver.hpp"
 #include "devices/plugin/plugin_driver.hpp"
 #include "files/device/device_file.hpp"
@@ -18,15 +17,15 @@ namespace {
 
 constexpr int kLostAfter = 100;
 
-// The longest time between two commands, as the loop itself measures it, for the test: in an effort
-// that no axis has.
+// Reports the longest time between two commands, by the loop's own clock, in the effort of an axis
+// that does not exist.
 void noteGap(wh_command& command) {
   static LongestGap gap;
   gap.note();
   command.effort[kGapAt] = gap.longest_ms();
 }
 
-// Efforts that are nowhere neutral and change with every tick.
+// Efforts that are never neutral and change with every tick.
 wh_command commandOf(int tick, std::size_t axes) {
   wh_command command{};
   command.size = sizeof(command);

@@ -1,4 +1,4 @@
-// The memory and the names that a host and its loop share, and all that may be wrong with them.
+// The shared memory and the names of a host and its loop, and all possible defects of them.
 #include "hosted_tools.hpp"
 #include "support/open_enabled.hpp"
 
@@ -16,14 +16,14 @@ std::string whyNoHost(const std::string& name) {
   return driver ? "connected" : format(driver.errors());
 }
 
-TEST(NoHost, OfThatName_SaysHowToStartOne) {
+TEST(NoHost, NoHostOfTheName_IsReportedWithHowToStartOne) {
   const std::string said = whyNoHost("test-nobody");
   EXPECT_NE(said.find("test-nobody"), std::string::npos) << said;
   EXPECT_NE(said.find("does not run"), std::string::npos) << said;
   EXPECT_NE(said.find("wholehand device-host"), std::string::npos) << said;
 }
 
-TEST(NoHost, NameThatLeadsElsewhere_IsRefused) {
+TEST(NoHost, InvalidName_IsRefused) {
   for (const char* name :
        {"", "a/b", "../x", "Desk", "a name", "123456789012345678901234567890123"}) {
     EXPECT_NE(whyNoHost(name).find("is no name of a host"), std::string::npos) << name;
@@ -31,7 +31,7 @@ TEST(NoHost, NameThatLeadsElsewhere_IsRefused) {
   }
 }
 
-TEST(TwoLoops, ForOneHost_TheSecondIsRefusedByProcess) {
+TEST(TwoLoops, SecondLoopOfAHost_IsRefusedWithTheFirstsProcess) {
   const std::string name = hostName("twice");
   HostThread host(name, faultyDriver(""), desktop());
   auto first = orThrow(HostedDriver::connect(name));
@@ -44,7 +44,7 @@ TEST(TwoLoops, ForOneHost_TheSecondIsRefusedByProcess) {
   EXPECT_TRUE(HostedDriver::connect(name)) << "free again";
 }
 
-// Without taking it.
+// Whether the lock is held; does not take it.
 bool isHeld(const std::string& name) {
   const int fd = ::shm_open(("/wholehand-" + name + ".lock").c_str(), O_RDWR, 0);
   if (fd < 0) return false;
@@ -55,7 +55,7 @@ bool isHeld(const std::string& name) {
   return held;
 }
 
-TEST(TwoHosts, OfOneName_TheSecondIsRefusedByProcess) {
+TEST(TwoHosts, SecondHostOfAName_IsRefusedWithTheFirstsProcess) {
   const std::string name = hostName("pair");
   Partner first({"hold", name});
   for (int i = 0; i < 5000 && !isHeld(name); ++i) sleepMs(1);
@@ -70,13 +70,13 @@ TEST(TwoHosts, OfOneName_TheSecondIsRefusedByProcess) {
   ::shm_unlink(("/wholehand-" + name + ".lock").c_str());
 }
 
-// Memory that no host of this version made.
+// Shared memory that was not made by a host of this version.
 class ForeignMemory : public testing::Test {
  protected:
   ForeignMemory() : name_(hostName("foreign")), path_("/wholehand-" + name_) {}
   ~ForeignMemory() override { ::shm_unlink(path_.c_str()); }
 
-  // What a live host of this process would have written.
+  // Creates the memory that a live host of this process would have made.
   SharedFrame* make(std::size_t bytes = sizeof(SharedFrame)) {
     const int fd = ::shm_open(path_.c_str(), O_RDWR | O_CREAT, 0600);
     EXPECT_EQ(::ftruncate(fd, static_cast<off_t>(bytes)), 0);
@@ -117,11 +117,11 @@ TEST_F(ForeignMemory, NotSetUp_IsRefused) {
   make()->magic.store(0);
   expectRefused("is not set up by a host");
 }
-TEST_F(ForeignMemory, OfAnotherLayout_IsRefusedWithBoth) {
+TEST_F(ForeignMemory, OtherLayoutVersion_IsRefusedWithBothVersions) {
   make()->layout = kFrameLayout + 1;
   expectRefused("version 4, this is 3");
 }
-TEST_F(ForeignMemory, ThatStatesAnotherSize_IsRefused) {
+TEST_F(ForeignMemory, OtherStatedSize_IsRefused) {
   make()->size = 77;
   expectRefused("another size");
 }
@@ -133,23 +133,23 @@ TEST_F(ForeignMemory, WithTooManyAxes_IsRefused) {
   make()->axis_count = 4'000'000'000U;
   expectRefused("4000000000 axes");
 }
-TEST_F(ForeignMemory, WithANameWithoutEnd_IsRefused) {
+TEST_F(ForeignMemory, UnterminatedAxisName_IsRefused) {
   SharedFrame* const frame = make();
   std::fill(std::begin(frame->axes[2].name), std::end(frame->axes[2].name), 'x');
   expectRefused("a name without end");
 }
-TEST_F(ForeignMemory, OfAHostThatIsDead_IsRefused) {
+TEST_F(ForeignMemory, MemoryOfADeadHost_IsRefused) {
   Partner gone({"hold", name_});
   make()->host_pid = gone.pid();
   gone.send(SIGKILL);
   gone.wait();
   expectRefused("is gone");
 }
-TEST_F(ForeignMemory, OfAHostThatStandsStill_IsRefused) {
+TEST_F(ForeignMemory, MemoryOfAHostThatStandsStill_IsRefused) {
   make();
   expectRefused("stands still");
 }
-TEST_F(ForeignMemory, ThatADeadHostLeft_IsReplacedAndItsLoopReachesNobody) {
+TEST_F(ForeignMemory, MemoryOfADeadHost_IsReplacedAndItsLoopGetsNoDevice) {
   SharedFrame* const old = make();
   HostThread host(name_, faultyDriver(""), desktop());
   EXPECT_TRUE(HostedDriver::connect(name_));
@@ -166,7 +166,7 @@ TEST_F(ForeignMemory, ThatADeadHostLeft_IsReplacedAndItsLoopReachesNobody) {
   ::close(fd);
 }
 
-TEST(HostsLock, ChildOfADriverThatOutlivesTheHost_HoldsNothing) {
+TEST(HostsLock, ChildProcessThatOutlivesTheHost_HoldsNoLock) {
   const std::string name = hostName("forks");
   Partner host({"host", name, built("may_wait"), "forks@10", deviceFile()});
   std::shared_ptr<HostedDriver> loop;
@@ -175,7 +175,7 @@ TEST(HostsLock, ChildOfADriverThatOutlivesTheHost_HoldsNothing) {
     sleepMs(1);
   }
   ASSERT_TRUE(loop);
-  sleepMs(100);  // 10 samples of the host are 3 ms
+  sleepMs(100);  // 10 samples of the host take 3 ms
   host.send(SIGKILL);
   host.wait();
   EXPECT_TRUE(HostLock::take(name));

@@ -24,19 +24,18 @@
 #include <unistd.h>
 #include <vector>
 
-/// Hosts in a thread of the test, and programs beside it that are loops or hosts
-/// (host_partner.cpp).
+/// Hosts in a thread of the test, and processes that act as loops or hosts (host_partner.cpp).
 namespace wholehand::test {
 
 /// Where host_partner writes the longest gap between two of its commands [ms].
 inline constexpr std::size_t kGapAt = WH_MAX_AXES - 1;
 
-/// Of this test process alone.
+/// A host name that is unique to this test process.
 inline std::string hostName(const std::string& what) {
   return "test-" + what + "-" + std::to_string(::getpid());
 }
 
-/// A host in a thread of this process, as `wholehand device-host` runs one.
+/// Runs a host in a thread of this process, as `wholehand device-host` does.
 class HostThread {
  public:
   HostThread(const std::string& name, std::shared_ptr<DeviceDriver> driver,
@@ -71,7 +70,7 @@ class HostThread {
     (void)frame().sample.take(sample);
     return sample;
   }
-  /// False where it hangs.
+  /// Waits for the phase; false if the host hangs.
   [[nodiscard]] bool awaits(HostPhase phase) {
     for (int i = 0; i < 300'000; ++i) {
       if (sample().phase == phase) return true;
@@ -79,7 +78,8 @@ class HostThread {
     }
     return false;
   }
-  /// The loop of that session has commanded, whatever has become of it since. False where it hangs.
+  /// Waits until the loop of the session has sent a command, whatever became of it since; false if
+  /// it hangs.
   [[nodiscard]] bool awaitsLoopOf(std::uint64_t session) {
     for (int i = 0; i < 300'000; ++i) {
       const HostSample now = sample();
@@ -114,8 +114,8 @@ class HostThread {
   PeriodicThread thread_;
 };
 
-/// While one lives, the calling thread is as urgent as a loop, where the machine grants it: a test
-/// that stands still for 20 ms is a lost loop. What it starts meanwhile is as urgent.
+/// While it exists, the calling thread has the priority of a loop, if the machine grants it: a test
+/// that stalls for 20 ms counts as a lost loop. Threads started meanwhile inherit the priority.
 class AsUrgentAsALoop {
  public:
   AsUrgentAsALoop() { (void)requestFifoPriority(80); }
@@ -127,7 +127,7 @@ class AsUrgentAsALoop {
   AsUrgentAsALoop& operator=(const AsUrgentAsALoop&) = delete;
 };
 
-/// The longest time between two calls of note() [ms]: how long the machine let a test stand still.
+/// Longest time between two calls of note() [ms], which shows how long the machine stalled a test.
 class LongestGap {
  public:
   void note() {
@@ -144,7 +144,7 @@ class LongestGap {
   double longest_ms_ = 0.0;
 };
 
-/// A program beside the test; killed at the end at the latest.
+/// A process beside the test; it is killed in the destructor at the latest.
 class Partner {
  public:
   explicit Partner(std::vector<std::string> arguments) {

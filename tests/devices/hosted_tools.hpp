@@ -6,7 +6,7 @@
 #include "files/device/device_file.hpp"
 #include "host_tools.hpp"
 
-/// The desktop device behind the faulty driver, in a host.
+/// The desktop device behind the faulty driver and a host.
 namespace wholehand::test {
 
 inline std::string built(const std::string& name) {
@@ -17,7 +17,8 @@ inline std::string deviceFile() {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml";
 }
 
-/// The driver's delay of 1 ms and two cycles of the host are two periods.
+/// The desktop device with an output delay of two periods: the driver's 1 ms and two cycles of the
+/// host.
 inline DeviceModel desktop() {
   DeviceModel model = orThrow(loadDeviceFile(deviceFile()));
   model.output_delay_ticks = 2;

@@ -37,7 +37,7 @@ bool isWhole(const Whole& value) {
   return true;
 }
 
-TEST(NewestValue, BeforeTheFirst_IsNotThere) {
+TEST(NewestValue, ValueBeforeTheFirstWrite_IsAbsent) {
   const auto slot = std::make_unique<NewestValue<Whole>>();
   Whole value = wholeOf(9);
   EXPECT_FALSE(slot->take(value));
@@ -50,7 +50,7 @@ TEST(NewestValue, BeforeTheFirst_IsNotThere) {
   EXPECT_EQ(value.number, 2U) << "taken twice";
 }
 
-TEST(NewestValue, ReadBesideAFastWriter_IsWholeAndNeverRunsBackwards) {
+TEST(NewestValue, ReadsBesideAFastWriter_AreWholeAndNeverOlder) {
   const auto slot = std::make_unique<NewestValue<Whole>>();
   std::atomic<bool> end{false};
   std::thread writer([&] {
@@ -73,7 +73,7 @@ TEST(NewestValue, ReadBesideAFastWriter_IsWholeAndNeverRunsBackwards) {
   EXPECT_GT(last, 100U);
 }
 
-// A loop that is killed may be in the middle of a command.
+// A loop may be killed in the middle of writing a command.
 TEST(NewestValue, WriterKilledAnywhere_LeavesAWholeValue) {
   using Slot = NewestValue<Whole>;
   auto random = seededRandom(902);

@@ -9,7 +9,7 @@
 
 namespace wholehand::test {
 
-/// A device of one free axis: mass, nothing else; tests add what they are about.
+/// A device of one free axis with a mass only; tests add the rest.
 inline DeviceModel oneAxisDevice(double mass) {
   DeviceModel device;
   device.name = "one-axis";
@@ -24,7 +24,7 @@ inline DeviceModel oneAxisDevice(double mass) {
   return device;
 }
 
-/// A person who does nothing.
+/// A person who applies no effort.
 inline PatientConfig nobody(int axes = 1) {
   PatientConfig patient;
   patient.axes.assign(static_cast<std::size_t>(axes), PatientAxis{});
@@ -35,14 +35,14 @@ inline Intention stayAt(double position) {
   return Intention::throughWaypoints({{0.0, AxisPosition(1, position)}});
 }
 
-/// A person who pulls one axis to where they want it.
+/// A person who pulls one axis to the intended position.
 inline PatientConfig personOf(PatientAxis axis) {
   PatientConfig patient;
   patient.axes = {std::move(axis)};
   return patient;
 }
 
-/// Open, at 1 kHz.
+/// Opens the device at 1 kHz.
 inline std::unique_ptr<SimulatedDevice> opened(const DeviceModel& model,
                                                const PatientConfig& patient, Intention intention) {
   auto device = std::make_unique<SimulatedDevice>(model, patient, std::move(intention), 1e-3);
@@ -50,7 +50,7 @@ inline std::unique_ptr<SimulatedDevice> opened(const DeviceModel& model,
   return device;
 }
 
-/// Of the person at the device, as of its last read.
+/// Reading of the person at the device, at its last read.
 inline PersonReading personAt(const SimulatedDevice& device) {
   PersonReading person;
   device.report(person);

@@ -10,7 +10,7 @@
 
 namespace wholehand::test {
 
-/// A rail of 20 cm that is pushed with 8 N at most.
+/// A rail of 20 cm with an effort limit of 8 N.
 inline wh_axis plainAxis() {
   wh_axis axis{};
   axis.size = sizeof(axis);
@@ -20,7 +20,7 @@ inline wh_axis plainAxis() {
   return axis;
 }
 
-/// A driver of axes that are alike, and are enabled together.
+/// A driver of equal axes that are enabled together.
 class PlainDriver : public DeviceDriver {
  public:
   PlainDriver(const std::vector<const char*>& names, wh_axis axis) {

@@ -1,4 +1,4 @@
-// Drivers that are loaded from shared objects built by a C compiler against the public header.
+// Loads drivers from shared objects that a C compiler built with the public header.
 #include "devices/plugin/plugin_device.hpp"
 
 #include "devices/plain_driver.hpp"
@@ -6,9 +6,9 @@
 #include "devices/plugin/plugin_driver.hpp"
 #include "faulty_places.hpp"
 #include "loop/realtime/allocation_counter.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -40,7 +40,7 @@ std::unique_ptr<HapticDevice> deviceThat(const std::string& settings) {
   return orThrow(PluginDevice::make(orThrow(loadFaulty(settings)), desktopInARig(), 1e-3));
 }
 
-TEST(PluginDriver, BrokenOne_IsRefusedByName) {
+TEST(PluginDriver, BrokenDriver_IsRefusedByName) {
   for (const auto& [driver, why] : {std::pair{"no_symbol", "has no wh_plugin_v1()"},
                                     {"other_major", "is built for version 2"},
                                     {"too_short", "too short"},
@@ -48,17 +48,17 @@ TEST(PluginDriver, BrokenOne_IsRefusedByName) {
                                     {"may_wait", "WH_NEVER_WAITS"},
                                     {"not_there", "cannot open shared object file"}}) {
     const auto loaded = PluginDriver::load({driverFile(driver), "", ""});
-    EXPECT_TRUE(refusedWith(loaded, driver));  // the file
+    EXPECT_TRUE(refusedWith(loaded, driver));  // names the file
     EXPECT_TRUE(refusedWith(loaded, why));
   }
 }
 
-TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
+TEST(PluginDriver, DeviceNotFound_IsReportedWithLocationAndDriverMessage) {
   const auto driver = loadFaulty("", "nowhere");
   EXPECT_TRUE(refusedWith(driver, "no device was found at nowhere: nothing answers"));
 }
 
-TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
+TEST(PluginDriver, DriverThatKnowsItsDevice_ReportsSerialFirmwareAndSdk) {
   const auto driver = orThrow(loadFaulty(""));
   EXPECT_EQ(driver->identity().serial, "S-1");
   EXPECT_EQ(driver->identity().firmware, "1.0");
@@ -66,8 +66,8 @@ TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
   EXPECT_EQ(orThrow(loadFaulty("anonymous"))->identity().serial, "");
 }
 
-// A passport is of everything of this machine between an effort and the motor.
-TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest) {
+// A passport covers everything of this machine between an effort and the motor.
+TEST(PluginDriver, ChangedDriverSettingsOrNamedFile_ChangesTheDigest) {
   const Folder folder;
   const auto digest = [](const std::string& driver, const std::string& settings) {
     return orThrow(PluginDriver::load({driverFile(driver), "", settings}))
@@ -87,7 +87,8 @@ TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest)
     std::filesystem::create_directory(folder.file(name));
     const std::string file = folder.file(std::string(name) + "/map.toml");
     for (const std::string& settings : {file, "map=" + file}) {
-      if (settings != file && file.find(' ') != std::string::npos) continue;  // not one word
+      if (settings != file && file.find(' ') != std::string::npos)
+        continue;  // a path with spaces is not one word
       std::ofstream(file) << "max_torque_nm = 0.8";
       const std::string safe = digest("faulty", settings);
       EXPECT_EQ(digest("faulty", settings), safe);
@@ -97,26 +98,26 @@ TEST(PluginDriver, AnotherFileSettingOrFileThatTheSettingsName_HasAnotherDigest)
   }
 }
 
-TEST(PluginDevice, WithoutAClearance_IsNotArmedWhereItMayMoveAPerson) {
-  const auto refusalOf = [](std::optional<Clearance> clearance) {
+TEST(PluginDevice, DeviceThatMayMoveAPerson_IsNotArmedWithoutAPermit) {
+  const auto refusalOf = [](std::optional<ArmingPermit> permit) {
     Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
     auto device = orThrow(
-        PluginDevice::make(orThrow(loadFaulty("")), models.device, 1e-3, std::move(clearance)));
+        PluginDevice::make(orThrow(loadFaulty("")), models.device, 1e-3, std::move(permit)));
     const auto rig = orThrow(buildRig(std::move(models), std::move(device), {}));
     return rig->renderer->arm();
   };
   EXPECT_TRUE(refusedWith(refusalOf(std::nullopt), "passport"));
-  EXPECT_TRUE(refusedWith(refusalOf(Clearance::withoutPassport()), "nothing was rehearsed"))
+  EXPECT_TRUE(refusedWith(refusalOf(ArmingPermit::withoutPassport()), "nothing was rehearsed"))
       << "the next gate";
 }
 
-TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
+TEST(PluginDriver, DriverBuiltWithHeader1_0_WorksWithoutAnIdentity) {
   const auto driver = orThrow(PluginDriver::load({driverFile("older"), "", ""}));
   EXPECT_EQ(driver->identity().serial, "");
   EXPECT_TRUE(PluginDevice::make(driver, desktopInARig(), 1e-3).ok());
 }
 
-TEST(PluginDevice, OtherThanTheFileStates_IsRefusedWithTheAxis) {
+TEST(PluginDevice, DeviceThatDiffersFromItsFile_IsRefusedWithTheAxis) {
   for (const auto& [settings, why] : {std::pair{"nameless", "has no such axis"},
                                       {"turning", "has a rotation"},
                                       {"brake", "takes no effort there"},
@@ -134,7 +135,7 @@ TEST(PluginDevice, OtherThanTheFileStates_IsRefusedWithTheAxis) {
   EXPECT_TRUE(refusedWith(loadFaulty("axisless"), "has 0 axes"));
 }
 
-TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
+TEST(PluginDevice, AxesInAnotherOrder_AreMappedToTheFilesOrder) {
   const auto driver = orThrow(loadFaulty(""));
   const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
   ASSERT_NO_FATAL_FAILURE(expectPlacesOfFaultyDriver(*device));
@@ -169,7 +170,7 @@ TEST(PluginDevice, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before);
 }
 
-TEST(PluginDevice, EnablingThatFails_IsUndone) {
+TEST(PluginDevice, FailedEnable_IsUndone) {
   for (const char* settings : {"locked", "enable"}) {
     const auto driver = orThrow(loadFaulty(settings));
     const auto device = orThrow(PluginDevice::make(driver, desktopInARig(), 1e-3));
@@ -184,7 +185,7 @@ TEST(PluginDevice, EnablingThatFails_IsUndone) {
   }
 }
 
-TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
+TEST(PluginDevice, UnhomedOrLockedDevice_IsNotArmed) {
   for (const char* settings : {"unhomed", "drive", "enable", "unplug", "locked"}) {
     const auto device = deviceThat(settings);
     const bool may = device->open() && device->ready() && device->enable();
@@ -216,14 +217,15 @@ TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
 struct FailingInATick {
   const char* name;
   Fault reported;
-  int within = 0;  ///< ticks after the sample that says so
+  int within = 0;  ///< largest number of ticks after the reporting sample
 };
 
 class FailingDevice : public testing::TestWithParam<FailingInATick> {};
 
-// A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
-TEST_P(FailingDevice, InATick_IsReportedAndRampsToNeutral) {
-  constexpr int kAt = 60;  // samples: by ready(), prepare() and enable(), then one a tick
+// In a whole rig, the ramp begins in the tick whose sample reports the fault, and ends at neutral.
+TEST_P(FailingDevice, FaultInATick_IsReportedAndRampsToNeutral) {
+  constexpr int kAt = 60;  // number of the sample: ready(), prepare() and enable() read some, then
+                           // each tick reads one
   Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
   auto device = deviceThat(std::string(GetParam().name) + "@" + std::to_string(kAt));
   auto rig = orThrow(buildRigWithoutPerson(std::move(models), std::move(device), {}));
@@ -251,7 +253,7 @@ TEST_P(FailingDevice, InATick_IsReportedAndRampsToNeutral) {
     EXPECT_EQ(neutral, -1) << "goes on";
   }
 }
-// The sample after the first frozen one is 1 period old, and 20 ms are allowed.
+// The sample after the first frozen one is 1 period old; 20 ms are allowed.
 const std::vector<FailingInATick> kFailing = {
     {"unplug", Fault::kDeviceRead},      {"missing", Fault::kDeviceRead},
     {"nan", Fault::kNonFinitePosition},  {"drive", Fault::kDriveFault},
@@ -259,10 +261,11 @@ const std::vector<FailingInATick> kFailing = {
     {"silenced", Fault::kEnableLost},    {"hot", Fault::kDriveHot},
     {"backwards", Fault::kStaleSample},  {"clock", Fault::kStaleSample},
     {"frozen", Fault::kStaleSample, 21}, {"refuse", Fault::kDeviceWrite}};
-INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(aTenth(kFailing)),
+INSTANTIATE_TEST_SUITE_P(Kinds, FailingDevice, testing::ValuesIn(sampleTenth(kFailing)),
                          [](const auto& tested) { return tested.param.name; });
 
-/// Samples whose age and efforts the test says, on a clock of the test; their numbers always rise.
+/// A driver whose samples have the age and efforts that the test sets, on the test's clock; their
+/// sequence always rises.
 std::int64_t g_now_ns = 0;
 class AgedDriver final : public PlainDriver {
  public:
@@ -287,7 +290,7 @@ class AgedDriver final : public PlainDriver {
   }
   std::int64_t age_ns = 0;
   std::uint32_t status = 0;
-  std::size_t late = 0, odd = 0;  ///< ticks until an effort is given; the axis that gives another
+  std::size_t late = 0, odd = 0;  ///< ticks until an effort acts; the axis with a wrong effort
   double gain = 1.0, bias = 0.0;
   std::deque<wh_command> commanded = std::deque<wh_command>(8);
 
@@ -323,9 +326,9 @@ struct AgedDevice {
   DeviceReading reading;
 };
 
-// docs/safety.md: older than longest_gap_s at once; a mean of more than the certified delay and a
-// tick, here 2 ms, within 0.1 s of it.
-TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
+// Rule of docs/safety.md: stops at once if a sample is older than longest_gap_s, and within 0.1 s
+// if the mean age exceeds the certified delay plus one tick, here 2 ms.
+TEST(SampleAge, AgeUpTo100Milliseconds_StopsByTheRuleOfTheSafetyDocument) {
   auto random = seededRandom(3404);
   for (int i = 0; i < cases(2000); ++i) {
     const double age_ms = uniform(random, 0.0, i % 2 == 0 ? 5.0 : 100.0);
@@ -342,7 +345,8 @@ TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
     if (age_ms < 1.999) {
       EXPECT_EQ(all, Fault::kNone);
     } else if (age_ms > 2.5) {
-      // An exponential mean of 0.1 s passes 2 ms after −0.1 ln(1 − 2 / age) s.
+      // An exponential mean with a time constant of 0.1 s exceeds 2 ms after −0.1 ln(1 − 2 / age)
+      // s.
       const double within_ms = -100.0 * std::log(1.0 - 2.0 / age_ms);
       ASSERT_GE(stopped_after, 0);
       EXPECT_LE(stopped_after, within_ms + age_ms + 2.0);
@@ -350,7 +354,7 @@ TEST(SampleAge, FromNothingTo100Milliseconds_StopsAsTheLawSays) {
   }
 }
 
-TEST(SampleAge, TimeThatStandsStillWhileNumbersRise_StopsWithinLongestGap) {
+TEST(SampleAge, FrozenTimeWithRisingSequence_StopsWithinLongestGap) {
   AgedDevice at;
   for (int k = 0; k < 100; ++k) EXPECT_EQ(at.tick(0), Fault::kNone);
   int good = 0;
@@ -358,14 +362,14 @@ TEST(SampleAge, TimeThatStandsStillWhileNumbersRise_StopsWithinLongestGap) {
   EXPECT_LE(good, 20);
 }
 
-TEST(SampleAge, OfTheFuture_Stops) {
+TEST(SampleAge, SampleFromTheFuture_Stops) {
   AgedDevice at;
   EXPECT_EQ(at.tick(0), Fault::kNone);
   EXPECT_TRUE(any(at.tick(-5'000'000) & Fault::kStaleSample));
 }
 
-// A good device: up to a period old, now and then late by up to 15 ms.
-TEST(SampleAge, OfAGoodDeviceWithJitter_NeverStops) {
+// A good device: samples up to a period old, and now and then late by up to 15 ms.
+TEST(SampleAge, SamplesOfAGoodDeviceWithJitter_NeverStop) {
   auto random = seededRandom(3405);
   AgedDevice at;
   for (int k = 0; k < cases(1'000'000); ++k) {
@@ -375,9 +379,9 @@ TEST(SampleAge, OfAGoodDeviceWithJitter_NeverStops) {
   }
 }
 
-// docs/safety.md: means over 0.1 s that differ by more than a tenth of the limit and a quarter of
-// what is sent.
-TEST(EffortAstray, OfADriveThatGivesAnother_StopsAsTheLawSays) {
+// Rule of docs/safety.md: stops if means over 0.1 s differ by more than a tenth of the limit plus a
+// quarter of the sent effort.
+TEST(EffortAstray, WrongEffortOfADrive_StopsByTheRuleOfTheSafetyDocument) {
   const double limit = desktopInARig().axes[0].effort_limit;
   auto random = seededRandom(3406);
   for (int i = 0; i < cases(500); ++i) {
@@ -404,13 +408,13 @@ TEST(EffortAstray, OfADriveThatGivesAnother_StopsAsTheLawSays) {
       EXPECT_EQ(stopped_after, -1);
     } else if (apart > 1.1 * allowed && !derates) {
       const double within_ms = -100.0 * std::log(1.0 - allowed / apart);
-      // A mean of periods of 1 ms takes 0.5 % longer than one of continuous time.
+      // A mean in steps of 1 ms takes 0.5 % longer than one in continuous time.
       EXPECT_NEAR(stopped_after, within_ms, 2.0 + 0.01 * within_ms);
     }
   }
 }
 
-TEST(EffortAstray, OfADriveThatMeasuresNone_NeverStops) {
+TEST(EffortAstray, DriveWithoutMeasuredEffort_NeverStops) {
   AgedDevice at;
   at.driver->bias = std::nan("");
   AxisEffort efforts(3);
@@ -418,8 +422,9 @@ TEST(EffortAstray, OfADriveThatMeasuresNone_NeverStops) {
   for (int k = 0; k < 1000; ++k) ASSERT_EQ(at.tickWith(efforts), Fault::kNone);
 }
 
-// As fast as the slew limit allows, given up to 5 ticks late, within 5 % and with noise.
-TEST(EffortAstray, OfAGoodDevice_NeverStops) {
+// Efforts change as fast as the slew limit allows; they act up to 5 ticks late, within 5 % and with
+// noise.
+TEST(EffortAstray, EffortsOfAGoodDevice_NeverStop) {
   const double limit = desktopInARig().axes[0].effort_limit;
   auto random = seededRandom(3407);
   AgedDevice at;

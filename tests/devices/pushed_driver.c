@@ -1,7 +1,7 @@
-/* A driver for tests: three rails that somebody pushes to and fro by 2 cm, from 3 s after it was
- * enabled on, so that the loop pushes back, and leaves where nothing pushes back for 0.1 s. Keeps every effort it is given, with its time, in the
- * file that its settings name: int64 CLOCK_MONOTONIC [ns], three doubles [N]. May wait: only a host
- * takes it. */
+/* A driver for tests: three rails that somebody pushes to and fro by 2 cm, from 3 s after they were
+ * enabled, so that the loop pushes back. The person stops if nothing pushes back for 0.1 s. Stores
+ * every effort with its time in the file that the settings name: int64 CLOCK_MONOTONIC [ns], three
+ * doubles [N]. It may wait, so only a host accepts it. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 
@@ -51,7 +51,7 @@ static int control(wh_device* device, uint32_t verb, double argument) {
   return WH_OK;
 }
 
-/* Twice a second to and fro, in parabolas. */
+/* Moves to and fro twice a second, in parabolas. */
 static double place(int64_t since_ns) {
   const double p = (double)(since_ns % 500000000) * 4e-9 - 1.0; /* -1 .. 1 */
   return 4.0 * p * (1.0 - (p < 0 ? -p : p));
@@ -71,7 +71,7 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   sample->vendor_code = 0;
   for (i = 0; i < AXES; ++i) {
     const int64_t own_ns = since_ns - i * INT64_C(83000000); /* never all at rest */
-    /* At rest before it is enabled, so that enabling is no jump. */
+    /* At rest before it is enabled, so that enabling causes no jump. */
     sample->position[i] = device->enabled && !device->left && own_ns > 0 ? 0.02 * place(own_ns) : 0.0;
   }
   return WH_OK;

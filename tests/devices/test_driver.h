@@ -1,4 +1,4 @@
-/* What the drivers for tests have in common. Define _POSIX_C_SOURCE first. */
+/* Common parts of the drivers for tests. Define _POSIX_C_SOURCE first. */
 #pragma once
 
 #include <stdint.h>
@@ -12,7 +12,7 @@ static inline int64_t now_ns(void) {
   return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* Rails x, y, z, as many as there are axes, with a watchdog; in m, N and s. */
+/* Describes up to three rails x, y, z with a watchdog; in m, N and s. */
 typedef struct {
   double travel, effort_limit, resolution, delay, silence;
 } rail;
@@ -36,7 +36,7 @@ static inline int describe_rails(const rail* r, uint32_t rails, wh_axis* axes, u
   return WH_OK;
 }
 
-/* The plugin of the functions above it. */
+/* The plugin that consists of the functions above. */
 #define PLUGIN(name, flags, identify)                                      \
   const wh_plugin* wh_plugin_v1(void) {                                    \
     static const wh_plugin plugin = {                                      \

@@ -36,20 +36,21 @@ std::shared_ptr<PluginDriver> frameAt(const std::string& locator) {
   return orThrow(PluginDriver::load({"frame", locator, ""}));
 }
 
-// Positions after each of some commands; a millisecond of the firmware's clock each.
+// Positions after each of several commands, one millisecond of the firmware's clock apart.
 std::vector<double> positionsOver(const std::string& where) {
   const FirmwareProcess firmware(where, true);
   const auto device =
       orThrow(FrameDevice::open(orThrow(openCarrier(firmware.locator())), 77, &waitAMillisecond));
   (void)orThrow(device->control(WH_ENABLE, 0.0, &waitAMillisecond));
   std::vector<double> positions;
-  std::int64_t pumped_ns = monotonicNow_ns(), longest_ns = 0;  // between two reads of the line
+  std::int64_t pumped_ns = monotonicNow_ns(),
+               longest_ns = 0;  // longest time between two reads of the line
   for (int k = 1; k <= 100; ++k) {
     const double effort = std::sin(0.3 * k) * 5.0;
     EXPECT_EQ(device->write(commandOf({effort, -effort, 0.5 * effort})), WH_OK);
     wh_sample sample = emptySample();
     const std::int64_t until_ns = monotonicNow_ns() + 300'000'000'000;
-    // The sample that says this command's effort is the one after it.
+    // The sample after the command reports its effort.
     while (sample.effort[0] != static_cast<double>(static_cast<float>(effort))) {
       const std::int64_t now_ns = monotonicNow_ns();
       longest_ns = std::max(longest_ns, now_ns - pumped_ns);
@@ -64,8 +65,8 @@ std::vector<double> positionsOver(const std::string& where) {
     }
     positions.insert(positions.end(), sample.position, sample.position + 3);
   }
-  // A line holds a few kilobytes, some 50 ms of samples. Where a busy machine kept this test from
-  // reading for as long, samples were lost, and the test judges by the positions alone.
+  // A line holds a few kilobytes, some 50 ms of samples. If a busy machine kept this test from
+  // reading for so long, samples were lost, and only the positions are judged.
   const FrameCounters counted = device->counters();
   if (longest_ns < 30'000'000) {
     EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U) << where;
@@ -73,8 +74,9 @@ std::vector<double> positionsOver(const std::string& where) {
   return positions;
 }
 
-// Two programs on one line or segment take each other's bytes; a device on UDP knows its session.
-TEST(Carriers, LineOrSegmentOfOneProgram_IsRefusedToASecond) {
+// Two programs on one line or segment would take each other's bytes; a device on UDP distinguishes
+// sessions.
+TEST(Carriers, LineOrSegmentInUse_IsRefusedToASecondProgram) {
   for (const std::string& where : everyCarrier()) {
     if (where.rfind("udp", 0) == 0) continue;
     const FirmwareProcess firmware(where);
@@ -89,7 +91,7 @@ TEST(Carriers, LineOrSegmentOfOneProgram_IsRefusedToASecond) {
   }
 }
 
-TEST(Carriers, SameCommands_GiveTheSameSamplesOverEachOfThem) {
+TEST(Carriers, SameCommands_GiveTheSameSamplesOverEveryCarrier) {
   std::vector<double> first;
   for (const std::string& where : everyCarrier()) {
     const std::vector<double> positions = positionsOver(where);
@@ -100,8 +102,9 @@ TEST(Carriers, SameCommands_GiveTheSameSamplesOverEachOfThem) {
   EXPECT_GT(std::abs(first[298]), 1e-4) << "nothing moved";
 }
 
-// The whole way that `run --driver frame` takes: by its name, held against a device file.
-TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
+// Takes the same steps as `run --driver frame`: loads the driver by its name and compares it with a
+// device file.
+TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEveryCarrier) {
   for (const std::string& where : everyCarrier()) {
     FirmwareProcess firmware(where);
     const auto device =
@@ -112,8 +115,8 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
     int good = 0, bad = 0;
     for (int i = 0; i < 20'000 && good < 100; ++i) {
       ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
-      // The machine may let this test stand still for longer than a sample may be old, or than the
-      // firmware waits: then it has let go, until it is opened again.
+      // The machine may stall this test for longer than a sample may be old or the firmware waits;
+      // the device then stays at neutral until it is opened again.
       const bool is_good = !any(device->read(reading, 1));
       good += is_good ? 1 : 0;
       bad = is_good ? 0 : bad + 1;
@@ -133,7 +136,7 @@ TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
   }
 }
 
-TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
+TEST(Carriers, SerialLineUnpluggedWhileInUse_FaultsReadAndWrite) {
   FirmwareProcess firmware("serial");
   const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), frameModel(), 1e-3));
   ASSERT_TRUE(openEnabled(*device));
@@ -154,8 +157,8 @@ TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
   EXPECT_FALSE(openEnabled(*device)) << "it is gone";
 }
 
-// The pseudo-terminal of a cable that is pulled out between two bytes of a frame.
-TEST(SerialCarrier, ClosedInMidFrame_GivesWhatCameAndIsThenGone) {
+// The pseudo-terminal acts as a cable that is pulled out between two bytes of a frame.
+TEST(SerialCarrier, LineClosedInMidFrame_GivesTheReceivedBytesAndThenFails) {
   const int cable = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   ASSERT_GE(cable, 0);
   ASSERT_EQ(::grantpt(cable), 0);
@@ -177,8 +180,9 @@ TEST(SerialCarrier, ClosedInMidFrame_GivesWhatCameAndIsThenGone) {
   EXPECT_FALSE(carrier->send(half.data(), half.size()));
 }
 
-// No datagram says that its sender is dead: the samples stand still. 20 ms, so 20 ticks of 1 ms.
-TEST(Carriers, DeviceGoneFromUdpOrMemory_IsAStaleSample) {
+// UDP and shared memory do not tell that the sender is dead; only the samples are frozen. The limit
+// is 20 ms, that is 20 ticks of 1 ms.
+TEST(Carriers, DeviceLostOnUdpOrMemory_IsAStaleSample) {
   for (const std::string& where : {everyCarrier()[0], everyCarrier()[2]}) {
     FirmwareProcess firmware(where);
     const auto device =

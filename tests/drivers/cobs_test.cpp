@@ -1,4 +1,4 @@
-// CRC and COBS against published values.
+// Compares CRC and COBS with published values.
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "wire_tools.hpp"
@@ -13,16 +13,15 @@
 namespace wholehand::test {
 namespace {
 
-// CRC-16/IBM-3740, better known as CCITT-FALSE: check value of the catalogue of CRC algorithms,
-// reveng.sourceforge.io.
-TEST(Crc16, OfTheDigits_IsThePublishedCheckValue) {
+// CRC-16/IBM-3740, better known as CCITT-FALSE. The check value is from the catalogue of CRC
+// algorithms, reveng.sourceforge.io.
+TEST(Crc16, CrcOfTheDigits_IsThePublishedCheckValue) {
   const std::string digits = "123456789";
   EXPECT_EQ(wf_crc16(reinterpret_cast<const std::uint8_t*>(digits.data()), digits.size()), 0x29B1);
   EXPECT_EQ(wf_crc16(nullptr, 0), 0xFFFF) << "the register's first value";
 }
 
-// Examples of Cheshire and Baker's code as published in Wikipedia's article on it, without the
-// closing zero.
+// Examples of Cheshire and Baker's encoding from its Wikipedia article, without the closing zero.
 TEST(Cobs, PublishedExamples_AreEncodedAndDecodedAsPublished) {
   const std::vector<std::pair<Bytes, Bytes>> examples = {
       {{0x00}, {0x01, 0x01}},
@@ -44,7 +43,7 @@ TEST(Cobs, PublishedExamples_AreEncodedAndDecodedAsPublished) {
   }
 }
 
-TEST(Cobs, AnyBytes_ComeBackAndHoldNoZeroOnTheWay) {
+TEST(Cobs, AnyBytes_AreDecodedUnchangedAndEncodedWithoutAZero) {
   auto random = seededRandom(1201);
   for (int k = 0; k < cases(2000); ++k) {
     Bytes plain(random() % 600);
@@ -59,7 +58,7 @@ TEST(Cobs, AnyBytes_ComeBackAndHoldNoZeroOnTheWay) {
   }
 }
 
-TEST(Cobs, CodeThatLeadsBeyondTheEndOrAZeroInside_IsRefused) {
+TEST(Cobs, CodeBeyondTheEndOrWithAZero_IsRefused) {
   Bytes plain;
   EXPECT_FALSE(decoded({}, plain));
   EXPECT_FALSE(decoded({0x03, 0x11}, plain));

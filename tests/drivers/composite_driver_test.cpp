@@ -1,5 +1,5 @@
-// The driver `composite` from its file: two faulty drivers (tests/devices/faulty_driver.c), and
-// two frames.
+// The driver `composite` from its file, with two faulty drivers (tests/devices/faulty_driver.c) and
+// with two frames.
 #include "devices/plugin/plugin_device.hpp"
 #include "devices/plugin/plugin_driver.hpp"
 #include "firmware_process.hpp"
@@ -33,11 +33,11 @@ DeviceModel desktopOnARig() {
   return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
 }
 
-// The driver itself, from its file.
+// Loads the driver from its file.
 class CompositeDriver : public testing::Test {
  protected:
   CompositeDriver() : path_(folder_.file("pair.toml")) {}
-  // Base x and y, hand z; as the desktop device has them.
+  // The base has x and y, the hand z, with the axes of the desktop device.
   std::string file(const std::string& base, const std::string& hand,
                    const std::string& hand_driver = "faulty") {
     std::ofstream(path_) << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n"
@@ -61,7 +61,7 @@ class CompositeDriver : public testing::Test {
   fs::path path_;
 };
 
-TEST_F(CompositeDriver, PartThatMayWait_IsRefusedForALoopAndTakenForAHost) {
+TEST_F(CompositeDriver, PartThatMayWait_IsRefusedForALoopAndAcceptedForAHost) {
   const auto refused = open(file("well", "well", "may_wait"));
   ASSERT_FALSE(refused);
   EXPECT_NE(format(refused.errors()).find("WH_NEVER_WAITS"), std::string::npos)
@@ -70,8 +70,8 @@ TEST_F(CompositeDriver, PartThatMayWait_IsRefusedForALoopAndTakenForAHost) {
   EXPECT_TRUE(open(file("well", "well"))) << "both never wait";
 }
 
-// A passport is of the files that the parts' settings name, too.
-TEST_F(CompositeDriver, AnotherFileThatAPartsSettingsName_HasAnotherIdentity) {
+// A passport also covers the files that the parts' settings name.
+TEST_F(CompositeDriver, ChangedFileNamedByAPartsSettings_ChangesTheIdentity) {
   for (const char* name : {"ab", "a b", "a=b"}) {
     fs::create_directory(folder_.file(name));
     const std::string map = folder_.file(std::string(name) + "/map.toml");
@@ -85,14 +85,14 @@ TEST_F(CompositeDriver, AnotherFileThatAPartsSettingsName_HasAnotherIdentity) {
   }
 }
 
-TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
+TEST_F(CompositeDriver, InvalidFile_IsRefusedByName) {
   const std::string head = "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n";
   const auto part = [](const std::string& driver, const std::string& axes) {
     return "[[parts]]\ndriver = \"" + driver + "\"\naxes = [" + axes + "]\n";
   };
   const std::string good = part(driverPath("faulty"), "\"x\"");
   const struct {
-    std::string text, says;
+    std::string text, expected;
   } cases[] = {
       {head + good, "parts"},
       {head + good + good, "gives x a second time"},
@@ -103,7 +103,7 @@ TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
       {head + "skew = 1\n" + good + part(driverPath("faulty"), "\"y\""), "skew"}};
   for (const auto& one : cases) {
     const std::string said = refusal(one.text);
-    EXPECT_NE(said.find(one.says), std::string::npos) << one.says << " is not in: " << said;
+    EXPECT_NE(said.find(one.expected), std::string::npos) << one.expected << " is not in: " << said;
   }
   const auto nowhere = PluginDriver::load({"composite", "", ""});
   ASSERT_FALSE(nowhere);
@@ -112,14 +112,14 @@ TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
 
 struct Lost {
   const char* name;
-  bool hand;  ///< which of the two
+  bool hand;  ///< true: the hand fails; false: the base fails
 };
 
 class LostPart : public CompositeDriver, public testing::WithParamInterface<Lost> {};
 
-// A whole rig under an exercise that pushes: one part fails, and both are led to neutral.
-TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
-  seesRealTime();  // a part that is read more than 5 ms after the other is a fault, too
+// In a whole rig with an exercise that pushes, one part fails, and both parts must ramp to neutral.
+TEST_P(LostPart, LossOfOnePart_RampsBothToNeutralWithin100ms) {
+  seesRealTime();  // a skew of more than 5 ms between the parts is a fault, too
   const std::string faulty = std::string(GetParam().name) + "@300";
   auto driver = orThrow(open(GetParam().hand ? file("well", faulty) : file(faulty, "well")));
   Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
@@ -132,7 +132,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
   int fault = -1, neutral = -1;
   std::array<double, 3> before{};
   double pushed = 0.0;
-  // Ticks follow each other at once, and a frozen part is found by the time its sample is behind.
+  // Ticks follow without waiting; a frozen part is found once its sample is too old.
   for (int tick = 0; tick < 20'000 && neutral < 0; ++tick) {
     record.tick = static_cast<std::uint64_t>(tick);
     record.time_s = tick * 1e-3;
@@ -154,7 +154,8 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
   EXPECT_GT(pushed, 0.5) << "nothing was pushed: the test proves nothing";
   EXPECT_FALSE(any(record.faults & Fault::kDeviceWrite));
   EXPECT_LE(neutral - fault, 100) << kAlways;
-  // What the healthy part really holds; the faulty one gives its effort back as a measurement.
+  // The effort that the healthy part really holds; the faulty driver reports its command as
+  // measured.
   wh_sample sample{};
   sample.size = sizeof(sample);
   ASSERT_GE(driver->read(sample), 0);
@@ -169,12 +170,14 @@ const std::vector<Lost> kLost = {{"unplug", true},  {"unplug", false},    {"refu
                                  {"refuse", false}, {"frozen", true},     {"frozen", false},
                                  {"clock", true},   {"backwards", false}, {"silenced", true},
                                  {"drive", false}};
-INSTANTIATE_TEST_SUITE_P(Kinds, LostPart, testing::ValuesIn(aTenth(kLost)), [](const auto& tested) {
-  return std::string(tested.param.name) + (tested.param.hand ? "_hand" : "_base");
-});
+INSTANTIATE_TEST_SUITE_P(Kinds, LostPart, testing::ValuesIn(sampleTenth(kLost)),
+                         [](const auto& tested) {
+                           return std::string(tested.param.name) +
+                                  (tested.param.hand ? "_hand" : "_base");
+                         });
 
-// A frame over shared memory and another over UDP, by names and file alone.
-TEST(CompositeOfFrames, FitsAndRendersOverTwoCarriers) {
+// One frame over shared memory and another over UDP, loaded by names and file alone.
+TEST(CompositeOfFrames, TwoFrames_RenderOverTwoCarriers) {
   const FirmwareProcess base("udp:0"), hand("shm:pair-" + std::to_string(::getpid()));
   const Folder folder;
   const fs::path path = folder.file("pair.toml");

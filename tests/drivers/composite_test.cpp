@@ -1,4 +1,4 @@
-// Two devices as one, whose samples and answers the test sets.
+// Two devices combined to one; the test sets their samples and answers.
 #include "drivers/composite/composite.hpp"
 
 #include "loop/realtime/allocation_counter.hpp"
@@ -13,7 +13,7 @@
 namespace wholehand::test {
 namespace {
 
-/// Axes of two devices whose times, sequences and answers a test sets.
+/// A driver whose times, sequences and answers the test sets.
 class SetDriver final : public DeviceDriver {
  public:
   explicit SetDriver(std::vector<std::string> names) {
@@ -96,7 +96,7 @@ class CompositeParts : public testing::Test {
   int result_ = 0;
 };
 
-TEST_F(CompositeParts, AxesPositionsAndEfforts_AreWhereTheFileHasThem) {
+TEST_F(CompositeParts, AxesPositionsAndEfforts_AreInTheFilesOrder) {
   base_->sample.position[0] = 0.01, base_->sample.position[1] = 0.02;
   hand_->sample.position[1] = 0.5;
   hand_->sample.effort[1] = -0.25;
@@ -118,7 +118,7 @@ TEST_F(CompositeParts, AxesPositionsAndEfforts_AreWhereTheFileHasThem) {
   EXPECT_EQ(hand_->given.sequence, 9U);
 }
 
-TEST_F(CompositeParts, Identity_IsOfBothAndUnknownWhereOneIs) {
+TEST_F(CompositeParts, Identity_NamesBothPartsOrNeither) {
   EXPECT_EQ(whole_->identity().serial, "");
   base_->name({"B-1", "1.0", "sdk"});
   EXPECT_EQ(whole_->identity().serial, "");
@@ -128,7 +128,7 @@ TEST_F(CompositeParts, Identity_IsOfBothAndUnknownWhereOneIs) {
   EXPECT_EQ(whole_->identity().sdk, "sdk + frame 1");
 }
 
-TEST_F(CompositeParts, Status_IsTheLowerOfBoth) {
+TEST_F(CompositeParts, Status_CombinesBothParts) {
   const struct {
     std::uint32_t base, hand, whole;
   } cases[] = {{WH_ENABLED | WH_HOMED, WH_HOMED, WH_HOMED},
@@ -144,7 +144,7 @@ TEST_F(CompositeParts, Status_IsTheLowerOfBoth) {
   }
 }
 
-TEST_F(CompositeParts, SkewBeyondTheBound_MakesTheOlderAxesInvalidUntilItIsWell) {
+TEST_F(CompositeParts, SkewBeyondTheBound_InvalidatesTheOlderAxesUntilItFalls) {
   both(20'000'000, 15'000'000);
   EXPECT_EQ(read().valid, 7U) << "5 ms are allowed";
   both(30'000'000, 24'999'999);
@@ -158,7 +158,7 @@ TEST_F(CompositeParts, SkewBeyondTheBound_MakesTheOlderAxesInvalidUntilItIsWell)
   EXPECT_EQ(whole_->largestSkew_ns(), 9'000'000);
 }
 
-TEST_F(CompositeParts, Sequence_RisesWhereEitherIsNewAndStandsStillWhereNeitherIs) {
+TEST_F(CompositeParts, Sequence_RisesOnlyIfAPartHasANewSample) {
   const std::uint64_t first = read().sequence;
   EXPECT_EQ(read().sequence, first);
   EXPECT_EQ(result_, WH_NOTHING_NEW);
@@ -167,7 +167,7 @@ TEST_F(CompositeParts, Sequence_RisesWhereEitherIsNewAndStandsStillWhereNeitherI
   EXPECT_EQ(result_, WH_OK);
 }
 
-TEST_F(CompositeParts, PartThatGivesNoSample_IsLostAndTheOtherGoesOnTakingEfforts) {
+TEST_F(CompositeParts, PartWithoutASample_IsLostAndTheOtherStillTakesEfforts) {
   (void)read();
   hand_->read_result = WH_FAILED;
   both(2'000'000, 2'000'000);
@@ -204,13 +204,13 @@ TEST_F(CompositeParts, BothLost_FailsReadsAndWrites) {
   EXPECT_EQ(whole_->write(command()), WH_FAILED);
 }
 
-TEST_F(CompositeParts, OneThatCannotBeEnabled_LeavesNeitherEnabled) {
+TEST_F(CompositeParts, PartThatCannotBeEnabled_LeavesNeitherEnabled) {
   hand_->refused_verb = WH_ENABLE;
   EXPECT_FALSE(whole_->control(WH_ENABLE, 0.0));
   EXPECT_EQ(base_->verbs.back(), static_cast<std::uint32_t>(WH_DISABLE));
 }
 
-TEST_F(CompositeParts, OneThatCannotBeDisabled_DoesNotKeepTheOtherFromIt) {
+TEST_F(CompositeParts, PartThatCannotBeDisabled_DoesNotPreventDisablingTheOther) {
   base_->refused_verb = WH_DISABLE;
   EXPECT_FALSE(whole_->control(WH_DISABLE, 0.0));
   EXPECT_EQ(hand_->verbs.back(), static_cast<std::uint32_t>(WH_DISABLE));
@@ -229,8 +229,8 @@ TEST_F(CompositeParts, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before);
 }
 
-TEST_F(CompositeParts, DroppedWatchdogs_AreSaidOnceBothHaveLetGo) {
-  hand_->refused_verb = WH_DROP_WATCHDOG;  // it can only be starved
+TEST_F(CompositeParts, DroppedWatchdogs_AreReportedOnceBothHaveLetGo) {
+  hand_->refused_verb = WH_DROP_WATCHDOG;  // its watchdog can only be starved of commands
   ASSERT_TRUE(whole_->control(WH_DROP_WATCHDOG, 0.0));
   hand_->given = {};
   EXPECT_EQ(whole_->write(command()), WH_OK);

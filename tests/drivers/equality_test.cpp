@@ -1,5 +1,5 @@
-// One virtual patient, once behind the built-in simulated device and once behind the frame: driver,
-// line and reference firmware in lock-step on a simulated clock, without threads.
+// The same virtual patient behind the built-in simulated device and behind the frame: driver, line
+// and reference firmware in lock-step on a simulated clock, without threads.
 #include "devices/plugin/plugin_device.hpp"
 #include "frame_bench.hpp"
 #include "loop/device/simulated/simulated_device.hpp"
@@ -16,7 +16,7 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kEqualPeriod_s = 1e-3;
-// A drive with 12 bits for its torque, sign included.
+// The torque of the drive has 12 bits, sign included.
 constexpr double kTorqueSteps = 2048.0;
 
 /// A firmware whose board is the simulated device.
@@ -61,13 +61,13 @@ class PatientBoard : public BenchBoard {
   }
 
   SimulatedDevice device;
-  bool period_passes = false;  ///< with the next tick of the firmware
+  bool period_passes = false;  ///< whether a period passes with the firmware's next tick
 };
 
-/// The clock of the samples.
+/// The board that gives the clock of the samples.
 const BenchBoard* g_board = nullptr;
 
-/// Pumps the line at each read and write of the loop.
+/// A device that pumps the line at each read and write of the loop.
 class LockStep final : public HapticDevice {
  public:
   explicit LockStep(const Models& models, const Intention& intention)
@@ -102,7 +102,7 @@ class LockStep final : public HapticDevice {
   std::unique_ptr<HapticDevice> plugin_;
 };
 
-TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
+TEST(FramePath, PathOfOnePatient_EqualsThatOfTheBuiltInDeviceWithinOneStep) {
   constexpr int kTicks = 4000;
   Models models = load(shippedFiles());
   const AxisPosition rest = restPose(models);

@@ -14,15 +14,15 @@
 #include <unistd.h>
 #include <vector>
 
-/// The reference firmware as a process beside the test.
+/// Runs the reference firmware as a process beside the test.
 namespace wholehand::test {
 
-/// What a line of the firmware says (drivers/frame/firmware/posix_main.c).
+/// A line that the firmware prints (drivers/frame/firmware/posix_main.c).
 struct PhaseLine {
   std::string phase;
-  double silent_ms = 0.0;    ///< since the last command was heard
+  double silent_ms = 0.0;    ///< time since the last command was received
   double most_effort = 0.0;  ///< largest |effort - neutral|
-  double gap_ms = 0.0;       ///< longest between two ticks since the last line
+  double gap_ms = 0.0;       ///< longest time between two ticks since the last line
 };
 
 class FirmwareProcess {
@@ -49,14 +49,14 @@ class FirmwareProcess {
     locator_ = first.substr(3);
   }
   ~FirmwareProcess() {
-    send(SIGTERM);  // it removes its shared memory
+    send(SIGTERM);  // it then removes its shared memory
     wait();
     ::close(out_);
   }
   FirmwareProcess(const FirmwareProcess&) = delete;
   FirmwareProcess& operator=(const FirmwareProcess&) = delete;
 
-  /// What --device-at is to be.
+  /// The locator for --device-at.
   [[nodiscard]] const std::string& locator() const { return locator_; }
   void send(int signal) const {
     if (pid_ > 0) ::kill(pid_, signal);
@@ -75,8 +75,8 @@ class FirmwareProcess {
       text += c;
     }
   }
-  /// Lines until the one of that phase; its fields are empty where none comes. `gap_ms` is the
-  /// longest of all lines on the way.
+  /// Reads lines until the one of that phase; its fields are empty if none comes. `gap_ms` is the
+  /// largest of all lines read.
   [[nodiscard]] PhaseLine until(const std::string& phase) {
     double gap_ms = 0.0;
     for (;;) {
@@ -101,7 +101,7 @@ class FirmwareProcess {
   std::string locator_;
 };
 
-/// Of this test process alone.
+/// Locators of every carrier, unique to this test process.
 inline std::vector<std::string> everyCarrier() {
   return {"udp:0", "serial", "shm:test-" + std::to_string(::getpid())};
 }

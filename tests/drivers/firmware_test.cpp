@@ -1,4 +1,4 @@
-// The reference firmware on a simulated clock: what it does whatever a program does.
+// The reference firmware on a simulated clock: its behaviour for any input from a program.
 #include "frame_bench.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -17,7 +17,7 @@ constexpr std::uint32_t kSession = 5;
 
 class Firmware : public testing::Test {
  protected:
-  void tell(std::uint8_t kind, std::uint8_t index = 0, std::vector<float> efforts = {},
+  void send(std::uint8_t kind, std::uint8_t index = 0, std::vector<float> efforts = {},
             std::uint32_t session = kSession) {
     wf_frame frame{};
     frame.kind = kind;
@@ -36,15 +36,15 @@ class Firmware : public testing::Test {
                                    wire.begin() + static_cast<std::ptrdiff_t>(count));
   }
   void enable() {
-    tell(WF_HELLO);
-    tell(WF_CONTROL, WH_ENABLE);
+    send(WF_HELLO);
+    send(WF_CONTROL, WH_ENABLE);
     bench_.pass();
   }
-  // Enabled, and these efforts given for 5 ms.
+  // Enables the device and commands these efforts for 5 ms.
   void render(const std::vector<float>& efforts) {
     enable();
     for (int i = 0; i < 5; ++i) {
-      tell(WF_COMMAND, 0, efforts);
+      send(WF_COMMAND, 0, efforts);
       bench_.pass();
     }
     ASSERT_EQ(bench_.fw.phase, FW_RENDERING);
@@ -58,7 +58,8 @@ class Firmware : public testing::Test {
     bench_.wires->from_device.clear();
     return found;
   }
-  // Until neutral; every axis only ever falls towards it, by the same share. Returns the ms.
+  // Runs until neutral and checks that every axis falls monotonically towards it, all by the same
+  // share. Returns the time [ms].
   int expectRamp(const std::vector<float>& from) {
     std::vector<float> before = from;
     for (int ms = 1; ms <= 200; ++ms) {
@@ -90,16 +91,16 @@ class Firmware : public testing::Test {
   std::uint32_t commands_ = 0, questions_ = 0;
 };
 
-TEST_F(Firmware, BeforeItIsEnabled_GivesNothingWhateverIsCommanded) {
-  tell(WF_HELLO);
-  tell(WF_COMMAND, 0, {1.0F, 2.0F, 3.0F});
+TEST_F(Firmware, CommandBeforeEnable_GivesNoEffort) {
+  send(WF_HELLO);
+  send(WF_COMMAND, 0, {1.0F, 2.0F, 3.0F});
   bench_.pass();
   EXPECT_FALSE(bench_.on);
   EXPECT_EQ(bench_.given[0], 0.0F);
   EXPECT_EQ(newest(WF_SAMPLE).status, static_cast<std::uint32_t>(WH_HOMED));
 }
 
-TEST_F(Firmware, Command_IsGivenInItsTickAndReportedInTheSample) {
+TEST_F(Firmware, Command_ActsInItsTickAndIsReportedInTheSample) {
   render({1.0F, -2.0F, 3.0F});
   EXPECT_EQ(bench_.given[1], -2.0F);
   const wf_frame sample = newest(WF_SAMPLE);
@@ -112,13 +113,13 @@ TEST_F(Firmware, EffortBeyondTheLimit_IsClampedAndReported) {
   EXPECT_EQ(bench_.given[0], 8.0F);
   EXPECT_EQ(bench_.given[1], -8.0F);
   EXPECT_NE(newest(WF_SAMPLE).status & WH_SATURATED, 0U);
-  tell(WF_COMMAND, 0, {1.0F, 1.0F, 1.0F});
+  send(WF_COMMAND, 0, {1.0F, 1.0F, 1.0F});
   bench_.pass();
   EXPECT_EQ(newest(WF_SAMPLE).status & WH_SATURATED, 0U);
 }
 
-// 20 ms silent, 80 ms of ramp: no later than 100 ms and a tick of looking.
-TEST_F(Firmware, Silence_RampsEveryAxisTogetherWithin80msAndOnlyFalls) {
+// 20 ms of silence and 80 ms of ramp: at most 100 ms plus one tick.
+TEST_F(Firmware, Silence_RampsAllAxesMonotonicallyWithin80ms) {
   bench_.board.neutral[1] = 1.5F;
   const std::vector<float> held = {6.0F, -3.0F, 0.02F};
   render(held);
@@ -135,7 +136,7 @@ TEST_F(Firmware, Silence_RampsEveryAxisTogetherWithin80msAndOnlyFalls) {
 // Smoothstep: s(1/4) = 1 - 3/16 + 2/64 = 27/32, s(1/2) = 1/2.
 TEST_F(Firmware, Ramp_IsTheSmoothstepOfTheLoop) {
   render({8.0F, 4.0F, 0.0F});
-  bench_.pass(20 + 20);  // 20 are silent
+  bench_.pass(20 + 20);  // 20 ms of silence, then 20 ms of ramp
   ASSERT_EQ(bench_.fw.phase, FW_RAMPING);
   EXPECT_NEAR(bench_.given[0], 8.0 * 27.0 / 32.0, 1e-5);
   bench_.pass(20);
@@ -143,30 +144,30 @@ TEST_F(Firmware, Ramp_IsTheSmoothstepOfTheLoop) {
   EXPECT_NEAR(bench_.given[1], 2.0, 1e-5);
 }
 
-TEST_F(Firmware, Silenced_SaysSoAndHearsNoCommandUntilEnabledAnew) {
+TEST_F(Firmware, SilencedFirmware_ReportsItAndIgnoresCommandsUntilEnabled) {
   render({6.0F, 0.0F, 0.0F});
   bench_.pass(30);
   EXPECT_NE(newest(WF_SAMPLE).status & WH_SILENCED, 0U) << "while it ramps";
   bench_.pass(100);
   for (int i = 0; i < 10; ++i) {
-    tell(WF_COMMAND, 0, {5.0F, 5.0F, 5.0F});
+    send(WF_COMMAND, 0, {5.0F, 5.0F, 5.0F});
     bench_.pass();
     ASSERT_EQ(bench_.given[0], 0.0F);
   }
   const wf_frame latched = newest(WF_SAMPLE);
   EXPECT_NE(latched.status & WH_SILENCED, 0U);
   EXPECT_NE(latched.status & WH_ENABLED, 0U) << "it carries its weight, and stays on";
-  tell(WF_CONTROL, WH_ENABLE);
-  tell(WF_COMMAND, 0, {5.0F, 5.0F, 5.0F});
+  send(WF_CONTROL, WH_ENABLE);
+  send(WF_COMMAND, 0, {5.0F, 5.0F, 5.0F});
   bench_.pass();
   EXPECT_EQ(newest(WF_SAMPLE).status & WH_SILENCED, 0U);
   EXPECT_EQ(bench_.given[0], 5.0F);
 }
 
-// A controller that stood still comes back to a line full of commands.
-TEST_F(Firmware, CommandThatWaitedForAStoppedFirmware_IsNotHeard) {
+// A controller that stood still finds a line full of commands afterwards.
+TEST_F(Firmware, CommandThatWaitedForAStoppedFirmware_IsIgnored) {
   render({6.0F, 0.0F, 0.0F});
-  tell(WF_COMMAND, 0, {-8.0F, -8.0F, -8.0F});
+  send(WF_COMMAND, 0, {-8.0F, -8.0F, -8.0F});
   bench_.now_us += 1'000'000;
   bench_.tick();
   EXPECT_GE(bench_.given[0], 0.0F);
@@ -175,24 +176,24 @@ TEST_F(Firmware, CommandThatWaitedForAStoppedFirmware_IsNotHeard) {
   EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
 }
 
-TEST_F(Firmware, NotFiniteOrOfOtherAxes_LetsGo) {
+TEST_F(Firmware, NonFiniteCommandOrOtherAxes_RampsToNeutral) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   for (const std::vector<float>& bad :
        std::vector<std::vector<float>>{{1.0F, nan, 1.0F}, {infinity, 0.0F, 0.0F}, {1.0F, 1.0F}}) {
     render({6.0F, 3.0F, 1.0F});
-    tell(WF_COMMAND, 0, bad);
+    send(WF_COMMAND, 0, bad);
     EXPECT_LE(expectRamp({6.0F, 3.0F, 1.0F}), 82);
     bench_.pass(5);
     EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
   }
 }
 
-TEST_F(Firmware, StaleCommand_IsCountedAndNeitherGivenNorAPulse) {
+TEST_F(Firmware, StaleCommand_IsCountedAndHasNoEffect) {
   render({6.0F, 0.0F, 0.0F});
   commands_ -= 3;
   for (int i = 0; i < 3; ++i) {
-    tell(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F});
+    send(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F});
     bench_.pass(6);
   }
   EXPECT_EQ(bench_.fw.counters.stale, 3U);
@@ -201,38 +202,38 @@ TEST_F(Firmware, StaleCommand_IsCountedAndNeitherGivenNorAPulse) {
   EXPECT_EQ(bench_.fw.phase, FW_RAMPING) << "22 ms without a new one";
 }
 
-TEST_F(Firmware, ForeignSession_IsCountedAndNotHeard) {
+TEST_F(Firmware, ForeignSession_IsCountedAndIgnored) {
   render({6.0F, 0.0F, 0.0F});
-  tell(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F}, 99);
-  tell(WF_CONTROL, WH_DISABLE, {}, 99);
+  send(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F}, 99);
+  send(WF_CONTROL, WH_DISABLE, {}, 99);
   bench_.pass();
   EXPECT_EQ(bench_.fw.counters.foreign, 2U);
   EXPECT_EQ(bench_.given[0], 6.0F);
   EXPECT_EQ(bench_.fw.phase, FW_RENDERING);
 }
 
-TEST_F(Firmware, HelloOfASecondProgram_DoesNotCutOffTheOneThatRenders) {
+TEST_F(Firmware, HelloOfASecondProgram_DoesNotCutOffTheRenderingOne) {
   render({6.0F, 0.0F, 0.0F});
   (void)newest(WF_WELCOME);
-  tell(WF_HELLO, 0, {}, 99);
+  send(WF_HELLO, 0, {}, 99);
   bench_.pass();
   EXPECT_EQ(newest(WF_WELCOME).session, kSession);
   EXPECT_EQ(bench_.fw.phase, FW_RENDERING);
   bench_.pass(150);
-  tell(WF_HELLO, 0, {}, 99);
+  send(WF_HELLO, 0, {}, 99);
   bench_.pass();
   EXPECT_EQ(newest(WF_WELCOME).session, 99U) << "the first one fell silent";
 }
 
-TEST_F(Firmware, Disable_RampsFirstAndAnswersWhenItIsDone) {
+TEST_F(Firmware, Disable_RampsFirstAndIsAnsweredAfterwards) {
   render({6.0F, -3.0F, 1.0F});
   (void)newest(WF_ANSWER);
-  tell(WF_CONTROL, WH_DISABLE);
+  send(WF_CONTROL, WH_DISABLE);
   const int ramp_ms = expectRamp({6.0F, -3.0F, 1.0F});
   EXPECT_LE(ramp_ms, 82);
   EXPECT_EQ(newest(WF_ANSWER).kind, 0) << "not before it is done";
   --questions_;
-  tell(WF_CONTROL, WH_DISABLE);  // the program asks again
+  send(WF_CONTROL, WH_DISABLE);  // the program repeats the request
   bench_.pass();
   const wf_frame answer = newest(WF_ANSWER);
   EXPECT_EQ(answer.index, WH_DISABLE);
@@ -240,74 +241,74 @@ TEST_F(Firmware, Disable_RampsFirstAndAnswersWhenItIsDone) {
   EXPECT_FALSE(bench_.on);
 }
 
-TEST_F(Firmware, EnableThatArrivesTwice_DropsNoEffort) {
+TEST_F(Firmware, RepeatedEnable_DropsNoEffort) {
   render({6.0F, 0.0F, 0.0F});
   --questions_;
-  tell(WF_CONTROL, WH_ENABLE);
+  send(WF_CONTROL, WH_ENABLE);
   bench_.pass();
   EXPECT_EQ(bench_.given[0], 6.0F);
   EXPECT_EQ(bench_.fw.phase, FW_RENDERING);
 }
 
-// The first one is answered; a line may hold its copies back until the watchdog has let go.
-TEST_F(Firmware, LateCopiesOfQuestions_UndoNoLatchAndMoveNothingTwice) {
+// The first request is answered; a line may hold back copies of it until the watchdog has let go.
+TEST_F(Firmware, LateCopiesOfRequests_ReleaseNoLatchAndActOnce) {
   render({6.0F, 0.0F, 0.0F});
   const std::uint32_t enabled_by = questions_;
   bench_.pass(150);
   ASSERT_EQ(bench_.fw.phase, FW_LATCHED);
   questions_ = 0;
-  tell(WF_HELLO);
+  send(WF_HELLO);
   questions_ = enabled_by - 1;
-  tell(WF_CONTROL, WH_ENABLE);
-  tell(WF_COMMAND, 0, {6.0F, 6.0F, 6.0F});
+  send(WF_CONTROL, WH_ENABLE);
+  send(WF_COMMAND, 0, {6.0F, 6.0F, 6.0F});
   bench_.pass();
   EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
   EXPECT_EQ(bench_.given[0], 0.0F);
   EXPECT_EQ(newest(WF_ANSWER).sequence, enabled_by) << "it is answered all the same";
-  tell(WF_CONTROL, WH_IDENTIFY);
+  send(WF_CONTROL, WH_IDENTIFY);
   bench_.pass();
   --questions_;
-  tell(WF_CONTROL, WH_IDENTIFY);
+  send(WF_CONTROL, WH_IDENTIFY);
   bench_.pass();
   EXPECT_EQ(bench_.verbs, std::vector<int>{WH_IDENTIFY});
   EXPECT_EQ(newest(WF_ANSWER).result, WH_OK);
 }
 
-// Wherever the sequence stands, its wrap included.
-TEST_F(Firmware, CommandFromBeforeWhEnable_IsNotHeardAfterIt) {
+// For any value of the sequence, including its wrap-around.
+TEST_F(Firmware, CommandFromBeforeEnable_IsIgnoredAfterIt) {
   auto random = seededRandom(1212);
   for (int k = 0; k < cases(200); ++k) {
     bench_.pass(150);
-    tell(WF_HELLO, 0, {}, kSession);
-    // To anywhere: half of all numbers count as newer, so in two steps.
-    tell(WF_CONTROL, WH_ENABLE);
+    send(WF_HELLO, 0, {}, kSession);
+    // Moves the sequence to any value. Half of all numbers count as newer, so it takes two steps.
+    send(WF_CONTROL, WH_ENABLE);
     const auto far = static_cast<std::uint32_t>(random() % 0x7f000000U);
     for (const std::uint32_t step : {far, k % 3 == 0 ? 0U - (commands_ + far) - 3U : 1U}) {
       commands_ += step < 0x7f000000U ? step : 0x7f000000U;
-      tell(WF_COMMAND, 0, {6.0F, 0.0F, 0.0F});
+      send(WF_COMMAND, 0, {6.0F, 0.0F, 0.0F});
       bench_.pass();
     }
     ASSERT_EQ(bench_.given[0], 6.0F) << commands_;
     const std::uint32_t last = commands_;
     bench_.pass(150);
-    tell(WF_CONTROL, WH_ENABLE);
+    send(WF_CONTROL, WH_ENABLE);
     bench_.pass();
     const std::uint32_t next = commands_;
-    // Heard before, on its way then, or held back for seconds.
+    // Commands received before, on their way during the enable, or held back for seconds.
     for (const std::uint32_t old : {last, last - 3, last + 1, last + 1000, last + 20000}) {
       commands_ = old - 1;
-      tell(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F});
+      send(WF_COMMAND, 0, {-6.0F, 0.0F, 0.0F});
       bench_.pass();
       ASSERT_EQ(bench_.given[0], 0.0F) << old;
     }
     commands_ = next;
-    tell(WF_COMMAND, 0, {1.0F, 0.0F, 0.0F});
+    send(WF_COMMAND, 0, {1.0F, 0.0F, 0.0F});
     bench_.pass();
     ASSERT_EQ(bench_.given[0], 1.0F) << commands_;
   }
 }
 
-TEST_F(Firmware, EnableThatNobodyFollows_IsWithdrawn) {
+TEST_F(Firmware, EnableWithoutCommands_IsWithdrawn) {
   enable();
   bench_.pass(1990);
   EXPECT_EQ(bench_.fw.phase, FW_WAITING);
@@ -315,7 +316,7 @@ TEST_F(Firmware, EnableThatNobodyFollows_IsWithdrawn) {
   EXPECT_EQ(bench_.fw.phase, FW_LATCHED);
 }
 
-TEST_F(Firmware, DriveFaultOfTheBoard_IsReportedAndIsNoEnable) {
+TEST_F(Firmware, DriveFaultOfTheBoard_IsReportedAsNotEnabled) {
   render({1.0F, 0.0F, 0.0F});
   bench_.state.status |= WH_DRIVE_FAULT;
   bench_.state.vendor_code = -7;
@@ -326,8 +327,7 @@ TEST_F(Firmware, DriveFaultOfTheBoard_IsReportedAndIsNoEnable) {
   EXPECT_EQ(sample.vendor_code, -7);
 }
 
-// Whatever comes, no effort is beyond its limit or not finite, and 110 ms of silence end at
-// neutral.
+// For any input, no effort is beyond its limit or not finite, and 110 ms of silence end at neutral.
 TEST_F(Firmware, RandomFramesAndPauses_NeverPushBeyondTheLimitAndEndAtNeutral) {
   auto random = seededRandom(1211);
   const auto number = [&random] {

@@ -15,13 +15,13 @@
 #include <utility>
 #include <vector>
 
-/// The reference firmware and the program's side on one simulated clock, with a line between them
-/// that a test can cut and corrupt. No threads.
+/// The reference firmware and the program's side on one simulated clock; a test can cut and corrupt
+/// the line between them. No threads.
 namespace wholehand::test {
 
 using Line = std::deque<std::uint8_t>;
 
-/// One direction is written by the program, the other by the device.
+/// The two directions of a line: the program writes one, the device the other.
 struct Wires {
   Line to_device, from_device;
   bool gone = false;
@@ -48,7 +48,7 @@ class MemoryCarrier final : public Carrier {
   std::shared_ptr<Wires> wires_;
 };
 
-/// A board whose positions and efforts a test sets and reads.
+/// A board whose positions a test sets and whose efforts it reads.
 class BenchBoard {
  public:
   explicit BenchBoard(int axes = 3) : wires(std::make_shared<Wires>()) {
@@ -88,18 +88,18 @@ class BenchBoard {
   BenchBoard(const BenchBoard&) = delete;
   BenchBoard& operator=(const BenchBoard&) = delete;
 
-  /// The firmware takes what has come.
-  void hear() {
+  /// The firmware receives the bytes that have arrived.
+  void receiveAll() {
     const std::vector<std::uint8_t> bytes(wires->to_device.begin(), wires->to_device.end());
     wires->to_device.clear();
     firmware_receive(&fw, bytes.data(), bytes.size(), now_us);
   }
-  /// The same, and it ticks once.
+  /// The firmware receives the bytes and ticks once.
   void tick() {
-    hear();
+    receiveAll();
     firmware_tick(&fw, now_us);
   }
-  /// A millisecond passes, the firmware ticks.
+  /// Lets 1 ms pass with a tick of the firmware.
   void pass() {
     now_us += 1000;
     tick();
@@ -145,7 +145,7 @@ inline wh_sample emptySample() {
   return sample;
 }
 
-/// A FrameDevice where a PluginDevice takes a driver.
+/// Adapts a FrameDevice to the driver interface of a PluginDevice.
 class BenchDriver : public DeviceDriver {
  public:
   explicit BenchDriver(BenchBoard& bench) : bench_(bench), frame_(orThrow(bench.open())) {}

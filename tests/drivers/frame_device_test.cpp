@@ -1,4 +1,4 @@
-// The program's side of the frame against the reference firmware, on a simulated clock.
+// The program's side of the frame with the reference firmware, on a simulated clock.
 #include "frame_bench.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "support/seed.hpp"
@@ -21,7 +21,7 @@ class FrameLine : public testing::Test {
     device_ = orThrow(bench_.open());
     ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, bench_.wait()));
   }
-  // One tick of a loop: a command to the device, a millisecond, a sample back.
+  // One tick of a loop: sends a command, waits a millisecond, reads a sample.
   int tick(const std::vector<double>& efforts) {
     (void)device_->write(commandOf(efforts));
     device_->pump(bench_.now_ns());
@@ -48,7 +48,7 @@ TEST_F(FrameLine, Opened_KnowsTheAxesAsTheDeviceStatesThem) {
   EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U);
 }
 
-TEST_F(FrameLine, CommandAndSample_CrossWithinOneTick) {
+TEST_F(FrameLine, CommandAndSample_ArriveWithinOneTick) {
   bench_.state.position[2] = 0.015625F;
   bench_.state.effort[0] = 0.5F;
   bench_.state.vendor_code = 17;
@@ -77,9 +77,9 @@ TEST_F(FrameLine, EachCommand_IsSentOnce) {
       << "a loop that stands still is silent, though its bus lives";
 }
 
-TEST_F(FrameLine, EnabledAnew_SendsNothingFromBefore) {
+TEST_F(FrameLine, EnableAgain_SendsNoEarlierCommand) {
   ASSERT_EQ(tick({5.0, 0.0, 0.0}), WH_OK);
-  ASSERT_EQ(device_->write(commandOf({7.0, 7.0, 7.0})), WH_OK);  // nobody pumps it
+  ASSERT_EQ(device_->write(commandOf({7.0, 7.0, 7.0})), WH_OK);  // it is not pumped to the line
   ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
   EXPECT_FALSE(bench_.on);
   ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, bench_.wait()));
@@ -90,8 +90,9 @@ TEST_F(FrameLine, EnabledAnew_SendsNothingFromBefore) {
   EXPECT_EQ(bench_.given[0], 1.0F);
 }
 
-// The board answers between two of its ticks: a sample of before the answer says nothing of it.
-TEST_F(FrameLine, Enabled_SaysSoInTheFirstSampleThatIsRead) {
+// The board answers between two of its ticks; a sample from before the answer does not show its
+// effect.
+TEST_F(FrameLine, Enable_IsReportedInTheFirstSampleRead) {
   ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
   ASSERT_EQ(tick({}), WH_OK);
   ASSERT_EQ(sample_.status, static_cast<std::uint32_t>(WH_HOMED));
@@ -102,7 +103,7 @@ TEST_F(FrameLine, Enabled_SaysSoInTheFirstSampleThatIsRead) {
     if (ticks) {
       firmware_tick(&bench_.fw, bench_.now_us);
     } else {
-      bench_.hear();
+      bench_.receiveAll();
     }
     return bench_.now_ns();
   };
@@ -111,7 +112,7 @@ TEST_F(FrameLine, Enabled_SaysSoInTheFirstSampleThatIsRead) {
   EXPECT_EQ(sample_.status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
 }
 
-TEST_F(FrameLine, EnabledBoardInFault_IsWaitedForNoLongerThan20ms) {
+TEST_F(FrameLine, EnableOfABoardInFault_Waits20msAtMost) {
   ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
   bench_.state.status = WH_HOMED | WH_DRIVE_FAULT;
   const std::int64_t begun_ns = bench_.now_ns();
@@ -138,7 +139,7 @@ TEST_F(FrameLine, WatchdogDropped_SilencesTheDevice) {
   EXPECT_EQ(bench_.given[0], 0.0F);
 }
 
-TEST_F(FrameLine, VerbsOfTheBoard_ReachItAndItsAnswerComesBack) {
+TEST_F(FrameLine, VerbsOfTheBoard_AreForwardedAndAnswered) {
   EXPECT_TRUE(device_->control(WH_IDENTIFY, 0.0, bench_.wait()));
   const auto tared = device_->control(WH_TARE, 0.0, bench_.wait());
   ASSERT_FALSE(tared);
@@ -146,7 +147,7 @@ TEST_F(FrameLine, VerbsOfTheBoard_ReachItAndItsAnswerComesBack) {
   EXPECT_EQ(bench_.verbs, (std::vector<int>{WH_IDENTIFY, WH_TARE}));
 }
 
-TEST_F(FrameLine, LostAnswer_IsAskedForAgain) {
+TEST_F(FrameLine, LostAnswer_IsRequestedAgain) {
   int passes = 0;
   const auto lossy = [&] {
     bench_.pass();
@@ -156,13 +157,14 @@ TEST_F(FrameLine, LostAnswer_IsAskedForAgain) {
   EXPECT_TRUE(device_->control(WH_IDENTIFY, 0.0, lossy));
 }
 
-// A line that loses, corrupts, repeats and invents bytes: only what the device sent is taken.
-TEST_F(FrameLine, Damage_IsCountedAndNothingCorruptedIsTaken) {
+// On a line that loses, corrupts, repeats and invents bytes, only intact samples of the device are
+// accepted.
+TEST_F(FrameLine, Damage_IsCountedAndNoCorruptSampleIsAccepted) {
   auto random = seededRandom(1221);
-  device_->pump(bench_.now_ns());  // what came before the first damage
+  device_->pump(bench_.now_ns());  // reads the samples from before the first damage
   (void)device_->read(sample_);
   std::uint64_t sequence = sample_.sequence;
-  std::map<std::uint64_t, double> reported;  // position by the number of its sample
+  std::map<std::uint64_t, double> reported;  // position by sample number
   int fresh = 0;
   for (int k = 0; k < 5000; ++k) {
     bench_.state.position[0] = static_cast<float>(k % 7) * 0.01F;
@@ -175,7 +177,7 @@ TEST_F(FrameLine, Damage_IsCountedAndNothingCorruptedIsTaken) {
     const Line once = line;
     if (how == 0) line[random() % line.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
     if (how == 1) line.resize(random() % line.size());
-    if (how == 2) line.insert(line.end(), once.begin(), once.end());  // doubled: stale
+    if (how == 2) line.insert(line.end(), once.begin(), once.end());  // doubled: the copy is stale
     if (how == 3) line.push_front(static_cast<std::uint8_t>(random()));
     device_->pump(bench_.now_ns());
     const int result = device_->read(sample_);
@@ -211,9 +213,9 @@ TEST_F(FrameLine, ForeignSession_IsCountedAndIgnored) {
   EXPECT_EQ(device_->read(sample_), WH_NOTHING_NEW);
 }
 
-TEST_F(FrameLine, SequenceThatBeginsAnew_GoesOn) {
+TEST_F(FrameLine, SequenceWrapAround_ContinuesWithoutAGap) {
   for (const std::uint32_t samples : {UINT32_C(0x70000000), UINT32_C(0xE0000000), UINT32_MAX - 3}) {
-    bench_.fw.samples = samples;  // a step that is still ahead
+    bench_.fw.samples = samples;  // a step that still counts as newer
     ASSERT_EQ(tick({0.0, 0.0, 0.0}), WH_OK);
   }
   std::uint64_t last = sample_.sequence;
@@ -224,7 +226,7 @@ TEST_F(FrameLine, SequenceThatBeginsAnew_GoesOn) {
   }
 }
 
-TEST_F(FrameLine, UnpluggedInMidLine_FailsReadsWritesAndVerbs) {
+TEST_F(FrameLine, LineUnpluggedInMidFrame_FailsReadsWritesAndVerbs) {
   (void)device_->write(commandOf({1.0, 1.0, 1.0}));
   device_->pump(bench_.now_ns());
   bench_.pass();
@@ -249,11 +251,12 @@ TEST_F(FrameLine, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before);
 }
 
-/// A line of so many bytes a millisecond, with a buffer before it that may say how full it is.
+/// A line of limited speed [bytes/ms] with a buffer before it; it may report the fill of the
+/// buffer.
 struct SlowLine {
   Line queue;
   double bytes_per_ms = 1e9, credit = 0.0;
-  bool tells = true;
+  bool reports_queue = true;
 
   void pass(Wires& wires) {
     credit = std::min(credit + bytes_per_ms, bytes_per_ms + 1.0);
@@ -273,7 +276,7 @@ class SlowCarrier final : public Carrier {
     return true;
   }
   [[nodiscard]] std::size_t waiting() const noexcept override {
-    return line_.tells ? line_.queue.size() : 0;
+    return line_.reports_queue ? line_.queue.size() : 0;
   }
   [[nodiscard]] int receive(std::uint8_t* bytes, std::size_t capacity) noexcept override {
     return inner_.receive(bytes, capacity);
@@ -285,15 +288,16 @@ class SlowCarrier final : public Carrier {
   SlowLine& line_;
 };
 
-/// What the device gives is that many milliseconds old at most, and the samples say at least so.
+/// Largest age of the acting command [ms], and the largest part of it that the samples do not show
+/// [ms].
 struct Lateness {
-  int most_ms = 0, most_unsaid_ms = 0;
+  int most_ms = 0, most_unreported_ms = 0;
 };
 
-Lateness commandEveryMillisecond(double percent, bool tells) {
+Lateness commandEveryMillisecond(double percent, bool reports_queue) {
   BenchBoard bench(6);
   SlowLine line;
-  line.tells = tells;
+  line.reports_queue = reports_queue;
   const auto wait = [&] {
     line.pass(*bench.wires);
     bench.pass();
@@ -302,7 +306,7 @@ Lateness commandEveryMillisecond(double percent, bool tells) {
   const auto device =
       orThrow(FrameDevice::open(std::make_unique<SlowCarrier>(bench.wires, line), 5, wait));
   EXPECT_TRUE(device->control(WH_ENABLE, 0.0, wait));
-  wf_frame frame{};  // the size of a command on the line
+  wf_frame frame{};  // a frame as large as a command
   frame.kind = WF_COMMAND;
   frame.axes = 6;
   std::array<std::uint8_t, WF_MAX_WIRE> wire{};
@@ -315,18 +319,18 @@ Lateness commandEveryMillisecond(double percent, bool tells) {
     (void)wait();
     device->pump(bench.now_ns());
     (void)device->read(sample);
-    if (bench.fw.phase != FW_RENDERING) continue;  // it has heard none yet, or let go
+    if (bench.fw.phase != FW_RENDERING) continue;  // no command received yet, or released
     const int late_ms = k - static_cast<int>(std::lround(1e3 * bench.given[0]));
     const auto said_ms = static_cast<int>((bench.now_ns() - sample.monotonic_ns) / 1'000'000);
     out.most_ms = std::max(out.most_ms, late_ms);
-    if (said_ms < 200) out.most_unsaid_ms = std::max(out.most_unsaid_ms, late_ms - said_ms);
+    if (said_ms < 200) out.most_unreported_ms = std::max(out.most_unreported_ms, late_ms - said_ms);
   }
   return out;
 }
 
-// Law: on a line that says how full it is the newest command waits for one frame at most; on any
-// other the samples are at least as old as what the device gives, and the loop stops by their age.
-TEST(FrameOnASlowLine, AtEveryLoad_NoCommandIsLateUnseen) {
+// Rule: on a line that reports its fill, the newest command waits for one frame at most. On any
+// other line the samples are at least as old as the acting command, so the loop stops by their age.
+TEST(FrameOnASlowLine, LateCommandAtAnyLoad_IsShownByTheSamplesAge) {
   for (const double percent : {10.0, 50.0, 80.0, 100.0, 130.0, 200.0, 300.0}) {
     SCOPED_TRACE(percent);
     const int frame_ms = static_cast<int>(std::ceil(percent / 100.0));
@@ -336,12 +340,12 @@ TEST(FrameOnASlowLine, AtEveryLoad_NoCommandIsLateUnseen) {
     if (percent > 100.0) {
       EXPECT_GT(unreported.most_ms, 20) << "the line is overfull";
     }
-    // A frame that is on the line counts from its beginning.
-    EXPECT_LE(std::max(reported.most_unsaid_ms, unreported.most_unsaid_ms), frame_ms + 1);
+    // A frame on the line counts from its start.
+    EXPECT_LE(std::max(reported.most_unreported_ms, unreported.most_unreported_ms), frame_ms + 1);
   }
 }
 
-TEST(FrameOpen, NobodyAnswers_IsRefused) {
+TEST(FrameOpen, SilentDevice_IsRefused) {
   BenchBoard bench;
   bench.silent = true;
   const auto device = bench.open();
@@ -349,12 +353,12 @@ TEST(FrameOpen, NobodyAnswers_IsRefused) {
   EXPECT_NE(why(device.errors()).find("nobody answers"), std::string::npos);
 }
 
-TEST(FrameOpen, DeviceThatRendersForAnother_IsRefusedAsInUse) {
+TEST(FrameOpen, DeviceInUseByAnotherProgram_IsRefused) {
   BenchBoard bench;
   const auto first = orThrow(bench.open(5));
   ASSERT_TRUE(first->control(WH_ENABLE, 0.0, bench.wait()));
   const auto alive = [&] {
-    bench.fw.heard_us = bench.now_us;  // as if the first went on commanding
+    bench.fw.heard_us = bench.now_us;  // as if the first program still sent commands
     bench.pass();
     return bench.now_ns();
   };
@@ -366,9 +370,9 @@ TEST(FrameOpen, DeviceThatRendersForAnother_IsRefusedAsInUse) {
   EXPECT_EQ(bench.fw.phase, FW_WAITING);
 }
 
-TEST(FrameOpen, OtherVersion_IsRefusedWithBoth) {
+TEST(FrameOpen, OtherVersion_IsRefusedWithBothVersions) {
   auto wires = std::make_shared<Wires>();
-  // A device of version 2 answers in its own words.
+  // A device of version 2 answers in its own format.
   const auto answer = [&wires] {
     std::vector<std::uint8_t> frame = {2, WF_WELCOME, 1, 0, 5, 0, 0, 0, 1, 0, 0, 0, 42};
     const std::uint16_t crc = wf_crc16(frame.data(), frame.size());
@@ -390,7 +394,7 @@ TEST(FrameOpen, OtherVersion_IsRefusedWithBoth) {
       << why(device.errors());
 }
 
-TEST(FrameOpen, AxesThatCannotBe_AreRefusedByName) {
+TEST(FrameOpen, ImpossibleAxes_AreRefusedByName) {
   BenchBoard twice;
   std::strcpy(twice.board.axis[2].name, "x");
   auto device = twice.open();
@@ -403,7 +407,7 @@ TEST(FrameOpen, AxesThatCannotBe_AreRefusedByName) {
   EXPECT_NE(why(device.errors()).find("axis 1 (y) is of a kind"), std::string::npos);
 }
 
-TEST(Locator, ThatNamesNoCarrier_IsRefusedWithWhatThereIs) {
+TEST(Locator, LocatorWithoutACarrier_IsRefusedWithTheValidForms) {
   for (const char* locator :
        {"", "tcp:here:1", "udp:here", "udp::1", "udp:here:", "serial:", "7777"}) {
     const auto carrier = openCarrier(locator);
@@ -414,10 +418,10 @@ TEST(Locator, ThatNamesNoCarrier_IsRefusedWithWhatThereIs) {
 
 struct Named {
   const char* locator;
-  const char* says;
+  const char* expected;
 };
 
-TEST(Locator, ThatLeadsNowhere_IsRefusedWithTheReason) {
+TEST(Locator, LocatorWithoutATarget_IsRefusedWithTheReason) {
   for (const Named& named : {Named{"serial:/dev/none", "/dev/none cannot be opened: No such file"},
                              Named{"serial:/dev/null", "is no serial line"},
                              Named{"serial:/dev/none:12345", "12345 baud is not known"},
@@ -427,7 +431,8 @@ TEST(Locator, ThatLeadsNowhere_IsRefusedWithTheReason) {
                              Named{"shm:nobody-made-this", "No such file"}}) {
     const auto carrier = openCarrier(named.locator);
     ASSERT_FALSE(carrier) << named.locator;
-    EXPECT_NE(why(carrier.errors()).find(named.says), std::string::npos) << why(carrier.errors());
+    EXPECT_NE(why(carrier.errors()).find(named.expected), std::string::npos)
+        << why(carrier.errors());
     EXPECT_NE(why(carrier.errors()).find(named.locator), std::string::npos);
   }
 }

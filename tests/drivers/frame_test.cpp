@@ -1,4 +1,4 @@
-// The frame as it goes on a wire, against the table in frame.h and against damage.
+// The frame as sent on a line, compared with the table in frame.h and tested against damage.
 #include "drivers/frame/firmware/frame.h"
 
 #include "support/seed.hpp"
@@ -58,7 +58,7 @@ Bytes wireOf(const wf_frame& frame) {
   return wire;
 }
 
-// The last outcome but WF_NONE, and how many frames were good.
+// The last outcome other than WF_NONE, and the number of good frames.
 struct Received {
   wf_outcome last = WF_NONE;
   int good = 0;
@@ -102,7 +102,7 @@ void expectSame(const wf_frame& is, const wf_frame& was) {
   EXPECT_EQ(0, std::memcmp(is.effort, was.effort, sizeof(is.effort)));
 }
 
-// Byte by byte as the table in frame.h has it; the numbers are IEEE 754 in hexadecimal.
+// The bytes must match the table in frame.h; the numbers are IEEE 754 in hexadecimal.
 TEST(Frame, Command_HasTheBytesOfTheTable) {
   wf_frame frame{};
   frame.kind = WF_COMMAND;
@@ -123,7 +123,7 @@ TEST(Frame, Command_HasTheBytesOfTheTable) {
   EXPECT_EQ(plain[20] | plain[21] << 8, wf_crc16(table.data(), table.size()));
 }
 
-TEST(Frame, SampleOfSixAxes_GoesThroughALineOfOneMegabaudAThousandTimesASecond) {
+TEST(Frame, SampleOfSixAxes_FitsALineOfOneMegabaudAt1kHz) {
   wf_frame frame{};
   frame.kind = WF_SAMPLE;
   frame.axes = 6;
@@ -132,7 +132,7 @@ TEST(Frame, SampleOfSixAxes_GoesThroughALineOfOneMegabaudAThousandTimesASecond) 
   EXPECT_LE(wire.size() * 10 * 1000, 1'000'000U) << "10 bits a byte";
 }
 
-TEST(Frame, AnyFrame_ComesBackWhole) {
+TEST(Frame, AnyFrame_IsDecodedUnchanged) {
   auto random = seededRandom(1202);
   wf_receiver receiver{};
   for (int k = 0; k < cases(5000); ++k) {
@@ -144,7 +144,7 @@ TEST(Frame, AnyFrame_ComesBackWhole) {
   }
 }
 
-TEST(Frame, ImpossibleKindOrAxes_IsNeitherSentNorTaken) {
+TEST(Frame, ImpossibleKindOrAxes_IsNotEncoded) {
   wf_frame frame{};
   frame.kind = 9;
   frame.axes = 3;
@@ -156,12 +156,12 @@ TEST(Frame, ImpossibleKindOrAxes_IsNeitherSentNorTaken) {
   EXPECT_TRUE(wireOf(frame).empty());
 }
 
-TEST(Frame, AfterHalfOfOne_TheNextIsTakenWhole) {
+TEST(Frame, FrameAfterATruncatedOne_IsReceived) {
   auto random = seededRandom(1203);
   for (int k = 0; k < cases(2000); ++k) {
     wf_receiver receiver{};
     Bytes half = wireOf(randomFrame(random));
-    half.resize(1 + random() % (half.size() - 2));  // more is missing than the last zero
+    half.resize(1 + random() % (half.size() - 2));  // cuts off more than the last zero
     const wf_frame next = randomFrame(random);
     (void)receive(receiver, half);
     const Received received = receive(receiver, wireOf(next));
@@ -171,7 +171,7 @@ TEST(Frame, AfterHalfOfOne_TheNextIsTakenWhole) {
   }
 }
 
-TEST(Frame, LineWithoutAZero_OverrunsNothingAndIsReported) {
+TEST(Frame, LineWithoutAZero_IsReportedWithoutAnOverrun) {
   wf_receiver receiver{};
   Bytes endless(100'000, 0x55);
   EXPECT_EQ(receive(receiver, endless).last, WF_NONE);
@@ -181,7 +181,7 @@ TEST(Frame, LineWithoutAZero_OverrunsNothingAndIsReported) {
   EXPECT_EQ(receive(receiver, wireOf(frame)).good, 1);
 }
 
-TEST(Frame, OfAnotherVersion_IsReportedWithItsKindAndSession) {
+TEST(Frame, FrameOfAnotherVersion_IsReportedWithItsKindAndSession) {
   wf_frame frame{};
   frame.kind = WF_HELLO;
   frame.session = 77;
@@ -190,7 +190,7 @@ TEST(Frame, OfAnotherVersion_IsReportedWithItsKindAndSession) {
   ASSERT_TRUE(decoded(Bytes(wire.begin() + 1, wire.end() - 1), plain));
   plain[0] = WF_VERSION + 1;
   plain.resize(plain.size() - 2);
-  plain.insert(plain.end(), {1, 2, 3});  // a later version may be longer
+  plain.insert(plain.end(), {1, 2, 3});  // a frame of a later version may be longer
   const std::uint16_t crc = wf_crc16(plain.data(), plain.size());
   plain.push_back(static_cast<std::uint8_t>(crc));
   plain.push_back(static_cast<std::uint8_t>(crc >> 8));
@@ -206,9 +206,10 @@ TEST(Frame, OfAnotherVersion_IsReportedWithItsKindAndSession) {
   EXPECT_EQ(taken.session, 77U);
 }
 
-// The generator has the factor x + 1 and a primitive one of degree 15: it finds all errors of up to
-// 3 bits in up to 32,767. Here: every one of 1 and 2 in a sample of 3 axes, and some of 3.
-TEST(Frame, ErrorsOfOneToThreeBits_AreAllFound) {
+// The generator polynomial has the factor x + 1 and a primitive one of degree 15, so it detects all
+// errors of up to 3 bits in up to 32,767 bits. This tests all errors of 1 and 2 bits in a sample of
+// 3 axes, and some of 3.
+TEST(Frame, ErrorsOfOneToThreeBits_AreAllDetected) {
   auto random = seededRandom(1204);
   wf_frame frame{};
   frame.kind = WF_SAMPLE;
@@ -243,9 +244,9 @@ TEST(Frame, ErrorsOfOneToThreeBits_AreAllFound) {
   }
 }
 
-// What comes out of the receiver may be anything, but within the structure: names end, axes are at
-// most 16. 10^7 inputs with WHOLEHAND_FULL=1; a sanitizer looks at the memory.
-TEST(Frame, RandomAndMutatedInputs_NeverLeaveTheStructures) {
+// Any input may give any frame, but within the structure: names are terminated, and there are at
+// most 16 axes. 10^7 inputs with WHOLEHAND_FULL=1; a sanitizer checks the memory.
+TEST(Frame, RandomAndMutatedInputs_StayWithinTheStructures) {
   const int inputs = std::getenv("WHOLEHAND_FULL") != nullptr ? 10'000'000 : 100'000;
   auto random = seededRandom(1205);
   wf_receiver receiver{};
@@ -280,7 +281,7 @@ TEST(Frame, RandomAndMutatedInputs_NeverLeaveTheStructures) {
   EXPECT_GT(refused, inputs / 4) << "the others";
 }
 
-TEST(Sequence, IsNewer_AlsoWhereTheNumbersBeginAnew) {
+TEST(Sequence, IsNewer_HoldsAcrossTheWrapAround) {
   EXPECT_TRUE(wf_newer(1, 0));
   EXPECT_FALSE(wf_newer(1, 1));
   EXPECT_FALSE(wf_newer(1, 2));

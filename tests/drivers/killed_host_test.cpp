@@ -1,6 +1,6 @@
-// The program that drives a device is killed. What the device then does is judged by the firmware's
-// own clock; a machine that does not run it for a while delays it by that, which is allowed for
-// and printed. WHOLEHAND_FULL=1 kills 1,000.
+// Kills the program that drives a device and judges the device by the firmware's own clock. If the
+// machine does not run the firmware for a while, this delay is allowed for and printed.
+// WHOLEHAND_FULL=1 kills 1,000 programs.
 #include "devices/plugin/plugin_driver.hpp"
 #include "firmware_process.hpp"
 #include "frame_bench.hpp"
@@ -23,9 +23,9 @@ namespace {
 constexpr double kHostSilence_ms = 20.0;
 constexpr double kRamp_ms = 80.0;
 constexpr double kTick_ms = 0.25;
-constexpr double kTolerance_ms = 1.0;  // a tick is not exactly on time
+constexpr double kTolerance_ms = 1.0;  // ticks are not exactly on time
 
-// A program that renders until it is killed.
+// Renders until the process is killed.
 [[noreturn]] void render(const std::string& locator) {
   auto driver = PluginDriver::load({"frame", locator, ""});
   const Expected<Done> enabled = driver ? (*driver)->control(WH_ENABLE, 0.0) : driver.errors();
@@ -41,7 +41,7 @@ constexpr double kTolerance_ms = 1.0;  // a tick is not exactly on time
 
 class KilledHost : public testing::TestWithParam<int> {};
 
-TEST_P(KilledHost, FirmwareIsAtNeutralWithinItsSilenceAndTheRamp) {
+TEST_P(KilledHost, KilledProgram_LeavesTheFirmwareAtNeutralWithinSilenceAndRamp) {
   const int losses = std::getenv("WHOLEHAND_FULL") != nullptr ? 334 : 8;
   const std::string where = everyCarrier()[GetParam()];
   FirmwareProcess firmware(where);

@@ -18,7 +18,7 @@ inline Bytes encoded(const Bytes& plain) {
   return out;
 }
 
-// Of a buffer of exactly the size that is asked for: a sanitizer sees what leaves it.
+// Uses a buffer of exactly the required size, so that a sanitizer detects accesses beyond it.
 inline bool decoded(const Bytes& coded, Bytes& plain) {
   Bytes out(coded.size());
   std::size_t length = 0;
@@ -28,7 +28,7 @@ inline bool decoded(const Bytes& coded, Bytes& plain) {
   return true;
 }
 
-/// from, from + 1, ... to.
+/// The bytes from, from + 1, ..., to.
 inline Bytes run(int from, int to) {
   Bytes bytes(static_cast<std::size_t>(to - from + 1));
   std::iota(bytes.begin(), bytes.end(), static_cast<std::uint8_t>(from));

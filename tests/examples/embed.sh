@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # embed.sh BUILD CONSUMER COMPILER: installs the package, then configures, builds and runs projects
-# outside the tree that know nothing but the place of the installation: a consumer, and the installed examples.
+# outside the tree that know only the location of the installation: a consumer, and the installed examples.
 set -euo pipefail
 build=$1 consumer=$2 compiler=$3
 tree=$(mktemp -d)
@@ -12,7 +12,7 @@ fail() {
 }
 cmake --install "$build" --prefix "$tree/prefix" >"$tree/log" ||
   fail "$(cat "$tree/log")"
-# Moved: nothing in the package may remember where it was installed, or built.
+# Moves the installation: the package may not contain the path where it was installed or built.
 mv "$tree/prefix" "$tree/moved"
 grep -rlF -e "$build" -e "$tree/prefix" "$tree/moved" --include='*.cmake' --include='*.hpp' &&
   fail "these files name a folder of the build"
@@ -20,7 +20,7 @@ grep -rlF -e "$build" -e "$tree/prefix" "$tree/moved" --include='*.cmake' --incl
 cp -r "$consumer" "$tree/consumer"
 cmake -G Ninja -S "$tree/consumer" -B "$tree/out" -DCMAKE_PREFIX_PATH="$tree/moved" \
   -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
-# Any warning fails: the headers must be clean in a project stricter than ours.
+# Any warning is an error: the headers must compile without warnings in a stricter project.
 cmake --build "$tree/out" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 "$tree/out/consumer"
 
@@ -31,7 +31,27 @@ cmake --build "$tree/examples" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 "$tree/examples/01_first_touch" >"$tree/touched" || fail "the first example does not run"
 (($(wc -l <"$tree/touched") == 22)) || fail "$(cat "$tree/touched")"
 
-# Driver, station and server from the package: a page is served until Ctrl-C.
+# Uses one component: its packages are found, and HDF5 is not needed.
+mkdir "$tree/rig"
+cat >"$tree/rig/CMakeLists.txt" <<'EOF'
+cmake_minimum_required(VERSION 3.25)
+project(rig LANGUAGES CXX)
+find_package(wholehand 0.1 CONFIG REQUIRED COMPONENTS rig)
+add_executable(rig ${EXAMPLES}/08_rig_alone.cpp)
+target_link_libraries(rig PRIVATE wholehand::rig)
+target_compile_definitions(rig PRIVATE WHOLEHAND_SOURCE_DIR="${WHOLEHAND_SHARE_DIR}")
+EOF
+cmake -G Ninja -S "$tree/rig" -B "$tree/rig/out" -DCMAKE_PREFIX_PATH="$tree/moved" -DEXAMPLES="$examples" \
+  -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
+grep -qi hdf5 "$tree/rig/out/CMakeCache.txt" && fail "the component rig asks for HDF5"
+cmake --build "$tree/rig/out" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
+"$tree/rig/out/rig" >"$tree/touched" || fail "the example of the component rig does not run"
+sed -i 's/COMPONENTS rig/COMPONENTS rigs/' "$tree/rig/CMakeLists.txt"
+cmake -S "$tree/rig" -B "$tree/rig/unknown" -DCMAKE_PREFIX_PATH="$tree/moved" -DEXAMPLES="$examples" \
+  >"$tree/log" 2>&1 && fail "a component that does not exist was found"
+grep -q 'there is no component rigs' "$tree/log" || fail "$(cat "$tree/log")"
+
+# Runs driver, station and server from the package and serves a page until Ctrl-C.
 cc -std=c99 -O2 -shared -fPIC -I"$tree/moved/include" "$examples/driver/rails.c" \
   -o "$tree/rails.so" || fail "the driver does not compile against the package"
 "$tree/examples/06_serve_a_driver" "$tree/rails.so" >"$tree/served" 2>&1 &
@@ -45,12 +65,12 @@ url=$(grep -o 'http://[0-9.:]*' "$tree/served") || fail "$(cat "$tree/served")"
 /usr/bin/python3 -c 'import sys, urllib.request as u; print(u.urlopen(sys.argv[1]).read().decode())' \
   "$url/metrics" >"$tree/metrics" || fail "nothing is served"
 grep -q wholehand_ "$tree/metrics" || fail "$(cat "$tree/metrics")"
-kill -TERM $serving  # a shell lets what it runs in the background ignore Ctrl-C
+kill -TERM $serving  # a shell makes its background processes ignore Ctrl-C
 wait $serving || fail "$(cat "$tree/served")"
 serving=
 grep -q '0 sessions' "$tree/served" || fail "$(cat "$tree/served")"
 
-# Every installed header stands in the installed folders, and of the vendors only Eigen shows.
+# Every header compiles with the installed folders alone, and of the vendors only Eigen is visible.
 (cd "$tree/moved/include" && find . -name '*.hpp' -printf '#include "%P"\n') >"$tree/all.cpp"
 (($(wc -l <"$tree/all.cpp") > 20)) || fail "the headers are not installed"
 "$compiler" -std=c++20 -I"$tree/moved/include" -I"$tree/moved/include/wholehand" \
@@ -59,7 +79,7 @@ if grep -oE '[^ ]*/(bullet|mujoco|toml\+\+|hdf5|libqhull_r|tinyxml2|fmt|nlohmann
   "$tree/seen"; then
   fail "vendors show in the public headers"
 fi
-# The malloc that counts must never reach a program that embeds us.
+# The counting malloc must never be linked into a program that embeds the library.
 if nm -C --defined-only "$tree/out/consumer" | grep -E ' [TW] (malloc|free)$'; then
   fail "the consumer's malloc is replaced"
 fi

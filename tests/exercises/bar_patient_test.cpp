@@ -1,4 +1,4 @@
-// What a therapist sets for one patient at the bar: tolerance, fade, reach. No physics.
+// Settings for one patient at the bar: tolerance, fade time, reach. Runs without physics.
 #include "exercises/bar_table.hpp"
 #include "exercises/cocktail_bar/bar.hpp"
 
@@ -23,7 +23,7 @@ void set(BarTable& bar, const std::string& name, double value) {
 
 // ---------------------------------------------------------------- tolerance
 
-TEST(BarTolerance, AtTheStart_IsTheLevels) {
+TEST(BarTolerance, InitialValue_IsThatOfTheLevel) {
   for (int level = 1; level <= 4; ++level) {
     BarTable bar(level);
     bar.tick();
@@ -31,21 +31,21 @@ TEST(BarTolerance, AtTheStart_IsTheLevels) {
   }
 }
 
-TEST(BarTolerance, OtherThanTheLevels_EndsAStepAtTheAskedAmountLessIt) {
+TEST(BarTolerance, ChangedTolerance_EndsAStepAtTheAskedAmountLessTheTolerance) {
   for (const double tolerance_l : {0.012, 0.001}) {  // wider, narrower
     BarTable bar(1);
     set(bar, "line_tolerance_l", tolerance_l);
     bar.hold(0, 2.0);
     bar.runUntil("stage", kLetGo);
     EXPECT_EQ(bar.value("tolerance_l"), tolerance_l);
-    // Lemonade asks for 20 ml; a tick at the fastest flow is 0.02 ml.
+    // The step asks for 20 ml of lemonade; a tick at the fastest flow is 0.02 ml.
     EXPECT_NEAR(bar.value("poured_l"), 0.02 - tolerance_l, 2.1e-5);
   }
 }
 
 // ---------------------------------------------------------------- fade
 
-TEST(BarFade, IsHowLongTheWallTakesToFadeIn) {
+TEST(BarFade, FadeTime_IsTheWallsTimeToFadeIn) {
   for (const double fade_s : {0.3, 1.0, 3.0}) {
     BarTable bar(1);
     set(bar, "wall_fade_s", fade_s);
@@ -53,14 +53,14 @@ TEST(BarFade, IsHowLongTheWallTakesToFadeIn) {
     int ticks = 0;
     for (; bar.out.alpha < 1.0 && ticks < 10'000; ++ticks) bar.tick();
     EXPECT_NEAR(ticks * 1e-3, fade_s, 2.5e-3);  // Eq. (16): u rises by T / T_on a tick
-    // Fading out is the file's, whatever was set: a stop waits for it.
+    // The file sets the fade-out time, whatever the patient's setting: a stop waits for it.
     bar.drawBack();
     for (ticks = 0; bar.out.alpha > 0.0 && ticks < 10'000; ++ticks) bar.tick();
     EXPECT_NEAR(ticks * 1e-3, 0.3, 2.5e-3);
   }
 }
 
-TEST(BarFade, ThatChangesMidway_GoesOnFromWhereItIs) {
+TEST(BarFade, ChangeDuringAFade_ContinuesFromThePresentValue) {
   BarTable bar(1);
   set(bar, "wall_fade_s", 5.0);
   bar.hold(0, 0.0);
@@ -68,7 +68,7 @@ TEST(BarFade, ThatChangesMidway_GoesOnFromWhereItIs) {
   for (int k = 0; k < 3000; ++k) {
     if (k == 1000) set(bar, "wall_fade_s", 0.3);
     bar.tick();
-    // 3u² - 2u³ climbs by 1.5 du at most.
+    // 3u² - 2u³ rises by at most 1.5 du.
     EXPECT_LE(bar.out.alpha - before, 1.5 * 1e-3 / 0.3 + 1e-12);
     EXPECT_GE(bar.out.alpha, before);
     before = bar.out.alpha;
@@ -78,7 +78,7 @@ TEST(BarFade, ThatChangesMidway_GoesOnFromWhereItIs) {
 
 // ---------------------------------------------------------------- reach
 
-/// Where the base of the median right palm is when it grips the target, as measured: to 0.1 mm.
+/// Position of the median right palm's base when it grips the target, measured to 0.1 mm.
 constexpr double kMeasured_m = 1e-4;
 Eigen::Vector3d gripOf(const BarTable& bar) {
   const int target = static_cast<int>(bar.value("target_dispenser"));
@@ -86,7 +86,7 @@ Eigen::Vector3d gripOf(const BarTable& bar) {
   return body.position_m.eigen() - Eigen::Vector3d(0.049, 0.016 + 0.025, 0.004);
 }
 
-TEST(BarReach, AsFarAsTheDevice_LeavesTheRowWhereTheSceneHasIt) {
+TEST(BarReach, ReachOfTheWholeDevice_LeavesTheRowAtItsScenePosition) {
   for (int level = 1; level <= 4; ++level) {
     BarTable bar(level);
     const Vec3 before = bar.record.bodies[bar.bodyOf(0)].position_m;
@@ -97,7 +97,7 @@ TEST(BarReach, AsFarAsTheDevice_LeavesTheRowWhereTheSceneHasIt) {
   }
 }
 
-TEST(BarReach, Narrow_BringsEveryDispenserWhoseTurnItIsWithinIt) {
+TEST(BarReach, NarrowReach_BringsEveryNextDispenserWithinIt) {
   for (const auto& [left_m, right_m] : {std::pair{0.03, 0.03}, {0.03, 0.12}, {0.12, 0.03}}) {
     BarTable bar(4);
     set(bar, "reach_left_m", left_m);
@@ -107,7 +107,7 @@ TEST(BarReach, Narrow_BringsEveryDispenserWhoseTurnItIsWithinIt) {
       bar.drawBack();
       bar.runUntil("stage", 0);
       const double y_m = gripOf(bar).y();
-      // A right hand goes in beside it, up to 24 mm farther right.
+      // A right hand grips from beside the dispenser, up to 24 mm farther right.
       EXPECT_LE(y_m, left_m + kMeasured_m);
       EXPECT_GE(y_m - 0.024, -right_m - kMeasured_m);
       ++seen;
@@ -121,7 +121,7 @@ TEST(BarReach, Narrow_BringsEveryDispenserWhoseTurnItIsWithinIt) {
   }
 }
 
-TEST(BarReach, ShortForward_BringsRowRailAndGlassNearer) {
+TEST(BarReach, ShortForwardReach_BringsRowRailAndGlassNearer) {
   BarTable bar(2);
   bar.run(2.0);
   const auto x_m = [&](const char* body) {
@@ -140,7 +140,7 @@ TEST(BarReach, ShortForward_BringsRowRailAndGlassNearer) {
   EXPECT_NEAR(x_m("dispenser_cherry"), x_m("dispenser_lemon"), 1e-12);
 }
 
-TEST(BarReach, ThatChangesWhileTheHandIsAtADispenser_MovesNothingUntilItIsDrawnBack) {
+TEST(BarReach, ChangeWhileTheHandIsAtADispenser_WaitsUntilItIsDrawnBack) {
   BarTable bar(2);
   bar.run(2.0);
   bar.hold(0, 1.5);
@@ -157,8 +157,8 @@ TEST(BarReach, ThatChangesWhileTheHandIsAtADispenser_MovesNothingUntilItIsDrawnB
   EXPECT_LT(at().x, before.x);
 }
 
-/// Mirrored in y, what is left is right.
-TEST(BarReach, OfALeftHand_IsTheMirrorImage) {
+/// In the mirror image left and right are exchanged.
+TEST(BarReach, LeftHand_HasTheMirrorImage) {
   Bar bar;
   bar.row = {true, 0.128, -0.023, 0.105, 0.15};
   bar.dispensers.resize(1);

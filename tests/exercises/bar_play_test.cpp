@@ -4,8 +4,8 @@
 
 #include <numbers>
 
-// A bar played without physics: what the hand does is given, what the exercise makes of it is held
-// against docs/exercises.md. Numbers of config/exercises/cocktail-bar.toml stand beside them.
+// Plays the bar without physics: the test sets the hand's motion and compares the exercise's
+// response with docs/exercises.md. Comments cite the numbers of config/exercises/cocktail-bar.toml.
 namespace wholehand::test {
 namespace {
 
@@ -17,7 +17,7 @@ void pour(BarTable& bar, double volume_l, double felt_n = 2.0) {
   bar.squeeze(-1, 0.0);
 }
 
-/// A drink of two steps, each as asked.
+/// Pours a drink of two steps with the asked amounts.
 void pourDrink(BarTable& bar) {
   for (int step = 0; step < 2; ++step) {
     pour(bar, bar.value("asked_l"));
@@ -27,12 +27,12 @@ void pourDrink(BarTable& bar) {
   }
 }
 
-TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
+TEST(CocktailBar, RightAmountThenLetGo_CompletesStepDrinkAndLevel) {
   BarTable bar(1);
   bar.tick();
   EXPECT_EQ(bar.value("stage"), kReach);
   EXPECT_EQ(bar.value("asked_l"), 0.02);
-  bar.hold(0, 0.2);  // with what the shell gives, below the threshold of 0.5 N
+  bar.hold(0, 0.2);  // together with the shell's force it is below the threshold of 0.5 N
   bar.run(1.0);
   EXPECT_EQ(bar.value("stage"), kSqueeze);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
@@ -40,7 +40,7 @@ TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
   bar.run(0.5);
   EXPECT_EQ(bar.value("stage"), kPouring);
   while (bar.value("stage") == kPouring) bar.tick();
-  EXPECT_NEAR(bar.value("poured_l"), 0.015, 1e-5);  // asked less the tolerance of 0.005
+  EXPECT_NEAR(bar.value("poured_l"), 0.015, 1e-5);  // asked amount less the tolerance of 0.005
   while (bar.value("poured_l") < 0.02) bar.tick();
   bar.squeeze(-1, 0.0);
   bar.tick();
@@ -57,25 +57,26 @@ TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
   EXPECT_EQ(bar.value("stars"), 3.0);
 }
 
-/// d = 8 η L A²/(π r⁴) at the fingertip, by the file.
+/// d = 8 η L A²/(π r⁴) at the fingertip, with the file's values.
 double resistanceOf(double viscosity_pa_s) {
   return 8.0 * viscosity_pa_s * 0.02 * 16e-8 / (kPi * 16e-12);
 }
 
-/// A digit that presses with f lets A (f − p₀ − k_s y)/d flow, A y the liquid that has gone.
+/// Flow under a digit that presses with f: A (f − p₀ − k_s y)/d; A y is the liquid already pressed
+/// out.
 double flowOf(double force_n, double pressed_l, double viscosity_pa_s) {
   constexpr double kArea_m2 = 4e-4;
   const double returns_n = 25.0 * 1e-3 * pressed_l / kArea_m2;
   return 1e3 * kArea_m2 * (force_n - 0.25 - returns_n) / resistanceOf(viscosity_pa_s);
 }
 
-TEST(CocktailBar, SteadySqueeze_FlowsByTheForceOverViscosity) {
+TEST(CocktailBar, SteadySqueeze_FlowsByForceOverViscosity) {
   const double viscosities_pa_s[] = {0.157, 0.251, 0.402, 0.644};
   for (int liquid = 0; liquid < 4; ++liquid) {
     BarTable bar(4);
     bar.tick();
     bar.hold(liquid, 2.0);
-    bar.run(1.5);  // the wall is faded in
+    bar.run(1.5);  // the wall has faded in
     const double flow_l_s = bar.value("flow_l_s");
     EXPECT_GT(bar.value("pressed_l"), 1e-3);
     EXPECT_NEAR(flow_l_s, flowOf(2.0, bar.value("pressed_l"), viscosities_pa_s[liquid]),
@@ -83,20 +84,20 @@ TEST(CocktailBar, SteadySqueeze_FlowsByTheForceOverViscosity) {
   }
 }
 
-TEST(CocktailBar, StrokeIsSpent_AirComesBackAndItFlowsAgain) {
+TEST(CocktailBar, StrokeSpent_AirReturnsAndItFlowsAgain) {
   BarTable bar(2);
   bar.tick();
   bar.hold(0, 0.6);  // k_s y = 0.35 N: a stroke of 5.6 ml, of 16 asked
   bar.runUntil("stage", kBreathe);
   const double first_l = bar.value("poured_l");
-  // The flow falls as e^(-k_s t/d): when it is less than 0.15 of its fastest, 0.85 of all is out,
-  // less what the fading wall kept back in its first second.
+  // The flow decays as e^(-k_s t/d). When it is below 0.15 of its maximum, 0.85 of the stroke has
+  // flowed out, less the amount that the fading wall held back in its first second.
   EXPECT_NEAR(first_l, 0.8 * 4e-4 * 1e3 * 0.35 / 25.0, 0.5e-3);
   bar.run(1.0);
   EXPECT_EQ(bar.value("stage"), kBreathe) << "pressing on brings nothing";
   bar.squeeze(0, 0.0);
   const double gone_l = bar.value("pressed_l");
-  bar.run(0.3);  // air_s, from the digit's leaving on
+  bar.run(0.3);  // air_s, from the time the digit leaves
   EXPECT_NEAR(bar.value("pressed_l"), gone_l * std::exp(-1.0), 0.05 * gone_l);
   bar.runUntil("stage", kSqueeze);
   EXPECT_NEAR(bar.value("pressed_l"), 0.15 * gone_l, 0.01 * gone_l);
@@ -106,7 +107,7 @@ TEST(CocktailBar, StrokeIsSpent_AirComesBackAndItFlowsAgain) {
   EXPECT_EQ(bar.value("spilt_l"), 0.0);
 }
 
-TEST(CocktailBar, PouredPastTheTolerance_TellsAndSpillsWhatIsOver) {
+TEST(CocktailBar, PouredBeyondTheTolerance_ReportsItAndSpillsTheExcess) {
   BarTable bar(1);
   bar.hold(0, 3.0);
   bar.run(20.0);
@@ -121,7 +122,7 @@ TEST(CocktailBar, PouredPastTheTolerance_TellsAndSpillsWhatIsOver) {
   EXPECT_LT(bar.value("score"), 80.0);
 }
 
-TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTime) {
+TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTimeBonus) {
   BarTable bar(1);
   pour(bar, 0.022);
   bar.runUntil("stage", kDrinkDone);
@@ -132,7 +133,7 @@ TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTime) {
   EXPECT_NEAR(bar.last("drink_done").value, 95.0 * accuracy + 5.0, 1e-9);
 }
 
-TEST(CocktailBar, WrongDispenser_IsReportedAndSpilt) {
+TEST(CocktailBar, WrongDispenser_IsReportedAndItsFlowSpilt) {
   BarTable bar(2);  // lemon first
   bar.tick();
   bar.hold(1, 2.0);
@@ -146,7 +147,7 @@ TEST(CocktailBar, WrongDispenser_IsReportedAndSpilt) {
   EXPECT_EQ(bar.value("left_l/lemon"), 0.35);
 }
 
-TEST(CocktailBar, GlassAside_FlowIsSpilt) {
+TEST(CocktailBar, GlassMovedAside_SpillsTheFlow) {
   BarTable bar(1);
   bar.tick();
   BodyState& glass = bar.glass();
@@ -162,11 +163,11 @@ TEST(CocktailBar, GlassAside_FlowIsSpilt) {
   EXPECT_GT(bar.value("poured_l"), 0.0);
 }
 
-TEST(CocktailBar, BumpedFromTheBack_NothingFlows) {
+TEST(CocktailBar, TouchedWithTheBackOfTheFingers_NothingFlows) {
   BarTable bar(1);
   bar.tick();
   bar.squeeze(0, 4.0);
-  bar.palm(0, 0.06);  // the back of the fingers touches, the palm is elsewhere
+  bar.palm(0, 0.06);  // the back of the fingers touches while the palm is elsewhere
   bar.run(1.0);
   EXPECT_EQ(bar.last("touched").index, 0);
   EXPECT_EQ(bar.value("flow_l_s"), 0.0);
@@ -211,7 +212,7 @@ TEST(CocktailBar, HolderSilent_EffortFadesAndNothingFlows) {
   EXPECT_LE(largest_n, 0.05);
 }
 
-TEST(CocktailBar, Restarted_IsFullAndAtTheFirstStep) {
+TEST(CocktailBar, Restarted_BottlesAreFullAndItIsAtTheFirstStep) {
   BarTable bar(2);
   pour(bar, 0.016);
   bar.run(0.2);
@@ -224,7 +225,7 @@ TEST(CocktailBar, Restarted_IsFullAndAtTheFirstStep) {
   EXPECT_EQ(bar.count("restarted"), 1);
 }
 
-TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
+TEST(CocktailBar, StartAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
   BarTable bar(2);
   bar.act(kBeginAt, 1.0);
   bar.tick();
@@ -233,12 +234,12 @@ TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
   EXPECT_EQ(bar.value("step"), 0.0);
   EXPECT_EQ(bar.value("score"), 0.0);
   EXPECT_EQ(bar.left_l(), 0.7);
-  pourDrink(bar);  // the level's last drink, by the file
+  pourDrink(bar);  // the level's last drink, according to the file
   EXPECT_EQ(bar.value("stage"), kDrinkDone);
   EXPECT_EQ(bar.value("resume_drink"), 0.0) << "nothing of the level is left";
 }
 
-TEST(CocktailBar, BegunAtADrinkItDoesNotHave_IsAtTheFirst) {
+TEST(CocktailBar, StartAtAnUnknownDrink_IsAtTheFirst) {
   for (const double drink : {-1.0, 2.0, 1e300, std::nan("")}) {
     BarTable bar(2);
     bar.act(kBeginAt, drink);
@@ -262,8 +263,8 @@ TEST(CocktailBar, NextWhileResting_EndsTheRest) {
   EXPECT_EQ(bar.value("glass_l"), 0.0);
 }
 
-TEST(CocktailBar, EveryLevel_PlayedRight_EndsWithThreeStars) {
-  for (const int level : allOrOne(1, 4)) {
+TEST(CocktailBar, EveryLevelPlayedRight_EndsWithThreeStars) {
+  for (const int level : sampleOne(1, 4)) {
     SCOPED_TRACE(level);
     BarTable bar(level);
     for (int step = 0; step < 20 && bar.value("stage") != kLevelDone; ++step) {
@@ -289,13 +290,13 @@ TEST(CocktailBar, EveryLevel_PlayedRight_EndsWithThreeStars) {
   }
 }
 
-TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
+TEST(CocktailBar, RowThatMustSlide_MovesOnlyWhileTheHandIsAway) {
   BarTable bar(3);
   pour(bar, 0.016);
   bar.run(0.4);
   bar.drawBack();
   bar.run(1.0);
-  pour(bar, 0.012);  // cherry; the drink "sunset" is done
+  pour(bar, 0.012);  // cherry; the drink "sunset" is finished
   bar.run(0.4);
   bar.drawBack();
   bar.act(Act::kNext);
@@ -315,7 +316,7 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
     last_m = bar.value("row_y_m");
   }
   EXPECT_NE(last_m, before_m);
-  bar.squeeze(0, 2.0);  // a touch freezes it
+  bar.squeeze(0, 2.0);  // a touch stops it
   bar.tick();
   const double frozen_m = bar.value("row_y_m");
   bar.run(0.5);
@@ -327,7 +328,8 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
     fastest_m_s = std::max(fastest_m_s, std::abs(bar.value("row_y_m") - last_m) / 1e-3);
     last_m = bar.value("row_y_m");
   }
-  // Blueberry, the third of a row 0.128 apart, at the upper end of reach_y_m.
+  // Blueberry is the third of a row with a spacing of 0.128; it stops at the upper end of
+  // reach_y_m.
   EXPECT_NEAR(last_m, 0.105 - 2 * 0.128, 1e-9);
   EXPECT_LE(fastest_m_s, 0.15 + 1e-6);
   const BodyState& glass = bar.glass();
@@ -335,12 +337,12 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
   EXPECT_EQ(glass.velocity_m_s.y, 0.0);
 }
 
-TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
+TEST(CocktailBar, ChangeOfDispenser_ChangesGainsOnlyAtAlphaZero) {
   BarTable bar(4);
   bar.hold(0, 2.0);
   bar.run(1.5);
   ASSERT_EQ(bar.out.alpha, 1.0);
-  // What the shell is behind, where the liquid has gone: 280 N/m · (0.08 m)².
+  // Effort of the shell, which lags behind where the liquid has flowed out: 280 N/m · (0.08 m)².
   const auto shell = [&] { return -280.0 * 0.0064 * (bar.record.q_m[3] - bar.out.wall[3]); };
   EXPECT_NEAR(bar.out.effort[3], shell(), tolerance(1e-9));
   bar.presses = false;
@@ -355,7 +357,7 @@ TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
   }
   EXPECT_LE(largest_n, 0.05);
   EXPECT_EQ(bar.out.alpha, 1.0);
-  // Coconut's wall has begun at the finger, and its liquid gives way by its own resistance.
+  // Coconut's wall starts at the finger, and its liquid yields by its own resistance.
   bar.record.q_m[3] += 0.05;
   bar.tick();
   EXPECT_NEAR(bar.out.effort[3], shell(), tolerance(1e-9));
@@ -365,7 +367,7 @@ TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
   EXPECT_NEAR(bar.value("left_l/coconut"), left_l - 1e-3 * flowOf(1.12, 0.0, 0.644), 2e-7);
 }
 
-TEST(CocktailBar, PalmComesNear_FingersAreClosedOnToThatDispenser) {
+TEST(CocktailBar, PalmComesNear_ClosureIsRequestedForThatDispenser) {
   BarTable bar(2);
   bar.run(0.01);
   EXPECT_EQ(bar.asked_closure, -1);
@@ -379,7 +381,7 @@ TEST(CocktailBar, PalmComesNear_FingersAreClosedOnToThatDispenser) {
   EXPECT_EQ(bar.count("engaged"), 1);
 }
 
-TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
+TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndElsewhereSpills) {
   BarTable bar(1, kFree);
   bar.tick();
   EXPECT_EQ(bar.value("stage"), kReach);
@@ -387,7 +389,7 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
   bar.run(0.5);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
   EXPECT_GT(bar.value("spilt_l"), 0.0);
-  bar.squeeze(0, 3.0);  // held, but not squeezed: threshold 7.5 N
+  bar.squeeze(0, 3.0);  // held but not squeezed: threshold 7.5 N
   bar.run(1.0);
   const double spilt_l = bar.value("spilt_l");
   BodyState& body = bar.record.bodies[bar.bodyOf(0)];
@@ -399,7 +401,7 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
   EXPECT_NEAR(bar.value("spilt_l"), spilt_l, 1e-12);
 }
 
-TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
+TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUp) {
   BarTable bar(2, kFree);
   bar.tick();
   BodyState& body = bar.record.bodies[bar.bodyOf(1)];
@@ -410,7 +412,7 @@ TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
   bar.run(5.0);
   EXPECT_EQ(bar.last("knocked_over").index, 1);
   EXPECT_EQ(bar.count("stood_up"), 0);
-  // leak_l_s over cherry's viscosity in lemon's, for five seconds.
+  // leak_l_s times the ratio of lemon's to cherry's viscosity, for five seconds.
   EXPECT_NEAR(bar.value("spilt_l"), 0.005 / (0.251 / 0.157) * 5.0, 2e-5);
   bar.drawBack();
   bar.run(2.1);  // stand_up_s
@@ -423,7 +425,7 @@ TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
   EXPECT_EQ(bar.count("knocked_over"), 1);
 }
 
-TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithWhatThereIs) {
+TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithThePouredAmount) {
   BarTable bar(1);
   bar.tick();
   BodyState& glass = bar.glass();
@@ -442,11 +444,11 @@ TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithWhatThereIs) {
   EXPECT_EQ(bar.value("stars"), 1.0);
 }
 
-TEST(CocktailBar, SqueezeThatBringsNothing_IsToldToLetGo) {
+TEST(CocktailBar, SqueezeWithoutFlow_InstructsToLetGo) {
   BarTable bar(1);
   bar.tick();
   bar.hold(0, 2.0);
-  bar.presses = false;  // the digits are at the core, and press no cushion
+  bar.presses = false;  // the digits are at the core and press no cushion
   bar.record.closure[3] = bar.record.q_m[3] = BarTable::kTouch_rad;
   bar.runUntil("stage", kBreathe);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
@@ -454,18 +456,19 @@ TEST(CocktailBar, SqueezeThatBringsNothing_IsToldToLetGo) {
   bar.runUntil("stage", kSqueeze);
 }
 
-TEST(CocktailBar, HandThatRestsWithoutOpening_IsAskedToSqueezeAgain) {
+TEST(CocktailBar, HandThatRestsWithoutOpening_IsInstructedToSqueezeAgain) {
   BarTable bar(2);
   bar.tick();
   bar.hold(0, 0.6);
   bar.runUntil("stage", kBreathe);
-  bar.pressed_n = 0.2;  // it stays in the shell: no air comes
+  bar.pressed_n = 0.2;  // it stays in the shell, so no air returns
   bar.record.contact_count = 0;
   bar.runUntil("stage", kSqueeze);
   EXPECT_GT(bar.value("pressed_l"), 0.002);
 }
 
-/// Flexors that do not relax below what counts as let go, with the threshold raised over them.
+/// Flexors that do not relax below the let-go threshold; the squeeze threshold is raised above
+/// their force.
 TEST(CocktailBar, HandThatCannotOpen_FinishesTheStepByResting) {
   BarTable bar(1);
   bar.parameters.at(3) = 2.0;  // squeeze_threshold_ratio: 1 N
@@ -473,7 +476,7 @@ TEST(CocktailBar, HandThatCannotOpen_FinishesTheStepByResting) {
   bar.hold(0, 3.0);
   bar.run(0.5);
   while (bar.value("poured_l") < 0.02) bar.tick();
-  bar.squeeze(0, 0.35);  // and the shell as much
+  bar.squeeze(0, 0.35);  // and the shell adds as much
   bar.run(0.9);
   EXPECT_EQ(bar.value("stage"), kLetGo);
   bar.runUntil("stage", kDrinkDone);
@@ -481,14 +484,14 @@ TEST(CocktailBar, HandThatCannotOpen_FinishesTheStepByResting) {
   EXPECT_EQ(bar.value("spilt_l"), 0.0);
 }
 
-TEST(CocktailBar, EmptyDispenser_GivesWayWithoutFlowing) {
+TEST(CocktailBar, EmptyDispenser_YieldsWithoutFlow) {
   BarTable bar(1);
   bar.tick();
   bar.hold(0, 100.0);
   bar.run(20.0);
   ASSERT_EQ(bar.left_l(), 0.0);
   bar.drawBack();
-  bar.run(20.0);  // what 100 N have pressed in comes back at 0.14 m/s
+  bar.run(20.0);  // the cushion that 100 N have pressed in returns at 0.14 m/s
   EXPECT_EQ(bar.value("pressed_l"), 0.0);
   bar.hold(0, 2.0);
   bar.run(3.0);  // against air: d_air / k_s = 0.3 s
@@ -505,7 +508,7 @@ TEST(CocktailBar, FlexorToneForAMinute_PoursNothing) {
   EXPECT_EQ(bar.left_l(), 0.35);
 }
 
-TEST(CocktailBar, LetGoOrResetInTheMiddle_ShellIsFoundWhole) {
+TEST(CocktailBar, LetGoOrResetDuringASqueeze_ShellRecoversFully) {
   for (const bool reset : {false, true}) {
     BarTable bar(1);
     bar.tick();
@@ -527,7 +530,7 @@ TEST(CocktailBar, LetGoOrResetInTheMiddle_ShellIsFoundWhole) {
   }
 }
 
-TEST(CocktailBar, TenMinutesOfRandomPlay_EveryDropIsAccountedFor) {
+TEST(CocktailBar, TenMinutesOfRandomPlay_ConserveTheVolume) {
   BarTable bar(4);
   auto random = seededRandom(35);
   double worst_l = 0.0;
@@ -546,10 +549,10 @@ TEST(CocktailBar, TenMinutesOfRandomPlay_EveryDropIsAccountedFor) {
                                            bar.left_l() - bar.value("start_total_l")));
     }
   }
-  EXPECT_LE(worst_l, 1e-9);  // the issue's figure
+  EXPECT_LE(worst_l, 1e-9);  // the bound that the issue requires
 }
 
-TEST(CocktailBar, SameInputsTwice_SameBits) {
+TEST(CocktailBar, SameInputsTwice_GiveTheSameBits) {
   const auto play = [] {
     BarTable bar(2);
     auto random = std::mt19937_64(7);
@@ -566,11 +569,11 @@ TEST(CocktailBar, SameInputsTwice_SameBits) {
   EXPECT_EQ(play(), play());
 }
 
-TEST(CocktailBar, Reset_StartsAnewWithTheBodiesWhereTheyAre) {
+TEST(CocktailBar, Reset_RestartsWithTheBodiesWhereTheyAre) {
   BarTable bar(3);
   for (std::size_t i = 0; i < 3; ++i) {
     bar.record.bodies[bar.bodyOf(static_cast<int>(i))].position_m.y -=
-        0.128;  // a session ended with the row aside: lemon out of reach
+        0.128;  // a session ended with the row moved aside: lemon is out of reach
   }
   bar.exercise->reset();
   bar.tick();

@@ -1,4 +1,4 @@
-// What the bar does with dispensers that lie, stand where nobody reaches them, or are called home.
+// How the bar handles dispensers that lie, stand out of reach, or are called home.
 #include "exercises/bar_table.hpp"
 
 namespace wholehand::test {
@@ -19,11 +19,11 @@ void layAside(BarTable& bar) {
   lemon(bar).position_m = {0.16, 0.2, -0.031};
 }
 
-TEST(FreeBar, DispenserPushedAwayUpright_IsBroughtHomeAndNothingLeaks) {
+TEST(FreeBar, DispenserPushedAwayUpright_IsReturnedWithoutLeaking) {
   BarTable bar(1, kFree);
   bar.tick();
   ASSERT_EQ(bar.value("stage"), kReach);
-  lemon(bar).position_m.x = 0.27;  // where the issue left it
+  lemon(bar).position_m.x = 0.27;  // the position reported in the issue
   bar.tick();
   EXPECT_EQ(bar.value("stage"), kDrawBack);
   bar.run(1.9);
@@ -35,7 +35,7 @@ TEST(FreeBar, DispenserPushedAwayUpright_IsBroughtHomeAndNothingLeaks) {
   EXPECT_EQ(bar.value("spilt_l"), 0.0);
 }
 
-TEST(FreeBar, DispenserAsideButWithinReach_StaysWhereItWasPut) {
+TEST(FreeBar, DispenserAsideButWithinReach_StaysInPlace) {
   BarTable bar(1, kFree);
   bar.tick();
   lemon(bar).position_m = {0.13, 0.06, 0.004};
@@ -44,18 +44,18 @@ TEST(FreeBar, DispenserAsideButWithinReach_StaysWhereItWasPut) {
   EXPECT_EQ(bar.value("stage"), kReach);
 }
 
-TEST(FreeBar, DispenserHeldOutOfReach_IsNotTakenOutOfTheHand) {
+TEST(FreeBar, DispenserHeldOutOfReach_IsNotTakenFromTheHand) {
   BarTable bar(1, kFree);
   bar.tick();
   bar.hold(0, 3.0);
-  bar.record.q_s[0] = -0.08;  // drawn back as far as can be, with it
+  bar.record.q_s[0] = -0.08;  // drawn back as far as possible, with the dispenser
   lemon(bar).position_m = {-0.2, -0.023, 0.004};
   bar.run(5.0);
   EXPECT_EQ(bar.count("stood_up"), 0);
   EXPECT_EQ(bar.count("knocked_over"), 0);
 }
 
-TEST(FreeBar, DispenserThatLiesAgainstTheHand_IsStoodUpAllTheSame) {
+TEST(FreeBar, DispenserLyingAgainstTheHand_IsStoodUpNevertheless) {
   BarTable bar(1, kFree);
   bar.tick();
   layAside(bar);
@@ -66,17 +66,17 @@ TEST(FreeBar, DispenserThatLiesAgainstTheHand_IsStoodUpAllTheSame) {
   EXPECT_EQ(bar.count("stood_up"), 1);
 }
 
-TEST(FreeBar, HandThatIsDrawnBackWithStretchedFingers_KeepsHomeFree) {
+TEST(FreeBar, HandDrawnBackWithStretchedFingers_MustKeepTheHomePlaceFree) {
   BarTable bar(1, kFree);
   bar.tick();
   layAside(bar);
   bar.record.q_s[0] = -0.071;  // drawn back is -0.07
   bar.record.q_s[1] = -0.03;   // in front of the lemon's place
-  bar.record.q_s[3] = 0.0;     // its fingers reach 0.19 m ahead, home begins at 0.094
+  bar.record.q_s[3] = 0.0;     // the fingers reach 0.19 m ahead; the home place begins at 0.094 m
   bar.run(5.0);
   EXPECT_EQ(bar.count("stood_up"), 0);
   EXPECT_EQ(bar.value("stage"), kDrawBack);
-  bar.record.q_s[3] = 2.0;  // draws them in
+  bar.record.q_s[3] = 2.0;  // draws the fingers in
   bar.run(0.1);
   EXPECT_EQ(bar.count("stood_up"), 1);
   EXPECT_LT(fromHome_m(bar, 0), 1e-12);
@@ -93,16 +93,16 @@ TEST(Bar, RowThatWouldSlideIntoTheFingers_WaitsUntilTheyAreDrawnIn) {
   bar.record.q_s[3] = 0.0;
   bar.run(5.0);
   EXPECT_EQ(bar.value("stage"), kDrawBack);
-  EXPECT_LT(bar.value("row_y_m"), -0.1);  // on its way from -0.151 to -0.023
+  EXPECT_LT(bar.value("row_y_m"), -0.1);  // moving from -0.151 to -0.023
   bar.record.q_s[3] = 2.0;
   bar.runUntil("stage", kReach);
   EXPECT_NEAR(bar.value("row_y_m"), -0.023, 1e-9);
 }
 
-TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
+TEST(FreeBar, Restarted_ReturnsDisplacedDispensers) {
   BarTable bar(2, kFree);
   bar.tick();
-  // Each where the other one belongs.
+  // Each dispenser stands at the other one's place.
   BodyState& cherry = bar.record.bodies[bar.bodyOf(1)];
   std::swap(lemon(bar).position_m, cherry.position_m);
   bar.run(3.0);
@@ -120,7 +120,7 @@ TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
   EXPECT_EQ(bar.left_l(), 0.7);
 }
 
-TEST(FreeBar, RestartedWithAllAtHome_GoesOnAtOnce) {
+TEST(FreeBar, RestartedWithAllAtHome_ContinuesAtOnce) {
   BarTable bar(2, kFree);
   bar.run(0.1);
   bar.act(Act::kRestart);
@@ -132,7 +132,7 @@ TEST(FreeBar, RestartedWithAllAtHome_GoesOnAtOnce) {
 TEST(Bar, Restarted_SlidesTheRowHome) {
   BarTable bar(3);
   bar.run(0.01);
-  for (int i = 0; i < 3; ++i) {  // as in the second drink: moved on, the lemon still within reach
+  for (int i = 0; i < 3; ++i) {  // as in the second drink: moved, with the lemon still within reach
     bar.record.bodies[bar.bodyOf(i)].position_m.y += 0.06;
   }
   bar.exercise->reset();

@@ -46,7 +46,7 @@ inline JointPosition postureOf(const HandModel& hand, const AxisPosition& q_s) {
   return theta;
 }
 
-/// A bar without physics: bodies stand where the exercise puts them, the hand is what a test says.
+/// A bar without physics: the exercise places the bodies, the test sets the hand.
 class BarTable {
  public:
   struct Reported {
@@ -82,7 +82,7 @@ class BarTable {
 
   [[nodiscard]] BodyState& glass() { return record.bodies[scene.bodyIndex("glass")]; }
 
-  /// The hand far in front of everything, its fingers half bent, touching nothing.
+  /// Moves the hand back in front of everything, with half bent fingers that touch nothing.
   void drawBack() {
     record.q_s[0] = record.q_m[0] = -0.08;
     record.q_s[3] = 1.1;
@@ -91,13 +91,13 @@ class BarTable {
     palm(0, 0.15);
     squeeze(-1, 0.0);
   }
-  /// The palm at a dispenser, by its index in the level.
+  /// Moves the palm to a dispenser, given by its index in the level.
   void palm(int dispenser, double distance_m) {
     record.palm_body = bodyOf(dispenser);
     record.palm_target_distance_m = distance_m;
   }
-  /// The palm holds a dispenser and squeezes it with four contacts, of which the fingers feel so
-  /// much at their tips. They press its cushion with the same force, as far as it gives way.
+  /// The palm holds a dispenser and squeezes it with four contacts that give `felt_n` at the
+  /// fingertips. The digits press its cushion with the same force as far as it yields.
   void hold(int dispenser, double felt_n) {
     record.q_s[0] = record.q_m[0] = 0.07;
     record.q_s[3] = 0.0;
@@ -107,7 +107,7 @@ class BarTable {
     squeeze(dispenser, felt_n);
   }
   /// Presses a dispenser between the middle finger's end and the palm, which faces +y. Two contacts
-  /// on the finger hold its axis back by felt_n at the tip, -jᵀf, friction included.
+  /// on the finger hold its axis back by felt_n at the tip, -jᵀf, including friction.
   void squeeze(int dispenser, double felt_n) {
     pressed_n = felt_n;
     record.contact_count = felt_n > 0.0 ? 4 : 0;
@@ -147,8 +147,8 @@ class BarTable {
     return scene.bodyIndex(kBodies[dispenser]);
   }
 
-  /// Where a finger is that presses the shell with pressed_n: that far behind the wall, which
-  /// stands where the liquid has gone.
+  /// Position of a finger that presses the shell with pressed_n: the shell's compression beyond the
+  /// wall, which stands where the liquid has flowed out.
   void press() {
     record.closure[3] = kTouch_rad;
     const bool felt = out.wall_active.size() > 3 && out.wall_active[3];
@@ -189,7 +189,7 @@ class BarTable {
   void run(double time_s) {
     for (int i = 0; i < static_cast<int>(std::lround(time_s * 1e3)); ++i) tick();
   }
-  /// Ticks until a value is what is wanted; fails after a minute of play.
+  /// Ticks until a value equals `wanted`; fails after a minute of play.
   void runUntil(const std::string& name, double wanted) {
     for (int i = 0; i < 60'000; ++i) {
       tick();
@@ -224,7 +224,7 @@ class BarTable {
     }
     return *found;
   }
-  /// What is left in all dispensers.
+  /// Liquid left in all dispensers [l].
   [[nodiscard]] double left_l() const {
     double sum_l = 0.0;
     const auto& names = exercise->description().value_names;
@@ -242,10 +242,10 @@ class BarTable {
   BodyPlacements placements;
   std::vector<double> parameters;
   std::vector<Reported> reported;
-  bool presses = false;            ///< the fingers press the cushion of what the palm holds ...
+  bool presses = false;            ///< the fingers press the cushion of the held dispenser ...
   double pressed_n = 0.0;          ///< ... with this force at their tips
-  double stiffness_n_m = 280.0;    ///< of its shell
-  bool fingers_face_palm = false;  ///< in the posture: their ends press what the palm holds
+  double stiffness_n_m = 280.0;    ///< of the dispenser's shell
+  bool fingers_face_palm = false;  ///< posture in which the fingertips press the object in the palm
   int asked_closure = -1;
   bool may_push = true;
 };

@@ -1,9 +1,9 @@
 #include "loop/exercise/finger_cushions.hpp"
 
 #include "exercises/bar_table.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr Bottle kBottle{4e-4, 25.0, 0.25, 0.3, {0.2, 0.02, 2e-3}};
 
-/// Two fingers, lever arms of 8 and 5 cm, 280 N/m at the tip.
+/// Two fingers with lever arms of 8 and 5 cm, 280 N/m at the tip.
 FingerWallConfig twoFingers() {
   FingerWallConfig walls;
   walls.axes = 2;
@@ -27,8 +27,9 @@ FingerWallConfig twoFingers() {
   return walls;
 }
 
-/// Whatever the fingers do, whichever way the nozzle is open: A Σ l Δy, with no loss in 10^-12 l.
-TEST(FingerCushions, WhatLeavesTheNozzle_IsWhatTheDigitsDisplaced) {
+/// For any motion of the fingers and any open state of the nozzle: the outflow is A Σ l Δy, to
+/// 10^-12 l.
+TEST(FingerCushions, OutflowOfTheNozzle_IsTheDisplacementOfTheDigits) {
   auto random = seededRandom(3911);
   const FingerWallConfig config = twoFingers();
   const Cushions cushions = cushionsOf(kBottle, config);
@@ -61,8 +62,9 @@ TEST(FingerCushions, WhatLeavesTheNozzle_IsWhatTheDigitsDisplaced) {
   EXPECT_GT(left_m3, 1e-5);
 }
 
-/// Whatever opens, empties or becomes thin under a finger that rests: 0.05 N a tick at the tip.
-TEST(FingerCushions, EffortOfARestingFinger_FallsGently) {
+/// The nozzle opens, the bottle empties or the liquid becomes thin under a resting finger: the
+/// effort changes by at most 0.05 N per tick at the tip.
+TEST(FingerCushions, EffortOfARestingFinger_FallsSlowly) {
   auto random = seededRandom(3912);
   const FingerWallConfig config = twoFingers();
   const Cushions cushions = cushionsOf(kBottle, config);
@@ -90,9 +92,9 @@ TEST(FingerCushions, EffortOfARestingFinger_FallsGently) {
   }
 }
 
-/// At the tip every digit feels the same bottle: after t at x the shell holds
-/// k k_s x/(k + k_s) + (k x - ...) e^{-(k + k_s) t/d}, p0 apart.
-TEST(FingerCushions, DigitsOfOtherLeverArms_FeelTheSameBottle) {
+/// Every digit feels the same bottle at its tip: after t at x the shell holds k k_s x/(k + k_s) +
+/// (k x - ...) e^{-(k + k_s) t/d}, apart from p0.
+TEST(FingerCushions, DigitsOfDifferentLeverArms_FeelTheSameBottle) {
   const FingerWallConfig config = twoFingers();
   const Cushions cushions = cushionsOf(kBottle, config);
   const FingerWallState walls{AxisPosition(2), AxisFlag(2, true), AxisPosition(2)};
@@ -112,7 +114,7 @@ TEST(FingerCushions, DigitsOfOtherLeverArms_FeelTheSameBottle) {
   EXPECT_NEAR(-press.effort[1] / 0.05, exact, 2e-3);
 }
 
-TEST(FingerCushions, AxisWithoutAWall_LetsItGo) {
+TEST(FingerCushions, AxisWithoutAWall_ReleasesItsCushion) {
   const FingerWallConfig config = twoFingers();
   const FingerWallState none{AxisPosition(2), AxisFlag(2), AxisPosition(2)};
   AxisPosition travel(2, 0.1), q(2, 0.3);
@@ -127,7 +129,7 @@ TEST(FingerCushions, AxisWithoutAWall_LetsItGo) {
 }
 
 struct CushionFault {
-  std::string find, with, key, says;
+  std::string find, with, key, expected;
 };
 
 TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
@@ -156,8 +158,8 @@ TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
     const auto loaded = loadExercise(path, 1, shippedDevice(), shippedHand());
     ASSERT_FALSE(loaded.ok());
     const std::string words = format(loaded.errors());
-    EXPECT_TRUE(says(words, fault.key)) << words;
-    EXPECT_TRUE(says(words, fault.says)) << words;
+    EXPECT_TRUE(contains(words, fault.key)) << words;
+    EXPECT_TRUE(contains(words, fault.expected)) << words;
   }
 }
 

@@ -24,7 +24,7 @@ FingerWallConfig oneFinger() {
 
 constexpr double kLeadIn_m = 0.004;  // 0.05 rad of this axis
 
-/// One tick. What touches nothing has its avatar where the device is.
+/// Runs one tick. A finger without contact has its avatar where the device is.
 FingerWallState follow(const FingerWallState& state, double closure, double finger, double alpha,
                        bool touches = false) {
   const FingerWallInput seen{AxisPosition(1, closure), AxisPosition(1, finger),
@@ -33,7 +33,7 @@ FingerWallState follow(const FingerWallState& state, double closure, double fing
   return followClosure(state, seen, kLeadIn_m, alpha, oneFinger(), kPeriod_s);
 }
 
-/// Of the shell alone: the nozzle is closed.
+/// Effort of the shell alone: the nozzle is closed.
 double effortAt(const FingerWallState& state, double finger) {
   const FingerWallConfig walls = oneFinger();
   const Cushions shell{{{walls.stiffness[0], 0.1, 1.0, 1.0, 0.0}}, {0.0}, {1.0}, walls.effort_cap};
@@ -42,14 +42,14 @@ double effortAt(const FingerWallState& state, double finger) {
       .effort[0];
 }
 
-TEST(FingerWalls, TargetFound_StandTheLeadInBeforeTheTouch) {
+TEST(FingerWalls, TargetFound_WallStandsTheLeadInBeforeTheTouch) {
   const FingerWallState state = follow({}, 2.0, 0.0, 0.0);
   EXPECT_TRUE(state.known[0]);
   // 4 mm of fingertip path at 8 cm are 0.05 rad.
   EXPECT_NEAR(state.position[0], 1.95, tolerance(1e-12));
 }
 
-TEST(FingerWalls, NeverATouchOrOneAtTheOpenEnd_NoWall) {
+TEST(FingerWalls, NoTouchOrTouchAtTheOpenEnd_HasNoWall) {
   for (const double closure : {kNan, -kInfinity, kInfinity}) {
     for (const double alpha : {0.0, 1.0}) {
       const FingerWallState state = follow({}, closure, 3.0, alpha);
@@ -59,8 +59,9 @@ TEST(FingerWalls, NeverATouchOrOneAtTheOpenEnd_NoWall) {
   }
 }
 
-TEST(FingerWalls, TouchWaversAtTheOpenEnd_EffortOfAPressedFingerDoesNot) {
-  // A thumb that grips with its axis nearly at the open end: first touch 0.0002 rad, or before it.
+TEST(FingerWalls, TouchThatFluctuatesAtTheOpenEnd_KeepsTheEffortOfAPressedFinger) {
+  // A thumb that grips with its axis nearly at the open end: the first touch is at 0.0002 rad, or
+  // before the open end.
   FingerWallState state = follow({}, 0.0002, 0.05, 1.0, true);
   double before = 0.0;
   for (int i = 0; i < 400; ++i) {
@@ -69,19 +70,19 @@ TEST(FingerWalls, TouchWaversAtTheOpenEnd_EffortOfAPressedFingerDoesNot) {
                                AxisPosition(1, 0.05), AxisPosition(1, 0.0004), 1U};
     state = followClosure(state, seen, kLeadIn_m, 1.0, oneFinger(), kPeriod_s);
     const double effort = effortAt(state, 0.05);
-    EXPECT_LE(effort, before + 1e-12) << i;  // it grows to what the target gives, and stays
+    EXPECT_LE(effort, before + 1e-12) << i;  // it grows to the wall's effort and stays
     before = effort;
   }
-  // Eq. (15): the lead-in of 0.05 rad and 0.0498 rad past the touch, 1.5 N·m/rad.
+  // Eq. (15): the lead-in of 0.05 rad and 0.0498 rad beyond the touch, at 1.5 N·m/rad.
   EXPECT_NEAR(before, -1.5 * (0.05 + 0.0498), tolerance(1e-12));
-  // A back that is pushed by the target opens: nothing holds it.
+  // The target pushes the back of the finger open: the wall must not hold it.
   const FingerWallInput pushed{AxisPosition(1, -kInfinity), AxisPosition(1, 0.05),
                                AxisPosition(1, 0.06), 1U};
   EXPECT_GT(followClosure(state, pushed, kLeadIn_m, 1.0, oneFinger(), kPeriod_s).position[0],
             state.position[0]);
 }
 
-TEST(FingerWalls, FingerPastTheTouch_NoWallHoweverItMoves) {
+TEST(FingerWalls, FingerBeyondTheTouch_HasNoWallInAnyMotion) {
   FingerWallState state;
   for (int i = 0; i < 2000; ++i) {
     const double finger = 1.8 + 0.7 * std::sin(0.01 * i);
@@ -90,19 +91,19 @@ TEST(FingerWalls, FingerPastTheTouch_NoWallHoweverItMoves) {
   }
 }
 
-TEST(FingerWalls, FingerInTheLeadInAsATransitionBegins_BeginAtTheFinger) {
+TEST(FingerWalls, FingerInTheLeadInAtATransition_WallStartsAtTheFinger) {
   FingerWallState state = follow({}, 2.0, 1.98, 0.0);
   EXPECT_EQ(state.position[0], 1.98);
   for (int i = 0; i < 1000; ++i) state = follow(state, 2.0, 1.98, 1e-3 * i);
   EXPECT_EQ(state.position[0], 1.98) << "it came to a finger that touches nothing";
-  // From where it touches on, as ever: 0.04 m/s over 0.08 m, to the target at 1.95.
+  // From the touch on it moves as usual: 0.04 m/s over 0.08 m, to the target at 1.95.
   for (int i = 0; i < 20; ++i) state = follow(state, 2.0, 2.01, 1.0, true);
   EXPECT_NEAR(state.position[0], 1.97, tolerance(1e-12));
   for (int i = 0; i < 100; ++i) state = follow(state, 2.0, 2.01, 1.0, true);
   EXPECT_NEAR(state.position[0], 1.95, tolerance(1e-12));
 }
 
-TEST(FingerWalls, TouchFoundLateWithTheFingerInTheLeadIn_BeginAtTheFinger) {
+TEST(FingerWalls, TouchFoundLateWithTheFingerInTheLeadIn_WallStartsAtTheFinger) {
   const FingerWallState state = follow({}, 2.0, 1.98, 1.0);
   EXPECT_TRUE(state.known[0]);
   EXPECT_EQ(state.position[0], 1.98);
@@ -115,7 +116,7 @@ TEST(FingerWalls, ClosingFinger_FeelsTheLeadInBeforeTheTouch) {
   EXPECT_NEAR(effortAt(state, 2.0), -1.5 * 0.05, tolerance(1e-12));  // Eq. (15): k (θ − θ_wall)
 }
 
-TEST(FingerWalls, TouchMovesWhileFelt_FollowAtTheirSpeed) {
+TEST(FingerWalls, MovingTouch_IsFollowedAtTheWallsSpeed) {
   FingerWallState state = follow({}, 2.0, 0.0, 0.0);
   for (int i = 0; i < 100; ++i) state = follow(state, 1.5, 1.2, 0.5);
   // 0.1 s at 0.04 m/s over 0.08 m: 0.05 rad.
@@ -123,22 +124,22 @@ TEST(FingerWalls, TouchMovesWhileFelt_FollowAtTheirSpeed) {
   EXPECT_NEAR(follow(state, 1.5, 1.2, 0.0).position[0], 1.45, tolerance(1e-12));
 }
 
-TEST(FingerWalls, TouchComesToAFingerThatTouchesNothing_StopAtTheFinger) {
+TEST(FingerWalls, TouchThatReachesAnUntouchedFinger_StopsAtTheFinger) {
   FingerWallState state = follow({}, 2.0, 1.2, 0.0);
   for (int i = 0; i < 3000; ++i) state = follow(state, 1.21, 1.2, 1.0);
   EXPECT_EQ(state.position[0], 1.2);
 }
 
-/// The effort of a grasp whose touch is gone, tick by tick, while the finger goes on closing.
-TEST(FingerWalls, TouchGone_LetGoWhateverTheFingerDoes) {
+/// Effort of a grasp whose touch has disappeared, tick by tick, while the finger keeps closing.
+TEST(FingerWalls, TouchThatDisappears_ReleasesInAnyMotion) {
   for (const double gone : {kNan, -kInfinity, 0.5}) {
     for (const double speed : {0.0, 10.0, -2.0}) {
       FingerWallState state = follow({}, 2.0, 1.0, 0.0);
-      double finger = 2.15;  // 16 mm of path in the wall
+      double finger = 2.15;  // 16 mm of path beyond the wall
       for (int i = 0; i < 100; ++i) state = follow(state, 2.0, finger, 1.0, true);
       double before = effortAt(state, finger);
       ASSERT_NEAR(before, -1.5 * 0.2, tolerance(1e-12));
-      // 0.15 m/s: 16 mm are gone after 107 ms.
+      // At 0.15 m/s, 16 mm are released after 107 ms.
       for (int i = 0; i < 108; ++i) {
         finger += speed * kPeriod_s;
         state = follow(state, gone, finger, 1.0);
@@ -153,7 +154,7 @@ TEST(FingerWalls, TouchGone_LetGoWhateverTheFingerDoes) {
   }
 }
 
-TEST(FingerWalls, TouchRecedesFromAFingerThatTouchesNothing_GiveWayFasterThanItCloses) {
+TEST(FingerWalls, TouchThatRecedesFromAnUntouchedFinger_YieldsFasterThanItCloses) {
   FingerWallState state = follow({}, 2.0, 1.0, 0.0);
   double finger = 1.99;
   state = follow(state, 2.0, finger, 1.0);
@@ -182,11 +183,11 @@ TEST(FingerWalls, RandomClosures_EffortOfAStillFingerNeverJumps) {
     pushed += effort_n < 0.0 ? 1 : 0;
   }
   EXPECT_GT(pushed, ticks / 100);
-  // The wall's slope: k · 0.15 m/s over the lever arm twice · T.
+  // The wall's slope: k · 0.15 m/s divided by the lever arm twice, times T.
   EXPECT_LE(largest_n, 1.5 * 0.15 / (0.08 * 0.08) * 1e-3 + 1e-12);
 }
 
-TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingAsksFor) {
+TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingExplains) {
   auto random = seededRandom(34);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   FingerWallState state;
@@ -211,7 +212,7 @@ TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingAsksFor) {
   EXPECT_GT(pushed, ticks / 200);
 }
 
-/// A target with a soft side 10 mm deep; the finger is in it, the wall begins at its surface.
+/// A target with a soft side 10 mm deep; the finger is in it, and the wall starts at its surface.
 FingerWallState squeezeSoft(const FingerWallState& state, double closure, double finger,
                             double alpha) {
   FingerWallConfig config = oneFinger();
@@ -227,22 +228,22 @@ TEST(FingerWalls, FingerInTheSoftSide_FeelsItsDepth) {
   EXPECT_NEAR(effortAt(state, 1.125), -1.5 * 0.125, tolerance(1e-12));  // k · 10 mm over 0.08 m
 }
 
-TEST(FingerWalls, SoftSideComesToTheFingerInIt_TheWallStays) {
+TEST(FingerWalls, SoftSideThatMovesOntoTheFinger_LeavesTheWallInPlace) {
   FingerWallState state = squeezeSoft({}, 1.0, 1.05, 0.0);
-  EXPECT_EQ(effortAt(state, 1.05), 0.0);  // begins at the finger
+  EXPECT_EQ(effortAt(state, 1.05), 0.0);  // starts at the finger
   for (int i = 0; i < 1000; ++i) state = squeezeSoft(state, 1.0 - 1e-3 * i, 1.05, 1.0);
   EXPECT_EQ(effortAt(state, 1.05), 0.0) << "the arm's motion lifted the finger";
   for (int i = 1; i <= 50; ++i) state = squeezeSoft(state, 0.0, 1.05 + 1e-3 * i, 1.0);
   EXPECT_NEAR(effortAt(state, 1.1), -1.5 * 0.05, tolerance(1e-12));
 }
 
-TEST(FingerWalls, FingerBeforeTheTouchThatIsCalledInside_IsNotPushed) {
+TEST(FingerWalls, FingerBeforeTheTouchReportedAsInside_IsNotPushed) {
   FingerWallState state = squeezeSoft({}, 2.0, 1.9, 0.0);
   for (int i = 0; i < 1000; ++i) state = squeezeSoft(state, 1.5 + 1e-3 * i, 1.49, 1.0);
   EXPECT_EQ(effortAt(state, 1.49), 0.0);
 }
 
-TEST(FingerWalls, FingerThatPressesDeepAndComesBack_GetsBackNoMoreThanItGave) {
+TEST(FingerWalls, FingerThatPressesDeepAndReturns_GetsBackNoMoreEnergyThanItGave) {
   FingerWallState state = squeezeSoft({}, 1.0, 1.0, 0.0);
   for (int i = 1; i <= 1600; ++i) state = squeezeSoft(state, 1.0, 1.0 + 1e-3 * i, 1.0);
   EXPECT_EQ(state.position[0], 1.0);
@@ -252,9 +253,9 @@ TEST(FingerWalls, FingerThatPressesDeepAndComesBack_GetsBackNoMoreThanItGave) {
   }
 }
 
-TEST(FingerWalls, WallOfASoftSideThatNothingIsIn_IsWhereTheTouchIs) {
+TEST(FingerWalls, SoftSideWithoutAFinger_WallStandsAtTheTouch) {
   FingerWallState state = squeezeSoft({}, 2.0, 1.0, 0.0);
-  // Nothing is felt of it: the finger is before the touch.
+  // The finger is before the touch, so it feels no effort.
   FingerWallConfig config = oneFinger();
   config.soft_m = 0.01;
   const FingerWallInput seen{AxisPosition(1, 1.5), AxisPosition(1, 1.2), AxisPosition(1, 1.2), 0U,

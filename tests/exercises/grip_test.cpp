@@ -1,5 +1,5 @@
-// Which contacts on a dispenser are a grip. Postures and normals of the grasps are those of virtual
-// patients at the bar; of a left hand the mirror image in y.
+// Decides which contacts on a dispenser are a grip. Postures and normals come from grasps of
+// virtual patients at the bar; a left hand has the mirror image in y.
 #include "loop/exercise/grip.hpp"
 
 #include "exercises/bar_table.hpp"
@@ -50,7 +50,7 @@ double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
         Eigen::Vector3d(t.normal.x, flip * t.normal.y, t.normal.z).normalized();
     c.normal = Vec3::from(n);
     c.force_n =
-        Vec3::from(t.force_n * n + 0.3 * Eigen::Vector3d::UnitZ().cross(n));  // friction, too
+        Vec3::from(t.force_n * n + 0.3 * Eigen::Vector3d::UnitZ().cross(n));  // includes friction
   }
   EXPECT_EQ(gripForce_n(record, 2, posed.posture), 0.0);  // another body
   return gripForce_n(record, 3, posed.posture);
@@ -58,7 +58,7 @@ double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
 
 class Grip : public testing::TestWithParam<Side> {};
 
-TEST_P(Grip, OfFingersThumbAndPalm_IsTheSumOfNormalForces) {
+TEST_P(Grip, FingersThumbAndPalm_GiveTheSumOfNormalForces) {
   const std::vector<Touch> touches = {{"thumb_proximal", {-0.92, 0.10, 0.37}, 1.7},
                                       {"hypothenar_edge", {-0.11, -0.99, 0.01}, 3.0},
                                       {"little_distal", {0.75, 0.65, -0.11}, 3.2},
@@ -66,34 +66,34 @@ TEST_P(Grip, OfFingersThumbAndPalm_IsTheSumOfNormalForces) {
   EXPECT_NEAR(grip_n(GetParam(), 2.28, 20.0 * kDeg, 0.44, touches), 9.8, tolerance(1e-12));
 }
 
-TEST_P(Grip, OfFingersAgainstThePalmAlone_IsTheSumOfNormalForces) {
+TEST_P(Grip, FingersAgainstThePalmAlone_GiveTheSumOfNormalForces) {
   const std::vector<Touch> touches = {{"hypothenar_edge", {-0.11, -0.99, 0.01}, 5.0},
                                       {"little_distal", {0.75, 0.65, -0.11}, 3.2},
                                       {"index_distal", {0.81, 0.57, -0.12}, 1.9}};
   EXPECT_NEAR(grip_n(GetParam(), 2.28, 0.0, 0.0, touches), 10.1, tolerance(1e-12));
 }
 
-TEST_P(Grip, PinchOfThumbAndOneFinger_IsTheSumOfNormalForces) {
+TEST_P(Grip, PinchOfThumbAndOneFinger_GivesTheSumOfNormalForces) {
   const std::vector<Touch> pinch = {{"thumb_proximal", {-0.92, -0.28, 0.28}, 3.5},
                                     {"index_distal", {0.94, 0.18, -0.28}, 3.9}};
   EXPECT_NEAR(grip_n(GetParam(), 2.28, 20.0 * kDeg, 0.0, pinch), 7.4, tolerance(1e-12));
 }
 
-TEST_P(Grip, FlatHandThatLeans_IsNone) {
+TEST_P(Grip, FlatHandThatLeans_IsNoGrip) {
   const std::vector<Touch> touches = {{"hollow", {0.0, -1.0, 0.0}, 8.0},
                                       {"pad_ulnar", {0.5, -0.87, 0.0}, 4.0},
                                       {"middle_proximal", {-0.5, -0.87, 0.0}, 4.0}};
   EXPECT_EQ(grip_n(GetParam(), 0.0, 0.0, 0.0, touches), 0.0);
 }
 
-TEST_P(Grip, BackOfTheHandAgainstBackOfTheFingers_IsNone) {
-  // Opposite to each other, but neither faces the palm.
+TEST_P(Grip, BackOfHandAgainstBackOfFingers_IsNoGrip) {
+  // The two face each other, but neither faces the palm.
   const std::vector<Touch> touches = {{"metacarpal_3", {0.0, 1.0, 0.0}, 8.0},
                                       {"middle_distal", {0.0, -1.0, 0.0}, 8.0}};
   EXPECT_EQ(grip_n(GetParam(), 3.14, 0.0, 0.0, touches), 0.0);
 }
 
-TEST_P(Grip, SidesOfAFinger_AreNone) {
+TEST_P(Grip, SidesOfAFinger_AreNoGrip) {
   const std::vector<Touch> touches = {{"index_middle", {0.0, 0.0, 1.0}, 8.0},
                                       {"index_middle", {0.0, 0.0, -1.0}, 8.0}};
   for (const double fingers_rad : {0.0, 1.0, 2.0, 3.0}) {
@@ -101,13 +101,13 @@ TEST_P(Grip, SidesOfAFinger_AreNone) {
   }
 }
 
-TEST_P(Grip, ArmThatPushesPastALightFinger_CountsFiveTimesTheFinger) {
+TEST_P(Grip, ArmThatPushesOnALightFinger_CountsFiveTimesTheFingersForce) {
   const std::vector<Touch> touches = {{"hollow", {0.0, -1.0, 0.0}, 30.0},
                                       {"middle_distal", {0.0, 1.0, 0.0}, 0.4}};
   EXPECT_NEAR(grip_n(GetParam(), 3.14, 0.0, 0.0, touches), 5 * 0.4, tolerance(1e-12));
 }
 
-TEST_P(Grip, UnknownPosture_IsNone) {
+TEST_P(Grip, UnknownPosture_IsNoGrip) {
   HandPosture posture(hand(GetParam()));
   TickRecord record;
   record.contact_count = 2;
@@ -122,7 +122,7 @@ TEST_P(Grip, UnknownPosture_IsNone) {
 }
 INSTANTIATE_TEST_SUITE_P(Hands, Grip, testing::Values(Side::kRight, Side::kLeft));
 
-/// -∂(f·x)/∂q of a material point of a capsule's link: what the axis feels of f, by a central
+/// -∂(f·x)/∂q of a material point of a capsule's link: the effort of f on the axis, by a central
 /// difference of the kinematics.
 double heldBack(const HandModel& model, const AxisPosition& q_s, int axis, const Contact& c) {
   constexpr double kStep = 1e-5;
@@ -148,15 +148,15 @@ FingerWallConfig wallsOf(const DeviceModel& device) {
   return walls;
 }
 
-/// Fingers press a bottle against the palm with their ends: contacts, and a wall on their axis.
-struct Held {
+/// Fingertips press a bottle against the palm: contacts, and a wall on the fingers' axis.
+struct HeldBottle {
   AxisPosition q_s{6};
   TickRecord record;
   FeltBody felt;
   PosedHand posed{shippedHand()};
   AxisEffort limit{6, 0.8};
 
-  Held() {
+  HeldBottle() {
     q_s[3] = 2.28, q_s[4] = 20.0 * kDeg;
     posed.pose(q_s);
     add("middle_distal", {0.78, 0.61, -0.12}, 3.0);
@@ -184,53 +184,53 @@ struct Held {
   }
 };
 
-TEST(FeltSqueeze, OfContacts_IsTheirVirtualWorkAtTheFingertip) {
-  const Held held;
+TEST(FeltSqueeze, Contacts_GiveTheirVirtualWorkAtTheFingertip) {
+  const HeldBottle held;
   const double tip_n = heldBack(shippedHand(), held.q_s, 3, held.record.contacts[0]) / 0.08;
   EXPECT_GT(tip_n, 0.5);
   EXPECT_NEAR(held.squeeze_n(), tip_n, 1e-6);
 }
 
-TEST(FeltSqueeze, OfTheLiquidAlone_IsTheWallsEffortAtTheFingertip) {
-  Held held;
-  held.record.contacts[0].body = 2;  // the core is not met
+TEST(FeltSqueeze, LiquidAlone_GivesTheWallsEffortAtTheFingertip) {
+  HeldBottle held;
+  held.record.contacts[0].body = 2;  // the core is not touched
   EXPECT_EQ(held.squeeze_n(), 0.0);
   held.wall(1.7, {0.78, 0.61, -0.12});
   EXPECT_NEAR(held.squeeze_n(), 1.7, tolerance(1e-12));
-  held.limit[3] = 0.08;  // the device gives 1 N at the tip
+  held.limit[3] = 0.08;  // the device can give 1 N at the tip
   EXPECT_NEAR(held.squeeze_n(), 1.0, tolerance(1e-12));
 }
 
 TEST(FeltSqueeze, WallAndContacts_AreAdded) {
-  Held held;
+  HeldBottle held;
   const double contact_n = held.squeeze_n();
   held.wall(1.7, {0.78, 0.61, -0.12});
   EXPECT_NEAR(held.squeeze_n(), 1.7 + contact_n, 1e-9);
 }
 
-TEST(FeltSqueeze, DigitWithNothingAgainstIt_IsNone) {
-  Held held;
+TEST(FeltSqueeze, DigitWithoutCounterforce_GivesNone) {
+  HeldBottle held;
   held.record.contact_count = 0;
   held.wall(5.0, {0.78, 0.61, -0.12});
   EXPECT_EQ(held.squeeze_n(), 0.0);
 }
 
-TEST(FeltSqueeze, FlatFingersOnThePalmsSide_AreNone) {
-  Held held;
+TEST(FeltSqueeze, FlatFingersOnThePalmsSide_GiveNone) {
+  HeldBottle held;
   held.record.contacts[0].body = 2;
   held.wall(5.0, {-0.5, -0.87, 0.0});
   EXPECT_EQ(held.squeeze_n(), 0.0);
 }
 
-TEST(FeltSqueeze, DigitThatTouchesWithItsBack_IsNone) {
-  Held held;
+TEST(FeltSqueeze, DigitThatTouchesWithItsBack_GivesNone) {
+  HeldBottle held;
   held.record.contacts[0].body = 2;
   held.wall(5.0, {0.78, 0.61, -0.12});
   held.felt.touches[3].palmar_depth_m = 0.0;
   EXPECT_EQ(held.squeeze_n(), 0.0);
 }
 
-TEST(SoftTouches, OfAHandAboutACylinder_AreThoseWhoseClosingPresses) {
+TEST(SoftTouches, HandAroundACylinder_HasThoseThatPressByClosing) {
   const HandModel& model = shippedHand();
   PosedHand posed(model);
   AxisPosition q(6);
@@ -253,13 +253,13 @@ TEST(SoftTouches, OfAHandAboutACylinder_AreThoseWhoseClosingPresses) {
     }
   }
   EXPECT_TRUE(pressed);
-  // The back of a straight finger: opening would press, closing leads away.
+  // The back of a straight finger: opening would press, closing moves away.
   body.position_m = {0.12, -0.03, 0.004};
   EXPECT_FALSE(touches(0.0)[3].presses);
 }
 
-/// Against points of the capsules' and the cylinder's surfaces, drawn at random.
-TEST(Clearance, OfADispenser_IsNeverMoreThanTheDistanceOfAnyTwoPoints) {
+/// Compared with random points on the surfaces of the capsules and the cylinder.
+TEST(HandClearance, Dispenser_IsNeverFartherThanTheDistanceOfAnyTwoPoints) {
   const HandModel& model = hand(Side::kRight);
   PosedHand posed(model);
   posed.pose(AxisPosition(6));

@@ -1,13 +1,13 @@
-// Tasks of daily life: their rules, the shipped ones played by virtual patients, and bad files.
+// Tasks of daily life: their rules, the shipped tasks played by virtual patients, and faulty files.
 #include "exercises/bar_table.hpp"
 #include "exercises/kitchen/kitchen_player.hpp"
 #include "exercises/kitchen/kitchen_task.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -16,9 +16,9 @@ namespace {
 
 using kitchen::KitchenTask;
 using kitchen::Means;
-using kitchen::Seen;
 using kitchen::Step;
 using kitchen::TaskSteps;
+using kitchen::ThingObservation;
 using kitchen::Verb;
 
 constexpr double kTick_s = 1e-3;
@@ -34,8 +34,8 @@ Step stepOf(Verb verb) {
   return step;
 }
 
-/// Ticks until the only step ends; 0: not within 2 s.
-int ticksUntilDone(Verb verb, const Seen& seen) {
+/// Ticks until the only step ends; 0: it does not end within 2 s.
+int ticksUntilDone(Verb verb, const ThingObservation& seen) {
   KitchenTask task;
   task.things.emplace_back();
   task.steps = {stepOf(verb)};
@@ -46,37 +46,37 @@ int ticksUntilDone(Verb verb, const Seen& seen) {
   return 0;
 }
 
-TEST(TaskSteps, EachVerb_EndsByWhatItAsksForAndByNothingElse) {
-  Seen away;
+TEST(TaskSteps, EachVerb_EndsOnlyByItsOwnCondition) {
+  ThingObservation away;
   away.palm_m = 1.0, away.handle_n = 0.5;
   for (const Verb verb : {Verb::kReach, Verb::kTake, Verb::kMove, Verb::kHold, Verb::kPress,
                           Verb::kPut, Verb::kLetGo}) {
-    Seen seen = away;
+    ThingObservation seen = away;
     seen.center_m.setConstant(1.0);
     EXPECT_EQ(ticksUntilDone(verb, seen), 0) << kitchen::kVerbs[static_cast<int>(verb)];
   }
-  Seen near = away;
+  ThingObservation near = away;
   near.palm_m = 0.03;
   EXPECT_EQ(ticksUntilDone(Verb::kReach, near), 1);
-  Seen taken = away;
+  ThingObservation taken = away;
   taken.squeeze_n = 1.0;
   EXPECT_NEAR(ticksUntilDone(Verb::kTake, taken), 200, 1);
-  Seen moved = away;
+  ThingObservation moved = away;
   moved.q = 0.109;
   EXPECT_EQ(ticksUntilDone(Verb::kMove, moved), 1);
   EXPECT_NEAR(ticksUntilDone(Verb::kHold, moved), 500, 1);
-  Seen pressed = away;
+  ThingObservation pressed = away;
   pressed.handle_n = 1.0;
   EXPECT_NEAR(ticksUntilDone(Verb::kPress, pressed), 500, 1);
-  Seen there = away;
+  ThingObservation there = away;
   there.center_m.setConstant(0.19);
   EXPECT_NEAR(ticksUntilDone(Verb::kPut, there), 200, 1);
-  Seen free = away;
+  ThingObservation free = away;
   free.handle_n = 0.0;
   EXPECT_NEAR(ticksUntilDone(Verb::kLetGo, free), 200, 1);
 }
 
-TEST(TaskSteps, GripThatTrembles_CountsAndOneThatOpensBeginsAnew) {
+TEST(TaskSteps, TremblingGrip_CountsAndAnOpenedGripStartsAgain) {
   KitchenTask task;
   task.things.emplace_back();
   task.steps = {stepOf(Verb::kTake)};
@@ -84,7 +84,7 @@ TEST(TaskSteps, GripThatTrembles_CountsAndOneThatOpensBeginsAnew) {
     TaskSteps steps(task);
     bool done = false;
     for (int k = 0; k < 1000 && !done; ++k) {
-      Seen seen;
+      ThingObservation seen;
       seen.squeeze_n = k / 100 % 2 == 0 ? 1.5 : low_n;
       done = steps.tick(seen, kTick_s);
     }
@@ -92,12 +92,12 @@ TEST(TaskSteps, GripThatTrembles_CountsAndOneThatOpensBeginsAnew) {
   }
 }
 
-TEST(TaskSteps, Score_IsWholeWithinParAndFallsToNothingAtThreeTimesIt) {
+TEST(TaskSteps, Score_IsFullWithinParAndFallsToZeroAtThreeTimesPar) {
   KitchenTask task;
   task.things.emplace_back();
   task.steps = {stepOf(Verb::kReach), stepOf(Verb::kReach)};
   task.par_s = 1.0;
-  Seen far, near;
+  ThingObservation far, near;
   far.palm_m = 1.0;
   TaskSteps steps(task);
   (void)steps.tick(near, kTick_s);
@@ -105,10 +105,10 @@ TEST(TaskSteps, Score_IsWholeWithinParAndFallsToNothingAtThreeTimesIt) {
   for (int k = 0; k < 1999; ++k) (void)steps.tick(far, kTick_s);
   (void)steps.tick(near, kTick_s);
   EXPECT_TRUE(steps.done());
-  EXPECT_NEAR(steps.score(), 75.0, 1e-6);  // twice par: half of half
+  EXPECT_NEAR(steps.score(), 75.0, 1e-6);  // twice par: half the score of one of the two steps
 }
 
-/// A thing with its grip at the origin, on a joint.
+/// A task with an object on a joint whose grip is at the origin.
 KitchenTask taskOf(SceneJoint::Type type, const Eigen::Vector3d& axis,
                    const Eigen::Vector3d& point_m, const std::vector<Verb>& verbs) {
   KitchenTask task;
@@ -121,7 +121,7 @@ KitchenTask taskOf(SceneJoint::Type type, const Eigen::Vector3d& axis,
   return task;
 }
 
-TEST(Meeting, FollowsFromVerbsAndJoint) {
+TEST(Meeting, VerbsAndJoint_DetermineTheMeans) {
   using Eigen::Vector3d;
   constexpr auto kHinge = SceneJoint::Type::kHinge, kSlide = SceneJoint::Type::kSlide;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
@@ -155,14 +155,14 @@ TEST(Meeting, FollowsFromVerbsAndJoint) {
                  off_m = meetingOf(rocker, 0, 0.2, Vector3d::Zero(), 1.0).side_m;
   EXPECT_NEAR(on_m.y(), 0.02, 1e-15);
   EXPECT_LT(off_m.y(), -0.019);
-  // For a left hand the palm looks the other way.
+  // The palm of a left hand faces the other way.
   const KitchenTask lever = taskOf(kSlide, -y, z, {Verb::kPress});
   EXPECT_EQ(meetingOf(lever, 0, 0.0, Vector3d::Zero(), -1.0).means, Means::kPush);
 }
 
-// Nobody's hand is shut in: what is open returns only when the palm is 6 cm away and no part of the
-// hand touches it.
-TEST(Kitchen, ThingsReturn_OnlyWhenTheHandIsClear) {
+// A hand must never be trapped: an open object returns only when the palm is 6 cm away and no part
+// of the hand touches it.
+TEST(Kitchen, OpenObject_ReturnsOnlyWhenTheHandIsClear) {
   const auto loaded =
       orThrow(loadExercise(config("exercises/drawer.toml"), 1, shippedDevice(), shippedHand()));
   const ExerciseDescription& about = loaded.exercise->description();
@@ -191,17 +191,17 @@ TEST(Kitchen, ThingsReturn_OnlyWhenTheHandIsClear) {
   EXPECT_EQ(placed(0.10, 0), 0) << "once";
 }
 
-TEST(Kitchen, HandThatStartsInsideAThing_IsRefusedAndTheThingIsNamed) {
+TEST(Kitchen, HandThatStartsInsideAnObject_IsRefusedWithItsName) {
   Models models = load(exerciseFiles("drawer"));
   models.scene.bodies[0].pose.translation_m.setZero();
   std::unique_ptr<Player> player = makeExercisePlayer(models, 1);
   const auto rig = buildRig(std::move(models), std::move(player), RigOptions{});
   const auto armed = rig.ok() ? (*rig)->renderer->arm() : Expected<Done>(rig.errors());
   ASSERT_FALSE(armed.ok());
-  EXPECT_TRUE(says(format(armed.errors()), "drawer")) << format(armed.errors());
+  EXPECT_TRUE(contains(format(armed.errors()), "drawer")) << format(armed.errors());
 }
 
-// Also on a device that hardly draws back, with the largest hand.
+// This includes a device that hardly draws back, with the largest hand.
 TEST(Kitchen, HandOnAnyDevice_StartsClearOfEveryTask) {
   const std::string hand = seed() % 2 == 0 ? "man-p95-right" : "man-p95-left";
   for (const std::string device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
@@ -247,14 +247,14 @@ Played play(const ModelFiles& files, std::uint64_t seed_of_player, int ticks = 2
   return out;
 }
 
-/// Shipped tasks. Who is weak in the fingers does what asks for no grip.
+/// A shipped task. Patients with weak fingers play only tasks that need no grip.
 struct ShippedTask {
   std::string name;
   bool grips = true;
   int plays = 0, done = 0;
 };
 
-TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
+TEST(Kitchen, ShippedTasks_AreCompletedByEveryKindOfPatientAndHand) {
   std::mt19937_64 random(seed());
   ShippedTask tasks[] = {{"drawer"},      {"cupboard-door"},       {"light-switch", false},
                          {"coffee-mill"}, {"flip-top-lid", false}, {"press-lever"}};
@@ -298,9 +298,9 @@ TEST(Kitchen, ShippedTasks_AreDoneByPatientsOfEveryKindAndHand) {
   EXPECT_LE(error_m, 1e-12);  // rounding of quaternions; the pose is computed from q
 }
 
-// A body without joint is taken and put aside, or pushed away by the fingertips, where the file
-// says: nobody wrote a line of code for it.
-TEST(Kitchen, ThingWithoutJoint_IsPutWhereTheFileSays) {
+// A body without joint is taken and put aside, or pushed away by the fingertips, to the place in
+// the file. No code is written for this task.
+TEST(Kitchen, ObjectWithoutJoint_IsPutWhereTheFileSays) {
   const std::string scene = R"(
 kind = "scene"
 version = 1
@@ -360,14 +360,14 @@ lead = { en = "a", fr = "a", de = "a" }
   }
 }
 
-/// A folder with the shipped drawer, one of its files changed.
+/// A folder with the shipped drawer, with one of its files changed.
 struct FaultyDrawer {
   std::string task = bytesOfFile(config("exercises/drawer.toml")),
               scene = bytesOfFile(config("scenes/drawer.toml")),
               urdf = bytesOfFile(config("scenes/assets/drawer.urdf"));
 
-  /// The faults; without any, what is noticed.
-  [[nodiscard]] std::string says(int level = 1) const {
+  /// The faults; without any, the notices.
+  [[nodiscard]] std::string refusal(int level = 1) const {
     const Folder folder;
     folder.write("scenes/drawer.toml", scene);
     folder.write("scenes/assets/drawer.urdf", urdf);
@@ -377,11 +377,11 @@ struct FaultyDrawer {
   }
 };
 
-TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
+TEST(Kitchen, FaultyFiles_AreReportedWithKeyValueAndRemedy) {
   enum File { kTask, kScene, kUrdf };
   struct Case {
     File file;
-    std::string find, with, says, remedy;
+    std::string find, with, expected, remedy;
   };
   const Case cases[] = {
       {kTask, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
@@ -404,7 +404,7 @@ TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
       {kScene, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
       {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"",
        "drawer.urdf", "must be > 0"},
-      // The bar stands 10 mm before the front: no finger passes behind it.
+      // The bar stands 10 mm in front of the panel, so that no finger passes behind it.
       {kUrdf, "<origin xyz=\"0.074 0 0\"/>", "<origin xyz=\"0.034 0 0\"/>", "is buried",
        "leave 18 mm free behind its radius of 15 mm"},
       // Level 1 halves it; the device has 20 N along x.
@@ -421,15 +421,15 @@ TEST(Kitchen, BadFiles_AreNamedByKeyValueAndRemedy) {
     const std::size_t at = text.find(c.find);
     ASSERT_NE(at, std::string::npos);
     text.replace(at, c.find.size(), c.with);
-    const std::string said = faulty.says();
-    EXPECT_TRUE(test::says(said, c.says)) << said;
-    EXPECT_TRUE(test::says(said, c.remedy)) << said;
+    const std::string said = faulty.refusal();
+    EXPECT_TRUE(test::contains(said, c.expected)) << said;
+    EXPECT_TRUE(test::contains(said, c.remedy)) << said;
   }
-  EXPECT_EQ(FaultyDrawer().says(), "");
-  EXPECT_TRUE(test::says(FaultyDrawer().says(4), "ask for 1 .. 3"));
+  EXPECT_EQ(FaultyDrawer().refusal(), "");
+  EXPECT_TRUE(test::contains(FaultyDrawer().refusal(4), "ask for 1 .. 3"));
 }
 
-TEST(Mirror, OfASceneTwice_IsTheScene) {
+TEST(Mirror, MirroringASceneTwice_RestoresTheScene) {
   const auto loaded = orThrow(
       loadExercise(config("exercises/cupboard-door.toml"), 1, shippedDevice(), shippedHand()));
   SceneModel twice = loaded.scene;

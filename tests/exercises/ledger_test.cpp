@@ -15,7 +15,7 @@ std::vector<BarDispenser> dispensers(std::vector<double> start_l) {
   return out;
 }
 
-TEST(Ledger, PouredIntoAStepWithLittleRoom_TheRestIsSpilt) {
+TEST(Ledger, PouringMoreThanTheStepHolds_SpillsTheRest) {
   Ledger ledger;
   ledger.fill(dispensers({0.2}));
   EXPECT_NEAR(ledger.pour(0, 0.05, 2, 0.03, 1.0), 0.05, tolerance(1e-12));
@@ -25,7 +25,7 @@ TEST(Ledger, PouredIntoAStepWithLittleRoom_TheRestIsSpilt) {
   EXPECT_NEAR(ledger.left_l(0), 0.15, tolerance(1e-12));
 }
 
-TEST(Ledger, FullGlass_RunsOver) {
+TEST(Ledger, FullGlass_Overflows) {
   Ledger ledger;
   ledger.fill(dispensers({0.2}));
   (void)ledger.pour(0, 0.1, 0, 1.0, 0.08);
@@ -36,7 +36,7 @@ TEST(Ledger, FullGlass_RunsOver) {
   EXPECT_NEAR(ledger.spilt_l(), 0.03, tolerance(1e-12));
 }
 
-TEST(Ledger, EmptyDispenser_GivesWhatItHas) {
+TEST(Ledger, EmptyDispenser_GivesOnlyItsContent) {
   Ledger ledger;
   ledger.fill(dispensers({0.01}));
   EXPECT_NEAR(ledger.spill(0, 0.5), 0.01, tolerance(1e-12));
@@ -44,7 +44,7 @@ TEST(Ledger, EmptyDispenser_GivesWhatItHas) {
   EXPECT_EQ(ledger.left_l(0), 0.0);
 }
 
-TEST(Ledger, AskedForNonsense_MovesNothing) {
+TEST(Ledger, InvalidAmount_MovesNothing) {
   Ledger ledger;
   ledger.fill(dispensers({0.1}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -55,7 +55,7 @@ TEST(Ledger, AskedForNonsense_MovesNothing) {
   EXPECT_NEAR(ledger.spilt_l(), 0.01, tolerance(1e-12));
 }
 
-TEST(Ledger, MillionRandomMoves_EveryDropIsAccountedFor) {
+TEST(Ledger, MillionRandomMoves_ConserveTheVolume) {
   auto random = seededRandom(34);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Ledger ledger;

@@ -2,8 +2,8 @@
 #include "files/device/device_file.hpp"
 #include "files/hand/hand_file.hpp"
 #include "loop/realtime/allocation_counter.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ std::vector<ExerciseFile> shipped() {
   return listExercises(config("exercises"));
 }
 
-TEST(ShippedExercises, Listed_ByTheNamesOfTheirFiles) {
+TEST(ShippedExercises, ListOfExercises_HasTheirFileNames) {
   std::set<std::string> names;
   for (const ExerciseFile& file : shipped()) names.insert(file.name);
   EXPECT_TRUE(names.contains("cocktail-bar"));
@@ -50,7 +50,7 @@ TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
   }
 }
 
-TEST(ShippedExercises, Liquids_AreDistinguishedByFeel) {
+TEST(ShippedExercises, Liquids_AreDistinguishableByFeel) {
   for (const char* name : {"cocktail-bar", "cocktail-bar-free"}) {
     const auto loaded = orThrow(
         loadExercise(config("exercises/") + name + ".toml", 1, shippedDevice(), shippedHand()));
@@ -63,13 +63,13 @@ TEST(ShippedExercises, Liquids_AreDistinguishedByFeel) {
     ASSERT_GE(resistance_n_s_m.size(), 4U);
     EXPECT_GE(resistance_n_s_m.front(), 79.0) << name << ": the device's own is 2.3 N·s/m";
     for (std::size_t i = 1; i < resistance_n_s_m.size(); ++i) {
-      // Discrimination threshold: 34 % of viscosity (Jones 1997).
+      // Discrimination threshold: 34 % of the viscosity (Jones 1997).
       EXPECT_GE(resistance_n_s_m[i] / resistance_n_s_m[i - 1], 1.598) << name;
     }
   }
 }
 
-TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedSayingWhatWouldDo) {
+TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedWithTheRemedy) {
   const DeviceModel device = loadDeviceFile(config("devices/desktop-3axis.toml")).value();
   const HandModel hand =
       assembleHand(loadHandFile(config("hands/adult-median-right.toml")).value(), device).value();
@@ -77,22 +77,22 @@ TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedSayingWhatWouldDo) {
     const std::string path = config("exercises/") + name;
     const auto loaded = loadExercise(path, 1, device, hand);
     ASSERT_FALSE(loaded.ok()) << "nobody could squeeze";
-    ASSERT_EQ(loaded.errors().size(), 2U) << format(loaded.errors());  // one an axis
+    ASSERT_EQ(loaded.errors().size(), 2U) << format(loaded.errors());  // one per axis
     const char* const axes[] = {"finger_flexion", "thumb_flexion"};
     for (std::size_t i = 0; i < 2; ++i) {
       const Diagnostic& fault = loaded.errors()[i];
       EXPECT_EQ(fault.file, path);
       EXPECT_GT(fault.line, 0);
       EXPECT_EQ(fault.key, std::string("wall.axes[") + axes[i] + "].name");
-      EXPECT_TRUE(says(format(fault), device.path));
-      EXPECT_TRUE(says(fault.remedy, "--scene F --motion F"));
+      EXPECT_TRUE(contains(format(fault), device.path));
+      EXPECT_TRUE(contains(fault.remedy, "--scene F --motion F"));
     }
   }
   const auto free = loadExercise(config("exercises/free-grasping.toml"), 1, device, hand);
   EXPECT_TRUE(free.ok()) << format(free.errors());
 }
 
-TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {
+TEST(ShippedExercises, LeftHand_HasTheMirroredReach) {
   const HandModel left =
       assembleHand(loadHandFile(config("hands/adult-median-left.toml")).value(), shippedDevice())
           .value();
@@ -111,8 +111,8 @@ TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {
   EXPECT_NEAR(y_m("cocktail-bar-free.toml", left, "glass"), -0.041, 1e-12);
 }
 
-/// 4 N of coupling at the tip and the shell's wall, in N at the tip.
-TEST(ShippedExercises, FirmSqueezeOfTheThickest_StaysUnderTheTipLimit) {
+/// 4 N of coupling at the tip plus the shell's wall, in N at the tip.
+TEST(ShippedExercises, FirmSqueezeOfTheThickestLiquid_StaysBelowTheTipLimit) {
   BarTable bar(4);
   const double k_pm = 4.0, lever_m = 0.08;
   bar.hold(3, 8.0);
@@ -121,7 +121,7 @@ TEST(ShippedExercises, FirmSqueezeOfTheThickest_StaysUnderTheTipLimit) {
   bar.record.contacts[3].capsule = BarTable::capsuleOf("thumb_distal");  // both axes touch
   bar.record.q_m[3] = bar.record.q_m[5] = 1.0;
   bar.run(1.5);
-  // The avatar's finger stays at the touch; the device's is past it by what 4 N stretch.
+  // The avatar's finger stays at the touch; the device is beyond it by the stretch of 4 N.
   bar.record.q_m[3] = bar.record.q_m[5] = 1.0 + 4.0 * lever_m / k_pm;
   bar.tick();
   for (const int axis : {3, 5}) {
@@ -131,7 +131,7 @@ TEST(ShippedExercises, FirmSqueezeOfTheThickest_StaysUnderTheTipLimit) {
   }
 }
 
-TEST(ShippedExercises, Ticking_AllocatesNothing) {
+TEST(ShippedExercises, Tick_DoesNotAllocate) {
   for (const ExerciseFile& file : shipped()) {
     auto loaded = loadExercise(file.path, 1, shippedDevice(), shippedHand());
     ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
@@ -162,7 +162,7 @@ TEST(ShippedExercises, Ticking_AllocatesNothing) {
   }
 }
 
-TEST(FreeGrasping, ItsScene_PushesNobodyAndTargetsEveryBody) {
+TEST(FreeGrasping, EveryBodyOfItsScene_IsATargetAndNobodyIsPushed) {
   auto loaded =
       loadExercise(config("exercises/free-grasping.toml"), 1, shippedDevice(), shippedHand());
   ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
@@ -176,7 +176,7 @@ TEST(FreeGrasping, ItsScene_PushesNobodyAndTargetsEveryBody) {
   ExerciseInput input;
   input.observed = &record;
   ExerciseRecord out;
-  out.effort = AxisEffort(6, 9.0);  // of a tick before
+  out.effort = AxisEffort(6, 9.0);  // of an earlier tick
   BodyPlacements placements;
   placements.count = 3;
   free.exercise->tick(input, out, placements);

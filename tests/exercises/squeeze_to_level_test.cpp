@@ -1,5 +1,5 @@
 #include "exercises/squeeze_to_level/squeeze_task.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 
@@ -20,7 +20,7 @@ int ticks(BandSteps& steps, double squeeze_n, int count) {
   return held;
 }
 
-TEST(BandSteps, AwayFromTheObject_AskToReachThenToSqueezeMore) {
+TEST(BandSteps, AwayFromTheObject_AsksToReachThenToSqueezeMore) {
   BandSteps steps(kRules);
   (void)steps.tick(0.0, false, 1.0, kTick_s);
   EXPECT_EQ(steps.instruction(), Instruction::kReach);
@@ -30,11 +30,11 @@ TEST(BandSteps, AwayFromTheObject_AskToReachThenToSqueezeMore) {
   EXPECT_EQ(steps.instruction(), Instruction::kLess);
 }
 
-TEST(BandSteps, HeldWithoutLeaving_ScoreIsFull) {
+TEST(BandSteps, HeldWithoutLeaving_GivesTheFullScore) {
   BandSteps steps(kRules);
   EXPECT_EQ(ticks(steps, 1.5, 500), 1);
   EXPECT_EQ(steps.instruction(), Instruction::kLetGo);
-  EXPECT_NEAR(steps.score(), 50.0, 0.2);  // one of two bands; a tick more may pass
+  EXPECT_NEAR(steps.score(), 50.0, 0.2);  // one of two bands; one tick more may pass
   EXPECT_EQ(ticks(steps, 0.1, 1), 0);
   EXPECT_EQ(ticks(steps, 3.5, 500), 1);
   EXPECT_FALSE(steps.done());
@@ -42,8 +42,9 @@ TEST(BandSteps, HeldWithoutLeaving_ScoreIsFull) {
   EXPECT_NEAR(steps.score(), 100.0, 0.4);
 }
 
-/// Half a second in all within the band, half a second beyond it: 0.5 / 1.0 of a band, of two.
-TEST(BandSteps, LeftForAsLongAsHeld_HalvesTheBandsScore) {
+/// Half a second within the band in total and half a second beyond it: 0.5 / 1.0 of one of two
+/// bands.
+TEST(BandSteps, LeavingAsLongAsHolding_HalvesTheBandsScore) {
   BandSteps steps(kRules);
   (void)ticks(steps, 1.5, 250);
   (void)ticks(steps, 2.5, 500);
@@ -51,23 +52,25 @@ TEST(BandSteps, LeftForAsLongAsHeld_HalvesTheBandsScore) {
   EXPECT_NEAR(steps.score(), 25.0, 0.2);
 }
 
-TEST(BandSteps, NotLetGo_TheNextBandDoesNotBegin) {
+TEST(BandSteps, WithoutLettingGo_TheNextBandDoesNotBegin) {
   BandSteps steps(kRules);
   (void)ticks(steps, 1.5, 500);
   EXPECT_EQ(ticks(steps, 3.5, 2000), 0);
   EXPECT_EQ(steps.band(), 0);
 }
 
-TEST(BandSteps, AtHalfTheLevel_HalfTheForceDoes) {
+TEST(BandSteps, HalfTheLevel_NeedsHalfTheForce) {
   BandSteps steps(kRules);
   BandChange news;
   for (int i = 0; i < 501 && news.held < 0; ++i) news = steps.tick(0.75, true, 0.5, kTick_s);
   EXPECT_EQ(news.held, 0);
 }
 
-/// Every shipped hand does it by itself, within the limits, and what counts is reported.
-TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsDoneWithin25s) {
-  for (const std::string& hand : aTenth<std::string>({"adult-median-right", "adult-median-left"})) {
+/// The virtual patient completes it with every shipped hand, within the limits, and its results are
+/// reported.
+TEST(SqueezeToLevel, PlayedByItsVirtualPatient_IsCompletedWithin25s) {
+  for (const std::string& hand :
+       sampleTenth<std::string>({"adult-median-right", "adult-median-left"})) {
     SCOPED_TRACE(hand);
     Models models = load(exerciseFiles("squeeze-to-level", 1, hand));
     std::unique_ptr<Player> player = models.exercise->makePlayer({7});

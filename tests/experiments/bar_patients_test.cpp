@@ -1,4 +1,5 @@
-// Every shipped hand plays every level of both bars to its end: a sample of 50 seeds each.
+// Every shipped hand plays every level of both bars to its end, each with 50 seeds; only a sample
+// of these plays is run by default.
 #include "experiments/bar_figures.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
@@ -32,7 +33,7 @@ CocktailPlan planOf(const Play& p) {
   return plan;
 }
 
-/// One of those who were found to spill for ever from a bottle that leaned in the hand.
+/// A play that once spilled forever from a bottle that leaned in the hand.
 const Play kFound{"cocktail-bar-free", "woman-p05-right", 2, 11};
 
 std::vector<Play> playsDrawn() {
@@ -48,12 +49,12 @@ std::vector<Play> playsDrawn() {
   if (fullCounts()) return all;
   auto random = seededRandom(75);
   std::vector<Play> drawn = {kFound};
-  if (kFew) return drawn;
+  if (kReducedCounts) return drawn;
   for (const std::size_t i : sampleOf(all.size(), 2, random)) drawn.push_back(all[i]);
   return drawn;
 }
 
-/// The figure: it ends. Its result is reported, and nothing is lost on the way.
+/// The level must end; its result is reported, and nothing is lost on the way.
 TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
   const std::vector<Play> plays = playsDrawn();
   int completed = 0;
@@ -86,11 +87,11 @@ TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
   figure("longest", longest_s, "s");
 }
 
-// The bar for an arm that does not reach far, with the real physics: the row comes, a drink is
-// mixed.
+// The bar for an arm with a short reach, with the real physics: the row of bottles comes to the
+// hand and a drink is mixed.
 
-TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
-  for (const int side : allOrOne(0, 1)) {
+TEST(BarWithShortReach, DrinkForEitherHand_IsMixedWithinTheShortReach) {
+  for (const int side : sampleOne(0, 1)) {
     const char* name = side == 0 ? "adult-median-right" : "woman-p50-left";
     SCOPED_TRACE(name);
     Models models = load(exerciseFiles("cocktail-bar", 2, name));
@@ -114,15 +115,16 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
     ASSERT_TRUE(rig->renderer->arm());
     TickRecord record;
     double poured_l = 0.0, nearest_m = 1.0;
-    for (int k = 0; k < 60'000 && poured_l < 0.022; ++k) {  // sunset: 16 and 12 ml, 4 ml off each
+    for (int k = 0; k < 60'000 && poured_l < 0.022;
+         ++k) {  // sunset: 16 and 12 ml, each within 4 ml
       rig->renderer->tick(1, record);
-      player->see(record);
+      player->onRecord(record);
       ASSERT_EQ(record.faults & kStoppingFaults, Fault::kNone) << "tick " << k;
       poured_l = figures(BarFigures::kPouredTotal, record.exercise);
       nearest_m = std::min(nearest_m, record.bodies[lemon].position_m.x);
     }
     EXPECT_GE(poured_l, 0.022);
-    EXPECT_LT(nearest_m, 0.119 - 0.005);  // of the scene: 0.119
+    EXPECT_LT(nearest_m, 0.119 - 0.005);  // the scene places it at 0.119 m
   }
 }
 

@@ -1,4 +1,5 @@
-// The bar, pushed about by hands that do not grip: with the back, flat, as a fist. Whole rigs.
+// Hands that do not grip push the bottles of the bar: with the back, flat, or as a fist. Whole
+// rigs.
 #include "experiments/bar_figures.hpp"
 #include "loop/core/compiler.hpp"
 #include "loop/patient/motion.hpp"
@@ -16,9 +17,9 @@ constexpr int kFingers = 3, kTurn = 4, kThumb = 5;  // axes of lambda-pride, aft
 
 enum class How {
   kBack,     ///< the back of the hand, fingers straight to closed
-  kFlat,     ///< the palm's side, fingers and thumb straight: all of it presses one way
-  kFist,     ///< knuckles first, the dispenser in front of the closed hand
-  kHalfOpen  ///< the palm's side, fingers half bent: those that meet a bottle close at about 105°
+  kFlat,     ///< the palm's side, fingers and thumb straight: all parts press in one direction
+  kFist,     ///< knuckles first; the dispenser is in front of the closed hand
+  kHalfOpen  ///< the palm's side, fingers half bent; fingers close around a bottle at about 105°
 };
 constexpr const char* kNames[] = {"back", "flat", "fist", "half open"};
 
@@ -27,9 +28,9 @@ struct Push {
   std::string exercise, hand;
   int level = 1;
   double flexion_rad = 0.0, turn_rad = 0.0, thumb_rad = 0.0;
-  double ahead_m = 0.0, up_m = 0.0;  ///< of the hand's base, from the dispenser
-  double depth_m = 0.0;              ///< how far it wants to get into the dispenser
-  double time_s = 0.5;               ///< of the approach
+  double ahead_m = 0.0, up_m = 0.0;  ///< position of the hand's base relative to the dispenser
+  double depth_m = 0.0;              ///< intended depth into the dispenser
+  double time_s = 0.5;               ///< duration of the approach
 };
 
 std::ostream& operator<<(std::ostream& out, const Push& p) {
@@ -45,7 +46,7 @@ struct Felt {
   double pressed_n = 0.0;  ///< largest sum of normal forces on a dispenser
 };
 
-/// From aside (or from in front) against the first dispenser, and on for a second.
+/// A motion from the side (or from the front) against the first dispenser, held for a second.
 Intention motionOf(const Push& push, const Eigen::Vector3d& at_m, double side,
                    const DeviceModel& device) {
   const auto waypoint = [&](double time_s, double x, double y) {
@@ -58,7 +59,7 @@ Intention motionOf(const Push& push, const Eigen::Vector3d& at_m, double side,
     return Waypoint{time_s, q};
   };
   const double x = at_m.x() - push.ahead_m, back = -0.085;
-  // The hand's palm faces `side`; half a hand and the dispenser's radius are 0.041 m.
+  // The palm faces `side`; half a hand and the dispenser's radius are 0.041 m.
   const double from = push.how == How::kBack ? side : -side;
   const double aside_m = at_m.y() + from * 0.11, in_m = at_m.y() + from * (0.041 - push.depth_m);
   if (push.how == How::kFist) {
@@ -101,8 +102,8 @@ Felt feel(const Push& push) {
   return felt;
 }
 
-/// What the issue was opened for: straight fingers, the arm pushing sideways, 30.7 of 40 ml.
-TEST(BarPushed, WithTheBackOfTheHand_PoursNothing) {
+/// Regression test: straight fingers with the arm pushing sideways once poured 30.7 of 40 ml.
+TEST(BarPushed, PushWithTheBackOfTheHand_PoursNothing) {
   for (const char* hand : {"adult-median-right", "adult-median-left"}) {
     Push push;
     push.exercise = "cocktail-bar";
@@ -124,7 +125,7 @@ Push drawn(std::mt19937_64& random, How how, const std::vector<std::string>& han
   push.how = how;
   push.exercise = random() % 4 == 0 ? "cocktail-bar-free" : "cocktail-bar";
   push.hand = hands[random() % hands.size()];
-  // With the back, one dispenser alone: its neighbour would stand between fingers and thumb.
+  // The back pushes at a single dispenser; a neighbour would come between fingers and thumb.
   const int levels = how == How::kBack ? 1 : push.exercise == "cocktail-bar" ? 4 : 2;
   push.level = 1 + static_cast<int>(random() % static_cast<unsigned>(levels));
   push.flexion_rad = how == How::kFlat       ? draw(0.0, 25.0 * kDeg)
@@ -140,7 +141,7 @@ Push drawn(std::mt19937_64& random, How how, const std::vector<std::string>& han
   return push;
 }
 
-/// In `pushes` random ways, by `hows`.
+/// Pushes in `pushes` random ways of the kinds `hows`; nothing may be poured.
 void expectNothingPoured(int pushes, unsigned stream, const std::vector<How>& hows) {
   std::mt19937_64 random = seededRandom(stream);
   const std::vector<std::string> hands = shipped("hands");
@@ -154,23 +155,23 @@ void expectNothingPoured(int pushes, unsigned stream, const std::vector<How>& ho
   }
   figure("pushes", pushes, "");
   figure("pushes above the lowest threshold", pressed, "");
-  if (kCountsTell) {
-    EXPECT_GT(pressed, pushes / 4);  // else nothing was tried
+  if (kStatisticsMeaningful) {
+    EXPECT_GT(pressed, pushes / 4);  // otherwise the test proves nothing
   }
 }
 
-/// @return `full` under WHOLEHAND_FULL; a number in WHOLEHAND_PUSHES is a slice of it
+/// @return `full` with WHOLEHAND_FULL, else `sample`; WHOLEHAND_PUSHES sets the number directly
 int pushesOf(int full, int sample) {
   if (const char* slice = std::getenv("WHOLEHAND_PUSHES")) return std::atoi(slice);
   if (fullCounts()) return full;
-  return kFew ? 2 : sample;
+  return kReducedCounts ? 2 : sample;
 }
 
-TEST(BarPushed, WithoutAPalmarGrip_PoursNothing) {
+TEST(BarPushed, PushWithoutAPalmarGrip_PoursNothing) {
   expectNothingPoured(pushesOf(1000, 10), 74, {How::kBack, How::kFlat, How::kFist});
 }
 
-TEST(BarPushed, WithAnOpenOrHalfOpenHand_PoursNothing) {
+TEST(BarPushed, PushWithAnOpenOrHalfOpenHand_PoursNothing) {
   expectNothingPoured(pushesOf(1000, 10), 75, {How::kFlat, How::kHalfOpen});
 }
 

@@ -1,4 +1,5 @@
-// Virtual patients play the cocktail bar: what README.md promises of all seeds, some drawn here.
+// Virtual patients play the cocktail bar. README.md states the results for all seeds; some seeds
+// are drawn here.
 #include "experiments/cocktail_trial.hpp"
 
 #include "experiments/bar_figures.hpp"
@@ -28,9 +29,9 @@ CocktailResult play(int level, std::uint64_t seed) {
   return orThrow(runCocktail(plan));
 }
 
-TEST(CocktailBar, EveryLevelBySeedsDrawn_IsCompletedWithinToleranceAndNothingIsLost) {
+TEST(CocktailBar, EveryLevelWithRandomSeeds_IsCompletedWithinToleranceWithoutLoss) {
   auto random = seededRandom(72);
-  for (const int level : allOrOne(1, 4)) {
+  for (const int level : sampleOne(1, 4)) {
     for (int i = 0; i < cases(1); ++i) {
       const std::uint64_t seed = 1 + random() % 1'000'000;
       const CocktailResult r = play(level, seed);
@@ -45,7 +46,7 @@ TEST(CocktailBar, EveryLevelBySeedsDrawn_IsCompletedWithinToleranceAndNothingIsL
   }
 }
 
-TEST(CocktailBar, SameSeed_IsTheSameBitForBitAnotherIsNot_slow) {
+TEST(CocktailBar, SameSeed_IsBitIdenticalAndAnotherIsNot_slow) {
   const CocktailResult a = play(1, 5), b = play(1, 5), c = play(1, 6);
   EXPECT_EQ(a.score, b.score);
   EXPECT_EQ(a.amount_error_max_l, b.amount_error_max_l);
@@ -53,7 +54,7 @@ TEST(CocktailBar, SameSeed_IsTheSameBitForBitAnotherIsNot_slow) {
   EXPECT_NE(a.amount_error_max_l, c.amount_error_max_l);
 }
 
-TEST(CocktailBar, PlayerBesideTheTick_AllocatesNothing) {
+TEST(CocktailBar, TickWithItsPlayer_AllocatesNothing) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "a sanitizer owns malloc here";
   Models models = load(barFiles());
   std::unique_ptr<Player> made = models.exercise->makePlayer({3});
@@ -65,8 +66,8 @@ TEST(CocktailBar, PlayerBesideTheTick_AllocatesNothing) {
   bool poured = false;
   for (int k = 0; k < 9000; ++k) {
     const AllocationScope scope;
-    rig->renderer->tick(1, record);  // advances the player, too
-    player.see(record);
+    rig->renderer->tick(1, record);  // also advances the player
+    player.onRecord(record);
     allocations += scope.allocations();
     poured = poured || record.exercise.values[0] == 2.0;  // stage: pouring
   }
@@ -85,7 +86,7 @@ TEST(CocktailBar, FreeDispenser_IsCarriedOverTheGlassAndPutBack) {
     completed += r.completed ? 1 : 0;
     EXPECT_LE(r.volume_error_l, tolerance(1e-9)) << "seed " << plan.seed;
   }
-  EXPECT_GE(completed, cases(3) - cases(1));  // one may slip out of the hand
+  EXPECT_GE(completed, cases(3) - cases(1));  // one dispenser may slip out of the hand
 }
 
 Command command(CommandType type, Steering steering, const AxisPosition& aim = {}) {
@@ -96,11 +97,11 @@ Command command(CommandType type, Steering steering, const AxisPosition& aim = {
   return out;
 }
 
-/// A person takes the hand away in the middle of it, leads it among the dispensers, and gives it
-/// back: the virtual patient goes on from there and finishes the level.
-TEST(CocktailBar, PersonWhoTakesOverAndGivesBack_DisturbsNothing) {
+/// A person takes over the hand during a level, leads it among the dispensers and gives it back;
+/// the virtual patient continues from there and finishes the level.
+TEST(CocktailBar, HandTakenOverAndGivenBack_StillFinishesTheLevel) {
   Models models = load(barFiles());
-  const int done = 5;  // stage
+  const int done = 5;  // stage "level done"
   auto steered = std::make_unique<SteeredPlayer>(models.exercise->makePlayer({4}), models.device);
   SteeredPlayer& player = *steered;
   const auto rig = orThrow(buildRig(std::move(models), std::move(steered), {}));
@@ -117,9 +118,9 @@ TEST(CocktailBar, PersonWhoTakesOverAndGivesBack_DisturbsNothing) {
     if (tick == 4501) player.command(command(CommandType::kAim, Steering::kPerson, aim));
     if (tick == 6500) player.command(command(CommandType::kSteer, Steering::kVirtualPatient));
     rig->renderer->tick(1, record);
-    player.see(record);
+    player.onRecord(record);
     for (int a = 0; a < 6 && tick > 0; ++a) {
-      // No faster than the device's limits allow: 1.5 m/s and 10 rad/s (lambda-pride.toml).
+      // Stays within the device's limits: 1.5 m/s and 10 rad/s (lambda-pride.toml).
       const double limit = a < 3 ? 1.5e-3 : 10e-3;
       ASSERT_LE(std::abs(record.intention[a] - before[a]), limit) << "tick " << tick;
     }
@@ -128,14 +129,14 @@ TEST(CocktailBar, PersonWhoTakesOverAndGivesBack_DisturbsNothing) {
   EXPECT_EQ(record.exercise.values[0], done) << "after " << tick << " ticks";
 }
 
-/// A person who takes the hand over, leads it here and there, and gives it back.
+/// An episode in which a person takes over the hand, leads it and gives it back.
 struct Visit {
   std::string exercise;
   int level = 1, begins = 0, ends = 0;  // [ticks]
   std::uint64_t seed = 0;
 };
 
-/// A step from aim to aim, in shares of each axis's range.
+/// Largest step from aim to aim, as a share of each axis's range.
 constexpr double kStep = 0.25;
 constexpr int kAimEvery = 500;  // [ticks]
 
@@ -150,8 +151,9 @@ AxisPosition aimFrom(const AxisPosition& at, const DeviceModel& device, std::mt1
   return aim;
 }
 
-/// Time from the return of the hand to the end of the level [s], 0 where it ended before, or where
-/// a wild aim stopped the device: arming begins anew. Negative: not within this time.
+/// Time from the return of the hand to the end of the level [s]. It is 0 if the level ended before,
+/// or if a random aim stopped the device, since arming then restarts the level. Negative: the level
+/// did not end within kWithin_s.
 constexpr double kWithin_s = 240.0;
 double finishAfter(const Visit& visit) {
   Models models = load(exerciseFiles(visit.exercise, visit.level));
@@ -172,7 +174,7 @@ double finishAfter(const Visit& visit) {
     }
     if (tick == visit.ends) player.command(command(CommandType::kSteer, Steering::kVirtualPatient));
     rig->renderer->tick(1, record);
-    player.see(record);
+    player.onRecord(record);
     if (rig->renderer->latched() != Fault::kNone) return tick < visit.ends ? 0.0 : -2.0;
     if (record.exercise.values[0] == 5.0) {  // stage: level done
       return std::max(0, tick - visit.ends) * 1e-3;
@@ -186,17 +188,18 @@ std::string wordsOf(const Visit& v) {
          ", " + std::to_string(v.begins) + " to " + std::to_string(v.ends);
 }
 
-/// Hands that were left between two bottles, or in a fist against one: each stayed there for good,
+/// Regression test: hands left between two bottles, or in a fist against one, stayed there forever
 /// or sprang free beyond the device's speed limit.
-TEST(CocktailBar, HandGivenBackWhereItIsHeld_GetsFreeAndFinishesTheLevel) {
+TEST(CocktailBar, HandGivenBackWedged_GetsFreeAndFinishesTheLevel) {
   const Visit visits[] = {{"cocktail-bar", 1, 3'200, 6'205, 234'770},
                           {"cocktail-bar", 2, 13'787, 17'240, 789'258},
                           {"cocktail-bar", 2, 4'109, 6'156, 676'815},
                           {"cocktail-bar-free", 2, 24'627, 25'033, 572'286}};
-  for (const int i : allOrOne(0, 3)) EXPECT_GT(finishAfter(visits[i]), 0.0) << wordsOf(visits[i]);
+  for (const int i : sampleOne(0, 3)) EXPECT_GT(finishAfter(visits[i]), 0.0) << wordsOf(visits[i]);
 }
 
-/// All of 120 visits finished. One in forty is left to a hand that stays wedged or springs free.
+/// In 120 episodes all levels finished. One in forty is allowed for a hand that stays wedged or
+/// springs free.
 TEST(CocktailBar, HandGivenBackAnywhere_NearlyAlwaysFinishesTheLevel) {
   auto random = seededRandom(74);
   const auto draw = [&](int below) {
@@ -215,22 +218,22 @@ TEST(CocktailBar, HandGivenBackAnywhere_NearlyAlwaysFinishesTheLevel) {
     if (after_s < 0.0) ++unfinished;
     figure("given back: " + wordsOf(visit), after_s, "s");
   }
-  EXPECT_LE(unfinished, 1 + cases(2) / 20);  // 2.5 % allowed
+  EXPECT_LE(unfinished, 1 + cases(2) / 20);  // 2.5 % are allowed
 }
 
-/// A spastic hand opens slowly. One of 0.5 N a digit gets thinner liquids, one that trembles a
-/// firmer squeeze, as docs/exercises.md proposes to the therapist.
+/// A spastic hand opens slowly. A hand with 0.5 N per digit gets thinner liquids, and one with
+/// tremor a firmer squeeze, as docs/exercises.md proposes to the therapist.
 TEST(CocktailBar, HandsOfPatients_CompleteEveryLevel) {
   struct Patient {
     const char* name;
     std::vector<std::pair<std::string, double>> parameters;
-    double longest_step_s, spilt_l;  // at most
+    double longest_step_s, spilt_l;  // upper bounds [s], [l]
   };
   const Patient patients[] = {{"spastic", {}, 60.0, 0.0},
                               {"weak", {{"viscosity_ratio", 0.1}}, 30.0, 0.0},
                               {"tremor", {{"squeeze_threshold_ratio", 2.0}}, 30.0, 0.01}};
   auto random = seededRandom(76);
-  for (const int i : allOrOne(0, 2)) {
+  for (const int i : sampleOne(0, 2)) {
     const Patient& patient = patients[i];
     for (int k = 0; k < cases(2); ++k) {
       CocktailPlan plan;
@@ -248,14 +251,14 @@ TEST(CocktailBar, HandsOfPatients_CompleteEveryLevel) {
   }
 }
 
-/// The effort of the walls is gone within 2 s (where an open hand still rests at the bottle, all
-/// but a hundredth: friction keeps a digit some thousandths of a radian closed), no tick changes
-/// what is sent by more than the device allows, and the bottle is whole: the level is played to its
-/// end.
-TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
+/// When a hand leaves at full squeeze, the effort of the walls is gone within 2 s (if an open hand
+/// still rests at the bottle, all but a hundredth: friction keeps a digit some thousandths of a
+/// radian closed). No tick changes the sent effort by more than the device allows, and the bottle
+/// stays usable: the level is played to its end.
+TEST(CocktailBar, HandThatLeavesAtFullSqueeze_LeavesTheBottleUsable) {
   auto random = seededRandom(77);
   const char* const ways[] = {"lets go", "slips off", "stop", "gentle stop", "emergency stop"};
-  for (const int how : allOrOne(0, 4)) {
+  for (const int how : sampleOne(0, 4)) {
     SCOPED_TRACE(ways[how]);
     Models models = load(barFiles(1 + static_cast<int>(random() % 4)));
     const DeviceModel device = models.device;
@@ -268,7 +271,7 @@ TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
     const auto advance = [&] {
       last = record;
       rig->renderer->tick(1, record);
-      player.see(record);
+      player.onRecord(record);
     };
     int tick = 0;
     for (; tick < 60'000 && figures(BarFigures::kFlow, record.exercise) < 2e-3; ++tick) advance();
@@ -322,7 +325,7 @@ TEST(CocktailBar, HandThatGoesAtFullSqueeze_LeavesASoundBottle) {
   }
 }
 
-/// Hands of 150 to 215 mm are certified, armed, and play the bar.
+/// Hands of 150 to 215 mm are certified and armed, and play the bar.
 TEST(CocktailBar, HandOfAnyLength_IsArmedAndServesADrink) {
   auto random = seededRandom(78);
   for (int i = 0; i < cases(2); ++i) {
@@ -347,7 +350,7 @@ TEST(CocktailBar, HandOfAnyLength_IsArmedAndServesADrink) {
   }
 }
 
-TEST(CocktailBar, ParameterThatIsNotThere_IsRefusedByName) {
+TEST(CocktailBar, UnknownParameter_IsRefusedByName) {
   CocktailPlan plan;
   plan.files = barFiles();
   for (const auto& [name, value] : {std::pair{"viscosity", 1.0}, {"viscosity_ratio", 3.0}}) {
@@ -358,13 +361,13 @@ TEST(CocktailBar, ParameterThatIsNotThere_IsRefusedByName) {
   }
 }
 
-TEST(CocktailBar, WithoutAnExerciseToWin_IsRefused) {
+TEST(CocktailBar, ExerciseWithoutAGoal_IsRefused) {
   CocktailPlan plan;
   plan.files = exerciseFiles("free-grasping");
   EXPECT_FALSE(runCocktail(plan).ok());
 }
 
-TEST(WorkerPool, EveryJob_IsDoneOnceWhateverTheNumberOfProcesses) {
+TEST(WorkerPool, EveryJob_IsDoneOnceForAnyNumberOfProcesses) {
   for (const int workers : {1, 3, 20}) {
     std::vector<int> reported(10, 0);
     const bool complete = workInProcesses(

@@ -1,10 +1,11 @@
-// Larger and larger scenes: that they are what they are called, and what is made of the times.
+// Scenes of growing size: that they have the stated properties, and the evaluation of the measured
+// times.
 #include "experiments/complexity_trial.hpp"
 #include "experiments/grasp_trial.hpp"
 #include "files/scene/separation.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -21,11 +22,11 @@ ComplexityPlan shortPlan(const std::string& only) {
   return plan;
 }
 
-TEST(ComplexityScenes, NothingOverlapsAtTheStart_AndInAPileEveryBallTouches) {
+TEST(ComplexityScenes, BodiesAtTheStart_DoNotOverlapAndTouchInAPile) {
   const Models models = load(shippedFiles());
   for (int i = 0; i < kComplexityKinds; ++i) {
     const auto kind = static_cast<ComplexityKind>(i);
-    if (kind == ComplexityKind::kContacts) continue;  // fixed balls may
+    if (kind == ComplexityKind::kContacts) continue;  // fixed balls may overlap
     const SceneModel scene = orThrow(complexityScene(kind, 50, models));
     for (std::size_t a = 0; a < scene.bodies.size(); ++a) {
       double nearest_m = 1.0;
@@ -42,7 +43,7 @@ TEST(ComplexityScenes, NothingOverlapsAtTheStart_AndInAPileEveryBallTouches) {
   }
 }
 
-TEST(ComplexityScenes, WithTheFewest_LetTheHandBegin) {
+TEST(ComplexityScenes, SmallestScenes_CanBeArmed) {
   for (int i = 0; i < kComplexityKinds; ++i) {
     const auto kind = static_cast<ComplexityKind>(i);
     const int fewest = kind == ComplexityKind::kVertices ? 10 : 0;
@@ -55,13 +56,13 @@ TEST(ComplexityScenes, WithTheFewest_LetTheHandBegin) {
   }
 }
 
-TEST(ComplexityTrial, OfAPile_TouchesItAndNothingBreaks) {
+TEST(ComplexityTrial, TrialOfAPile_TouchesItWithoutFaults) {
   const ComplexityResult result = orThrow(measureComplexity(shortPlan("pile")));
   ASSERT_EQ(result.curves.size(), 1U);
   for (const ComplexityPoint& p : result.curves[0].points) {
     EXPECT_FALSE(p.faulted) << p.count;
     EXPECT_EQ(p.dropped, 0) << p.count;
-    EXPECT_EQ(p.bodies, p.count + 1);  // and the tray
+    EXPECT_EQ(p.bodies, p.count + 1);  // including the tray
     if (p.count >= 16) {
       EXPECT_GT(p.contacts, 0) << p.count;
     }
@@ -70,7 +71,7 @@ TEST(ComplexityTrial, OfAPile_TouchesItAndNothingBreaks) {
   }
 }
 
-TEST(ComplexityCurve, OfAPowerLaw_HasItsExponentAndItsCount) {
+TEST(ComplexityCurve, CurveOfAPowerLaw_HasItsExponentAndCount) {
   ComplexityCurve curve;
   for (const int n : {0, 8, 16, 32, 64}) {
     ComplexityPoint& p = curve.points.emplace_back();
@@ -87,17 +88,18 @@ TEST(ComplexityCurve, OfAPowerLaw_HasItsExponentAndItsCount) {
   EXPECT_EQ(curve.admitted(-1.0, all), -1.0);
 }
 
-TEST(ComplexityTrial, OfWhatIsNothing_IsRefusedWithTheNames) {
+TEST(ComplexityTrial, UnknownKind_IsRefusedWithTheKnownNames) {
   const auto refused = measureComplexity(shortPlan("tower"));
   EXPECT_TRUE(refusedWith(refused, "pile"));
 }
 
-// The loop at 1, 2, 4 and 8 kHz: one setting, and the same physical bounds at each.
+// The loop at 1, 2, 4 and 8 kHz, with the same setting and the same physical bounds.
 
 class Rates : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Hz, Rates,
-                         testing::ValuesIn(kFew ? std::vector<int>{2000}
-                                                : std::vector<int>{1000, 2000, 4000, 8000}),
+                         testing::ValuesIn(kReducedCounts
+                                               ? std::vector<int>{2000}
+                                               : std::vector<int>{1000, 2000, 4000, 8000}),
                          testing::PrintToStringParamName());
 
 GraspTrial cylinderInGravity() {
@@ -107,17 +109,17 @@ GraspTrial cylinderInGravity() {
   throw std::runtime_error("no cylinder among the tuned trials");
 }
 
-TEST_P(Rates, CylinderGraspedInGravity_IsHeldAndFeltAsItActs) {
+TEST_P(Rates, CylinderGraspedInGravity_IsHeldAndRenderedEffortMatchesContacts) {
   const Folder folder;
   GraspPlan plan;
   plan.setup.folder = folder.path();
-  plan.hold_s = kFew ? 1.0 : 10.0;
+  plan.hold_s = kReducedCounts ? 1.0 : 10.0;
   plan.setup.rig.period_s = 1.0 / GetParam();
   const GraspResult r = orThrow(runGrasp(cylinderInGravity(), shippedFiles(), plan));
   figure("slip over a hold of 10 s", r.slip_m * 1e3, "mm");
   figure("felt against acted", r.felt_error * 100.0, "%");
   figure("noise in the hold", r.force_noise_n, "N");
-  // What grasp_trial_test.cpp asks for at 1 kHz.
+  // The bounds of grasp_trial_test.cpp at 1 kHz.
   EXPECT_FALSE(r.dropped);
   EXPECT_FALSE(r.faulted);
   EXPECT_LE(r.slip_m, tolerance(3.3e-5));

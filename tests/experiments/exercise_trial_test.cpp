@@ -1,9 +1,9 @@
-// The paper's Fig. 7: phases found from the data, and what the person felt in them.
+// The paper's Fig. 7: phases detected in the data, and the effort rendered in them.
 #include "experiments/exercise_trial.hpp"
 
 #include "experiments/exercise_script.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
@@ -22,7 +22,7 @@ const ExerciseResult& playedByScript() {
   return result;
 }
 
-TEST(Exercise, Phases_AreInOrderAndWhereTheScriptMeansThem) {
+TEST(Exercise, Phases_AreInOrderAndWithinTheScriptsTimes) {
   const ExerciseResult& r = playedByScript();
   ASSERT_EQ(r.phases.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -39,21 +39,21 @@ TEST(Exercise, Phases_AreInOrderAndWhereTheScriptMeansThem) {
   EXPECT_TRUE(within(r.phases[2].end_s, at::kLetsGo, at::kOpened)) << r.phases[2].end_s;
   EXPECT_TRUE(within(r.phases[3].end_s, at::kOff, at::kAway + 0.2)) << r.phases[3].end_s;
   ASSERT_EQ(r.bumps.size(), 2U);
-  EXPECT_GT(r.bumps[0].contact_n, r.bumps[1].contact_n);  // the first one was meant harder
+  EXPECT_GT(r.bumps[0].contact_n, r.bumps[1].contact_n);  // the script makes the first bump harder
 }
 
-TEST(Exercise, Completed_ServesTheDrinkWithoutLosingAnything) {
+TEST(Exercise, CompletedExercise_ServesTheDrinkWithoutLoss) {
   const ExerciseResult& r = playedByScript();
   EXPECT_TRUE(r.completed);
   EXPECT_FALSE(r.faulted);
   EXPECT_NEAR(r.poured_l, r.asked_l, r.tolerance_l);
   EXPECT_EQ(r.spilt_l, 0.0);
   figure("volume error", r.volume_error_l, "l");
-  EXPECT_LE(r.volume_error_l, tolerance(1e-9));  // asked of the pouring
+  EXPECT_LE(r.volume_error_l, tolerance(1e-9));  // the requirement for pouring
 }
 
-/// Algorithm 1: the bump raises φ to 1, then it fades as e^{-t/τ} (τ = decay_s of the gains).
-TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
+/// Algorithm 1: the bump raises φ to 1, then φ decays as e^{-t/τ} (τ = decay_s of the gains).
+TEST(Exercise, HardBump_RaisesPhiToOneWhichThenDecaysExponentially) {
   const ExerciseResult& r = playedByScript();
   ASSERT_FALSE(r.phases.empty());
   const int fingers = 3;
@@ -71,7 +71,7 @@ TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
   EXPECT_LE(peak_at_s, r.phases[0].end_s);
   const double tau_s = 0.3;  // config/rendering/lambda-pride.toml
   EXPECT_NEAR(r.fading_s[fingers], tau_s, 1e-6);
-  // Between the bumps, tick by tick, and on the arm's axes, which follow the largest (Eq. 5).
+  // Checks every tick between the bumps; the arm's axes follow the largest φ (Eq. 5).
   const ExerciseSample* before = nullptr;
   for (const ExerciseSample& s : r.samples) {
     if (s.time_s < r.bumps[0].end_s + 0.3 || s.time_s > r.bumps[1].start_s - 0.5) continue;
@@ -84,13 +84,13 @@ TEST(Exercise, HardBump_FillsPhiWhichThenFadesExponentially) {
   ASSERT_NE(before, nullptr);
 }
 
-TEST(Exercise, Wall_NeverPullsAndIsFadedInAndOutWhole) {
+TEST(Exercise, Wall_NeverPullsAndFadesInAndOutCompletely) {
   const ExerciseResult& r = playedByScript();
   EXPECT_EQ(r.wall_pull_max_n, 0.0);  // Eq. (15), its sign corrected
-  EXPECT_GT(r.wall_push_max_n, 0.3);  // and it is there
+  EXPECT_GT(r.wall_push_max_n, 0.3);  // the wall acts
   EXPECT_EQ(r.alpha_max, 1.0);
   EXPECT_EQ(r.samples.back().alpha, 0.0);
-  // T_on and T_off of config/exercises/cocktail-bar.toml, the paper's 1 s and 0.3 s.
+  // T_on and T_off of config/exercises/cocktail-bar.toml, 1 s and 0.3 s as in the paper.
   double rise_s = 0.0, fall_s = 0.0;
   for (std::size_t i = 1; i < r.samples.size(); ++i) {
     const double d = r.samples[i].alpha - r.samples[i - 1].alpha;
@@ -101,7 +101,7 @@ TEST(Exercise, Wall_NeverPullsAndIsFadedInAndOutWhole) {
   EXPECT_NEAR(fall_s, 0.3, 0.0021);
 }
 
-TEST(Exercise, SeedsDrawn_AreCompletedToo) {
+TEST(Exercise, RandomSeeds_AreCompleted) {
   auto random = seededRandom(71);
   for (int i = 0; i < cases(2); ++i) {
     ExercisePlan plan;
@@ -112,15 +112,15 @@ TEST(Exercise, SeedsDrawn_AreCompletedToo) {
   }
 }
 
-TEST(Exercise, WithoutDispensersOrFingers_IsRefused) {
+TEST(Exercise, SceneWithoutDispensersOrFingers_IsRefused) {
   ExercisePlan plan;
   plan.files = exerciseFiles("free-grasping");
   const auto none = runExercise(plan);
   EXPECT_TRUE(refusedWith(none, "no dispenser"));
 }
 
-/// Phases of a trace that is drawn by hand: every boundary is known.
-TEST(ExercisePhases, SyntheticTrace_HasTheBoundariesThatWereDrawn) {
+/// Phases of a synthetic trace whose boundaries are known.
+TEST(ExercisePhases, SyntheticTrace_HasItsKnownBoundaries) {
   std::vector<ExerciseSample> samples;
   const auto in = [](double t, double from, double to) { return t >= from && t < to; };
   for (int k = 0; k < 10000; ++k) {
@@ -144,7 +144,7 @@ TEST(ExercisePhases, SyntheticTrace_HasTheBoundariesThatWereDrawn) {
   }
   EXPECT_EQ(findBumps(samples, phases->front()).size(), 2U);
   for (ExerciseSample& s : samples) s.flow_l_s = 0.0;
-  EXPECT_FALSE(findPhases(samples).has_value());  // nothing was squeezed
+  EXPECT_FALSE(findPhases(samples).has_value());  // without a squeeze there are no phases
 }
 
 }  // namespace

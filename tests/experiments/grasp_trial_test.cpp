@@ -1,11 +1,11 @@
-// The paper's Fig. 5 through device, patient and renderer: the figures that README.md promises.
+// The paper's Fig. 5 with device, patient and renderer: the figures that README.md states.
 #include "experiments/grasp_trial.hpp"
 
 #include "experiments/grasp_script.hpp"
 #include "loop/core/geometry.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
@@ -35,7 +35,7 @@ GraspResult grasp(const GraspTrial& trial) {
   return orThrow(runGrasp(trial, shippedFiles(), plan));
 }
 
-/// The worst of several trials.
+/// Worst figures of several trials.
 struct Worst {
   double slip_m = 0.0, coupling_rad = 0.0, noise_n = 0.0, residual = 0.0;
   void add(const GraspResult& r) {
@@ -56,7 +56,7 @@ bool everyLargeCount() {
   return cases(1) > 1;
 }
 
-/// By the seed, one each of: power without gravity, power with it, pinch.
+/// Chosen by the seed, one trial of each kind: power without gravity, power with gravity, pinch.
 std::vector<GraspTrial> oneOfEachKind(const std::vector<GraspTrial>& trials) {
   auto random = seededRandom(1);
   std::array<std::vector<GraspTrial>, 3> kinds;
@@ -66,7 +66,7 @@ std::vector<GraspTrial> oneOfEachKind(const std::vector<GraspTrial>& trials) {
   std::vector<GraspTrial> sample;
   const std::size_t only = random() % kinds.size();
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    if (!kFew || k == only) sample.push_back(kinds[k].at(random() % kinds[k].size()));
+    if (!kReducedCounts || k == only) sample.push_back(kinds[k].at(random() % kinds[k].size()));
   }
   return sample;
 }
@@ -86,8 +86,8 @@ TEST(Grasping, TunedTrials_HoldTenSeconds) {
     EXPECT_LE(r.coupling_error_rad, tolerance(1e-12));
     EXPECT_LE(r.force_noise_n, tolerance(0.005));
     EXPECT_LE(r.contact_residual, tolerance(0.01));
-    EXPECT_NEAR(r.object_travel_m, kLift_m, 0.02);  // carried 20 cm
-    EXPECT_GT(r.contact_force_n, 1.0);              // held, not resting on something
+    EXPECT_NEAR(r.object_travel_m, kLift_m, 0.02);  // the object is carried 20 cm
+    EXPECT_GT(r.contact_force_n, 1.0);              // held by the hand, not resting on something
     worst.add(r);
   }
   worst.print(std::to_string(trials.size()) + " tuned trials");
@@ -110,13 +110,14 @@ std::string turnedDevice(const Eigen::Vector3d& rpy) {
   return text;
 }
 
-// The world's axes mean nothing: the whole turned with gravity, at every rate, is held as well.
+// The orientation of the world must not matter: the whole setup, turned with gravity, is held as
+// well at every rate.
 TEST(Grasping, TurnedTrials_AreHeldAtEveryRate) {
   auto random = seededRandom(3);
   const std::vector<GraspTrial> tuned = tunedTrials();
   const Folder folder;
   Worst worst;
-  const int count = cases(kFew ? 1 : 4);
+  const int count = cases(kReducedCounts ? 1 : 4);
   for (int i = 0; i < count; ++i) {
     GraspTrial trial = tuned[random() % tuned.size()];
     trial.turn_rpy_rad = {uniform(random, -180 * kDeg, 180 * kDeg),
@@ -166,7 +167,7 @@ Jittered hold(const std::vector<GraspTrial>& trials, const std::string& of) {
   return seen;
 }
 
-/// The seed of the figure in README.md: `wholehand experiment grasping`.
+/// Seed of the figure in README.md: `wholehand experiment grasping`.
 constexpr std::uint64_t kReportedSeed = 1;
 
 TEST(Grasping, JitteredTrials_AreHeld) {
@@ -175,7 +176,8 @@ TEST(Grasping, JitteredTrials_AreHeld) {
     for (const std::uint64_t s : {kReportedSeed, std::uint64_t{2 + random() % 1'000'000'000}}) {
       const std::string of = "72 jittered trials of seed " + std::to_string(s);
       const Jittered seen = hold(jitteredTrials(72, s), of);
-      // Of six other seeds up to 2 were dropped, and one held slipped further (432 trials).
+      // With six other seeds up to 2 were dropped, and one held object slipped further (432
+      // trials).
       EXPECT_LE(seen.dropped, s == kReportedSeed ? 0 : 4) << of;
       EXPECT_LE(seen.slipped, s == kReportedSeed ? 0 : 6) << of;
     }
@@ -183,17 +185,17 @@ TEST(Grasping, JitteredTrials_AreHeld) {
   }
   const std::vector<GraspTrial> all = jitteredTrials(72, kReportedSeed);
   std::vector<GraspTrial> sample;
-  for (const std::size_t i : sampleOf(all.size(), kFew ? 1 : 4, random)) {
+  for (const std::size_t i : sampleOf(all.size(), kReducedCounts ? 1 : 4, random)) {
     sample.push_back(all[i]);
     std::printf("jittered trial %zu of 0 .. 71: %s\n", i, all[i].name().c_str());
   }
   const Jittered seen = hold(sample, std::to_string(sample.size()) + " jittered trials");
-  // All 72 of this seed are held, whichever four the seed draws.
+  // All 72 of this seed are held, so any sample of them is.
   EXPECT_EQ(seen.dropped, 0);
   EXPECT_EQ(seen.slipped, 0);
 }
 
-/// A grasp, rigged tick by tick.
+/// A rig of the grasp, to be ticked by the test.
 std::unique_ptr<Rig> graspRig(const GraspTrial& trial) {
   ModelFiles files = shippedFiles();
   const Models without = load(files);
@@ -206,12 +208,12 @@ std::unique_ptr<Rig> graspRig(const GraspTrial& trial) {
 
 struct Cost {
   std::uint64_t allocations = 0, releases = 0;
-  std::uint64_t first_tick = 0;  ///< that allocated
+  std::uint64_t first_tick = 0;  ///< first tick that allocated
   int touching_ticks = 0;
   double cpu_s = 0.0;
 };
 
-/// Allocations and CPU time inside tick(), and nothing else.
+/// Allocations and CPU time of tick() alone.
 Cost costOf(Rig& rig, int ticks) {
   if (!rig.renderer->arm()) throw std::runtime_error("not armed");
   Cost cost;
@@ -236,9 +238,9 @@ Cost costOf(Rig& rig, int ticks) {
     GTEST_SKIP() << "a sanitizer owns malloc here: nothing could be counted"; \
   }
 
-TEST(TickAllocations, WholeGrasp_AreNone) {
+TEST(TickAllocations, WholeGrasp_AllocatesNothing) {
   SKIP_WITHOUT_COUNTING();
-  const auto rig = graspRig(tunedTrials()[8]);  // a cylinder from its pedestal
+  const auto rig = graspRig(tunedTrials()[8]);  // a cylinder on its pedestal
   const Cost cost = costOf(*rig, 7000);
   EXPECT_GT(cost.touching_ticks, 3000);
   figure("allocations in 7000 ticks of a grasp", static_cast<double>(cost.allocations), "");
@@ -246,9 +248,9 @@ TEST(TickAllocations, WholeGrasp_AreNone) {
   EXPECT_EQ(cost.releases, 0U);
 }
 
-TEST(TickAllocations, MeshesAndUrdfsBumped_AreNone) {
+TEST(TickAllocations, BumpedMeshesAndUrdfs_AllocateNothing) {
   SKIP_WITHOUT_COUNTING();
-  for (double y : {-0.12, 0.0, 0.1}) {  // along the mug, the prism and sphere, cube and disk
+  for (double y : {-0.12, 0.0, 0.1}) {  // positions of mug, prism and sphere, cube and disk
     Models models = load(shippedFiles("lambda-pride", "table"));
     AxisPosition above(6), along(6), beyond(6);
     above[0] = along[0] = -0.08;
@@ -269,21 +271,21 @@ TEST(TickAllocations, MeshesAndUrdfsBumped_AreNone) {
   }
 }
 
-TEST(SimulatedClock, OneGraspedObject_RunsTenTimesFasterThanTime_slow) {
+TEST(SimulatedClock, OneGraspedObject_RunsTenTimesFasterThanRealTime_slow) {
   const auto rig = graspRig(tunedTrials()[0]);
   constexpr int kTicks = 5000;
   const Cost cost = costOf(*rig, kTicks);
   const double ratio = cost.cpu_s / (kTicks * 1e-3);
   figure("CPU time over simulated time, one object", ratio, "");
-#ifdef NDEBUG  // of what is shipped; CPU time, so that a busy machine does not matter
+#ifdef NDEBUG  // only in a release build; CPU time does not depend on other load
   EXPECT_LE(ratio, 0.1);
 #endif
 }
 
-// A grasp trial that a fault stops.
+// A grasp trial that is stopped by a fault.
 
-/// The shipped hand, but thumb flexion moves the joint that circumduction moves: its reduced
-/// inertia is singular. The joint has no end in reach: it would hold what the tick throws about.
+/// The shipped hand, except that thumb flexion moves the same joint as circumduction, so its
+/// reduced inertia is singular. The joint has no end in reach, which would limit its motion.
 std::string singularHand() {
   std::string text = replaced(bytesOfFile(shippedFiles().hand), "thumb_circumduction = 1.0",
                               "thumb_circumduction = 0.5");
@@ -296,10 +298,11 @@ std::string singularHand() {
 
 TEST(Grasping, FaultThatStopsATrial_IsReported) {
   const Folder folder;
-  // The certificate refuses such a hand; past it, the tick's fault must stop the trial.
+  // The certificate refuses such a hand; without the certificate, the tick's fault must stop the
+  // trial.
   ModelFiles files = shippedFiles();
   files.hand = folder.write("singular.toml", singularHand());
-  // Without the armature that would keep it regular.
+  // Removes the armature, which would keep the inertia regular.
   const std::string name = "name = \"thumb_flexion\"\n";
   files.rendering = folder.write(
       "light.toml", replaced(bytesOfFile(files.rendering), name, name + "armature_kg_m2 = 0.0\n"));

@@ -1,6 +1,6 @@
-// A hand at the bar that a person steers, on the simulated clock, for tests of the pages' aim:
-// reads a line for every look (aims of all axes, and "restart"), plays `kTicks` ticks, and says in
-// a line of JSON what a page would see. The first line says what the scene is.
+// A hand at the bar, steered by a person on the simulated clock, for tests of the pages' aim. For
+// each frame of a page it reads a line (aims of all axes, and "restart"), plays `kTicks` ticks, and
+// prints the state that a page would see as a line of JSON. The first line describes the scene.
 //   steered_hand EXERCISE LEVEL [HAND]
 #include "loop/dynamics/articulated_body.hpp"
 #include "loop/patient/steered_player.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// From one look to the next: 16 ms, as a page's 60 Hz.
+/// Ticks from one frame to the next: 16 ms, as at a page's 60 Hz.
 constexpr int kTicks = 16;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -77,8 +77,8 @@ class SteeredHand {
     play(false);
   }
 
-  /// @return false: the line is none
-  bool obey(const std::string& line) {
+  /// @return false if the line is invalid
+  bool apply(const std::string& line) {
     std::istringstream words(line);
     std::string word;
     Command aim;
@@ -106,7 +106,7 @@ class SteeredHand {
       record_.commands[0].type = CommandType::kAction;
       record_.commands[0].index = static_cast<std::int32_t>(Act::kRestart);
       rig_->renderer->tick(1, record_);
-      player_->see(record_);
+      player_->onRecord(record_);
     }
     body_->updateKinematics(record_.theta);
     const auto palm = body_->linkPose(static_cast<int>(palm_link_)).translation_m;
@@ -131,7 +131,7 @@ int play(int argc, char** argv) {
   files.level = std::stoi(argv[2]);
   SteeredHand steered(load(files));
   for (std::string line; std::getline(std::cin, line);) {
-    if (!steered.obey(line)) return 2;
+    if (!steered.apply(line)) return 2;
   }
   return 0;
 }

@@ -1,5 +1,5 @@
-// What weighs more or less than the objects of the paper's Fig. 5, in the tuned power grasp of its
-// cylinder: picked up, carried and held.
+// Objects that weigh more or less than those of the paper's Fig. 5 are picked up, carried and held
+// with the tuned power grasp of its cylinder.
 #include "experiments/grasp_script.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
@@ -26,27 +26,27 @@ SceneBody& weigh(SceneBody& body, double mass_kg) {
   return body;
 }
 
-/// The cylinder in the hand, and what lies on it.
+/// Figures of the cylinder in the hand and of the disk on it.
 struct Carried {
   double pressed_n = 0.0;  ///< sum of the hand's normal forces on the cylinder before the lift
-  double shift_m = 0.0;    ///< of the cylinder in the palm since then
-  double slip_m = 0.0;     ///< of it in the palm during the last 2 s
-  double sunk_m = 0.0;     ///< deepest of what lies on it, during the last second
-  /// What the cylinder has, over what tips it over its pedestal's edge, when the hand that knocked
-  /// against it on its way has let it go. Above 1 it falls. 0: the hand touches it.
+  double shift_m = 0.0;    ///< shift of the cylinder in the palm since then
+  double slip_m = 0.0;     ///< slip of the cylinder in the palm during the last 2 s
+  double sunk_m = 0.0;     ///< largest penetration of the disk into it during the last second
+  /// Energy of the cylinder over the energy that tips it over its pedestal's edge, when the hand
+  /// that knocked against it has left it. Above 1 it falls. 0: the hand touches it.
   double tips = 0.0;
   bool faulted = false;
 };
 
-/// Whether what was knocked tips over the edge of its pedestal: what it moves with, over the weight
-/// times the height by which its middle has yet to rise, to stand above the edge.
+/// Energy of a knocked cylinder over the energy that tips it: its kinetic energy over its weight
+/// times the height by which its centre must rise to be above the pedestal's edge.
 double tipping(const TickRecord& r, const SceneModel& scene) {
   const SceneBody &cylinder = scene.bodies[0], &pedestal = scene.bodies[1];
   const BodyState& is = r.bodies[0];
   const Eigen::Vector3d way = is.position_m.eigen() - pedestal.pose.translation_m;
   const Eigen::Vector3d half = pedestal.shapes[0].half_extents_m;
   const Eigen::Vector3d axis = is.orientation_xyzw.eigen() * Eigen::Vector3d::UnitZ();
-  // Pushed along y, it turns about the edge there.
+  // Pushed along y, it turns about the edge in that direction.
   const double aside_m = half.y() - std::abs(way.y()), above_m = way.z() - half.z();
   const double rise_m = std::hypot(aside_m, above_m) - above_m;
   const Eigen::Vector3d spin = is.angular_velocity_rad_s.eigen();
@@ -56,7 +56,7 @@ double tipping(const TickRecord& r, const SceneModel& scene) {
   return (turning_j + moving_j) / (cylinder.mass_kg * kGravity * rise_m);
 }
 
-/// @param top_kg of a disk that lies on the cylinder; 0: none
+/// @param top_kg mass of a disk that lies on the cylinder; 0: none
 Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
   const GraspTrial trial = cylinderUnderGravity();
   TrialSetup setup;
@@ -116,12 +116,12 @@ Carried carry(double mass_kg, double top_kg, double hold_s, double period_s) {
   return out;
 }
 
-/// The tuned grasp of the paper's cylinder: what friction at its fingers bears is picked up and
-/// held, whatever it weighs. The script's open hand knocks against it on its way, at 72 mm/s and
-/// low, and a light one takes all of that speed: on its pedestal, 20 mm wide, it may tip over
-/// before it is gripped. It does where what it has lifts its middle above the pedestal's edge: at 5
-/// g it has about that.
-TEST(Weights, OfCylindersThatTheGraspBears_ArePickedUpAndHeld) {
+/// The tuned grasp of the paper's cylinder picks up and holds any mass that the friction at its
+/// fingers can bear. The script's open hand knocks against the cylinder on its way, low and at 72
+/// mm/s, and a light cylinder takes over all of this speed. On its pedestal, 20 mm wide, it may
+/// then tip over before it is gripped: if its energy lifts its centre above the pedestal's edge. At
+/// 5 g its energy is about that large.
+TEST(Weights, CylindersThatTheGraspCanBear_ArePickedUpAndHeld) {
   auto random = seededRandom(3630);
   double slip_m = 0.0;
   int borne = 0;
@@ -146,10 +146,10 @@ TEST(Weights, OfCylindersThatTheGraspBears_ArePickedUpAndHeld) {
   EXPECT_GE(borne, count / 2);
 }
 
-/// A disk that lies on the grasped cylinder, up to 100 and up to 400 times as heavy: once it is
-/// lifted and held it lies on its face, within the slop and a share of it. While the fingers close
-/// it sinks in further.
-TEST(Weights, OnAGraspedLightCylinder_RestOnItsFace) {
+/// A disk lies on the grasped cylinder, up to 100 and up to 400 times as heavy. Once it is lifted
+/// and held, it rests on its face, within the slop and a share of it. While the fingers close, it
+/// penetrates further.
+TEST(Weights, HeavyDiskOnAGraspedLightCylinder_RestsOnItsFace) {
   auto random = seededRandom(3631);
   for (const double most : {100.0, 400.0}) {
     double sunk_m = 0.0;

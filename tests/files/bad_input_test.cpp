@@ -9,10 +9,10 @@
 #include "loop/model/rendering_config.hpp"
 #include "loop/model/scene_model.hpp"
 #include "support/constants.hpp"
+#include "support/contains.hpp"
 #include "support/cpu_time.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/toml_lines.hpp"
 
@@ -60,8 +60,8 @@ int lineOf(const std::string& text, const std::string& what) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
 }
 
-/// What is reported of a mistake: its kind, or where several have the same kind, words of the
-/// message.
+/// Expected report of a mistake: its kind, or words of the message where several mistakes have the
+/// same kind.
 struct Reported {
   Reported(DiagnosticCode kind) : code(kind) {}
   Reported(const char* part) : words(part) {}
@@ -73,7 +73,7 @@ struct FileMistake {
   std::string kind;     ///< of the file
   std::string find;     ///< in the shipped file ...
   std::string replace;  ///< ... becomes this
-  std::string at;       ///< the line that is to be named holds this; empty: line not checked
+  std::string at;       ///< text of the line that must be named; empty: line not checked
   std::string key;      ///< expected key path
   Reported reported;    ///< expected
   std::string remedy;   ///< expected in the remedy
@@ -95,13 +95,13 @@ void expectFault(const FileMistake& c) {
   if (c.reported.words.empty()) {
     EXPECT_EQ(fault.code, c.reported.code) << format(fault);
   } else {
-    EXPECT_TRUE(says(format(fault), c.reported.words));
+    EXPECT_TRUE(contains(format(fault), c.reported.words));
   }
-  EXPECT_TRUE(says(fault.remedy, c.remedy)) << format(fault);
+  EXPECT_TRUE(contains(fault.remedy, c.remedy)) << format(fault);
 }
 
-/// Every key of every kind of file; the messages of some mistakes stand below.
-TEST(BadInput, AnyKeyOfAnotherTypeNameOrSize_IsRefusedWithItsLineAndARemedy) {
+/// Checks every key of every kind of file; the cases below check the messages of some mistakes.
+TEST(BadInput, KeyOfAnotherTypeNameOrSize_IsRefusedWithItsLineAndARemedy) {
   const Folder folder;
   auto random = seededRandom(96);
   std::vector<std::pair<const char*, std::string>> files;
@@ -121,7 +121,7 @@ TEST(BadInput, AnyKeyOfAnotherTypeNameOrSize_IsRefusedWithItsLineAndARemedy) {
         std::vector<std::string> changed = lines;
         changed[key.line] = wrong;
         const Diagnostics faults = faultsOf(kind, folder.write("changed.toml", joined(changed)));
-        // A key under another name may be reported as missing, where its table begins.
+        // A key under another name may be reported as missing at the start of its table.
         const bool renamed = wrong.starts_with(key.key + "_x");
         const auto fault = std::find_if(faults.begin(), faults.end(), [&](const Diagnostic& d) {
           return d.key.find(key.key) != std::string::npos &&
@@ -135,7 +135,7 @@ TEST(BadInput, AnyKeyOfAnotherTypeNameOrSize_IsRefusedWithItsLineAndARemedy) {
   }
 }
 
-TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
+TEST(BadInput, MistakeInADeviceFile_GivesOneMessageWithPlaceAndRemedy) {
   const std::vector<FileMistake> cases = {
       {"device", "mass_kg = 0.8\n", "", "[[axes]]", "axes[x].mass_kg", DiagnosticCode::kMissing,
        "(0, 100] kg"},
@@ -213,7 +213,7 @@ std::vector<std::string> keysOf(const Diagnostics& faults) {
   return keys;
 }
 
-TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
+TEST(BadInput, AxisOfUnknownType_ListsAllItsOtherFaults) {
   const Folder folder;
   const auto corrupted = [&](const std::string& kind) {
     std::string text = bytesOfFile(shippedPath("device"));
@@ -229,7 +229,7 @@ TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
     replace("damping_", "damping_unit_");
     return faultsOf("device", folder.write(kind + ".toml", text));
   };
-  // An unknown key and the one that is missing for it are one fault.
+  // An unknown key together with the missing key that it stands for is one fault.
   EXPECT_EQ(keysOf(corrupted("translation")),
             (std::vector<std::string>{"axes[x].type", "axes[x].sped_limit_m_s",
                                       "axes[x].damping_unit_n_s_m"}));
@@ -239,7 +239,7 @@ TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
                                 "axes[thumb_flexion].damping_unit_nm_s_rad"}));
 }
 
-TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
+TEST(BadInput, MistakeInGainsPatientOrHand_GivesOneMessageWithPlaceAndRemedy) {
   const std::vector<FileMistake> cases = {
       {"rendering", "k_pm_n_m = 1000.0", "k_pm_nm_rad = 1000.0", "k_pm_nm_rad",
        "axes[x].k_pm_nm_rad", "translation", "k_pm_n_m"},
@@ -276,9 +276,9 @@ TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
   for (const FileMistake& c : cases) expectFault(c);
 }
 
-TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
+TEST(BadInput, WrongAxisName_GivesOneMessageWithTheLikelyName) {
   const std::vector<FileMistake> cases = {
-      // Near in spelling; another word, but the only axis without gains; nothing left to stand for.
+      // Similar spelling; another word, but the only axis without gains; no axis left to suggest.
       {"rendering", "name = \"thumb_flexion\"", "name = \"thumb_flexon\"", "\"thumb_flexon\"",
        "axes[thumb_flexon].name", "is not an axis of the device", "did you mean thumb_flexion?"},
       {"rendering", "name = \"thumb_flexion\"", "name = \"thumb_extension\"", "\"thumb_extension\"",
@@ -294,7 +294,7 @@ TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
   for (const FileMistake& c : cases) expectFault(c);
 }
 
-TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
+TEST(BadInput, AxesWithoutGains_AreNamedInOneMessage) {
   DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   for (const char* name : {"roll", "pitch"}) {
     device.axes.push_back(device.axes.front());
@@ -303,22 +303,24 @@ TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
   const Diagnostics faults = loadRenderingFile(shippedPath("rendering"), device).errors();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
   EXPECT_EQ(faults.front().value, "");  // not the text of all [[axes]]
-  EXPECT_TRUE(says(faults.front().problem, "have no gains for roll and pitch")) << format(faults);
+  EXPECT_TRUE(contains(faults.front().problem, "have no gains for roll and pitch"))
+      << format(faults);
 }
 
-TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
+TEST(BadInput, PatientOfAnotherDevice_ItsOtherKnownAxesAreIgnoredButChecked) {
   DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   std::erase_if(device.axes, [](const DeviceAxis& axis) { return axis.name == "thumb_flexion"; });
   EXPECT_TRUE(loadPatientFile(shippedPath("patient"), device).ok());
-  device.axes.back().name = "index_flexion";  // a device's own name is known to its own patients
+  device.axes.back().name =
+      "index_flexion";  // a device's own axis name is known to its own patients
   const Folder folder;
   const std::string path = folder.write(
       "p.toml", corrupt("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
   EXPECT_TRUE(loadPatientFile(path, device).ok());
 }
 
-TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
-  // "mittle" is as near to "little" as to "middle": only the one that is missing can be meant.
+TEST(BadInput, MisspeltJointName_SuggestsOneThatIsNotUsedYet) {
+  // "mittle" is as similar to "little" as to "middle": only the missing one can be meant.
   expectFault({"hand", "middle_mcp_flexion = {", "mittle_mcp_flexion = {", "mittle_mcp_flexion = {",
                "joints.mittle_mcp_flexion", "is unknown", "did you mean middle_mcp_flexion?"});
   expectFault({"hand", "little_mcp_flexion = {", "mittle_mcp_flexion = {", "mittle_mcp_flexion = {",
@@ -328,7 +330,7 @@ TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
                "did you mean ring_mcp_flexion?"});
 }
 
-TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
+TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBackEqual) {
   const Folder folder;
   const std::string path = folder.write(
       "d.toml", corrupt("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
@@ -337,7 +339,7 @@ TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
   EXPECT_EQ(faults.front().value, "[0.165, nan]");
 }
 
-TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
+TEST(BadInput, ManyMistakes_AreAllReportedInFileOrder) {
   const Folder folder;
   std::string text = bytesOfFile(shippedPath("device"));
   const auto replace = [&](const std::string& find, const std::string& with) {
@@ -359,20 +361,20 @@ TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
                              [](const auto& a, const auto& b) { return a.line < b.line; }));
 }
 
-TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
+TEST(BadInput, PathThatIsNoFile_IsReportedPlainly) {
   const Folder folder;
   const auto message = [](const std::string& path) { return format(faultsOf("device", path)); };
-  EXPECT_TRUE(says(message(folder.file("none.toml")), "No such file"));
-  EXPECT_TRUE(says(message(folder.file("")), "is a folder"));
-  EXPECT_TRUE(says(message("/dev/zero"), "is not a file"));
-  EXPECT_TRUE(says(message(folder.write("empty.toml", "  \n\n")), "is empty"));
-  EXPECT_TRUE(says(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")), "is not TOML"));
+  EXPECT_TRUE(contains(message(folder.file("none.toml")), "No such file"));
+  EXPECT_TRUE(contains(message(folder.file("")), "is a folder"));
+  EXPECT_TRUE(contains(message("/dev/zero"), "is not a file"));
+  EXPECT_TRUE(contains(message(folder.write("empty.toml", "  \n\n")), "is empty"));
+  EXPECT_TRUE(contains(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")), "is not TOML"));
   EXPECT_FALSE(fileKind(folder.file("none.toml")).ok());
   EXPECT_FALSE(fileKind(folder.write("no-kind.toml", "version = 1\n")).ok());
 }
 
-// Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
-TEST(BadInput, RandomlyCorruptedFiles_LoadOrSayWhy) {
+// Loading a file with any content ends in a value or in messages; it never crashes or throws.
+TEST(BadInput, RandomlyCorruptedFiles_LoadOrReportTheReason) {
   const Folder folder;
   auto random = seededRandom(1);
   const auto pick = [&](std::size_t below) { return random() % below; };
@@ -400,10 +402,10 @@ TEST(BadInput, RandomlyCorruptedFiles_LoadOrSayWhy) {
       }
     }
   }
-  EXPECT_GT(refused, 60);  // the rest hit comments
+  EXPECT_GT(refused, 60);  // the others changed only comments
 }
 
-TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
+TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndContinues) {
   const Folder folder;
   const Diagnostics faults = faultsOf("device", folder.write("d.toml", "name = \"d\"\n"));
   const std::string text = format(faults);
@@ -415,7 +417,7 @@ TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
   }
 }
 
-TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
+TEST(BadInput, MistakeInSelfContacts_GivesOneMessageWithPlaceAndRemedy) {
   const std::string at = "index_distal = [";
   const std::vector<FileMistake> cases = {
       {"hand", at, "index_distl = [", "index_distl = [", "self_contacts.index_distl",
@@ -426,13 +428,13 @@ TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
        "remove index_distal"},
       {"hand", at, at + "\"hollow\", ", at, "self_contacts.index_distal",
        "the pair with hollow a second time", "remove hollow"},
-      // The pair is in thumb_distal's list already.
+      // The pair is already in thumb_distal's list.
       {"hand", at, at + "\"thumb_distal\", ", at, "self_contacts.index_distal",
        "the pair with thumb_distal a second time", "a pair counts for both"},
       {"hand", at, at + "3, ", at, "self_contacts.index_distal", "not a text", "texts in quotes"},
       {"hand", at, "web_23 = [\"index_proximal\"]\n" + at, "web_23 = [", "self_contacts.web_23",
        "index_proximal: is part of the same rigid link as web_23", "never move against each other"},
-      // Neighbouring segments of a finger share a joint, about which their round ends meet.
+      // Neighbouring segments of a finger share a joint, around which their round ends touch.
       {"hand", at, "index_middle = [\"index_proximal\"]\n" + at, "index_middle = [",
        "self_contacts.index_middle", "index_proximal: overlaps index_middle by",
        "remove index_proximal from index_middle"},
@@ -440,8 +442,8 @@ TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
   for (const FileMistake& c : cases) expectFault(c);
 }
 
-TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
-  // A device that keeps the hand shut at its reference: there the thumb lies within the fingers.
+TEST(BadInput, SelfContactsThatOverlapOnADevice_AreNamed) {
+  // A device that keeps the hand closed at its reference: the thumb is inside the fingers there.
   const HandFile hand = loadHandFile(shippedPath("hand")).value();
   DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].lower = 2.9;
@@ -453,12 +455,12 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
   EXPECT_EQ(fault.file, hand.path);
   EXPECT_EQ(fault.line, lineOf(bytesOfFile(hand.path), "thumb_distal = ["));
   EXPECT_EQ(fault.key, "self_contacts.thumb_distal");
-  EXPECT_TRUE(says(fault.problem, "mm in the reference posture"));
-  EXPECT_TRUE(says(fault.remedy, "open the hand in [reference]"));
+  EXPECT_TRUE(contains(fault.problem, "mm in the reference posture"));
+  EXPECT_TRUE(contains(fault.remedy, "open the hand in [reference]"));
 }
 
-TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
-  // The palm's nine capsules are of one rigid link: 21 pairs of them, and one more.
+TEST(BadInput, ManyImpossiblePairs_AreListedUpToTwentyAndCounted) {
+  // The palm's nine capsules belong to one rigid link: 21 pairs of them, and one more.
   const Folder folder;
   const std::string pairs =
       "[self_contacts]\n"
@@ -478,8 +480,8 @@ TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
   EXPECT_EQ(faults.back().problem, "has 2 more faults");
 }
 
-TEST(BadInput, SelfContactsThatOverlapWithADevice_AreListedUpToTwentyAndCounted) {
-  // A pair that overlaps where the device keeps the hand as shut as its ranges allow.
+TEST(BadInput, SelfContactsThatOverlapOnADevice_AreListedUpToTwentyAndCounted) {
+  // A pair that overlaps where the device keeps the hand as closed as its ranges allow.
   HandFile hand = loadHandFile(shippedPath("hand")).value();
   hand.self_contacts.assign(23, {"thumb_distal", "middle_middle", 1});
   DeviceModel device = loadDeviceFile(shippedPath("device")).value();
@@ -490,7 +492,7 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreListedUpToTwentyAndCounted)
   EXPECT_EQ(assembled.errors().back().problem, "has 3 more faults");
 }
 
-TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
+TEST(BadInput, HandAndDeviceThatDoNotMatch_AreReportedWithTheReason) {
   const HandFile hand = loadHandFile(shippedPath("hand")).value();
   DeviceModel device = loadDeviceFile(shippedPath("device")).value();
   device.axes[3].name = "finger_spread";
@@ -503,7 +505,8 @@ TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   device.axes[3].upper = 6.0;  // 6 rad * 0.375 is beyond the 90 degrees of a knuckle
   assembled = assembleHand(hand, device);
   ASSERT_FALSE(assembled.ok());
-  EXPECT_EQ(assembled.errors().size(), 8U) << format(assembled.errors());  // MCP and PIP, 4 fingers
+  EXPECT_EQ(assembled.errors().size(), 8U)
+      << format(assembled.errors());  // MCP and PIP of 4 fingers
   EXPECT_EQ(assembled.errors().front().key, "joints.index_mcp_flexion.range_rad");
 
   HandFile foreign = hand;
@@ -513,16 +516,16 @@ TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   EXPECT_EQ(assembled.errors().front().key, "synergy.finger_flexion.tail_flexion");
 }
 
-TEST(NearestWord, Misspelling_FindsTheWordAndNothingForAnUnknownWord) {
+TEST(NearestWord, Misspelling_FindsTheWordAndUnknownWordFindsNone) {
   const std::vector<std::string> words = {"mass_kg", "range_m", "name"};
   EXPECT_EQ(nearestWord("maas_kg", words), "mass_kg");
   EXPECT_EQ(nearestWord("nmae", words), "name");
   EXPECT_EQ(nearestWord("quaternion", words), "");
 }
 
-// Bounds of a TOML file against the parser that they protect: what the scanner of brackets and
-// quotes lets pass is never deeper than it says. Found by an audit: four quotes at the end of a
-// text of many lines hid the rest of the line from it.
+// Compares the bounds of a TOML file with the parser that they protect: a text that the scanner of
+// brackets and quotes accepts is never deeper than the bound. Found by an audit: four quotes at the
+// end of a multi-line string hid the rest of the line from the scanner.
 
 constexpr int kBound = 32;
 
@@ -544,7 +547,7 @@ int depthOf(const toml::node& node) {
   return most + 1;
 }
 
-/// Depth of the parsed text; -1: it is no TOML.
+/// Depth of the parsed text; -1: it is not TOML.
 int parsedDepth(const std::string& text) {
   try {
     return depthOf(toml::parse(text));
@@ -553,7 +556,7 @@ int parsedDepth(const std::string& text) {
   }
 }
 
-TEST(TomlBounds, QuotesInFrontOfADeepKey_NeverHideIt) {
+TEST(TomlBounds, QuotesBeforeADeepKey_NeverHideIt) {
   constexpr std::array<const char*, 12> kTokens = {"\"\"\"", "'''", "\"", "'", "\\", "a",
                                                    "\n",     "#",   ",",  "",  "\"", "'"};
   const std::string deep = deepKey(2 * kBound);
@@ -569,10 +572,10 @@ TEST(TomlBounds, QuotesInFrontOfADeepKey_NeverHideIt) {
     ASSERT_TRUE(beyondBounds(text, "a.toml")) << text;
     ++refused;
   }
-  EXPECT_GT(refused, texts / 300);  // of texts that the parser would have taken
+  EXPECT_GT(refused, texts / 300);  // the parser would have accepted some of these texts
 }
 
-TEST(TomlBounds, TextsThatEndInMoreQuotes_EndWhereTheParserEndsThem) {
+TEST(TomlBounds, TextsWithMoreQuotesAtTheirEnd_EndWhereTheParserEndsThem) {
   const std::string deep = ", {" + deepKey(100) + " = 1}]\n";
   for (const std::string text : {R"("""x"""")", R"("""x""""")", "'''x''''", "'''x'''''",
                                  R"("""""")", R"("""\"""")", R"("""\\""")"}) {
@@ -588,7 +591,7 @@ std::string repeated(const std::string& text, int times) {
   return out;
 }
 
-// No look-up is quadratic: within a second, ten under a sanitizer. Judged in ./check --full.
+// No look-up is quadratic: within a second, ten under a sanitizer. Measured in ./check --full.
 TEST(TomlBounds, FileOfManyTables_IsRefusedWithinASecond) {
   const std::string head =
       "kind = \"scene\"\nversion = 1\nname = \"n\"\ngravity_m_s2 = [0, 0, -9.81]\n";

@@ -1,11 +1,11 @@
-// Convex pieces of solids whose volume is known.
+// Convex pieces of solids with a known volume.
 #include "files/mesh/convex_pieces.hpp"
 
 #include "files/mesh/convex_hull.hpp"
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/solid.hpp"
 #include "files/solid_samples.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
@@ -47,8 +47,9 @@ MeshSurface cube(double edge_m) {
   return prism({{0, 0}, {edge_m, 0}, {edge_m, edge_m}, {0, edge_m}}, edge_m);
 }
 
-/// Every piece is what a scene takes as it is: convexMesh() checks every vertex against every face
-/// and every edge for its two faces. Its faces are wound outward: the volume is positive.
+/// Checks that a scene can take every piece as it is: convexMesh() checks every vertex against
+/// every face and every edge for its two faces. The faces are wound outward, so the volume is
+/// positive.
 void expectConvex(const ConvexPieces& result, std::size_t most_vertices) {
   for (const MeshSurface& piece : result.pieces) {
     const auto shape = convexMesh(piece.points, piece.triangles);
@@ -68,7 +69,7 @@ void expectConvex(const ConvexPieces& result, std::size_t most_vertices) {
   }
 }
 
-TEST(ConvexPieces, AnL_IsTwoBoxes) {
+TEST(ConvexPieces, LShape_GivesTwoBoxes) {
   const ConvexPieces l = piecesOf(lShape(), 1e-3);
   ASSERT_EQ(l.pieces.size(), 2U);
   expectConvex(l, 8);
@@ -79,7 +80,7 @@ TEST(ConvexPieces, AnL_IsTwoBoxes) {
   EXPECT_LT(l.missing_m, 1e-8);
 }
 
-TEST(ConvexPieces, AnLTurnedInSpace_IsTwoBoxes) {
+TEST(ConvexPieces, RotatedLShape_GivesTwoBoxes) {
   MeshSurface turned = lShape();
   const Eigen::Quaterniond q = Eigen::Quaterniond(0.4, -0.3, 0.7, 0.5).normalized();
   for (Vector3d& p : turned.points) p = q * p + Vector3d(0.3, -0.2, 0.1);
@@ -89,25 +90,25 @@ TEST(ConvexPieces, AnLTurnedInSpace_IsTwoBoxes) {
   EXPECT_NEAR(l.pieces_m3, 40e-6, 40e-6 * 1e-5);
 }
 
-TEST(ConvexPieces, AConvexMesh_StaysOnePiece) {
+TEST(ConvexPieces, ConvexMesh_StaysOnePiece) {
   const ConvexPieces box = piecesOf(cube(0.1), 1e-4);
   ASSERT_EQ(box.pieces.size(), 1U);
   EXPECT_EQ(box.pieces[0].points.size(), 8U);
   EXPECT_NEAR(box.pieces_m3, 1e-3, 1e-9);
 }
 
-TEST(ConvexPieces, ATorus_HasItsVolume) {
+TEST(ConvexPieces, Torus_KeepsItsVolumeAndHole) {
   constexpr double kRing_m = 0.04, kTube_m = 0.012;
   const MeshSurface mesh = torus(kRing_m, kTube_m, 32, 16);
   const ConvexPieces ring = piecesOf(mesh, 1.5e-3);
   expectConvex(ring, 64);
   EXPECT_LE(ring.pieces.size(), 16U);
-  // Volume of the torus 2 pi^2 R r^2. The mesh of 16-gons has 2.6 % less, 8 sin(2 pi / 16) / pi
-  // of a circle's area; a piece bulges by R + r less the chord.
+  // The volume of the torus is 2 pi^2 R r^2. The mesh of 16-gons has 2.6 % less, 8 sin(2 pi / 16) /
+  // pi of a circle's area; a piece bulges by R + r less the chord.
   const double torus_m3 = 2.0 * pi * pi * kRing_m * kTube_m * kTube_m;
   EXPECT_NEAR(ring.pieces_m3, torus_m3, 0.05 * torus_m3);
   EXPECT_LE(ring.beyond_m, 1.5e-3);
-  // The hole is open: no piece comes nearer to the axis than the mesh does, less the concavity.
+  // The hole is open: no piece is nearer to the axis than the mesh, less the concavity.
   double nearest = std::numeric_limits<double>::infinity();
   for (const MeshSurface& piece : ring.pieces) {
     nearest = std::min(nearest, SurfaceDistance(piece).to(Vector3d::Zero()));
@@ -115,7 +116,7 @@ TEST(ConvexPieces, ATorus_HasItsVolume) {
   EXPECT_GT(nearest, kRing_m - kTube_m - 1.5e-3);
 }
 
-TEST(ConvexPieces, ACup_CanBeEntered) {
+TEST(ConvexPieces, Cup_StaysOpen) {
   const MeshSurface mesh = cup(24);
   const ConvexPieces cup = piecesOf(mesh, 1.4e-3);
   expectConvex(cup, 64);
@@ -134,18 +135,18 @@ TEST(ConvexPieces, ACup_CanBeEntered) {
   }
 }
 
-TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreObeyed) {
+TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreRespected) {
   const MeshSurface mesh = torus(0.04, 0.012, 16, 8);
   EXPECT_EQ(piecesOf(mesh, 1.0).pieces.size(), 1U);
   EXPECT_EQ(piecesOf(mesh, 1e-3, 1).pieces.size(), 1U);
   const ConvexPieces four = piecesOf(mesh, 1e-4, 4, 12);
   EXPECT_EQ(four.pieces.size(), 4U);
   expectConvex(four, 12);
-  EXPECT_GT(four.beyond_m, 1e-4);  // said, not hidden
+  EXPECT_GT(four.beyond_m, 1e-4);  // reported, not hidden
 }
 
-TEST(ConvexPieces, SameInput_SameBits) {
-  const MeshSurface mesh = kFew ? lShape() : cup(12);
+TEST(ConvexPieces, SameInput_GivesTheSameBits) {
+  const MeshSurface mesh = kReducedCounts ? lShape() : cup(12);
   const ConvexPieces a = piecesOf(mesh, 2e-3), b = piecesOf(mesh, 2e-3);
   ASSERT_EQ(a.pieces.size(), b.pieces.size());
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
@@ -154,7 +155,7 @@ TEST(ConvexPieces, SameInput_SameBits) {
   }
 }
 
-TEST(ConvexPieces, OverlappingParts_AreNoticed) {
+TEST(ConvexPieces, OverlappingParts_AreDetected) {
   MeshSurface two = cube(0.1);
   const MeshSurface other = cube(0.1);
   for (const Vector3d& p : other.points) two.points.push_back(p + Vector3d(0.05, 0.03, 0.02));
@@ -163,7 +164,7 @@ TEST(ConvexPieces, OverlappingParts_AreNoticed) {
   EXPECT_EQ(piecesOf(cube(0.1), 1e-3).twice_share, 0.0);
 }
 
-TEST(ClosedSurface, AnInwardMesh_IsTurned) {
+TEST(ClosedSurface, InwardMesh_IsTurned) {
   MeshSurface inward = cube(0.1);
   for (Vector3i& t : inward.triangles) std::swap(t[1], t[2]);
   const ClosedSurface solid = solidOf(inward);
@@ -172,7 +173,7 @@ TEST(ClosedSurface, AnInwardMesh_IsTurned) {
   EXPECT_EQ(solidOf(cube(0.1)).turned, TurnedShells::kNone);
 }
 
-/// A cube with its lower corner at (x, x, x), and what of it is wound inward.
+/// A cube with its lower corner at (x, x, x), wound inward if requested.
 MeshSurface cubeAt(double x_m, double edge_m, bool inward) {
   MeshSurface mesh = cube(edge_m);
   for (Vector3d& p : mesh.points) p += Vector3d::Constant(x_m);
@@ -188,8 +189,9 @@ void append(MeshSurface& mesh, const MeshSurface& other) {
   for (const Vector3i& t : other.triangles) mesh.triangles.push_back(t.array() + first);
 }
 
-// A mirrored part: the volume of the whole is that of the larger one less the smaller one's.
-TEST(ClosedSurface, AnInwardShellBesideAnother_IsTurned) {
+// A mirrored part: the mesh's signed volume is that of the larger part less that of the smaller
+// one.
+TEST(ClosedSurface, InwardShellBesideAnother_IsTurned) {
   for (const double x_m : {0.2, 0.1, 0.05}) {  // apart, touching at a corner, overlapping
     for (const bool smaller : {false, true}) {
       MeshSurface mesh = cubeAt(0.0, 0.1, !smaller);
@@ -201,8 +203,8 @@ TEST(ClosedSurface, AnInwardShellBesideAnother_IsTurned) {
   }
 }
 
-// They share a face's corners: each edge of the face belongs to four triangles.
-TEST(ClosedSurface, AnInwardShellOnAnothersFace_IsTurned) {
+// The shells share a face's corners: each edge of the face belongs to four triangles.
+TEST(ClosedSurface, InwardShellOnAnothersFace_IsTurned) {
   MeshSurface mesh = cube(0.1), other = cube(0.1);
   for (Vector3d& p : other.points) p.z() += 0.1;
   MeshSurface outward = mesh;
@@ -215,7 +217,7 @@ TEST(ClosedSurface, AnInwardShellOnAnothersFace_IsTurned) {
   EXPECT_EQ(solidOf(mesh).turned, TurnedShells::kSome);
 }
 
-TEST(ClosedSurface, AHollow_Stays) {
+TEST(ClosedSurface, HollowInsideASolid_StaysInward) {
   MeshSurface hollow = cubeAt(0.0, 0.1, false);
   append(hollow, cubeAt(0.02, 0.05, true));
   constexpr double kHollow_m3 = 1e-3 - 0.125e-3;
@@ -223,7 +225,7 @@ TEST(ClosedSurface, AHollow_Stays) {
   EXPECT_NEAR(solidOf(hollow).volume_m3, kHollow_m3, 1e-12);
   append(hollow, cubeAt(0.03, 0.01, false));  // a core in the hollow
   EXPECT_NEAR(solidOf(hollow).volume_m3, kHollow_m3 + 1e-6, 1e-12);
-  // The hollow of a part that is wound inward is turned with it.
+  // The hollow of an inward part is turned with it.
   MeshSurface inward = cubeAt(0.0, 0.1, true);
   append(inward, cubeAt(0.02, 0.05, false));
   EXPECT_EQ(solidOf(inward).turned, TurnedShells::kAll);
@@ -233,31 +235,31 @@ TEST(ClosedSurface, AHollow_Stays) {
   EXPECT_NEAR(solidOf(inward).volume_m3, kHollow_m3 + 3.375e-3, 1e-12);
 }
 
-TEST(ClosedSurface, BadMeshes_AreRefused) {
+TEST(ClosedSurface, FaultyMeshes_AreRefused) {
   MeshSurface open = cube(0.1), both = cube(0.1), nan = cube(0.1), flat = cube(0.1),
               many = cube(0.1);
   open.triangles.pop_back();
-  EXPECT_TRUE(says(solidProblemOf(open), "not closed"));
+  EXPECT_TRUE(contains(solidProblemOf(open), "not closed"));
   std::swap(both.triangles[0][1], both.triangles[0][2]);
-  EXPECT_TRUE(says(solidProblemOf(both), "wound both ways"));
+  EXPECT_TRUE(contains(solidProblemOf(both), "wound both ways"));
   nan.points[3].y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(says(solidProblemOf(nan), "not finite"));
+  EXPECT_TRUE(contains(solidProblemOf(nan), "not finite"));
   for (Vector3d& p : flat.points) p.z() *= 1e-7;
   EXPECT_FALSE(solidProblemOf(flat).empty());
   many.triangles.resize(kMaxSolidTriangles + 1, many.triangles[0]);
-  EXPECT_TRUE(says(solidProblemOf(many), "20001 triangles"));
-  EXPECT_TRUE(says(solidProblemOf(cube(1e-5)), "across"));
-  EXPECT_TRUE(says(solidProblemOf({}), "empty"));
+  EXPECT_TRUE(contains(solidProblemOf(many), "20001 triangles"));
+  EXPECT_TRUE(contains(solidProblemOf(cube(1e-5)), "across"));
+  EXPECT_TRUE(contains(solidProblemOf({}), "empty"));
 }
 
-TEST(SolidCut, BothSides_AddUpToTheWhole) {
+TEST(SolidCut, BothSidesOfACut_AddUpToTheWhole) {
   const ClosedSurface solid = solidOf(torus(0.04, 0.012, 24, 12));
   std::vector<Facet> facets;
   for (const Vector3i& t : solid.surface.triangles) {
     const auto& p = solid.surface.points;
     facets.push_back({{p[t[0]], p[t[1]], p[t[2]]}, false});
   }
-  // Cuts through two disks, along a row of vertices, and oblique ones: a cap may be in two parts.
+  // Cuts through two disks, along a row of vertices, and oblique ones: a cap may have two parts.
   std::vector<std::vector<Facet>> parts{facets};
   for (const Vector3d& n : {Vector3d(1, 0, 0), Vector3d(0, 0, 1), Vector3d(0.3, 0.8, 0.52)}) {
     const CutPlane plane{n.normalized(), n.x() == 0.3 ? 0.004 : 0.0};
@@ -278,7 +280,7 @@ TEST(SolidCut, BothSides_AddUpToTheWhole) {
               1e-9 * solid.volume_m3);
 }
 
-TEST(SurfaceDistance, OfACube_IsThatOfABox) {
+TEST(SurfaceDistance, CubesSurface_HasTheDistanceOfABox) {
   const MeshSurface box = cube(1.0);
   const SurfaceDistance distance(box);
   EXPECT_NEAR(distance.to({0.5, 0.5, 0.7}), 0.3, 1e-12);                // inside: the nearest face
@@ -289,7 +291,7 @@ TEST(SurfaceDistance, OfACube_IsThatOfABox) {
   EXPECT_NEAR(distance.windings({0.2, 0.6, 1.1}), 0.0, 1e-12);
 }
 
-TEST(ReducedHull, OfABall_KeepsTheBound) {
+TEST(ReducedHull, HullOfABall_KeepsTheBound) {
   std::vector<Vector3d> points;
   for (int i = 0; i < 500; ++i) {  // a spiral from pole to pole
     const double z = 1.0 - 2.0 * (i + 0.5) / 500.0, angle = 2.4 * i;

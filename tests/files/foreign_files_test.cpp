@@ -1,4 +1,4 @@
-// Object files as other people's programs write them.
+// Object files as other programs write them.
 #include "files/foreign/foreign_file.hpp"
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/mesh_file.hpp"
@@ -9,10 +9,10 @@
 #include "files/toml/toml_file.hpp"
 #include "files/urdf/urdf.hpp"
 #include "loop/model/scene_model.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -71,7 +71,7 @@ std::string refusalOf(const Folder& folder, const std::string& name, const std::
   return mesh ? "" : format(mesh.errors());
 }
 
-/// A DAE whose visual scene holds `nodes`; its geometry is the box.
+/// A DAE file whose visual scene contains `nodes`; its geometry is the box.
 std::string dae(const std::string& nodes, const std::string& more = "") {
   std::string corners, faces;
   for (const Vector3d& p : boxCorners()) corners += fmt::format("{} {} {} ", p.x(), p.y(), p.z());
@@ -102,7 +102,7 @@ std::string glbOf(std::string json, const std::string& data) {
          littleEndian(static_cast<std::uint32_t>(12 + chunks.size())) + chunks;
 }
 
-/// A GLB whose scene is node 0, and whose mesh 0 is the box.
+/// A GLB file whose scene is node 0 and whose mesh 0 is the box.
 std::string glb(const std::string& nodes) {
   std::string data;
   for (const Vector3d& p : boxCorners()) {
@@ -120,8 +120,8 @@ std::string glb(const std::string& nodes) {
                data);
 }
 
-/// The collider is the box, placed by `map`: volume times its determinant, centre moved; and its
-/// surface is wound outward as the file's is.
+/// Checks that the collider is the box placed by `map`: its volume times the determinant, its
+/// centre moved. The surface is wound outward as in the file.
 void expectBox(const std::string& path, const Affine3d& map, double tolerance) {
   const MeshCollider mesh = orThrow(loadMeshCollider(path, Vector3d::Ones()));
   ASSERT_EQ(mesh.shapes.size(), 1U);
@@ -133,7 +133,7 @@ void expectBox(const std::string& path, const Affine3d& map, double tolerance) {
   EXPECT_NEAR(signedVolume(surface) / volume_m3, 1.0, tolerance);
 }
 
-TEST(ForeignMesh, NodesOfDaeAndGlb_ArePlacedHoweverLittle) {
+TEST(ForeignMesh, NodesOfDaeAndGlb_AreAppliedHoweverSmall) {
   const Folder folder;
   const double half_degree = pi / 360.0;
   Affine3d mirrored = Affine3d::Identity(), nested = Affine3d::Identity();
@@ -163,13 +163,13 @@ TEST(ForeignMesh, NodesOfDaeAndGlb_ArePlacedHoweverLittle) {
               c.map, 1e-9);
     expectBox(folder.write("n.glb", glb(std::string("{\"mesh\":0,") + c.glb + "}")), c.map, 1e-6);
   }
-  // w = 2 would be half as large in homogeneous coordinates.
+  // In homogeneous coordinates w = 2 would halve the size.
   const char* const kNotAffine = "has a node whose matrix does not end in 0 0 0 1";
-  EXPECT_TRUE(says(refusalOf(folder, "n.dae",
-                             dae("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2</matrix>" +
-                                 kInstance + "</node>")),
-                   kNotAffine));
-  EXPECT_TRUE(says(
+  EXPECT_TRUE(contains(refusalOf(folder, "n.dae",
+                                 dae("<node><matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2</matrix>" +
+                                     kInstance + "</node>")),
+                       kNotAffine));
+  EXPECT_TRUE(contains(
       refusalOf(folder, "n.glb", glb(R"({"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,2]})")),
       kNotAffine));
   expectBox(folder.write("n.dae", dae("<node><translate>0 0 0.005</translate><rotate>1 0 0 0.5"
@@ -183,7 +183,7 @@ TEST(ForeignMesh, NodesOfDaeAndGlb_ArePlacedHoweverLittle) {
             nested, 1e-6);
 }
 
-TEST(ForeignMesh, OneGeometryPlacedTwice_IsTwoPieces) {
+TEST(ForeignMesh, OneGeometryPlacedTwice_GivesTwoPieces) {
   const Folder folder;
   const std::string twice = "<node>" + kInstance + "</node><node><translate>0 0.049 0</translate>" +
                             "<instance_node url=\"#n\"/></node>";
@@ -195,32 +195,32 @@ TEST(ForeignMesh, OneGeometryPlacedTwice_IsTwoPieces) {
   EXPECT_NEAR(moments(mesh.shapes[0]).volume_m3 + moments(mesh.shapes[1]).volume_m3, 2.0 * kBox_m3,
               1e-15);
   EXPECT_TRUE(mesh.notices.empty());
-  // Nodes that hold one another would never end.
-  EXPECT_TRUE(
-      says(refusalOf(folder, "loop.dae", dae("<node id=\"n\"><instance_node url=\"#n\"/></node>")),
-           "nodes that hold one another"));
-  EXPECT_TRUE(says(refusalOf(folder, "loop.glb", glb(R"({"children":[0]})")),
-                   "nodes that hold one another"));
+  // Nodes that contain each other would never end.
+  EXPECT_TRUE(contains(
+      refusalOf(folder, "loop.dae", dae("<node id=\"n\"><instance_node url=\"#n\"/></node>")),
+      "nodes that hold one another"));
+  EXPECT_TRUE(contains(refusalOf(folder, "loop.glb", glb(R"({"children":[0]})")),
+                       "nodes that hold one another"));
 }
 
-TEST(ForeignMesh, UpAxis_IsNamedAsIgnored) {
+TEST(ForeignMesh, UpAxis_IsReportedAsIgnored) {
   const Folder folder;
   std::string y_up = dae("<node>" + kInstance + "</node>");
   y_up.replace(y_up.find("Z_UP"), 4, "Y_UP");
   const MeshCollider mesh = orThrow(load(folder, "y.dae", y_up));
   ASSERT_EQ(mesh.notices.size(), 1U);
-  EXPECT_TRUE(says(format(mesh.notices), "y.dae has <up_axis> Y_UP, which is ignored"));
+  EXPECT_TRUE(contains(format(mesh.notices), "y.dae has <up_axis> Y_UP, which is ignored"));
   const auto noticed = [&](const std::string& element) {
     return format(
         orThrow(load(folder, "u.dae", replaced(y_up, "<up_axis>Y_UP</up_axis>", element))).notices);
   };
-  EXPECT_TRUE(says(noticed(""), "has <up_axis> Y_UP"));  // the default of COLLADA 1.4.1
+  EXPECT_TRUE(contains(noticed(""), "has <up_axis> Y_UP"));  // the default of COLLADA 1.4.1
   EXPECT_EQ(noticed("<up_axis>\n  Z_UP </up_axis>"), "");
-  EXPECT_TRUE(says(format(orThrow(load(folder, "y.glb", glb(R"({"mesh":0})"))).notices),
-                   "y.glb is of glTF, whose y axis points up, which is ignored"));
+  EXPECT_TRUE(contains(format(orThrow(load(folder, "y.glb", glb(R"({"mesh":0})"))).notices),
+                       "y.glb is of glTF, whose y axis points up, which is ignored"));
 }
 
-TEST(ForeignMesh, TextureThatCannotBeRead_IsNoFault) {
+TEST(ForeignMesh, UnreadableTexture_IsNoFault) {
   const Folder folder;
   const std::string images =
       "<library_images><image id=\"i\"><init_from></init_from></image>"
@@ -229,7 +229,7 @@ TEST(ForeignMesh, TextureThatCannotBeRead_IsNoFault) {
             Affine3d::Identity(), 1e-9);
 }
 
-TEST(ForeignMesh, DaeAsWritersLeaveIt_IsRead) {
+TEST(ForeignMesh, DaeVariantsOfOtherWriters_AreRead) {
   const Folder folder;
   const std::string plain = dae("<node>" + kInstance + "</node>");
   std::string comments = plain, unit = plain, names = plain;
@@ -242,15 +242,15 @@ TEST(ForeignMesh, DaeAsWritersLeaveIt_IsRead) {
   expectBox(folder.write("c.dae", unit), Affine3d(Eigen::Scaling(0.5)), 1e-9);
   names.replace(names.find("\"X\""), 3, "\"Y\"").replace(names.rfind("\"Y\""), 3, "\"X\"");
   Affine3d swapped = Affine3d::Identity();
-  swapped.linear() << 0, 1, 0, 1, 0, 0, 0, 0, 1;  // which turns the box inside out
-  EXPECT_TRUE(says(refusalOf(folder, "c.dae", replaced(plain, "<p>0 1 3", "<p>0 1 2.7")),
-                   "has a face with the corner 2.7; there are 8, in line"));
+  swapped.linear() << 0, 1, 0, 1, 0, 0, 0, 0, 1;  // this turns the box inside out
+  EXPECT_TRUE(contains(refusalOf(folder, "c.dae", replaced(plain, "<p>0 1 3", "<p>0 1 2.7")),
+                       "has a face with the corner 2.7; there are 8, in line"));
   const ShapeMoments m = moments(orThrow(load(folder, "c.dae", names)).shapes[0]);
   EXPECT_NEAR(m.volume_m3, kBox_m3, 1e-15);
   EXPECT_LT((m.center_m - swapped * (kBox_m / 2.0)).norm(), 1e-12);
 }
 
-TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
+TEST(ForeignMesh, EveryValidObjLine_IsRead) {
   const Folder folder;
   std::string crlf, blanks, colours, weights, no_zero, comments, joined;
   for (const char c : kBoxObj) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
@@ -306,10 +306,10 @@ TEST(ForeignMesh, EveryLineOfAnObj_IsUnderstood) {
   }
 }
 
-TEST(ForeignMesh, LineOfAnObjThatIsNot_IsNamed) {
+TEST(ForeignMesh, InvalidObjLine_IsNamed) {
   const Folder folder;
   const struct {
-    const char *lines, *says;
+    const char *lines, *expected;
   } cases[] = {
       {"v 1 2\n", "its line 1 has a corner of 2 numbers"},
       {"\nv 1 2 x\n", "its line 2 has \"x\" where a number belongs"},
@@ -326,11 +326,11 @@ TEST(ForeignMesh, LineOfAnObjThatIsNot_IsNamed) {
   };
   for (const auto& c : cases) {
     const std::string said = refusalOf(folder, "c.obj", c.lines + kBoxObj);
-    EXPECT_TRUE(says(said, c.says)) << said;
+    EXPECT_TRUE(contains(said, c.expected)) << said;
   }
 }
 
-// A U of three boxes: 24 + 20 + 20 cm3; its hull is the box around it, 144 cm3.
+// A U of three boxes: 24 + 20 + 20 cm3; its hull is the bounding box, 144 cm3.
 std::string letterU(const std::string& between, bool shared) {
   const Vector3d low[] = {{0, 0, 0}, {0, 0, 0.01}, {0.05, 0, 0.01}};
   const Vector3d high[] = {{0.06, 0.04, 0.01}, {0.01, 0.04, 0.06}, {0.06, 0.04, 0.06}};
@@ -345,7 +345,7 @@ std::string letterU(const std::string& between, bool shared) {
   return shared ? corners + faces : both;
 }
 
-TEST(ForeignMesh, ConvexObjectsOrGroupsOfOneObj_ArePieces) {
+TEST(ForeignMesh, ConvexObjectsOrGroupsOfAnObj_BecomePieces) {
   const Folder folder;
   for (const char* between : {"o convex_{}\n", "g convex_{}\n", "o all\ng piece{}\n"}) {
     for (const bool shared : {false, true}) {
@@ -357,11 +357,11 @@ TEST(ForeignMesh, ConvexObjectsOrGroupsOfOneObj_ArePieces) {
       EXPECT_TRUE(mesh.notices.empty()) << format(mesh.notices);
     }
   }
-  // In one object, boxes that touch in corners are one surface.
+  // Boxes of one object that touch in corners are one surface.
   const MeshCollider one = orThrow(load(folder, "u.obj", letterU("o all\n", false)));
   ASSERT_EQ(one.shapes.size(), 1U);
-  EXPECT_TRUE(says(format(one.notices), "125 % larger in volume"));  // 144 / 64
-  // A box whose faces are groups is the box, and two apart in one object are two.
+  EXPECT_TRUE(contains(format(one.notices), "125 % larger in volume"));  // 144 / 64
+  // A box whose faces are separate groups is the box; two separate boxes in one object are two.
   std::string looks = objCorners(boxCorners());
   for (std::size_t i = 0; i < kBoxFaces.size(); ++i) {
     const Eigen::Vector3i& t = kBoxFaces[i];
@@ -375,7 +375,7 @@ TEST(ForeignMesh, ConvexObjectsOrGroupsOfOneObj_ArePieces) {
 
 // A box beside one whose top is a hollow pyramid: of 48 cm3, a third of its base times its depth is
 // missing.
-TEST(ForeignMesh, NearlyConvexParts_ArePieces) {
+TEST(ForeignMesh, NearlyConvexParts_BecomePieces) {
   const Folder folder;
   const auto dented = [&](double depth_m) {
     std::string faces;
@@ -392,20 +392,21 @@ TEST(ForeignMesh, NearlyConvexParts_ArePieces) {
   const MeshCollider two = dented(1.8e-3);  // 1.44 cm3 of it: its hull is 3.1 % larger
   ASSERT_EQ(two.shapes.size(), 2U);
   EXPECT_NEAR(moments(two.shapes[0]).volume_m3, kBox_m3, 1e-15);
-  EXPECT_TRUE(says(format(two.notices), "has 2 parts whose convex hulls take their place, 1.52 %"))
+  EXPECT_TRUE(
+      contains(format(two.notices), "has 2 parts whose convex hulls take their place, 1.52 %"))
       << format(two.notices);
   EXPECT_EQ(dented(3.6e-3).shapes.size(), 1U);  // 6.4 %
 }
 
-TEST(ForeignMesh, FlatPartOfPieces_IsLeftOutAndNamed) {
+TEST(ForeignMesh, FlatPartAmongPieces_IsLeftOutAndNamed) {
   const Folder folder;
   const std::string flat = "o flat\nv 0 0 1\nv 0.1 0 1\nv 0 0.1 1\nf -3 -2 -1\n";
   const MeshCollider mesh = orThrow(load(folder, "u.obj", letterU("o {}\n", false) + flat));
   EXPECT_EQ(mesh.shapes.size(), 3U);
-  EXPECT_TRUE(says(format(mesh.notices), "has 1 part without volume")) << format(mesh.notices);
+  EXPECT_TRUE(contains(format(mesh.notices), "has 1 part without volume")) << format(mesh.notices);
 }
 
-TEST(ForeignMesh, SurfaceOfTwoSides_IsReadOnce) {
+TEST(ForeignMesh, SurfaceWithBothSides_IsReadOnce) {
   const Folder folder;
   std::string both = kBoxObj;
   for (const Eigen::Vector3i& t : kBoxFaces) {
@@ -415,11 +416,11 @@ TEST(ForeignMesh, SurfaceOfTwoSides_IsReadOnce) {
   EXPECT_NEAR(moments(mesh.shapes[0]).volume_m3, kBox_m3, 1e-15);
   EXPECT_TRUE(mesh.notices.empty()) << format(mesh.notices);
   const MeshCollider bent = orThrow(load(
-      folder, "bent.obj", both + "v 0.03 0.02 0.01\nf 1 2 9\nf 9 2 1\n"));  // a fin of two sides
-  EXPECT_TRUE(says(format(bent.notices), "of 48 cm3")) << format(bent.notices);
+      folder, "bent.obj", both + "v 0.03 0.02 0.01\nf 1 2 9\nf 9 2 1\n"));  // a fin with both sides
+  EXPECT_TRUE(contains(format(bent.notices), "of 48 cm3")) << format(bent.notices);
 }
 
-TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
+TEST(ForeignMesh, StlVariantsOfOtherWriters_AreRead) {
   const Folder folder;
   std::string facets, binary(80, ' ');
   binary += littleEndian(std::uint32_t{12});
@@ -454,15 +455,15 @@ TEST(ForeignMesh, StlAsWritersLeaveIt_IsRead) {
             Affine3d::Identity(), 1e-9);
   const std::string twice = folder.write("c.stl", binary + binary);
   expectBox(twice, Affine3d::Identity(), 1e-6);
-  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
-                   "has 684 bytes behind the 12 triangles"));  // 84 + 12 x 50
-  EXPECT_TRUE(says(refusalOf(folder, "c.stl", "# made by me\n" + bare),
-                   "is a text that starts with \"#\", not with \"solid\"; take out"));
-  EXPECT_TRUE(says(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
-                   "announces 12 triangles and holds 10"));
+  EXPECT_TRUE(contains(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
+                       "has 684 bytes behind the 12 triangles"));  // 84 + 12 x 50
+  EXPECT_TRUE(contains(refusalOf(folder, "c.stl", "# made by me\n" + bare),
+                       "is a text that starts with \"#\", not with \"solid\"; take out"));
+  EXPECT_TRUE(contains(refusalOf(folder, "c.stl", binary.substr(0, binary.size() - 60)),
+                       "announces 12 triangles and holds 10"));
 }
 
-TEST(ForeignMesh, PlyWithMoreValuesThanItsHeadNames_IsReadByLines) {
+TEST(ForeignMesh, PlyWithMoreValuesThanItsHeaderNames_IsReadByLines) {
   const Folder folder;
   std::string rows;
   for (const Vector3d& p : boxCorners()) rows += fmt::format("{} {} {} 255\n", p.x(), p.y(), p.z());
@@ -475,8 +476,8 @@ TEST(ForeignMesh, PlyWithMoreValuesThanItsHeadNames_IsReadByLines) {
       "property float z\nelement face 12\nproperty list uchar int vertex_index\nend_header\n" +
           rows);
   expectBox(path, Affine3d::Identity(), 1e-9);
-  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(path, Vector3d::Ones())).notices),
-                   "has more values in line 10 than its head names"));
+  EXPECT_TRUE(contains(format(orThrow(loadMeshCollider(path, Vector3d::Ones())).notices),
+                       "has more values in line 10 than its head names"));
 }
 
 std::string plyHead(const std::string& remark, const std::string& end = "\n") {
@@ -489,7 +490,7 @@ std::string plyHead(const std::string& remark, const std::string& end = "\n") {
   return head;
 }
 
-TEST(ForeignMesh, PlyAsWritersLeaveIt_IsRead) {
+TEST(ForeignMesh, PlyVariantsOfOtherWriters_AreRead) {
   const Folder folder;
   std::string rows, values;
   for (const Vector3d& p : boxCorners()) {
@@ -522,25 +523,27 @@ TEST(ForeignMesh, PlyAsWritersLeaveIt_IsRead) {
   }
   const MeshCollider remark = orThrow(load(folder, "c.ply", cases[3].bytes));
   EXPECT_TRUE(
-      says(format(remark.notices), "has \"Created\" in line 3 of its head, which is ignored"));
+      contains(format(remark.notices), "has \"Created\" in line 3 of its head, which is ignored"));
   const std::string twice = folder.write("c.ply", blank + values + values);
   expectBox(twice, Affine3d::Identity(), 1e-6);
-  EXPECT_TRUE(says(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
-                   "goes on behind the values of its head"));
+  EXPECT_TRUE(contains(format(orThrow(loadMeshCollider(twice, Vector3d::Ones())).notices),
+                       "goes on behind the values of its head"));
   const std::string half = replaced(plyHead("") + rows, "3 0 1 3", "3 0 1 2.7");
   EXPECT_TRUE(
-      says(refusalOf(folder, "c.ply", half), "has a face with the corner 2.7; there are 8"));
+      contains(refusalOf(folder, "c.ply", half), "has a face with the corner 2.7; there are 8"));
   const std::string capital = replaced(plyHead("") + rows, "float x", "float X");
-  EXPECT_TRUE(says(refusalOf(folder, "c.ply", capital), "has vertices without a property \"x\""));
+  EXPECT_TRUE(
+      contains(refusalOf(folder, "c.ply", capital), "has vertices without a property \"x\""));
   std::string other = plyHead("") + rows;
   other.replace(other.find("vertex_index"), 12, "corners");
-  EXPECT_TRUE(says(refusalOf(folder, "c.ply", other), "faces without a list \"vertex_indices\""));
+  EXPECT_TRUE(
+      contains(refusalOf(folder, "c.ply", other), "faces without a list \"vertex_indices\""));
   std::string cloud = plyHead("") + rows;
   cloud.replace(cloud.find("face 12"), 7, "face 0");
-  EXPECT_TRUE(says(refusalOf(folder, "c.ply", cloud), "holds 8 points and no triangle"));
+  EXPECT_TRUE(contains(refusalOf(folder, "c.ply", cloud), "holds 8 points and no triangle"));
 }
 
-TEST(ForeignMesh, CornersOfNoFace_DoNotCount) {
+TEST(ForeignMesh, UnusedCorners_AreIgnored) {
   const Folder folder;
   for (const char* spare : {"v 99 0 0\n", "v nan nan nan\n"}) {
     const std::string path = folder.write("c.obj", kBoxObj + spare);
@@ -549,15 +552,16 @@ TEST(ForeignMesh, CornersOfNoFace_DoNotCount) {
   }
 }
 
-// A box in a box, half as wide: 48 and 6 cm3.
-TEST(ForeignMesh, PartInsideAnother_IsLeftOutAndAHollowIsNone) {
+// A box inside a box, half as wide: 48 and 6 cm3.
+TEST(ForeignMesh, PartInsideAnother_IsLeftOutAndAHollowIsFilled) {
   const Folder folder;
   const std::string inner = objCorners(boxCorners(kBox_m / 4.0, 0.75 * kBox_m));
   const MeshCollider solid =
       orThrow(load(folder, "in.obj", "o a\n" + kBoxObj + "o b\n" + inner + objFaces(9)));
   ASSERT_EQ(solid.shapes.size(), 1U);
   EXPECT_NEAR(moments(solid.shapes[0]).volume_m3, kBox_m3, 1e-15);
-  EXPECT_TRUE(says(format(solid.notices), "has 1 part inside another")) << format(solid.notices);
+  EXPECT_TRUE(contains(format(solid.notices), "has 1 part inside another"))
+      << format(solid.notices);
   std::string hollow = kBoxObj + inner;
   for (const Eigen::Vector3i& t : kBoxFaces) {
     hollow += fmt::format("f {} {} {}\n", t[2] + 9, t[1] + 9, t[0] + 9);
@@ -565,12 +569,12 @@ TEST(ForeignMesh, PartInsideAnother_IsLeftOutAndAHollowIsNone) {
   const MeshCollider filled = orThrow(load(folder, "hollow.obj", hollow));
   ASSERT_EQ(filled.shapes.size(), 1U);
   EXPECT_NEAR(moments(filled.shapes[0]).volume_m3, kBox_m3, 1e-15);
-  EXPECT_TRUE(says(format(filled.notices), "14.3 % larger in volume"));  // 48 / (48 - 6)
+  EXPECT_TRUE(contains(format(filled.notices), "14.3 % larger in volume"));  // 48 / (48 - 6)
 }
 
-TEST(ForeignMesh, SurfaceClosedToRounding_HasAVolume) {
+TEST(ForeignMesh, SurfaceClosedUpToRounding_HasAVolume) {
   const Folder folder;
-  // The U of one object, as an STL of doubles: the corners of each triangle are rounded apart.
+  // The U as one object in an STL of doubles: the corners of each triangle are rounded separately.
   std::string stl = "solid u\n";
   const MeshSurface u = orThrow(readMesh(folder.write("u.obj", letterU("o all\n", false)))).surface;
   double apart_m = 1e-9;
@@ -583,12 +587,12 @@ TEST(ForeignMesh, SurfaceClosedToRounding_HasAVolume) {
     stl += "endloop endfacet\n";
   }
   const MeshCollider mesh = orThrow(load(folder, "u.stl", stl + "endsolid\n"));
-  EXPECT_TRUE(says(format(mesh.notices), "125 % larger in volume")) << format(mesh.notices);
+  EXPECT_TRUE(contains(format(mesh.notices), "125 % larger in volume")) << format(mesh.notices);
 }
 
-TEST(ForeignMesh, Polygons_AreFansOrCutAtTheirEars) {
+TEST(ForeignMesh, Polygons_AreSplitIntoFansOrEars) {
   const Folder folder;
-  // An arrow head as prism of 10 mm: the square of 40 mm less a triangle of 40 x 20 mm.
+  // An arrow head as a prism of 10 mm: the square of 40 mm less a triangle of 40 x 20 mm.
   const std::string corners =
       "v 0 0 {0}\nv 0.02 0.02 {0}\nv 0.04 0 {0}\nv 0.04 0.04 {0}\nv 0 0.04 {0}\n";
   const std::string arrow =
@@ -597,23 +601,24 @@ TEST(ForeignMesh, Polygons_AreFansOrCutAtTheirEars) {
       "f 5 1 6 10\n";
   const MeshSurface prism = orThrow(readMesh(folder.write("a.obj", arrow))).surface;
   EXPECT_NEAR(signedVolume(prism), (0.04 * 0.04 - 0.04 * 0.02 / 2.0) * 0.01, 1e-15);
-  for (const Eigen::Vector3i& t : prism.triangles) {  // none lies outside, folded
+  for (const Eigen::Vector3i& t : prism.triangles) {  // no triangle is outside or folded
     const Vector3d middle = (prism.points[t[0]] + prism.points[t[1]] + prism.points[t[2]]) / 3.0;
     EXPECT_GE(middle.y() + 1e-12, std::min(middle.x(), 0.04 - middle.x()));
   }
-  // Four corners that are not in one plane: the fan from the first.
+  // Four corners that are not in one plane: the fan from the first corner.
   const MeshSurface bent =
       orThrow(readMesh(folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 0\nf 1 2 3 4\n")))
           .surface;
   EXPECT_EQ(bent.triangles, (std::vector<Eigen::Vector3i>{{0, 1, 2}, {0, 2, 3}}));
 }
 
-TEST(ForeignMesh, GlbWithMoreThanItsGeometry_IsReadAndNamed) {
+TEST(ForeignMesh, GlbWithMoreThanItsGeometry_IsReadAndReported) {
   const Folder folder;
   const std::string plain = glb(R"({"mesh":0})");
   expectBox(folder.write("t.glb", plain + "a tail"), Affine3d::Identity(), 1e-6);
-  EXPECT_TRUE(says(refusalOf(folder, "t.glb", plain.substr(0, plain.size() - 4)),
-                   fmt::format("announces {} bytes and holds {}", plain.size(), plain.size() - 4)));
+  EXPECT_TRUE(
+      contains(refusalOf(folder, "t.glb", plain.substr(0, plain.size() - 4)),
+               fmt::format("announces {} bytes and holds {}", plain.size(), plain.size() - 4)));
   const auto with = [&](std::string_view before, std::string_view more) {
     std::string json = plain.substr(20, plain.find("BIN") - 24);
     json.insert(json.find(before) + before.size(), more);
@@ -622,14 +627,14 @@ TEST(ForeignMesh, GlbWithMoreThanItsGeometry_IsReadAndNamed) {
   const std::string extended =
       with("{", R"("extensionsRequired":["KHR_materials_unlit","EXT_bent_space"],)");
   const std::string said = format(orThrow(load(folder, "e.glb", extended)).notices);
-  EXPECT_TRUE(says(said, "requires the extension EXT_bent_space, which is not known")) << said;
-  EXPECT_FALSE(says(said, "KHR_materials_unlit")) << said;
+  EXPECT_TRUE(contains(said, "requires the extension EXT_bent_space, which is not known")) << said;
+  EXPECT_FALSE(contains(said, "KHR_materials_unlit")) << said;
   const std::string text = with(R"("buffers":[{)", R"("uri":"data:;base64,AAAA",)");
-  EXPECT_TRUE(says(refusalOf(folder, "d.glb", text), "keeps its geometry as text in its JSON"));
+  EXPECT_TRUE(contains(refusalOf(folder, "d.glb", text), "keeps its geometry as text in its JSON"));
 }
 
 TEST(ForeignMesh, QuantisedGlb_IsRead) {
-  // Corners as unsigned shorts, of which the node makes metres, as KHR_mesh_quantization has it.
+  // Corners are unsigned shorts that the node scales to metres, as in KHR_mesh_quantization.
   const auto quantised = [](const char* normalized, double scale) {
     std::string data;
     for (const Vector3d& p : boxCorners()) {
@@ -656,19 +661,19 @@ TEST(ForeignMesh, QuantisedGlb_IsRead) {
             Affine3d::Identity(), 1e-9);
 }
 
-TEST(ForeignMesh, SizeOutOfRange_NamesTheScaleThatHelps) {
+TEST(ForeignMesh, SizeOutOfRange_NamesAScaleThatFits) {
   const Folder folder;
   const auto said = [&](double scale) {
     const auto mesh = loadMeshCollider(folder.write("c.obj", kBoxObj), Vector3d::Constant(scale));
     return mesh ? "" : format(mesh.errors());
   };
-  EXPECT_TRUE(says(said(1000.0), "with its scale times 0.001 it is 0.07483 m across"));
-  EXPECT_TRUE(says(said(0.001), "with its scale times 1000 it is 0.07483 m across"));
+  EXPECT_TRUE(contains(said(1000.0), "with its scale times 0.001 it is 0.07483 m across"));
+  EXPECT_TRUE(contains(said(0.001), "with its scale times 1000 it is 0.07483 m across"));
 }
 
-// 48 cm3 times 0.0012 and 22.6 g/cm3 are 0.0576 g and 1.0848 kg; in metres read as centimetres,
+// 48 cm3 times 0.0012 and 22.6 g/cm3 are 0.0576 g and 1.0848 kg; metres read as centimetres give
 // 0.1 kg in 48 m3.
-TEST(ForeignMesh, DensityOfNoMatter_IsNamed) {
+TEST(ForeignMesh, ImpossibleDensity_IsReported) {
   const Folder folder;
   folder.write("box.obj", kBoxObj);
   const auto noticed = [&](const std::string& keys) {
@@ -678,10 +683,10 @@ TEST(ForeignMesh, DensityOfNoMatter_IsNamed) {
   };
   EXPECT_EQ(noticed("mass_kg = 1.084\n"), "");
   EXPECT_EQ(noticed("mass_kg = 1e-4\n"), "");
-  EXPECT_TRUE(says(noticed("mass_kg = 1.086\n"),
-                   "s.toml:8: bodies[t].file: makes 't' heavier than any matter"));
-  EXPECT_TRUE(says(noticed("scale = 100.0\nmass_kg = 0.1\n"),
-                   "lighter than air (0.00208 kg/m³: 0.1 kg in 4.8e+07 cm³); check its size"));
+  EXPECT_TRUE(contains(noticed("mass_kg = 1.086\n"),
+                       "s.toml:8: bodies[t].file: makes 't' heavier than any matter"));
+  EXPECT_TRUE(contains(noticed("scale = 100.0\nmass_kg = 0.1\n"),
+                       "lighter than air (0.00208 kg/m³: 0.1 kg in 4.8e+07 cm³); check its size"));
   EXPECT_EQ(noticed("scale = 100.0\nfixed = true\n"), "");
 }
 
@@ -690,7 +695,7 @@ const std::string kBoxLink =
 izz="4.333e-5"/></inertial><collision><geometry><box size="0.06 0.04 0.02"/></geometry></collision>
 </link>)";
 
-/// The scene of one body from that URDF.
+/// The scene with one body from that URDF.
 Expected<SceneModel> sceneOf(const Folder& folder, const std::string& links) {
   folder.write("r.urdf", "<robot name=\"r\">" + links + "</robot>");
   return loadSceneFile(folder.write("s.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3)));
@@ -702,7 +707,7 @@ std::string fixedJoint(const char* parent, const char* child) {
                      parent, child);
 }
 
-TEST(ForeignUrdf, FramesAndBallast_AreLinksWithoutColliders) {
+TEST(ForeignUrdf, FramesAndBallast_BecomeLinksWithoutColliders) {
   const Folder folder;
   EXPECT_EQ(orThrow(sceneOf(folder, kBoxLink + "<link name=\"f\"/>" + fixedJoint("b", "f")))
                 .bodies[0]
@@ -722,11 +727,11 @@ iyy="1e-5" izz="1e-5"/></inertial></link>)" +
                           fixedJoint("b", "w")));
   EXPECT_NEAR(heavy.bodies[0].mass_kg, 0.4, 1e-15);
   EXPECT_NEAR(heavy.bodies[0].com_m.z(), 0.3 / 0.4 * 0.05, 1e-15);
-  EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"f\"/>").errors()),
-                   "link[f]: has no collider, nor has any other link"));
+  EXPECT_TRUE(contains(format(sceneOf(folder, "<link name=\"f\"/>").errors()),
+                       "link[f]: has no collider, nor has any other link"));
 }
 
-TEST(ForeignUrdf, WhatHoldsABodyInOtherPrograms_IsNamedUntilTheSceneFixesIt) {
+TEST(ForeignUrdf, AnchorsOfOtherPrograms_AreReportedUntilTheSceneFixesTheBody) {
   const Folder folder;
   const struct {
     std::string links, said;
@@ -740,8 +745,8 @@ TEST(ForeignUrdf, WhatHoldsABodyInOtherPrograms_IsNamedUntilTheSceneFixesIt) {
   };
   for (const auto& c : cases) {
     const std::string said = format(orThrow(sceneOf(folder, c.links)).notices);
-    EXPECT_TRUE(says(said, c.said));
-    EXPECT_TRUE(says(said, "set fixed = true in the scene if it shall stand"));
+    EXPECT_TRUE(contains(said, c.said));
+    EXPECT_TRUE(contains(said, "set fixed = true in the scene if it shall stand"));
     const SceneModel stands = orThrow(loadSceneFile(folder.write(
         "f.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) + "fixed = true\n")));
     EXPECT_TRUE(stands.notices.empty()) << format(stands.notices);
@@ -750,7 +755,7 @@ TEST(ForeignUrdf, WhatHoldsABodyInOtherPrograms_IsNamedUntilTheSceneFixesIt) {
       orThrow(sceneOf(folder, kBoxLink + "<gazebo><static>0</static></gazebo>")).notices.empty());
 }
 
-TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
+TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyWithOtherShapes) {
   const Folder folder;
   folder.write("flat.obj", "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nf 1 2 3\n");
   const std::string flat =
@@ -760,12 +765,12 @@ TEST(ForeignUrdf, FlatMesh_IsLeftOutOfABodyThatHasMore) {
   const SceneModel scene = orThrow(sceneOf(folder, both));
   EXPECT_EQ(scene.bodies[0].shapes.size(), 1U);
   ASSERT_EQ(scene.notices.size(), 1U);
-  EXPECT_TRUE(says(format(scene.notices), "it encloses no volume; it is left out"));
-  EXPECT_TRUE(says(format(sceneOf(folder, "<link name=\"b\">" + flat + "</link>").errors()),
-                   "encloses no volume"));
+  EXPECT_TRUE(contains(format(scene.notices), "it encloses no volume; it is left out"));
+  EXPECT_TRUE(contains(format(sceneOf(folder, "<link name=\"b\">" + flat + "</link>").errors()),
+                       "encloses no volume"));
 }
 
-TEST(ForeignUrdf, Origins_AreInRadOrQuaternions) {
+TEST(ForeignUrdf, Origins_AreReadInRadiansOrQuaternions) {
   const Folder folder;
   const auto turned = [&](const std::string& origin) {
     return loadUrdf(folder.write(
@@ -773,18 +778,18 @@ TEST(ForeignUrdf, Origins_AreInRadOrQuaternions) {
         R"(<robot name="r"><link name="a"><collision><origin )" + origin +
             R"(/><geometry><box size="0.1 0.1 0.2"/></geometry></collision></link></robot>)"));
   };
-  // A quarter turn about x, then 60 degrees about z: its half angles are 45 and 30 degrees.
+  // A quarter turn about x, then 60 degrees about z: half angles of 45 and 30 degrees.
   const UrdfBody by_angles = orThrow(turned(R"(rpy="1.5707963267948966 0 1.0471975511965976")"));
   const UrdfBody by_quaternion = orThrow(turned(
       R"(quat_xyzw="0.6123724356957945 0.3535533905932738 0.3535533905932738 0.6123724356957945")"));
   EXPECT_LT((by_angles.shapes.at(0).in_body.rotation - by_quaternion.shapes.at(0).in_body.rotation)
                 .norm(),
             1e-12);
-  EXPECT_TRUE(says(format(turned(R"(rpy="0 0 90")").errors()),
-                   "origin.rpy = 0 0 90: is beyond two turns (4π rad); must be in rad"));
+  EXPECT_TRUE(contains(format(turned(R"(rpy="0 0 90")").errors()),
+                       "origin.rpy = 0 0 90: is beyond two turns (4π rad); must be in rad"));
 }
 
-/// An ASCII text of characters of so many bytes.
+/// An ASCII text with characters of `bytes` bytes.
 std::string widened(const std::string& text, std::size_t bytes, bool little_end_first) {
   std::string wide;
   for (const char c : text) {
@@ -795,7 +800,7 @@ std::string widened(const std::string& text, std::size_t bytes, bool little_end_
   return wide;
 }
 
-TEST(ForeignFile, TextOfWideCharacters_IsNamed) {
+TEST(ForeignFile, TextOfWideCharacters_IsReported) {
   using namespace std::string_literals;
   const std::pair<const char*, std::string> texts[] = {
       {"u.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>"},
@@ -821,12 +826,12 @@ TEST(ForeignFile, TextOfWideCharacters_IsNamed) {
                                  : ending == "toml"
                                      ? loadSceneFile(path).errors()
                                      : loadMeshCollider(path, Vector3d::Ones()).errors();
-      EXPECT_TRUE(says(format(faults), "is a text in " + form.kind + "; save it as UTF-8"));
+      EXPECT_TRUE(contains(format(faults), "is a text in " + form.kind + "; save it as UTF-8"));
     }
   }
 }
 
-TEST(ForeignUrdf, SecondOfWhatALinkHasOnce_IsNamed) {
+TEST(ForeignUrdf, DuplicateElementOfALink_IsReported) {
   const Folder folder;
   const std::string once =
       R"(<mass value="0.1"/><inertia ixx="1.667e-5" iyy="3.333e-5" izz="4.333e-5"/>)";
@@ -840,16 +845,18 @@ TEST(ForeignUrdf, SecondOfWhatALinkHasOnce_IsNamed) {
     return "<inertial>" + inner + "</inertial>\n";
   };
   EXPECT_EQ(said(inertial(once), box), "");
-  EXPECT_TRUE(says(said(inertial(once) + inertial(once), box),
-                   "r.urdf:3: link[b].inertial: stands there twice, first in line 2; keep one"));
-  EXPECT_TRUE(says(said(inertial(once + "<mass value=\"3\"/>"), box),
-                   "r.urdf:2: link[b].inertial.mass: stands there twice"));
-  EXPECT_TRUE(says(said(inertial(once + "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"), box),
-                   "link[b].inertial.inertia: stands there twice"));
+  EXPECT_TRUE(
+      contains(said(inertial(once) + inertial(once), box),
+               "r.urdf:3: link[b].inertial: stands there twice, first in line 2; keep one"));
+  EXPECT_TRUE(contains(said(inertial(once + "<mass value=\"3\"/>"), box),
+                       "r.urdf:2: link[b].inertial.mass: stands there twice"));
+  EXPECT_TRUE(contains(said(inertial(once + "<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"), box),
+                       "link[b].inertial.inertia: stands there twice"));
   const std::string origin = "<origin xyz=\"0 0 0\"/>";
-  EXPECT_TRUE(says(said(inertial(origin + origin + once), box), "link[b].inertial.origin: stands"));
-  EXPECT_TRUE(says(said(inertial(once), box + box), "link[b].collision[0].geometry: stands"));
-  // What is not used is not judged.
+  EXPECT_TRUE(
+      contains(said(inertial(origin + origin + once), box), "link[b].inertial.origin: stands"));
+  EXPECT_TRUE(contains(said(inertial(once), box + box), "link[b].collision[0].geometry: stands"));
+  // Unused elements are not checked.
   folder.write("r.urdf", "<robot name=\"r\"><link name=\"b\">" + inertial(once) + inertial(once) +
                              "<collision>" + box + "</collision></link></robot>");
   EXPECT_TRUE(
@@ -858,7 +865,7 @@ TEST(ForeignUrdf, SecondOfWhatALinkHasOnce_IsNamed) {
           .ok());
 }
 
-TEST(ForeignUrdf, FrictionThatIsNotApplied_IsNamedUntilTheSceneGivesOne) {
+TEST(ForeignUrdf, FrictionThatIsNotApplied_IsReportedUntilTheSceneGivesOne) {
   const std::string ode = "<surface><friction><ode><mu>0.1</mu></ode></friction></surface>";
   const struct {
     std::string in_collision, in_link, in_robot, said;
@@ -880,10 +887,10 @@ TEST(ForeignUrdf, FrictionThatIsNotApplied_IsNamedUntilTheSceneGivesOne) {
     link.insert(link.find("</collision>"), c.in_collision);
     link.insert(link.find("</link>"), c.in_link);
     const SceneModel scene = orThrow(sceneOf(folder, link + c.in_robot));
-    EXPECT_EQ(scene.bodies[0].friction, 0.8);  // a body's own
+    EXPECT_EQ(scene.bodies[0].friction, 0.8);  // a body's default
     ASSERT_EQ(scene.notices.size(), 1U) << c.said << format(scene.notices);
-    EXPECT_TRUE(says(format(scene.notices), c.said + ": is friction where none is read"));
-    EXPECT_TRUE(says(format(scene.notices), "give the body of the scene friction = 0 to 2"));
+    EXPECT_TRUE(contains(format(scene.notices), c.said + ": is friction where none is read"));
+    EXPECT_TRUE(contains(format(scene.notices), "give the body of the scene friction = 0 to 2"));
     const SceneModel own = orThrow(loadSceneFile(folder.write(
         "own.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) + "friction = 0.1\n")));
     EXPECT_EQ(own.bodies[0].friction, 0.1);
@@ -891,7 +898,7 @@ TEST(ForeignUrdf, FrictionThatIsNotApplied_IsNamedUntilTheSceneGivesOne) {
   }
 }
 
-TEST(ForeignUrdf, Scale_IsNamedOnce) {
+TEST(ForeignUrdf, InvalidScale_IsReportedOnce) {
   const Folder folder;
   folder.write("box.obj", kBoxObj);
   const std::string path =
@@ -899,10 +906,10 @@ TEST(ForeignUrdf, Scale_IsNamedOnce) {
 <mesh filename="box.obj" scale="1,1,1"/></geometry></collision></link></robot>)");
   const Diagnostics faults = loadUrdf(path).errors();
   ASSERT_EQ(faults.size(), 1U) << format(faults);
-  EXPECT_TRUE(says(format(faults), "mesh.scale = 1,1,1: cannot be read"));
+  EXPECT_TRUE(contains(format(faults), "mesh.scale = 1,1,1: cannot be read"));
 }
 
-TEST(ForeignUrdf, Density_FillsTheLinksColliders) {
+TEST(ForeignUrdf, DensityOfALink_GivesTheMassOfItsColliders) {
   const Folder folder;
   const auto dense = [&](const std::string& value) {
     return loadUrdf(
@@ -918,10 +925,10 @@ TEST(ForeignUrdf, Density_FillsTheLinksColliders) {
   const Vector3d diagonal_kg_m2 = Vector3d(0.01 + 0.04, 0.01 + 0.04, 0.01 + 0.01) / 12.0;
   EXPECT_LT((m.inertia_kg_m2 - Eigen::Matrix3d(diagonal_kg_m2.asDiagonal())).norm(), 1e-12);
   EXPECT_TRUE(
-      says(format(dense("0").errors()), "link[a].inertial.density.value = 0: gives no mass"));
+      contains(format(dense("0").errors()), "link[a].inertial.density.value = 0: gives no mass"));
 }
 
-TEST(ForeignUrdf, MasslessLinkOnAJoint_IsNamedWithWhatHelps) {
+TEST(ForeignUrdf, MasslessLinkOnAJoint_IsReportedWithARemedy) {
   const Folder folder;
   const std::string link =
       R"(<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>)";
@@ -932,12 +939,13 @@ TEST(ForeignUrdf, MasslessLinkOnAJoint_IsNamedWithWhatHelps) {
 </link><joint name="j" type="prismatic"><parent link="a"/><child link="b"/><limit lower="0"
 upper="1"/></joint></robot>)");
   MeshLoadTime time;
-  EXPECT_TRUE(says(format(loadUrdf(door, time, {.fixed = true}).errors()),
-                   "link[b].inertial.mass.value = 0: is not positive; must be > 0: a joint moves "
-                   "this link"));
+  EXPECT_TRUE(
+      contains(format(loadUrdf(door, time, {.fixed = true}).errors()),
+               "link[b].inertial.mass.value = 0: is not positive; must be > 0: a joint moves "
+               "this link"));
 }
 
-TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
+TEST(ForeignUrdf, MeshNamesOfEveryForm_AreResolved) {
   const Folder folder;
   folder.write("my cups/meshes/a cup.obj", kBoxObj);
   folder.write("my cups/urdf/cup.obj", kBoxObj);
@@ -954,8 +962,8 @@ TEST(ForeignUrdf, MeshNamesOfEveryForm_AreFound) {
   }
 }
 
-// A scene that speaks of OpenSim's mark is none of its files.
-TEST(ForeignFile, WordOfOpenSimInAComment_IsNoMotionOfIt) {
+// A scene that mentions OpenSim's marker in a comment is not an OpenSim file.
+TEST(ForeignFile, OpenSimMarkerInAComment_IsNoOpenSimMotion) {
   EXPECT_FALSE(
       foreignFile("# made from the .mot behind its endheader\nkind = \"scene\"\n", "toml"));
   EXPECT_FALSE(foreignFile("# endheader\nkind = \"scene\"\n", "toml"));
@@ -993,13 +1001,14 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
     EXPECT_EQ(as_toml.find(path + ": is "), 0U) << as_toml;
     for (const std::string& said : {as_toml, format(loadUrdf(path).errors()),
                                     format(loadMeshCollider(path, Vector3d::Ones()).errors())}) {
-      EXPECT_TRUE(says(said, c.is)) << said;
-      EXPECT_TRUE(says(said, c.remedy)) << said;
+      EXPECT_TRUE(contains(said, c.is)) << said;
+      EXPECT_TRUE(contains(said, c.remedy)) << said;
     }
   }
   const std::string urdf = folder.write("r.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>");
-  EXPECT_TRUE(says(format(fileKind(urdf).errors()), "r.urdf: is a URDF; name it in a scene"));
-  EXPECT_TRUE(says(format(fileKind(folder.write("box.obj", kBoxObj)).errors()), "is a mesh (OBJ)"));
+  EXPECT_TRUE(contains(format(fileKind(urdf).errors()), "r.urdf: is a URDF; name it in a scene"));
+  EXPECT_TRUE(
+      contains(format(fileKind(folder.write("box.obj", kBoxObj)).errors()), "is a mesh (OBJ)"));
 }
 
 }  // namespace

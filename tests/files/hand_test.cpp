@@ -1,8 +1,8 @@
 #include "files/hand/anthropometry.hpp"
 #include "files/hand/hand_file.hpp"
 #include "files/shipped_models.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ HandModel hand(const std::string& name, const DeviceModel& on) {
   return orThrow(assembleHand(handFile(name), on));
 }
 
-/// Forward kinematics straight from the definition of HandLink.
+/// Forward kinematics by the definition of HandLink.
 std::vector<Pose> linkPoses(const HandModel& model, const AxisPosition& q) {
   std::vector<Pose> poses;
   for (const HandLink& link : model.links) {
@@ -85,8 +85,8 @@ TEST(CapsuleMass, Ball_IsTwoFifthsOfMassTimesRadiusSquared) {
 }
 
 TEST(CapsuleMass, IndexProximalPhalanx_IsCylinderPlusTwoHalfBalls) {
-  // By hand, r 9 mm, length 42.6 mm, 1100 kg/m³: cylinder 11.9245 g, balls 3.3590 g. A half ball
-  // has its centre 3r/8 from its face and 83/320 m r² about it.
+  // Computed by hand, r 9 mm, length 42.6 mm, 1100 kg/m³: cylinder 11.9245 g, balls 3.3590 g. A
+  // half ball has its centre 3r/8 from its face and 83/320 m r² about it.
   const double r = 9e-3;
   const double l = 42.6e-3;
   const double cylinder = 1100.0 * kPi * r * r * l;
@@ -103,7 +103,7 @@ TEST(CapsuleMass, IndexProximalPhalanx_IsCylinderPlusTwoHalfBalls) {
   EXPECT_NEAR(m.inertia_kg_m2(2, 2), across, 1e-12 * across);
 }
 
-TEST(UnionMass, OneObliqueCapsule_AgreesWithTheClosedForm) {
+TEST(UnionMass, OneObliqueCapsule_MatchesTheClosedForm) {
   const Vector3d a(3 * kMm, -4 * kMm, 1 * kMm);
   const Vector3d b(41 * kMm, 12 * kMm, 7 * kMm);
   const MassProperties exact = capsuleMass(a, b, 9.5 * kMm, 1100.0);
@@ -113,7 +113,7 @@ TEST(UnionMass, OneObliqueCapsule_AgreesWithTheClosedForm) {
   EXPECT_LT((grid.inertia_kg_m2 - exact.inertia_kg_m2).norm(), 0.005 * exact.inertia_kg_m2.norm());
 }
 
-TEST(UnionMass, PalmOnTheGridInUse_IsWithinOnePerCentOfAFinerOne) {
+TEST(UnionMass, PalmOnTheUsedGrid_IsWithinOnePercentOfAFinerOne) {
   const auto palm = palmCapsules(proportions(0.188, 0.085));
   const MassProperties coarse = unionMass(palm, kHandDensity_kg_m3, 2 * kMm);
   const MassProperties fine = unionMass(palm, kHandDensity_kg_m3, 0.7 * kMm);
@@ -121,7 +121,7 @@ TEST(UnionMass, PalmOnTheGridInUse_IsWithinOnePerCentOfAFinerOne) {
   EXPECT_LT((coarse.inertia_kg_m2 - fine.inertia_kg_m2).norm(), 0.01 * fine.inertia_kg_m2.norm());
 }
 
-TEST(UnionMass, OverlapCountsOnceAndSkinNotAtAll) {
+TEST(UnionMass, OverlapAndSkin_OverlapCountsOnceAndSkinNotAtAll) {
   const PlacedCapsule one{"a", HandPart::kPalm, {0, 0, 0}, {0.04, 0, 0}, 0.01};
   PlacedCapsule inner{"b", HandPart::kPalm, {0.01, 0, 0}, {0.03, 0, 0}, 0.008};
   PlacedCapsule skin{"c", HandPart::kPalm, {0, 0.05, 0}, {0.04, 0.05, 0}, 0.01, false};
@@ -133,7 +133,7 @@ TEST(UnionMass, OverlapCountsOnceAndSkinNotAtAll) {
 
 // ---------------------------------------------------------------- kinematics
 
-TEST(Hand, LambdaPride_Drives19JointsAndCarries41Capsules) {
+TEST(Hand, LambdaPride_Has19JointsAnd41Capsules) {
   const HandModel model = handNamed();
   EXPECT_EQ(model.joint_count, 19);  // 3 translations, 4 x 3 fingers, 1 + 3 thumb
   EXPECT_EQ(model.capsules.size(), 41U);
@@ -145,18 +145,18 @@ TEST(Hand, LambdaPride_Drives19JointsAndCarries41Capsules) {
   }
 }
 
-TEST(Hand, StraightMiddleFinger_ReachesAsFarAsItsBones) {
+TEST(Hand, StraightMiddleFinger_ReachesTheSumOfItsBones) {
   const HandModel model = handNamed();
   const auto poses = linkPoses(model, posture(model, 0, 0, 0));
   const Capsule& tip = capsule(model, "middle_distal");
   const Vector3d end = inPalm(model, poses, tip.link) * tip.b_m;
-  // MCP 65.5 mm distal, bones 44.7, 29.1, 19.1, pulp 5: the skin ends there.
+  // MCP 65.5 mm distal, bones 44.7, 29.1, 19.1, pulp 5: this is the end of the skin.
   EXPECT_NEAR(end.x() + tip.radius_m, (65.5 + 44.7 + 29.1 + 19.1 + 5.0) * kMm, 1e-12);
   EXPECT_NEAR(end.y(), 0.7 * 1.22 * kMm, 1e-12);
   EXPECT_NEAR(end.z(), 9.2 * kMm, 1e-12);
 }
 
-TEST(Hand, FingerFlexion_IsTheAngleOfEveryFingertipAgainstItsMetacarpal) {
+TEST(Hand, FingerFlexion_IsTheAngleBetweenFingertipAndMetacarpal) {
   const HandModel model = handNamed();
   const auto open = linkPoses(model, posture(model, 0, 0, 0));
   for (const double theta : {0.3, 1.0, 2.0, kPi}) {
@@ -188,21 +188,21 @@ TEST(Hand, PositiveCoordinates_CloseTheHand) {
   EXPECT_GT(thumb_bent.x(), thumb_opposed.x() + 20 * kMm);  // bends towards the fingers
 }
 
-TEST(Hand, Handshake_HasTheThumbUpAndTheBackToTheRight) {
+TEST(Hand, NeutralPosture_HasTheThumbUpAndTheBackToTheRight) {
   const HandModel model = handNamed();
   const auto poses = linkPoses(model, posture(model, 0, 0, 0));
   const Matrix3d palm = poses[model.palm_link].rotation;
-  EXPECT_TRUE((palm * Vector3d::UnitX()).isApprox(Vector3d::UnitX(), 1e-12));   // away
-  EXPECT_TRUE((palm * Vector3d::UnitY()).isApprox(Vector3d::UnitZ(), 1e-12));   // radial is up
+  EXPECT_TRUE((palm * Vector3d::UnitX()).isApprox(Vector3d::UnitX(), 1e-12));  // away from the body
+  EXPECT_TRUE((palm * Vector3d::UnitY()).isApprox(Vector3d::UnitZ(), 1e-12));  // radial is up
   EXPECT_TRUE((palm * Vector3d::UnitZ()).isApprox(-Vector3d::UnitY(), 1e-12));  // dorsal is right
-  // A translation moves the palm along the world, however the hand is mounted.
+  // A translation moves the palm along the world's axis in any mounting.
   AxisPosition q = posture(model, 0, 0, 0);
   q[0] = 0.01, q[1] = 0.02, q[2] = 0.03;
   EXPECT_TRUE(linkPoses(model, q)[model.palm_link].translation_m.isApprox(
       Vector3d(0.01, 0.02, 0.03), 1e-12));
 }
 
-TEST(Hand, Wrist_TurnsInSeriesAboutTheHandsOwnAxes) {
+TEST(Hand, WristAxes_TurnInSeriesAboutTheHandsOwnAxes) {
   const HandModel model = hand("adult-median-right", deviceNamed("wrist-9axis"));
   AxisPosition q(9);
   const double roll = 0.3, pitch = -0.2, yaw = 0.25;
@@ -232,7 +232,7 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
     for (int i = 0; i < on.axisCount(); ++i) {
       const DeviceAxis& axis = on.axes[i];
       q[i] = axis.lower + (0.23 + 0.07 * i) * (axis.upper - axis.lower);
-      // Mirrored in the plane y = 0, y and the turns about x and z change sign.
+      // In the mirror image in the plane y = 0, y and the rotations about x and z change sign.
       const bool turns_round = axis.name == "y" || axis.name == "roll" || axis.name == "yaw";
       mirrored[i] = turns_round ? -q[i] : q[i];
     }
@@ -260,14 +260,14 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
   }
 }
 
-/// What is said of a hand file that begins like this and goes on with `rest`.
+/// The messages for a hand file that begins like this and continues with `rest`.
 std::string reported(const Folder& folder, const std::string& rest) {
   const std::string text = "kind = \"hand\"\nversion = 1\nname = \"hand\"\n" + rest;
   const auto loaded = loadHandFile(folder.write("hand.toml", text));
   return loaded ? "loaded" : format(loaded.errors());
 }
 
-TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
+TEST(MirroredHand, FaultyMirrorFile_IsRefusedWithKeyAndValue) {
   const Folder folder;
   folder.write("mirror.toml", "kind = \"hand\"\nversion = 1\nmirror_of = \"somebody\"\n");
   const std::vector<std::array<std::string, 3>> cases = {
@@ -275,20 +275,20 @@ TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
       {"../hand", "", "names no file of this folder"},
       {"mirror", "", "is itself a mirror image of another hand"},
       {"hand", "", "is itself a mirror image of another hand"},  // itself
-      {"mirror", "length_m = 0.1\n", "length_m"},                // which one would hold?
+      {"mirror", "length_m = 0.1\n", "length_m"},  // the two values would contradict each other
   };
   for (const auto& [name, more, why] : cases) {
     const std::string said = reported(folder, "mirror_of = \"" + name + "\"\n" + more);
     for (const std::string& word : {std::string("hand.toml"), why}) {
-      EXPECT_TRUE(says(said, word)) << name << ": " << said;
+      EXPECT_TRUE(contains(said, word)) << name << ": " << said;
     }
     if (more.empty()) {
-      EXPECT_TRUE(says(said, "mirror_of"));
+      EXPECT_TRUE(contains(said, "mirror_of"));
     }
   }
 }
 
-TEST(Hand, JointsThatNoAxisDrives_AreLockedAtRest) {
+TEST(Hand, JointsWithoutAnAxis_AreLockedAtRest) {
   const HandModel model = hand("adult-median-right", deviceNamed("desktop-3axis"));
   EXPECT_EQ(model.joint_count, 3);
   const auto poses = linkPoses(model, AxisPosition(3));
@@ -300,21 +300,22 @@ TEST(Hand, JointsThatNoAxisDrives_AreLockedAtRest) {
   const int tip = linkIndex(model, "middle_dip_flexion");
   EXPECT_EQ(model.links[tip].type, JointType::kFixed);
   const Vector3d direction = inPalm(model, poses, tip).rotation * Vector3d::UnitX();
-  EXPECT_NEAR(std::atan2(-direction.z(), direction.x()), rest, 1e-12);  // middle: no abduction
+  EXPECT_NEAR(std::atan2(-direction.z(), direction.x()), rest,
+              1e-12);  // middle finger: no abduction
 }
 
-TEST(Hand, Glove_NeedsNothingThatCarriesIt) {
+TEST(Hand, Glove_NeedsNoBaseAxes) {
   DeviceModel glove = deviceNamed("lambda-pride");
   glove.axes.erase(glove.axes.begin(), glove.axes.begin() + 3);
   const HandModel model = hand("adult-median-right", glove);
   EXPECT_EQ(model.joint_count, 16);
   EXPECT_EQ(model.links[model.palm_link].type, JointType::kFixed);
-  EXPECT_NEAR(model.reference[0], kPi / 2, 1e-12);  // mid-grasp, of the hand file
+  EXPECT_NEAR(model.reference[0], kPi / 2, 1e-12);  // mid-grasp, from the hand file
 }
 
 // ---------------------------------------------------------------- size and mass
 
-TEST(Hand, EveryHandOnEveryDevice_WeighsWhatItsFileSays) {
+TEST(Hand, EveryHandOnEveryDevice_HasTheMassOfItsFile) {
   for (const char* on : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     for (const char* name : {"adult-median-right", "adult-median-left", "woman-p05-right"}) {
       const HandModel model = hand(name, deviceNamed(on));
@@ -326,7 +327,7 @@ TEST(Hand, EveryHandOnEveryDevice_WeighsWhatItsFileSays) {
   }
 }
 
-TEST(Hand, Phalanges_ShareTheMassByTheirVolumes) {
+TEST(Hand, Phalanges_ShareTheMassByVolume) {
   const HandModel model = handNamed();
   const auto mass = [&](const char* link) { return model.links[linkIndex(model, link)].mass_kg; };
   // Volumes of the capsules: r² (l + 4r/3).
@@ -335,7 +336,7 @@ TEST(Hand, Phalanges_ShareTheMassByTheirVolumes) {
   EXPECT_NEAR(mass("index_mcp_flexion") / mass("index_pip_flexion"), proximal / middle, 1e-9);
 }
 
-TEST(Hand, Percentiles_GrowInReachAndBreadth) {
+TEST(Hand, LargerPercentiles_GrowInReachAndBreadth) {
   for (const std::string sex : {"woman", "man"}) {
     double reach = 0.0;
     double breadth = 0.0;
@@ -346,7 +347,7 @@ TEST(Hand, Percentiles_GrowInReachAndBreadth) {
       const auto poses = linkPoses(model, posture(model, 0, 0, 0));
       const Capsule& tip = capsule(model, "middle_distal");
       const double tip_reach = (inPalm(model, poses, tip.link) * tip.b_m).x() + tip.radius_m;
-      // Lengths grow with the hand's length alone: 163.4 mm of the median hand's 188 mm.
+      // Lengths depend only on the hand's length: 163.4 mm of the median hand's 188 mm.
       EXPECT_NEAR(tip_reach, 0.1634 / 0.188 * file.length_m, 1e-12);
       const double knuckles = fingers(proportions(file.length_m, file.breadth_m))[0].base_m.y() -
                               fingers(proportions(file.length_m, file.breadth_m))[3].base_m.y();
@@ -379,7 +380,7 @@ TEST(Hand, NeighbouringFingers_StaySideBySideFromOpenToFist) {
     const HandModel model = hand(file, deviceNamed("lambda-pride"));
     const auto digits = fingers(proportions(handFile(file).length_m, handFile(file).breadth_m));
     for (std::size_t f = 0; f + 1 < names.size(); ++f) {
-      // Knuckles are balls of the first phalanges' radii: they must not overlap.
+      // Knuckles are balls with the radii of the first phalanges and must not overlap.
       EXPECT_GT((digits[f].base_m - digits[f + 1].base_m).norm(),
                 digits[f].radius_m[0] + digits[f + 1].radius_m[0]);
       for (double theta = 0.0; theta <= kPi; theta += kPi / 12.0) {
@@ -392,7 +393,7 @@ TEST(Hand, NeighbouringFingers_StaySideBySideFromOpenToFist) {
             const Pose& pb = poses[b.link];
             const double gap = segmentDistance(pa * a.a_m, pa * a.b_m, pb * b.a_m, pb * b.b_m) -
                                a.radius_m - b.radius_m;
-            // Ring and little touch where the web joins them; flesh gives way by a millimetre.
+            // Ring and little finger touch at their web; flesh yields by a millimetre.
             EXPECT_GT(gap, -1.5 * kMm) << a.name << " " << b.name << " at " << theta;
           }
         }

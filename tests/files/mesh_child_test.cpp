@@ -1,13 +1,13 @@
-// Meshes are read in a process of their own (docs/adr/0027-untrusted-files-in-children.md).
+// Meshes are read in a process of their own (docs/adr/0027-untrusted-files-in-child-processes.md).
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh_samples.hpp"
 #include "files/scene/scene_file.hpp"
 #include "files/urdf/urdf.hpp"
 #include "loop/model/scene_model.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
 #include "support/mutation.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace wholehand::test {
 namespace {
 
-/// A reader of meshes, played by a shell script.
+/// A shell script in place of the mesh reader.
 std::string shellReader(const Folder& folder, const std::string& text) {
   const std::string path = folder.write("reader", "#!/bin/sh\n" + text + "\n");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
@@ -29,7 +29,7 @@ std::string problemOf(const std::string& reader, const std::string& path) {
   return mesh ? "" : mesh.errors().front().problem;
 }
 
-TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
+TEST(MeshReader, EveryKindOfFile_GivesTheSameSurfaceAsReadingHere) {
   const Folder folder;
   const std::string reader = meshReaderProgram();
   ASSERT_FALSE(reader.empty()) << "wholehand-read-mesh is not beside this test";
@@ -45,7 +45,7 @@ TEST(MeshReader, EveryKind_GivesTheSurfaceThatIsReadInThisProcess) {
   }
 }
 
-TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
+TEST(MeshReader, FileWithoutAMesh_IsRefusedWithTheSameMessageAsHere) {
   const Folder folder;
   const std::string path = folder.write("broken.stl", "solid nothing\n");
   const Expected<MeshFile> mesh = readMeshInChild(meshReaderProgram(), path);
@@ -53,7 +53,7 @@ TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
   EXPECT_EQ(format(mesh.errors()), format(readMeshHere(path).errors()));
 }
 
-TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
+TEST(MeshReader, ReaderThatDies_IsAnErrorWithTheFileName) {
   const Folder folder;
   EXPECT_EQ(problemOf(shellReader(folder, "kill -SEGV $$"), "a/mug.dae"),
             "the mesh file a/mug.dae crashed its reader: Segmentation fault");
@@ -66,13 +66,13 @@ TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
             "No such file or directory");
 }
 
-TEST(MeshReader, ThatHandsOverNonsense_IsRefused) {
+TEST(MeshReader, InvalidResultOfTheReader_IsRefused) {
   const Folder folder;
   EXPECT_EQ(problemOf(shellReader(folder, "echo nonsense"), "a.stl"),
             "the result of the mesh reader is damaged");
 }
 
-TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
+TEST(MeshHandOver, IndexOutOfRange_IsRefused) {
   MeshFile mesh;
   mesh.surface.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.part = {0};
@@ -84,15 +84,16 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
   EXPECT_TRUE(decodeMesh(encodeMesh(mesh)));
 }
 
-// Found by damage under UBSan: no triangles, no place to copy their parts to.
-TEST(MeshHandOver, WithoutTriangles_IsHandedOver) {
+// Found by damage under UBSan: without triangles the array of their parts has no memory to copy to.
+TEST(MeshHandOver, MeshWithoutTriangles_IsHandedOver) {
   const auto handed_over = decodeMesh(encodeMesh(MeshFile{}));
   ASSERT_TRUE(handed_over);
   EXPECT_TRUE(handed_over->surface.triangles.empty());
   EXPECT_TRUE(handed_over->part.empty());
 }
 
-/// Damages each sample `times` times: it is read or refused, and its reader never dies.
+/// Damages each sample `times` times and checks that it is read or refused and that the reader
+/// never dies.
 void expectDamageIsReadOrRefused(int times) {
   auto random = seededRandom(272);
   const Folder folder;
@@ -107,7 +108,7 @@ void expectDamageIsReadOrRefused(int times) {
         continue;
       }
       const Diagnostic& why = mesh.errors().front();
-      EXPECT_TRUE(says(why.problem, path));
+      EXPECT_TRUE(contains(why.problem, path));
       EXPECT_FALSE(why.remedy.empty());
       if (why.problem.find(" its reader") != std::string::npos) {
         ++died;
@@ -119,28 +120,28 @@ void expectDamageIsReadOrRefused(int times) {
   std::printf("figure: %d read, readers that died: %d\n", read, died);
 }
 
-TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
-  expectDamageIsReadOrRefused(kFew ? 10 : 100);
+TEST(MeshFile, RandomDamage_IsReadOrRefusedWithoutACrash) {
+  expectDamageIsReadOrRefused(kReducedCounts ? 10 : 100);
 }
 
-TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing_slow) {
+TEST(MeshFile, RandomDamage_IsReadOrRefusedWithoutACrash_slow) {
   expectDamageIsReadOrRefused(1000);
 }
 
-TEST(ConvexMesh, CornersOfNoFace_AreBounded) {
-  // All at one x: welding would compare each with each.
+TEST(ConvexMesh, UnusedCorners_AreLimited) {
+  // All corners have the same x: welding would compare each with each.
   const std::vector<Eigen::Vector3d> points(1'000'000, Eigen::Vector3d::Zero());
   const Expected<Shape> mesh = convexMesh(points, {{0, 1, 2}});
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.errors().front().problem, "has 1000000 corners");
 }
 
-// The meshes of one scene or URDF have a limit of time together. A clock of the test's own advances
-// by 4 s at every second look, so that every mesh takes 4 s.
+// The meshes of one scene or URDF share a time limit. The test's own clock advances by 4 s at every
+// second reading, so that every mesh takes 4 s.
 
 using namespace std::chrono_literals;
 
-/// Begins at 0 s; a measurement takes 4 s.
+/// A clock that starts at 0 s; a measurement takes 4 s.
 MeshLoadTime::Clock slowClock() {
   return [looks = 0]() mutable {
     const auto now = std::chrono::steady_clock::time_point(4s * ((looks + 1) / 2));
@@ -155,7 +156,7 @@ void writeMesh(const Folder& folder, const std::string& name) {
   }
 }
 
-/// A scene of `count` meshes "mesh0.obj" .., which do not touch each other.
+/// A scene of `count` meshes "mesh0.obj" .. that do not touch each other.
 std::string sceneOf(const Folder& folder, int count) {
   std::string text =
       "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";
@@ -168,7 +169,7 @@ std::string sceneOf(const Folder& folder, int count) {
   return folder.write("scene.toml", text);
 }
 
-TEST(MeshLoadTime, SceneBeyondIt_NamesTheFirstMeshTooMuchAndTheSlowest) {
+TEST(MeshLoadTime, SceneBeyondTheLimit_NamesTheFirstExcessMeshAndTheSlowest) {
   const Folder folder;
   const std::string path = sceneOf(folder, 6);
   MeshLoadTime time(15s, slowClock());  // three meshes fit, the fourth ends at 16 s
@@ -184,7 +185,7 @@ TEST(MeshLoadTime, SceneBeyondIt_NamesTheFirstMeshTooMuchAndTheSlowest) {
   EXPECT_EQ(fault.remedy, "simplify the meshes that took longest, or name fewer meshes");
 }
 
-TEST(MeshLoadTime, SceneWithinIt_Loads) {
+TEST(MeshLoadTime, SceneWithinTheLimit_Loads) {
   const Folder folder;
   MeshLoadTime time(25s, slowClock());
   const Expected<SceneModel> scene = loadSceneFile(sceneOf(folder, 6), time);
@@ -192,7 +193,7 @@ TEST(MeshLoadTime, SceneWithinIt_Loads) {
   EXPECT_EQ(time.left(), 1s);
 }
 
-TEST(MeshLoadTime, UrdfBeyondIt_NamesTheElement) {
+TEST(MeshLoadTime, UrdfBeyondTheLimit_NamesTheElement) {
   const Folder folder;
   std::string links = "<robot name=\"r\"><link name=\"a\">";
   for (int i = 0; i < 4; ++i) {
@@ -212,7 +213,7 @@ TEST(MeshLoadTime, UrdfBeyondIt_NamesTheElement) {
             "(mesh0.obj 4.0 s, mesh1.obj 4.0 s)");
 }
 
-TEST(MeshLoadTime, UrdfsOfAScene_ShareIt) {
+TEST(MeshLoadTime, UrdfsOfAScene_ShareTheLimit) {
   const Folder folder;
   std::string text =
       "kind = \"scene\"\nversion = 1\nname = \"t\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n";

@@ -3,9 +3,9 @@
 #include "files/scene/scene_file.hpp"
 #include "files/scene_text.hpp"
 #include "files/solid_samples.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ using std::numbers::pi;
 
 using Triangles = std::vector<Vector3i>;
 
-/// A prism of 20 mm over a polygon in the plane z = 0, whose caps are given as triangles.
+/// A prism of 20 mm height over a polygon in the plane z = 0, with its caps given as triangles.
 MeshSurface cappedPrism(const std::vector<Eigen::Vector2d>& polygon_m, const Triangles& cap) {
   MeshSurface mesh;
   const int n = static_cast<int>(polygon_m.size());
@@ -40,8 +40,8 @@ MeshSurface cappedPrism(const std::vector<Eigen::Vector2d>& polygon_m, const Tri
   return mesh;
 }
 
-/// A cube of 20 mm with `cells` x `cells` squares on each face; the corners of each square are its
-/// own, as in STL.
+/// A cube of 20 mm with `cells` x `cells` squares on each face. Squares do not share corners, as in
+/// STL.
 MeshSurface dividedCube(int cells) {
   MeshSurface mesh;
   const double step_m = 0.02 / cells;
@@ -65,7 +65,7 @@ MeshSurface dividedCube(int cells) {
   return mesh;
 }
 
-/// The collider of a mesh that must have one.
+/// The collider of a valid mesh.
 MeshCollider colliderOf(const MeshSurface& mesh) {
   return orThrow(meshCollider({mesh, {}, {}}));
 }
@@ -79,8 +79,8 @@ std::string hullProblemOf(const MeshSurface& mesh) {
   return collider ? "" : format(collider.errors());
 }
 
-TEST(MeshCollider, CubeWithADent_IsTheCube) {
-  // The top is a pyramid down to the centre: it takes a third of its base times its height away.
+TEST(MeshCollider, CubeWithADent_BecomesTheCube) {
+  // The top is a pyramid down to the centre, which removes a third of its base times its height.
   MeshSurface cube =
       cappedPrism({{0, 0}, {0.02, 0}, {0.02, 0.02}, {0, 0.02}}, {{0, 1, 2}, {0, 2, 3}});
   cube.points.emplace_back(0.01, 0.01, 0.01);
@@ -92,20 +92,20 @@ TEST(MeshCollider, CubeWithADent_IsTheCube) {
   EXPECT_LT((m.center_m - Vector3d::Constant(0.01)).norm(), 1e-15);
   EXPECT_EQ(collider.shapes[0].points_m.size(), 8U);
   // 8 / (8 - 4/3) = 1.2.
-  EXPECT_TRUE(says(noticeOf(collider), "20 % larger"));
-  EXPECT_TRUE(says(noticeOf(collider), "is not convex"));
+  EXPECT_TRUE(contains(noticeOf(collider), "20 % larger"));
+  EXPECT_TRUE(contains(noticeOf(collider), "is not convex"));
 }
 
-TEST(MeshCollider, L_LosesItsInnerCorner) {
+TEST(MeshCollider, LShape_LosesItsInnerCorner) {
   const double w = 0.02;
   const MeshSurface bar =
       cappedPrism({{0, 0}, {4 * w, 0}, {4 * w, w}, {w, w}, {w, 4 * w}, {0, 4 * w}},
                   {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}});
   const MeshCollider collider = colliderOf(bar);
-  // 4 x 4 less the triangle beyond the two ends: 16 - 9/2, of 7 that the L has.
+  // 4 x 4 less the triangle beyond the two ends: 16 - 9/2, compared with the 7 of the L.
   EXPECT_NEAR(moments(collider.shapes[0]).volume_m3, 11.5 * w * w * w, 1e-17);
   EXPECT_EQ(collider.shapes[0].points_m.size(), 10U);
-  EXPECT_TRUE(says(noticeOf(collider), "64.3 % larger"));
+  EXPECT_TRUE(contains(noticeOf(collider), "64.3 % larger"));
 }
 
 TEST(MeshCollider, Ring_IsFilled) {
@@ -113,7 +113,8 @@ TEST(MeshCollider, Ring_IsFilled) {
   constexpr double kRadius_m = 0.04, kTube_m = 0.01;
   const MeshSurface ring = torus(kRadius_m, kTube_m, kAround, kAcross);
   const MeshCollider collider = colliderOf(ring);
-  // Cut at one height, the hull is a polygon of the outer radius there: its area is `slice` r².
+  // At one height the hull's section is a polygon of the outer radius there: its area is `slice`
+  // r².
   const double slice = 0.5 * kAround * std::sin(2.0 * pi / kAround);
   double hull_m3 = 0.0;
   for (int j = -kAcross / 4; j < kAcross / 4; ++j) {
@@ -121,17 +122,17 @@ TEST(MeshCollider, Ring_IsFilled) {
     const double r = kRadius_m + kTube_m * std::cos(v), s = kRadius_m + kTube_m * std::cos(w);
     hull_m3 += slice * kTube_m * (std::sin(w) - std::sin(v)) * (r * r + r * s + s * s) / 3.0;
   }
-  // The ring: outer less inner radius squared is 4 R a cos v.
+  // For the ring, outer radius squared less inner radius squared is 4 R a cos v.
   const double section_m2 = 0.5 * kAcross * std::sin(2.0 * pi / kAcross) * kTube_m * kTube_m;
   const double ring_m3 = 2.0 * slice * kRadius_m * section_m2;
   EXPECT_NEAR(moments(collider.shapes[0]).volume_m3, hull_m3, 1e-12 * hull_m3);
   EXPECT_LT(signedDistance(collider.shapes[0], Vector3d::Zero()),
             -0.9 * kTube_m);  // the hole is filled
   const std::string larger = fmt::format("{:.3g} % larger", 100.0 * (hull_m3 / ring_m3 - 1.0));
-  EXPECT_TRUE(says(noticeOf(collider), larger)) << larger << noticeOf(collider);
+  EXPECT_TRUE(contains(noticeOf(collider), larger)) << larger << noticeOf(collider);
 }
 
-TEST(MeshCollider, ConvexMesh_IsKeptAsItIs) {
+TEST(MeshCollider, ConvexMesh_IsUnchanged) {
   const MeshSurface cube = dividedCube(4);
   const MeshCollider collider = colliderOf(cube);
   const Shape shape = orThrow(convexMesh(cube.points, cube.triangles));
@@ -145,13 +146,13 @@ TEST(MeshCollider, FineMesh_KeepsTheCornersOfItsHull) {
   EXPECT_EQ(cube.shapes[0].points_m.size(), 8U);
   EXPECT_EQ(cube.shapes[0].triangles.size(), 12U);
   EXPECT_NEAR(moments(cube.shapes[0]).volume_m3, 8e-6, 1e-18);
-  EXPECT_TRUE(says(noticeOf(cube), "has 19200 triangles"));
-  EXPECT_TRUE(says(noticeOf(cube), " 0 % larger"));
+  EXPECT_TRUE(contains(noticeOf(cube), "has 19200 triangles"));
+  EXPECT_TRUE(contains(noticeOf(cube), " 0 % larger"));
 }
 
-TEST(MeshCollider, HullOfManyCorners_IsReducedAndSaysByHowMuch) {
+TEST(MeshCollider, HullOfManyCorners_IsReducedAndReportsByHowMuch) {
   constexpr double kRadius_m = 0.05;
-  MeshSurface ball;  // of 200 x 100 corners, on the sphere
+  MeshSurface ball;  // 200 x 100 corners on the sphere
   constexpr int kAround = 200, kRings = 99;
   ball.points.emplace_back(0.0, 0.0, kRadius_m);
   for (int j = 1; j <= kRings; ++j) {
@@ -175,23 +176,24 @@ TEST(MeshCollider, HullOfManyCorners_IsReducedAndSaysByHowMuch) {
   }
   const MeshCollider collider = colliderOf(ball);
   EXPECT_LE(collider.shapes[0].points_m.size(), std::size_t{kMaxMeshPoints});
-  // n corners spread evenly over a sphere leave caps of an area of about 4 pi r² / n each: a
-  // polyhedron of it loses some 2 pi / (sqrt(3) n) of the radius, and three times that in volume.
+  // n corners spread evenly over a sphere leave caps of about 4 pi r² / n each: a polyhedron of
+  // them loses about 2 pi / (sqrt(3) n) of the radius, and three times that in volume.
   const double sphere_m3 = 4.0 / 3.0 * pi * std::pow(kRadius_m, 3);
   const double lost = 1.0 - moments(collider.shapes[0]).volume_m3 / sphere_m3;
   EXPECT_GT(lost, 0.0);
   EXPECT_LT(lost, 3.0 * 2.0 * 2.0 * pi / (std::sqrt(3.0) * kMaxMeshPoints));
   const std::string notice = noticeOf(collider);
-  EXPECT_TRUE(says(notice, "has 39600 triangles")) << notice;
-  EXPECT_TRUE(says(notice, "smaller in volume")) << notice;
+  EXPECT_TRUE(contains(notice, "has 39600 triangles")) << notice;
+  EXPECT_TRUE(contains(notice, "smaller in volume")) << notice;
   double outside_m = 0.0;
   for (const Vector3d& p : ball.points) {
     outside_m = std::max(outside_m, signedDistance(collider.shapes[0], p));
   }
-  EXPECT_TRUE(says(notice, fmt::format("{:.2g} mm outside of at most", 1e3 * outside_m))) << notice;
+  EXPECT_TRUE(contains(notice, fmt::format("{:.2g} mm outside of at most", 1e3 * outside_m)))
+      << notice;
 }
 
-TEST(MeshCollider, OpenOrMixedSurface_HasAHullAndNoVolume) {
+TEST(MeshCollider, OpenOrInconsistentSurface_HasAHullAndNoVolume) {
   MeshSurface open = dividedCube(2), mixed = torus(0.04, 0.01, 12, 8);
   std::erase_if(open.triangles, [&](const Vector3i& t) {
     return open.points[t[0]].z() + open.points[t[1]].z() + open.points[t[2]].z() > 0.0599;
@@ -199,9 +201,9 @@ TEST(MeshCollider, OpenOrMixedSurface_HasAHullAndNoVolume) {
   std::swap(mixed.triangles[5][0], mixed.triangles[5][1]);
   const MeshCollider cube = colliderOf(open);
   EXPECT_NEAR(moments(cube.shapes[0]).volume_m3, 8e-6, 1e-18);
-  EXPECT_TRUE(says(noticeOf(cube), "is not watertight"));
-  EXPECT_TRUE(says(noticeOf(cube), "of 8 cm3"));
-  EXPECT_TRUE(says(noticeOf(colliderOf(mixed)), "unknown"));
+  EXPECT_TRUE(contains(noticeOf(cube), "is not watertight"));
+  EXPECT_TRUE(contains(noticeOf(cube), "of 8 cm3"));
+  EXPECT_TRUE(contains(noticeOf(colliderOf(mixed)), "unknown"));
 }
 
 TEST(MeshCollider, DegenerateMeshes_AreRefusedByName) {
@@ -223,17 +225,17 @@ TEST(MeshCollider, DegenerateMeshes_AreRefusedByName) {
                {lost, "is not finite"}, {far, "m across"},        {none, "has no faces"},
                {two, "is flat"},        {wrong, "does not exist"}};
   for (const auto& c : cases) {
-    EXPECT_TRUE(says(hullProblemOf(c.mesh), c.problem))
+    EXPECT_TRUE(contains(hullProblemOf(c.mesh), c.problem))
         << c.problem << ": " << hullProblemOf(c.mesh);
   }
 }
 
-TEST(MeshCollider, AnyCloud_LiesInItsHull) {
+TEST(MeshCollider, RandomPoints_LieInTheirHull) {
   auto random = seededRandom(273);
   std::normal_distribution<double> normal;
   std::uniform_int_distribution<int> pick(0, 99);
   for (int round = 0; round < 200; ++round) {
-    // A cloud with repeated, nearly repeated and coplanar points, as floats as a file has them.
+    // A cloud with repeated, nearly repeated and coplanar points, as floats as in a file.
     MeshSurface cloud;
     const double near_m = std::pow(10.0, -3.0 - 6.0 * (round % 10) / 9.0);
     for (int i = 0; i < 100; ++i) {
@@ -258,7 +260,7 @@ TEST(MeshCollider, LargestMesh_TakesALimitedTime) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   std::printf("figure: hull of %zu triangles in %.2f s\n", ring.triangles.size(), took.count());
   const std::string more = hullProblemOf(torus(0.04, 0.01, 501, 200));
-  EXPECT_TRUE(says(more, "has 200400 triangles"));
+  EXPECT_TRUE(contains(more, "has 200400 triangles"));
 }
 
 TEST(MeshCollider, NoticeOfAScene_NamesFileLineKeyAndRemedy) {
@@ -279,12 +281,12 @@ TEST(MeshCollider, NoticeOfAScene_NamesFileLineKeyAndRemedy) {
       urdf.find(folder.file("dent.urdf") + ":2: link[a].collision[0].mesh.filename = dent.obj"), 0U)
       << urdf;
   for (const std::string& notice : {mesh, urdf}) {
-    EXPECT_TRUE(says(notice, "dent.obj is not convex"));
-    // A corner of 1/6 less the tetrahedron under it, by the determinant of the three edges from the
-    // dent: (1 - 0.3) / 6 of it are missing, 0.3 / 6 remain.
-    EXPECT_TRUE(says(notice, "233 % larger"));
-    EXPECT_TRUE(
-        says(notice, "; the hand cannot reach into a hollow of it; where it shall, give convex"));
+    EXPECT_TRUE(contains(notice, "dent.obj is not convex"));
+    // The dent leaves the tetrahedron under it, by the determinant of its three edges: (1 - 0.3) /
+    // 6 is missing, 0.3 / 6 remains.
+    EXPECT_TRUE(contains(notice, "233 % larger"));
+    EXPECT_TRUE(contains(
+        notice, "; the hand cannot reach into a hollow of it; where it shall, give convex"));
   }
 }
 

@@ -8,13 +8,13 @@
 
 namespace wholehand::test {
 
-/// Bytes of a number as they lie in a little-endian file.
+/// The bytes of a number in a little-endian file.
 template <class T>
 std::string littleEndian(T value) {
   return std::string(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// The same tetrahedron, 20 x 20 x 40 mm, in every kind of file that is read: ending, bytes.
+/// The same tetrahedron, 20 x 20 x 40 mm, in every supported kind of file: ending, bytes.
 inline std::vector<std::pair<std::string, std::string>> meshSamples() {
   const float corners[4][3] = {{0, 0, 0}, {0.02F, 0, 0}, {0, 0.02F, 0}, {0, 0, 0.04F}};
   const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};

@@ -8,7 +8,7 @@ namespace wholehand::test {
 inline const std::string kSceneHead =
     "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";
 
-/// A body of a file, 5 lines.
+/// A body with a file, 5 lines.
 inline std::string fileBody(const std::string& name, const std::string& shape,
                             const std::string& file, double x_m = 0.0) {
   return "[[bodies]]\nname = \"" + name + "\"\nshape = \"" + shape + "\"\nfile = \"" + file +

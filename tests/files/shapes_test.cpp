@@ -30,7 +30,7 @@ Shape round(ShapeType type, double radius_m, double length_m = 0.0) {
   return s;
 }
 
-/// A box as a mesh: eight corners, twelve triangles of any winding.
+/// A box as a mesh: eight corners, twelve triangles of mixed winding.
 Shape boxMesh(const Vector3d& size_m) {
   std::vector<Vector3d> p;
   for (int i = 0; i < 8; ++i) {
@@ -44,7 +44,7 @@ Shape boxMesh(const Vector3d& size_m) {
   return mesh.ok() ? *mesh : Shape{};
 }
 
-/// One of each type, moved and turned in its body's frame.
+/// One shape of each type, translated and rotated in its body's frame.
 std::vector<Shape> oneOfEach() {
   std::vector<Shape> shapes{box({0.05, 0.03, 0.08}), round(ShapeType::kSphere, 0.03),
                             round(ShapeType::kCylinder, 0.025, 0.12),
@@ -85,9 +85,9 @@ TEST(Moments, CapsuleWithoutLength_IsASphere) {
   EXPECT_TRUE(capsule.inertia_m5.isApprox(sphere.inertia_m5, 1e-12));
 }
 
-// Every type against a sum over a fine grid, which knows the shape only by the sign of
-// signedDistance(): another way to the same integral, good to about 1 %. The grid is off-centre, so
-// that its errors do not add up by symmetry. A sanitizer sees a coarser one.
+// Compares every type with a sum over a fine grid that uses only the sign of signedDistance(): an
+// independent way to the same integral, accurate to about 1 %. The grid is off-centre, so that its
+// errors do not add up by symmetry. Under a sanitizer it is coarser.
 TEST(Moments, EveryShape_MatchesSumOverGrid) {
   for (const Shape& s : oneOfEach()) {
     constexpr int kCells = WHOLEHAND_SANITIZED ? 30 : 90;
@@ -118,7 +118,7 @@ TEST(Moments, EveryShape_MatchesSumOverGrid) {
   }
 }
 
-TEST(Moments, BoxAsMesh_EqualsBox) {
+TEST(Moments, BoxAsAMesh_EqualsTheBox) {
   Shape exact = box({0.04, 0.06, 0.02}), mesh = boxMesh({0.04, 0.06, 0.02});
   exact.in_body = mesh.in_body = at(0.3, -0.2, 0.1);
   const ShapeMoments a = moments(exact), b = moments(mesh);
@@ -139,8 +139,8 @@ TEST(SignedDistance, KnownPoints_AreExact) {
   EXPECT_NEAR(signedDistance(capsule, Vector3d::Zero()), -0.01, 1e-15);
 }
 
-// A distance never changes faster than the point moves, and is zero on the surface that its own
-// gradient leads to. The mesh is exact only inside: there the step must end on it, too.
+// A distance never changes faster than the point moves, and a step along its gradient ends on the
+// surface. The mesh is exact only inside; there the step must also end on the surface.
 TEST(SignedDistance, AnyPoint_LeadsToTheSurface) {
   auto random = seededRandom(7);
   std::uniform_real_distribution<double> place(-0.08, 0.08);
@@ -156,13 +156,13 @@ TEST(SignedDistance, AnyPoint_LeadsToTheSurface) {
         const Vector3d h = 1e-7 * Vector3d::Unit(k);
         gradient[k] = (signedDistance(s, p + h) - signedDistance(s, p - h)) / 2e-7;
       }
-      if (std::abs(gradient.norm() - 1.0) > 1e-6) continue;  // on a ridge: no gradient there
+      if (std::abs(gradient.norm() - 1.0) > 1e-6) continue;  // on a ridge: no gradient
       EXPECT_NEAR(signedDistance(s, p - d * gradient), 0.0, 1e-8);
     }
   }
 }
 
-TEST(Separation, Spheres_IsDistanceLessRadii) {
+TEST(Separation, Spheres_AreApartByDistanceLessRadii) {
   const Shape a = round(ShapeType::kSphere, 0.03), b = round(ShapeType::kSphere, 0.02);
   EXPECT_NEAR(separation(a, at(0, 0, 0), b, at(0.06, 0.08, 0.0)), 0.05, 1e-12);
   EXPECT_NEAR(separation(a, at(0, 0, 0), b, at(0.03, 0.0, 0.0)), -0.02, 1e-12);
@@ -193,8 +193,8 @@ TEST(Separation, Boxes_MatchSlabs) {
   EXPECT_NEAR(separation(cube, at(0, 0, 0), cube, turned), 0.01, 1e-10);
 }
 
-// Aligned boxes are the hard case of the method (whole faces are equally far) and the usual one of
-// scene files. All offsets on a grid, some turned by right angles, as boxes and as meshes.
+// Aligned boxes are the hard case of the method (whole faces are equally far) and the usual one in
+// scene files. Tests all offsets on a grid, some rotated by right angles, as boxes and as meshes.
 TEST(Separation, AlignedBoxes_MatchSlabs) {
   const Vector3d size(0.04, 0.06, 0.02);
   const std::array<Shape, 2> kinds{box(size), boxMesh(size)};
@@ -225,7 +225,7 @@ TEST(Separation, Capsules_MatchSegmentDistance) {
   EXPECT_NEAR(separation(a, at(0, 0, 0), a, at(0.0, 0.0, 0.04)), -0.02, 1e-9);     // same line
 }
 
-TEST(Separation, CylinderOnTable_IsItsHeightAboveIt) {
+TEST(Separation, CylinderOnATable_IsApartByItsHeightAboveIt) {
   const Shape table = box({0.4, 0.6, 0.04}), can = round(ShapeType::kCylinder, 0.025, 0.12);
   for (const double gap_m : {0.01, 1e-5, 0.0, -1e-5, -0.01}) {
     EXPECT_NEAR(separation(table, at(0, 0, -0.02), can, at(0.1, 0.07, 0.06 + gap_m)), gap_m, 1e-7);
@@ -246,7 +246,7 @@ TEST(Separation, MeshBox_EqualsBoxAgainstAnyShape) {
   }
 }
 
-/// How far a shape reaches from its own centre along a unit direction of its body's frame [m].
+/// Extent of a shape from its own centre along a unit direction of its body's frame [m].
 double reach(const Shape& s, const Vector3d& direction) {
   const Vector3d n = (s.in_body.rotation.transpose() * direction).cwiseAbs();
   switch (s.type) {
@@ -264,15 +264,15 @@ double reach(const Shape& s, const Vector3d& direction) {
   return 0.0;
 }
 
-/// The width of the gap between two shapes along a direction; negative where they overlap in it.
+/// Width of the gap between two shapes along a direction; negative where they overlap.
 double gapAlong(const Shape& s, const Pose& a, const Shape& t, const Pose& b, const Vector3d& n) {
   const Vector3d between = b * t.in_body.translation_m - a * s.in_body.translation_m;
   return n.dot(between) - reach(s, a.rotation.transpose() * n) -
          reach(t, b.rotation.transpose() * n);
 }
 
-/// Directions in which a deep overlap may be least: of the axes of both shapes, and across two of
-/// them.
+/// Directions in which a deep overlap may be smallest: the axes of both shapes and the cross
+/// products of two of them.
 std::vector<Vector3d> likelyDirections(const Shape& s, const Pose& a, const Shape& t,
                                        const Pose& b) {
   const Eigen::Matrix3d of_s = a.rotation * s.in_body.rotation;
@@ -287,9 +287,9 @@ std::vector<Vector3d> likelyDirections(const Shape& s, const Pose& a, const Shap
   return all;
 }
 
-// The separation of convex shapes is the largest gap over all directions: closed-form reaches, many
-// directions and a climb from each find it without any of the code under test.
-TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
+// The separation of convex shapes is the largest gap over all directions. Closed-form extents, many
+// directions and a climb from each of them find it without the code under test.
+TEST(Separation, RandomPairs_GiveTheLargestGapOverDirections) {
   auto random = seededRandom(5);
   std::normal_distribution<double> any;
   const auto direction = [&] { return Vector3d(any(random), any(random), any(random)); };
@@ -316,18 +316,18 @@ TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
           }
           largest = std::max(largest, climbed);
         }
-        EXPECT_LE(largest, d + 1e-6);  // no direction parts them wider
+        EXPECT_LE(largest, d + 1e-6);  // no direction separates them farther
         EXPECT_NEAR(largest, d, 2e-5);
         EXPECT_NEAR(d, separation(t, b, s, a), 1e-6);
       }
     }
   }
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(overlapping, 10 * pairs);
   }
 }
 
-TEST(CapsuleShape, AnyEnds_AreWhereTheyWereGiven) {
+TEST(CapsuleShape, RandomEnds_AreAtTheGivenPoints) {
   const std::array<Vector3d, 3> ends{Vector3d(0.0, 0.0, -0.05), Vector3d(0.03, 0.04, 0.0),
                                      Vector3d(0.0, 0.0, 0.0)};
   for (const Vector3d& end : ends) {

@@ -43,14 +43,14 @@ T orFail(Expected<T> loaded) {
   return std::move(loaded).value();
 }
 
-TEST(ShippedFiles, EveryFolder_HoldsEveryPromisedFile) {
+TEST(ShippedFiles, EveryFolder_HasEveryDocumentedFile) {
   EXPECT_EQ(stems("devices"), kDevices);
   EXPECT_EQ(stems("rendering"), kDevices);  // gains for every device
   EXPECT_EQ(stems("patients"), kPatients);
   EXPECT_EQ(stems("hands"), kHands);
 }
 
-TEST(ShippedFiles, EveryDevice_GoesWithItsGainsEveryPatientAndEveryHand) {
+TEST(ShippedFiles, EveryDevice_FitsItsGainsAndEveryPatientAndHand) {
   for (const std::string& name : kDevices) {
     SCOPED_TRACE(name);
     const auto device = orFail(loadDeviceFile(kConfig + "devices/" + name + ".toml"));
@@ -64,7 +64,8 @@ TEST(ShippedFiles, EveryDevice_GoesWithItsGainsEveryPatientAndEveryHand) {
       ASSERT_EQ(patient.axes.size(), device.axes.size());
       for (std::size_t i = 0; i < patient.axes.size(); ++i) {
         EXPECT_EQ(patient.axes[i].name, device.axes[i].name);
-        // Nobody has no stiffness; everybody else pulls on every axis of every shipped device.
+        // The patient without an arm has no stiffness; all others pull on every axis of every
+        // shipped device.
         EXPECT_EQ(patient.axes[i].stiffness > 0.0, patient_name != "no-arm");
       }
     }
@@ -78,7 +79,7 @@ TEST(ShippedFiles, EveryDevice_GoesWithItsGainsEveryPatientAndEveryHand) {
   }
 }
 
-// The defaults that docs and certificate speak of (docs/equations.md).
+// The defaults that the documentation and the certificate cite (docs/equations.md).
 TEST(ShippedFiles, LambdaPride_HasTheDocumentedDefaults) {
   const auto device = orFail(loadDeviceFile(kConfig + "devices/lambda-pride.toml"));
   ASSERT_EQ(device.axisCount(), 6);
@@ -100,7 +101,7 @@ TEST(ShippedFiles, LambdaPride_HasTheDocumentedDefaults) {
   const auto gains = orFail(loadRenderingFile(kConfig + "rendering/lambda-pride.toml", device));
   EXPECT_EQ(gains.axes[0].k_pm, 1000.0);
   EXPECT_EQ(gains.axes[0].effort_dead, 0.5);
-  EXPECT_FALSE(gains.axes[0].armature.has_value());  // by the rule
+  EXPECT_FALSE(gains.axes[0].armature.has_value());  // set by the rule
   EXPECT_EQ(gains.axes[3].k_pm, 4.0);
   EXPECT_NEAR(gains.axes[3].effort_full, 5.0 * 0.08, 1e-15);
   EXPECT_EQ(gains.axes[4].effort_full, 0.3);

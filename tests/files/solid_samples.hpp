@@ -10,13 +10,13 @@
 
 namespace wholehand::test {
 
-/// Adds a quadrilateral, wound outward when its corners run counterclockwise seen from outside.
+/// Adds a quadrilateral. It is wound outward if its corners run counterclockwise seen from outside.
 inline void addQuad(MeshSurface& mesh, int a, int b, int c, int d) {
   mesh.triangles.emplace_back(a, b, c);
   mesh.triangles.emplace_back(a, c, d);
 }
 
-/// Prism over a polygon that runs counterclockwise and whose corner 0 sees every other one.
+/// A prism over a counterclockwise polygon whose corner 0 sees every other corner.
 inline MeshSurface prism(const std::vector<Eigen::Vector2d>& outline_m, double height_m) {
   MeshSurface mesh;
   const int n = static_cast<int>(outline_m.size());
@@ -31,14 +31,14 @@ inline MeshSurface prism(const std::vector<Eigen::Vector2d>& outline_m, double h
   return mesh;
 }
 
-/// L of two boxes: 60 x 20 x 20 mm and 20 x 40 x 20 mm; 40 cm3. Corner 0 is the reflex edge.
+/// An L of two boxes: 60 x 20 x 20 mm and 20 x 40 x 20 mm; 40 cm3. Corner 0 is the reflex edge.
 inline MeshSurface lShape() {
   return prism({{0.02, 0.02}, {0.02, 0.06}, {0.0, 0.06}, {0.0, 0.0}, {0.06, 0.0}, {0.06, 0.02}},
                0.02);
 }
 
-/// Solid of revolution about z: a closed profile (radius, z) that runs counterclockwise, in
-/// `around` steps.
+/// A solid of revolution about z, of a closed counterclockwise profile (radius, z) in `around`
+/// steps.
 inline MeshSurface revolved(const std::vector<Eigen::Vector2d>& profile_m, int around) {
   MeshSurface mesh;
   const int n = static_cast<int>(profile_m.size());
@@ -66,7 +66,7 @@ inline MeshSurface torus(double ring_m, double tube_m, int around, int across) {
   return revolved(profile, around);
 }
 
-/// Cup: 90 mm high, outer radius 35 mm, wall and floor 4 mm thick, on the plane z = 0.
+/// A cup on the plane z = 0: 90 mm high, outer radius 35 mm, wall and floor 4 mm thick.
 inline MeshSurface cup(int around) {
   return revolved(
       {{0.0, 0.0}, {0.035, 0.0}, {0.035, 0.09}, {0.031, 0.09}, {0.031, 0.004}, {0.0, 0.004}},

@@ -28,7 +28,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr std::size_t kMostFaults = 20;  // of one file; one line more says how many more there are
+constexpr std::size_t kMostFaults = 20;  // of one file; one more line says how many were left out
 
 const std::string kSource = WHOLEHAND_SOURCE_DIR;
 
@@ -78,7 +78,7 @@ const HandModel& hand() {
   return model;
 }
 
-/// What commissioning wrote and somebody changed who can compute a seal.
+/// A passport from commissioning, changed by somebody who can compute its seal.
 FuzzTarget passportTarget() {
   Passport passport;
   passport.identity = {"S-1", "1.0", "7"};
@@ -124,7 +124,7 @@ FuzzTarget exerciseTarget() {
   });
 }
 
-/// A mesh of that kind, read in this process, and its collider.
+/// A mesh file of that kind, read in this process, and its collider.
 FuzzTarget meshTarget(const std::string& ending) {
   std::vector<std::string> good;
   for (const auto& [kind, bytes] : meshSamples()) {

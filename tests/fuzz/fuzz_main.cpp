@@ -1,5 +1,5 @@
 // libFuzzer: test_fuzz_targets --target=NAME [--good=FOLDER] [libFuzzer's options] [corpus ...]
-// --good: writes the inputs that are taken there first.
+// --good: writes the accepted sample inputs into FOLDER first.
 #include "fuzz_targets.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using wholehand::test::FuzzTarget;
 
 const FuzzTarget* g_target = nullptr;
 
-/// What follows this option; empty where it is not given.
+/// Value of this option; empty where it is not given.
 std::string_view valueOf(std::string_view option, int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view argument = argv[i];

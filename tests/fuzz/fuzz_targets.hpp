@@ -7,14 +7,15 @@
 #include <string>
 #include <vector>
 
-/// Readers of untrusted bytes: the test `fuzz` gives them damaged inputs, and libFuzzer inputs of
-/// its own making (`./check --fuzz`).
+/// Readers of untrusted bytes. The test `fuzz` gives them damaged inputs; libFuzzer gives them
+/// generated ones (`./check --fuzz`).
 namespace wholehand::test {
 
 struct FuzzTarget {
   std::string name;
-  std::vector<std::string> good;  ///< inputs that are taken
-  /// Gives it these bytes. Empty: they were taken, or refused in words; otherwise what was wrong.
+  std::vector<std::string> good;  ///< inputs that must be accepted
+  /// Passes these bytes to the reader. @return empty if they were accepted or properly refused;
+  /// otherwise the failure
   std::function<std::string(const std::string& bytes)> enter;
   int full = 10'000;  ///< inputs under WHOLEHAND_FULL=1
   int sampled = 60;   ///< inputs otherwise
@@ -24,12 +25,12 @@ struct FuzzTarget {
 [[nodiscard]] std::vector<FuzzTarget> messageTargets();  ///< WebSocket, UDP, HTTP, meshes
 [[nodiscard]] std::vector<FuzzTarget> recordingTargets();  ///< black box, recordings
 
-/// What HDF5 has read of a recording; one of recordingTargets().
+/// The data that HDF5 has read of a recording; one of recordingTargets().
 [[nodiscard]] FuzzTarget recordedTablesTarget();
-/// Reads every tick: empty when what can be read is within the shapes of a record.
+/// Reads every tick. @return empty if everything readable is within the shapes of a record
 [[nodiscard]] std::string readTicks(RecordingReader& recording);
 
-/// So many inputs of random bytes.
+/// `count` inputs of random bytes.
 [[nodiscard]] inline std::vector<std::string> randomTexts(std::size_t count, std::size_t bytes) {
   std::mt19937_64 random(3);
   std::vector<std::string> texts(count, std::string(bytes, '\0'));

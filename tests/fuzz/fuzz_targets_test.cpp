@@ -1,6 +1,6 @@
-// Damaged inputs to every fuzz target: each ends in a value or in a refusal with a remedy.
-// WHOLEHAND_FULL=1 sends `FuzzTarget::full` of them through each, and there each takes a second of
-// processor at most.
+// Damaged inputs to every fuzz target: each ends in a value or in a refusal with a remedy. With
+// WHOLEHAND_FULL=1 each target gets `FuzzTarget::full` inputs, of which each may take at most a
+// second of processor time.
 #include "fuzz_targets.hpp"
 
 #include "support/cpu_time.hpp"
@@ -19,12 +19,12 @@ namespace {
 
 class EveryFuzzTarget : public testing::TestWithParam<FuzzTarget> {};
 
-TEST_P(EveryFuzzTarget, WhatIsGood_IsTakenWithoutFault) {
+TEST_P(EveryFuzzTarget, ValidInput_IsAcceptedWithoutFault) {
   ASSERT_FALSE(GetParam().good.empty());
   for (const std::string& bytes : GetParam().good) EXPECT_EQ(GetParam().enter(bytes), "");
 }
 
-TEST_P(EveryFuzzTarget, RandomDamage_IsTakenOrRefusedWithinASecond) {
+TEST_P(EveryFuzzTarget, RandomDamage_IsAcceptedOrRefusedWithinASecond) {
   const FuzzTarget& target = GetParam();
   auto random = seededRandom(901);
   const bool full = fullCounts() && !WHOLEHAND_SANITIZED;

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# keep.sh PROGRAM TARGET FOLDER: of what fuzz.sh found, the least that takes every way becomes the kept corpus.
+# keep.sh PROGRAM TARGET FOLDER: the smallest subset of fuzz.sh's inputs that covers every branch becomes the kept
+# corpus.
 set -euo pipefail
 program=$1 target=$2 folder=$3/$2
 corpus=$(cd "$(dirname "$0")" && pwd)/corpus

@@ -40,16 +40,17 @@ class MemoryTable final : public TableSource {
     const auto found = all_.find(name_ + "/" + column.name);
     if (found == all_.end()) return "has no dataset '" + column.name + "'";
     MemoryDataset& dataset = found->second;
-    dataset.row_bytes = column.rowBytes();  // of another shape, HDF5 would have refused it
+    dataset.row_bytes = column.rowBytes();  // HDF5 would have refused another shape
     rows = dataset.rows;
     opened_.push_back(&dataset);
     return {};
   }
-  /// Rows that were not stored repeat those that were.
+  /// Rows that were not stored repeat the stored ones.
   bool read(std::size_t i, const ColumnShape&, std::uint64_t first, std::uint64_t count,
             std::byte* rows) override {
     const MemoryDataset& dataset = *opened_.at(i);
-    if (first + count > dataset.rows || first + count < first) std::abort();  // a broken @pre
+    if (first + count > dataset.rows || first + count < first)
+      std::abort();  // the reader broke the @pre
     const std::uint64_t unreadable = dataset.unreadable_chunk;
     if (count > 0 && first / kBlockRows <= unreadable &&
         unreadable <= (first + count - 1) / kBlockRows) {
@@ -85,7 +86,7 @@ class MemorySource final : public TablesSource {
   MemoryTables& all_;
 };
 
-/// Keeps what HDF5 reads of each dataset that is opened.
+/// Keeps the data that HDF5 reads of each opened dataset.
 class CapturedTable final : public TableSource {
  public:
   CapturedTable(std::unique_ptr<TableSource> from, std::string name, MemoryTables& to)

@@ -18,9 +18,9 @@ std::string text(const std::vector<std::uint8_t>& bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Never beyond the bytes, never an order with a number that is not one.
+/// Checks that the reader stays within the bytes and gives no command with a non-finite number.
 std::string enterWebSocket(const std::string& bytes) {
-  const wire::Bytes exact(bytes.begin(), bytes.end());  // of its very size: one byte more is seen
+  const wire::Bytes exact(bytes.begin(), bytes.end());  // exact size: a read beyond it is detected
   const auto message = wire::decode(exact);
   if (!message) return message.errors().front().problem.empty() ? "refused without a reason" : "";
   const auto* set = message->as<orders::SetParameter>();
@@ -44,8 +44,8 @@ std::string withRightChecksum(std::string datagram) {
   return datagram;
 }
 
-/// Datagrams of a sender who can compute a checksum, one after another: each 2 bytes of length,
-/// then itself.
+/// Consecutive datagrams of a sender who can compute a checksum: for each 2 bytes of length, then
+/// the datagram.
 std::string enterUdp(const std::string& bytes) {
   for (std::size_t at = 0; at + 2 <= bytes.size();) {
     const std::size_t length =

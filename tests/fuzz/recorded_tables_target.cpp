@@ -1,5 +1,5 @@
-// What HDF5 has read of a recording, from bytes in memory: the description, row counts, numbers and
-// packed blocks of somebody else, without a file (3 ms each), up to what is shown of them.
+// Recording data that HDF5 has read, from bytes in memory: a forged description, row counts,
+// numbers and packed blocks, without a file (3 ms each), up to the output computed from them.
 #include "fuzz/memory_tables.hpp"
 #include "fuzz_targets.hpp"
 #include "record/hdf5_tables.hpp"
@@ -47,7 +47,7 @@ MemoryTables goodTables() {
              : MemoryTables{};
 }
 
-/// An edit: what (1 byte), of which dataset or field (1), where (2), the new value (8).
+/// An edit: kind (1 byte), dataset or field (1), position (2), the new value (8).
 constexpr std::size_t kEdit = 12, kMostEdits = 16;
 
 struct Edit {
@@ -73,7 +73,7 @@ void setOne(std::vector<double>& values, const Edit& e) {
   if (!values.empty()) values[e.where % values.size()] = number(e);
 }
 
-/// As many names, and as many of each of these numbers.
+/// Gives these lists `n` elements each.
 void resize(std::vector<std::string>& names, std::size_t n,
             std::initializer_list<std::vector<double>*> numbers) {
   names.resize(n, "a");
@@ -180,13 +180,13 @@ class MemoryRecording final : public RecordingReader {
   RecordedTables tables_;
 };
 
-/// What a page and a report compute of a recording.
+/// The output that a page and a report compute from a recording.
 std::string shown(ViewedRecording& viewed) {
   RecordingReader& reader = *viewed.reader;
   const double period_s = reader.meta().period_s;
   const double from_s = static_cast<double>(reader.outline().numbers.front()) * period_s;
   std::string out = seriesMessage(reader, {from_s, from_s + 100.0 * period_s, 30});
-  out += seriesMessage(reader, {from_s, from_s, 1});  // of ticks beyond 2^53
+  out += seriesMessage(reader, {from_s, from_s, 1});  // ticks beyond 2^53
   TherapyFacts therapy(reader.meta());
   EngineeringFacts engineering(reader.meta());
   TickRecord record;
@@ -213,7 +213,7 @@ std::string enter(const MemoryTables& good, const std::string& bytes) {
     } else {
       editDataset(*datasets[e.which % datasets.size()], e, bytes.substr(at + kEdit));
     }
-    if (e.what % 8 == 6) break;  // the rest is its block
+    if (e.what % 8 == 6) break;  // the rest is the block
   }
   if (!unusable(meta).empty()) return "";
   auto reader = std::make_unique<MemoryRecording>(std::move(meta), std::move(all));

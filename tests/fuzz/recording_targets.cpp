@@ -44,7 +44,7 @@ std::string withRightChecksums(std::string box) {
   return box;
 }
 
-/// A black box whose checksums somebody has made right again.
+/// A forged black box file with correct checksums.
 FuzzTarget blackBoxTarget() {
   const auto folder = std::make_shared<Folder>();
   BlackBoxPlan plan;
@@ -80,7 +80,7 @@ struct Dataset {
   std::vector<hsize_t> extent;
 };
 
-/// Everything of a file that holds numbers or texts.
+/// Everything in a file that holds numbers or texts.
 struct Contents {
   std::vector<Dataset> datasets;
   std::vector<std::string> meta_attributes;
@@ -153,8 +153,8 @@ void setAttribute(hid_t file, const std::string& name, std::uint8_t place, const
   ::H5Aclose(attribute);
 }
 
-/// Edits of a recording's values by somebody with h5py, its checksums right: 10 bytes each, which
-/// dataset or attribute, which element, the element's new bytes.
+/// Edits of a recording's values, as by h5py, with correct checksums. Each has 10 bytes: dataset or
+/// attribute, element, the element's new bytes.
 constexpr std::size_t kBoxEdit = 10;
 
 void edit(const std::string& path, const Contents& contents, const std::string& edits) {

@@ -1,5 +1,5 @@
-// Random certified gains, random persons, and a random driven body that is pulled against the hand:
-// none is unstable, and the body gives the hand no more than its target's way allows.
+// Random certified gains, random persons and random driven bodies pulled against the hand: no loop
+// is unstable, and a body gives the hand no more energy than the travel of its target allows.
 #include "certify/certificate.hpp"
 #include "certify/certified_sets.hpp"
 #include "experiments/felt_noise.hpp"
@@ -12,10 +12,10 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kMostForce_n = 5.0, kMostDrive_m_s = 0.5, kMostMomentum_ns = 0.05;
-constexpr double kTurnShare = 0.1;  // of kMostForce_n, at the body's outermost point
-constexpr int kFrame = 16;          // ticks between two targets: 60 Hz
-constexpr int kWindow = 300;        // ticks in which noise is judged
-constexpr int kLeastHold = 1500, kMostHold = 30000;  // ticks: some persons swing for long
+constexpr double kTurnShare = 0.1;  // share of kMostForce_n for turning, at the outermost point
+constexpr int kFrame = 16;          // ticks between two targets, for 60 Hz
+constexpr int kWindow = 300;        // ticks over which the noise is measured
+constexpr int kLeastHold = 1500, kMostHold = 30000;  // ticks; some persons oscillate for long
 
 Eigen::Vector3d direction(Draw& draw) {
   const double z = 2.0 * draw.unit() - 1.0, turn = 2.0 * M_PI * draw.unit();
@@ -23,24 +23,24 @@ Eigen::Vector3d direction(Draw& draw) {
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-/// Gains, masses and delays of a shipped device at random, not certified yet.
+/// Randomises the gains, masses and delays of a shipped device; they are not certified yet.
 void shuffle(Models& m, Draw& draw) {
   m.device.output_delay_ticks = draw.upTo(3);
-  const bool slippery = draw.chance(0.5);  // dry friction would end what grows slowly
+  const bool slippery = draw.chance(0.5);  // dry friction would hide slow growth
   for (std::size_t a = 0; a < m.device.axes.size(); ++a) {
     m.device.axes[a].mass *= draw.between(0.3, 3.0);
     if (slippery) m.device.axes[a].coulomb = m.device.axes[a].encoder_step = 0.0;
     AxisRendering& gains = m.rendering.axes[a];
     gains.k_pm *= draw.between(0.2, 3.0);
-    gains.armature.reset();  // by the rule
+    gains.armature.reset();  // the rule chooses it
     gains.k_dm *= draw.chance(0.2) ? 0.0 : draw.between(0.1, 3.0);
     gains.gamma = draw.chance(0.15) ? 0.0 : draw.unit();
     gains.velocity_filter_hz = draw.between(15.0, 100.0);
   }
 }
 
-/// A shipped device and hand with random gains, and a little more damping than the certificate asks
-/// for.
+/// A shipped device and hand with random gains, and with slightly more damping than the certificate
+/// requires.
 Models certifiedModels(Draw& draw) {
   const auto devices = shipped("devices"), hands = shipped("hands");
   for (;;) {
@@ -85,7 +85,7 @@ void attach(Holder holder, Models& m, Draw& draw) {
 struct Body {
   Shape shape;
   SpawnOrder order;
-  double radius_m = 0.0;  ///< of its outermost point
+  double radius_m = 0.0;  ///< distance of its outermost point
 };
 
 Body randomBody(const GameBudget& budget, Draw& draw) {
@@ -103,14 +103,14 @@ Body randomBody(const GameBudget& budget, Draw& draw) {
   return body;
 }
 
-/// Corners of the target's way, and its orientation at each.
+/// Corners of the target's path, and the orientation at each.
 struct Path {
   std::vector<Eigen::Vector3d> at_m;
   std::vector<Eigen::Quaterniond> turn;
-  std::vector<int> ticks;  ///< to the next corner
+  std::vector<int> ticks;  ///< ticks to the next corner
 };
 
-/// From one side through the palm and about it; most end beyond the palm, or within it.
+/// A path from one side through the palm and around it; most paths end beyond or inside the palm.
 Path randomPath(const Eigen::Vector3d& palm, double most_m_s, Draw& draw) {
   Path path;
   const Eigen::Vector3d side = direction(draw);
@@ -129,8 +129,8 @@ Path randomPath(const Eigen::Vector3d& palm, double most_m_s, Draw& draw) {
   return path;
 }
 
-/// Energy of a driven body, against the way of its target. With a target that stands, pull and
-/// damper are passive; a target that moves by d puts at most |f| d in.
+/// Balances the energy of a driven body against the travel of its target. While the target is at
+/// rest, pull and damper are passive; a target that moves by d puts in |f| d at most.
 class Ledger {
  public:
   Ledger(double mass_kg, double radius_m) : mass_kg_(mass_kg), radius_m_(radius_m) {}
@@ -162,7 +162,7 @@ class Ledger {
     if (allowed_j > 0.0) share = std::max(share, given_j_ / allowed_j);
     if (pull_allowed_j_ > 0.0) pull_share = std::max(pull_share, pulled_j_ / pull_allowed_j_);
   }
-  /// The larger figures of both.
+  /// Keeps the larger of each figure.
   void take(const Ledger& other) {
     most_pull_n = std::max(most_pull_n, other.most_pull_n);
     excess_j = std::max(excess_j, other.excess_j);
@@ -171,15 +171,16 @@ class Ledger {
     pull_share = std::max(pull_share, other.pull_share);
   }
   double most_pull_n = 0.0;
-  double excess_j = 0.0, share = 0.0;            ///< of what the hand was given, at any time
-  double pull_excess_j = 0.0, pull_share = 0.0;  ///< of the work of the pull
+  double excess_j = 0.0,
+         share = 0.0;  ///< energy given to the hand, over the allowed one; largest at any time
+  double pull_excess_j = 0.0, pull_share = 0.0;  ///< work of the pull, over the allowed one
 
  private:
   double mass_kg_, radius_m_;
   double given_j_ = 0.0, pulled_j_ = 0.0, pull_allowed_j_ = 0.0, turn_allowed_j_ = 0.0;
 };
 
-/// A person who moves for three seconds, then rests; or one who rests.
+/// A person who moves for three seconds and then rests, or who rests from the start.
 Intention randomIntention(const DeviceModel& device, Draw& draw) {
   std::vector<Waypoint> way{{0.0, AxisPosition(device.axisCount())}};
   const bool moves = draw.chance(0.5);
@@ -196,8 +197,8 @@ Intention randomIntention(const DeviceModel& device, Draw& draw) {
 
 struct Outcome {
   bool faulted = false;
-  double noise_n = 1e9;  ///< felt, over the last 0.3 s
-  double held_s = 0.0;   ///< until the felt effort came to rest, with the target standing
+  double noise_n = 1e9;  ///< noise of the rendered effort over the last 0.3 s
+  double held_s = 0.0;   ///< time until the rendered effort was at rest, with the target at rest
   int touching = 0;      ///< ticks
   bool touching_at_end = false;
   Ledger ledger;
@@ -206,7 +207,7 @@ struct Outcome {
 };
 
 Outcome drive(Models models, Holder holder, Draw& draw, bool uncertified) {
-  models.scene.game.least_kg = 0.01;  // the least that a file may allow
+  models.scene.game.least_kg = 0.01;  // smallest value that a file may allow
   attach(holder, models, draw);
   RigOptions options;
   options.uncertified = uncertified;
@@ -262,7 +263,7 @@ Outcome drive(Models models, Holder holder, Draw& draw, bool uncertified) {
   return out;
 }
 
-TEST(CertifiedDriven, GainsPersonsAndDrivenBodies_NoneIsUnstable) {
+TEST(CertifiedDriven, RandomGainsPersonsAndDrivenBodies_AreNeverUnstable) {
   Draw draw(4310);
   const int sets = cases(9);
   int number = 0, unstable = 0, touched = 0, pressed = 0;
@@ -297,7 +298,7 @@ TEST(CertifiedDriven, GainsPersonsAndDrivenBodies_NoneIsUnstable) {
   figure("work of the pull beyond that", worst.pull_excess_j, "J");
   figure("energy given beyond that", worst.excess_j, "J");
   EXPECT_EQ(unstable, 0);
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(pressed, 0);
     EXPECT_GT(touched, number / 2);
   }
@@ -306,9 +307,9 @@ TEST(CertifiedDriven, GainsPersonsAndDrivenBodies_NoneIsUnstable) {
   EXPECT_LE(worst.excess_j, tolerance(1e-9));
 }
 
-TEST(CertifiedDriven, GainsFarFromCertified_AreFoundUnstable) {
+TEST(CertifiedDriven, GainsFarFromCertified_AreDetectedAsUnstable) {
   Draw draw(4311);
-  const int kSets = kCountsTell ? 8 : 1;
+  const int kSets = kStatisticsMeaningful ? 8 : 1;
   int unstable = 0;
   for (int n = 0; n < kSets; ++n) {
     Models models = gameModels("lambda-pride");
@@ -322,7 +323,7 @@ TEST(CertifiedDriven, GainsFarFromCertified_AreFoundUnstable) {
   }
   figure("unstable with six times the stiffness and a hundredth of the damping", unstable,
          "of 8 cases");
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(unstable, 0) << "the judge would not show it";
   }
 }

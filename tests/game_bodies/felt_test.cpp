@@ -1,14 +1,14 @@
-// What a person feels when a body appears over the hand, or one that is pressed leaves.
+// Effort on the person when a body appears over the hand, or when a pressed body leaves.
 #include "game_bodies/game_tools.hpp"
 #include "support/seed.hpp"
 
 namespace wholehand::test {
 namespace {
 
-constexpr int kAppears = 300;  // tick
+constexpr int kAppears = 300;  // tick in which the body appears
 constexpr int kTicks = 900;
 
-/// To and fro through the middle, so that the hand leaves what appears over it.
+/// Moves to and fro through the middle, so that the hand leaves a body that appears over it.
 Intention sweep() {
   AxisPosition left(6), right(6);
   left[1] = -0.06, right[1] = 0.06;
@@ -24,7 +24,7 @@ std::vector<AxisEffort> undisturbed(Models models) {
   return efforts;
 }
 
-TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
+TEST(GameBodies, BodiesAppearingOverTheHand_HaveNoEffectUntilSolid) {
   auto random = seededRandom(4301);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const std::vector<AxisEffort> before = undisturbed(gameModels());
@@ -57,7 +57,7 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
       ASSERT_FALSE(any(game.record.faults & kStoppingFaults)) << "tick " << k;
       if (game.event(0) == "solid" && solid_at < 0) solid_at = k;
       if (solid_at < 0) {
-        // An event reports the step before; until its own step nothing was felt.
+        // An event reports the step before it; until then the body must have no effect.
         for (int a = 0; a < 6; ++a) {
           largest = std::max(largest, std::abs(game.record.sent[a] - before[k][a]) /
                                           game.rig->models.device.axes[a].effort_limit);
@@ -73,13 +73,13 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
   figure("ghosts that stayed", stayed, "bodies");
   EXPECT_LE(largest, tolerance(0.01));
   EXPECT_EQ(slews, 0);
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(became_solid, count / 4);
   }
 }
 
-/// Largest speed of the arm, after the person has pressed a body from above for a second and it was
-/// taken away [m/s].
+/// Largest speed of the arm [m/s], after the person pressed a body from above for a second and it
+/// was taken away.
 double armSpeedAfter(const std::function<Command()>& order, BodyOwner owner) {
   Eigen::Vector3d at;
   Game game = pressedFromAbove(owner, at);
@@ -100,7 +100,7 @@ double armSpeedAfter(const std::function<Command()>& order, BodyOwner owner) {
   return fastest_m_s;
 }
 
-TEST(GameBodies, PressedAndRemoved_LetTheArmGoGently) {
+TEST(GameBodies, PressedBodyThatIsRemoved_ReleasesTheArmGently) {
   const double removed = armSpeedAfter([] { return removeCommand(0, 1); }, BodyOwner::kFixed);
   const double away = armSpeedAfter(
       [] {
@@ -117,14 +117,14 @@ TEST(GameBodies, PressedAndRemoved_LetTheArmGoGently) {
   EXPECT_LE(loosened, tolerance(0.1));
 }
 
-// A body that a game moves: a bounded force, a bounded speed, a bounded energy.
+// Bodies driven by a game: bounded force, speed and energy.
 
 constexpr double kDrivenForce_n = 5.0;
 
-/// What a driven body did to the hand.
+/// Effect of a driven body on the hand.
 struct Push {
-  double largest_n = 0.0;        ///< later than 20 ms after a first touch
-  double longest_above_s = 0.0;  ///< above 1.1 F_max in one go
+  double largest_n = 0.0;        ///< largest force later than 20 ms after a first touch [N]
+  double longest_above_s = 0.0;  ///< longest uninterrupted time above 1.1 F_max [s]
   double energy_j = 0.0, way_m = 0.0;
   int touching = 0;
 };
@@ -151,7 +151,8 @@ Push pushAcross(std::mt19937_64& random) {
   Push out;
   out.way_m = way_m;
   double above_s = 0.0;
-  const double slowest_m_s = std::min(speed_m_s, 0.05 / order.mass_kg);  // a heavy body is slow
+  const double slowest_m_s =
+      std::min(speed_m_s, 0.05 / order.mass_kg);  // a heavy body moves slowly
   const int ticks = static_cast<int>(1e3 * way_m / slowest_m_s) + 500;
   for (int k = 0; k < ticks; ++k) {
     if (k % 16 == 0) {  // 60 Hz
@@ -177,12 +178,12 @@ Push pushAcross(std::mt19937_64& random) {
   return out;
 }
 
-TEST(DrivenBodies, AgainstTheHand_PushWithABoundedForceAndEnergy) {
+TEST(DrivenBodies, DrivenBodyAgainstTheHand_PushesWithBoundedForceAndEnergy) {
   auto random = seededRandom(4302);
   Push worst;
   double most_share = 0.0;
   int touched = 0;
-  const int count = cases(34);  // 1,020 of them where every large count is asked for
+  const int count = cases(34);  // 1,020 in a full run
   for (int n = 0; n < count; ++n) {
     SCOPED_TRACE(n);
     const Push push = pushAcross(random);
@@ -195,13 +196,13 @@ TEST(DrivenBodies, AgainstTheHand_PushWithABoundedForceAndEnergy) {
   figure("longest time above 1.1 F_max", 1e3 * worst.longest_above_s, "ms");
   figure("energy into the hand, of F_max times way", most_share, "1");
   figure("paths that met the hand", touched, "paths");
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(touched, count / 2);
   }
 }
 
-// However many there are, and however they push one another: docs/protocol.md, BodyTargets.
-TEST(DrivenBodies, ManyAgainstTheHand_PushTogetherWithTheForceOfOne) {
+// For any number of bodies, also if they push one another: docs/protocol.md, BodyTargets.
+TEST(DrivenBodies, ManyDrivenBodiesAgainstTheHand_PushWithTheForceOfOne) {
   auto random = seededRandom(4303);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   double largest_n = 0.0, longest_above_s = 0.0;
@@ -235,7 +236,7 @@ TEST(DrivenBodies, ManyAgainstTheHand_PushTogetherWithTheForceOfOne) {
       game.tick();
       Eigen::Vector3d force = Eigen::Vector3d::Zero();
       for (int slot = 0; slot < count; ++slot) force += game.forceOf(slot);
-      // A strike is over in 20 ms; what presses is the mean over a fifth of a second.
+      // A strike is over in 20 ms; sustained pressing is the mean over 0.2 s.
       above_s = force.norm() > 1.1 * kDrivenForce_n ? above_s + 1e-3 : 0.0;
       longest_above_s = std::max(longest_above_s, above_s);
       mean_n += 0.005 * (force.norm() - mean_n);

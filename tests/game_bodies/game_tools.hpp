@@ -11,7 +11,7 @@
 #include <map>
 #include <random>
 
-/// A rig with the shipped game scene, and orders to the bodies of its game.
+/// A rig with the shipped game scene, and orders to the game's bodies.
 namespace wholehand::test {
 
 inline Models gameModels(const std::string& device = "lambda-pride",
@@ -19,7 +19,7 @@ inline Models gameModels(const std::string& device = "lambda-pride",
   return load(exerciseFiles("game-scene", 1, hand, device));
 }
 
-inline const Eigen::Vector3d kAside_m(0.5, 0.3, 0.2);  ///< of the hand
+inline const Eigen::Vector3d kAside_m(0.5, 0.3, 0.2);  ///< a place beside the hand
 
 inline Shape boxShape(const Eigen::Vector3d& size_m) {
   Shape shape;
@@ -27,7 +27,7 @@ inline Shape boxShape(const Eigen::Vector3d& size_m) {
   return shape;
 }
 
-/// To somewhere else every 0.6 s, within so much of each axis's range about its middle.
+/// Moves to a random position every 0.6 s, within this share of each axis's range about its middle.
 inline Intention wander(std::mt19937_64& random, const DeviceModel& device, double duration_s,
                         double share) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -43,7 +43,7 @@ inline Intention wander(std::mt19937_64& random, const DeviceModel& device, doub
   return Intention::throughWaypoints(way);
 }
 
-/// A box as a convex mesh, for the narrow phase of the engine.
+/// A box as a convex mesh, to test the mesh code of the engine's narrow phase.
 inline Shape boxMesh(const Eigen::Vector3d& size_m) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 8; ++i) {
@@ -62,14 +62,14 @@ inline BodyPose poseAt(const Eigen::Vector3d& at_m,
   return {Vec3::from(at_m), QuatXyzw::from(turn)};
 }
 
-/// A rig that is ticked by hand; orders wait until a tick takes them, at most eight each.
+/// A rig that the test ticks; orders wait until a tick takes them, at most eight per tick.
 struct Game {
   Game(Models models, Intention intention, const RigOptions& options = {})
       : rig(orThrow(buildRig(std::move(models), std::move(intention), options))) {
     if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   }
 
-  /// The shipped scene at rest, with these shapes as set 0, after so many ticks.
+  /// The shipped scene at rest, with these shapes as set 0, after `after_ticks` ticks.
   explicit Game(const std::vector<Shape>& pieces, int after_ticks = 0)
       : Game(gameModels(), Intention::throughWaypoints({{0.0, AxisPosition(6)}})) {
     prepare(0, pieces);
@@ -98,7 +98,7 @@ struct Game {
   [[nodiscard]] const BodyState& body(int slot) const {
     return record.bodies[rig->models.scene.bodies.size() + static_cast<std::size_t>(slot)];
   }
-  /// Name of the last event of this slot in the last tick; empty: none.
+  /// Name of this slot's last event in the last tick; empty if none.
   [[nodiscard]] std::string event(int slot) const {
     const auto& names = rig->models.exercise->description().event_names;
     std::string last;
@@ -108,7 +108,7 @@ struct Game {
     }
     return last;
   }
-  /// Ticks until the slot has that event; false when it has not within `most` ticks.
+  /// Ticks until the slot has this event; false if it has not within `most` ticks.
   bool until(int slot, const std::string& name, int most) {
     for (int k = 0; k < most; ++k) {
       tick();
@@ -125,7 +125,7 @@ struct Game {
     }
     return sum;
   }
-  /// Middle of the palm [m].
+  /// Centre of the palm [m].
   [[nodiscard]] Eigen::Vector3d palm() const {
     const HandModel& hand = rig->models.hand;
     const ArticulatedBody at = handAt(hand, record.q_s);
@@ -158,7 +158,7 @@ inline SpawnOrder spawnOf(int slot, int set, BodyOwner owner, const BodyPose& po
   return order;
 }
 
-/// A person who has pressed a plate from above for a second; it is at `at_m`.
+/// A game whose person has pressed a plate from above for a second; the plate is at `at_m`.
 inline Game pressedFromAbove(BodyOwner owner, Eigen::Vector3d& at_m) {
   AxisPosition pressing(6);
   pressing[2] = -0.06;

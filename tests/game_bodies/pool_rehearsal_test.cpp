@@ -1,11 +1,12 @@
-// The slots of a game are filled with the worst bodies of the budget before anybody feels a force.
+// The rehearsal fills the slots of a game with the worst bodies of the budget before any effort is
+// rendered.
 #include "files/mesh/convex_hull.hpp"
 #include "files/scene/separation.hpp"
 #include "game_bodies/game_tools.hpp"
 #include "loop/runtime/session.hpp"
 #include "rig/admission.hpp"
 #include "rig/rehearsal.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -16,15 +17,15 @@ namespace {
 
 constexpr int kAxes = 6;
 
-/// The CPU time of this machine is never too long; a test adds what is.
+/// Options that accept any CPU time of this machine; a test adds time.
 RehearsalOptions anyTime() {
   RehearsalOptions options;
-  options.most_of_period = 1e4;  // 10 s a tick
+  options.allowed_period_share = 1e4;  // 10 s per tick
   options.attempts = 1;
   return options;
 }
 
-/// Ticks with more than `most` moving bodies are too slow.
+/// Options for which ticks with more than `most` moving bodies are too slow.
 RehearsalOptions slowAbove(int most) {
   RehearsalOptions options = anyTime();
   options.extra_ns = [most](const TickRecord& record) -> std::int64_t {
@@ -44,12 +45,12 @@ std::unique_ptr<HapticDevice> restingDevice() {
   return std::make_unique<RestingDevice>(AxisPosition(kAxes));
 }
 
-/// What fills the shipped budget, counted in a world of its own.
-TEST(PoolFilling, HasAsManyBodiesPiecesAndVerticesAsTheBudgetSays) {
+/// Counts the bodies that fill the shipped budget in their own world.
+TEST(WorstCaseBodies, WorstCaseBodies_HaveTheCountsOfTheBudget) {
   const Models models = gameModels();
   const GameBudget& budget = models.scene.game;
   Game game(models, atRest());
-  PoolFilling filling(game.rig->models, budget, AxisPosition(kAxes));
+  WorstCaseBodies filling(game.rig->models, budget, AxisPosition(kAxes));
   const auto& owners = filling.owners();
   ASSERT_EQ(static_cast<int>(owners.size()), budget.slots);
   EXPECT_EQ(std::count(owners.begin(), owners.end(), BodyOwner::kFixed),
@@ -77,7 +78,7 @@ TEST(PoolFilling, HasAsManyBodiesPiecesAndVerticesAsTheBudgetSays) {
   EXPECT_EQ(moving, budget.awake);
   EXPECT_GE(contacts, 3) << "of the open hand";
 
-  // Bodies that move touch others.
+  // Moving bodies touch others.
   const auto poseOf = [&](int slot) {
     const BodyState& state = game.body(slot);
     Pose body;
@@ -106,7 +107,7 @@ Shape meshOf(const std::vector<Eigen::Vector3d>& points) {
   return orThrow(convexMesh(hull.points, hull.triangles));
 }
 
-/// Points on an ellipsoid.
+/// A convex mesh of points on an ellipsoid.
 Shape roundMesh(int vertices, const Eigen::Vector3d& size_m) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < vertices; ++i) {
@@ -127,7 +128,7 @@ Shape prismMesh(int vertices, const Eigen::Vector3d& size_m) {
   return meshOf(points);
 }
 
-/// Copies of a piece, with the spacing of their extents along each axis.
+/// Copies of a piece; `spacing` is the distance in extents along each axis.
 std::vector<Shape> row(const Shape& piece, int pieces, const Eigen::Vector3d& spacing) {
   std::vector<Shape> out;
   const Eigen::Vector3d extent_m = extents(piece);
@@ -139,10 +140,10 @@ std::vector<Shape> row(const Shape& piece, int pieces, const Eigen::Vector3d& sp
   return out;
 }
 
-/// CPU time per tick of a world that is filled with bodies of these pieces; empty: the costliest.
+/// CPU time per tick of a world filled with bodies of these pieces; empty: the worst-case bodies.
 TickSummary fillAndTick(const Models& models, const std::vector<Shape>& pieces) {
   Game game(models, atRest());
-  PoolFilling filling(game.rig->models, models.scene.game, AxisPosition(kAxes), pieces);
+  WorstCaseBodies filling(game.rig->models, models.scene.game, AxisPosition(kAxes), pieces);
   TickTimer timer;
   TickStatistics statistics;
   for (int k = 0; k < 700; ++k) {
@@ -155,9 +156,10 @@ TickSummary fillAndTick(const Models& models, const std::vector<Shape>& pieces) 
   return statistics.snapshot();
 }
 
-/// The rehearsal stands for every body that a game may order. Others, of any form that
-/// prepareShapes() admits, cost less; a quarter is left for the noise of the machine.
-TEST(PoolFilling, CostsMoreThanOtherBodiesOfTheBudget_slow) {
+/// The rehearsal must cover every body that a game may order: bodies of any other form that
+/// prepareShapes() accepts cost less. A margin of a quarter is allowed for the noise of the
+/// machine.
+TEST(WorstCaseBodies, CostsMoreThanOtherBodiesOfTheBudget_slow) {
   const Models models = smallGame(32, 8);
   const int p = models.scene.game.pieces, v = models.scene.game.vertices;
   const Eigen::Vector3d line(0.75, 0.0, 0.0), stack(0.0, 0.0, 0.8), bundle(0.75, 0.75, 0.0);
@@ -180,7 +182,7 @@ TEST(PoolFilling, CostsMoreThanOtherBodiesOfTheBudget_slow) {
     const auto prepared = prepareShapes(pieces, models.scene.game);
     ASSERT_TRUE(prepared) << name << ": " << format(prepared.errors());
     double us = ticks_us(pieces);
-    // What else runs on this machine costs either of them cache and cycles: both anew.
+    // Other programs on this machine disturb either measurement, so both are repeated.
     for (int again = 0; again < 4 && us > 1.25 * costliest_us; ++again) {
       costliest_us = ticks_us({});
       us = std::min(us, ticks_us(pieces));
@@ -190,8 +192,9 @@ TEST(PoolFilling, CostsMoreThanOtherBodiesOfTheBudget_slow) {
   }
 }
 
-/// What a rehearsal covers: a game may not make more bodies move than the budget says.
-TEST(GameBudget, FixedBodyThatIsSetFreeBeyondIt_IsRefused) {
+/// The rehearsal covers the budget only, so a game may not make more bodies move than the budget
+/// allows.
+TEST(GameBudget, FixedBodyFreedBeyondTheBudget_IsRefused) {
   Game game(smallGame(4, 1), atRest());
   game.prepare(0, {ballShape(0.02)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt({0.5, 0.3, 0.2}))));
@@ -207,7 +210,7 @@ TEST(GameBudget, FixedBodyThatIsSetFreeBeyondIt_IsRefused) {
   EXPECT_LT(game.body(1).position_m.z, 0.2) << "it falls";
 }
 
-TEST(PoolFilling, OddBudgets_AreFilledToo) {
+TEST(WorstCaseBodies, UnusualBudgets_AreFilled) {
   for (const auto& [pieces, vertices, size_m] :
        {std::tuple{1, 4, std::pair{0.01, 0.3}}, std::tuple{16, 64, std::pair{0.01, 0.3}},
         std::tuple{2, 5, std::pair{0.05, 0.05}}}) {
@@ -223,7 +226,7 @@ TEST(PoolFilling, OddBudgets_AreFilledToo) {
   }
 }
 
-TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheNamedOnePasses) {
+TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheSuggestedOnePasses) {
   const Models models = smallGame(8, 6);
   std::vector<std::string> said;
   RehearsalOptions options = slowAbove(3);
@@ -234,7 +237,7 @@ TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheNamedOnePasses) {
   EXPECT_EQ(why.file, models.files.exercise);
   EXPECT_EQ(why.key, "budget.awake");
   EXPECT_EQ(why.value, "6");
-  EXPECT_TRUE(says(why.remedy, "state awake = 3,"));
+  EXPECT_TRUE(contains(why.remedy, "state awake = 3,"));
   EXPECT_GE(said.size(), 3U);
 
   const auto named = rehearse(smallGame(8, 3), AxisPosition(kAxes), {}, slowAbove(3));
@@ -244,13 +247,13 @@ TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheNamedOnePasses) {
   EXPECT_FALSE(rehearse(smallGame(8, 4), AxisPosition(kAxes), {}, slowAbove(3)));
 }
 
-TEST(PoolRehearsal, NothingPasses_SaysWhatElseToDo) {
+TEST(PoolRehearsal, NoBudgetThatPasses_IsReportedWithARemedy) {
   const auto refused = rehearse(smallGame(6, 3), AxisPosition(kAxes), {}, slowAbove(0));
   ASSERT_FALSE(refused);
-  EXPECT_TRUE(says(refused.errors().front().remedy, "slower rate"));
+  EXPECT_TRUE(contains(refused.errors().front().remedy, "slower rate"));
 }
 
-/// Bodies wider than the gap between floor and ceiling find no place.
+/// Bodies wider than the gap between floor and ceiling cannot be placed.
 TEST(PoolRehearsal, BudgetThatCannotBeFilled_IsRefused) {
   Models models = gameModels();
   models.scene.game.least_m = models.scene.game.most_m = 0.5;
@@ -262,7 +265,7 @@ TEST(PoolRehearsal, BudgetThatCannotBeFilled_IsRefused) {
   EXPECT_EQ(refused.errors().front().key, "budget.slots") << format(refused.errors());
 }
 
-TEST(PoolRehearsal, Cancelled_SaysSo) {
+TEST(PoolRehearsal, CancelledRehearsal_IsReported) {
   RehearsalOptions options = anyTime();
   int asked = 0;
   options.cancelled = [&asked] { return ++asked > 100; };
@@ -271,7 +274,7 @@ TEST(PoolRehearsal, Cancelled_SaysSo) {
   EXPECT_EQ(asked, 101);
 }
 
-TEST(PoolRehearsal, TimeIsNeverTakenAway) {
+TEST(PoolRehearsal, NegativeExtraTime_IsIgnored) {
   RehearsalOptions options = anyTime();
   options.extra_ns = [](const TickRecord&) -> std::int64_t { return -1'000'000'000; };
   const auto pool = rehearsePool(smallGame(4, 2), AxisPosition(kAxes), {}, options);
@@ -279,7 +282,7 @@ TEST(PoolRehearsal, TimeIsNeverTakenAway) {
   EXPECT_GT(pool->measured.summary.cpu.p50_ns, 1000.0);
 }
 
-TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedByItAndByNothingLess) {
+TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedOnlyAfterAWholeRehearsal) {
   const Models models = smallGame(4, 1);
   const auto rig = orThrow(buildRig(models, restingDevice(), RigOptions{}));
   EXPECT_FALSE(rig->renderer->arm());
@@ -297,8 +300,9 @@ TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedByItAndByNothingLess) {
   EXPECT_TRUE(rig->renderer->arm(whole->passed));
 }
 
-/// The machine decides: the shipped budget arms a device, or is refused with one that passes.
-TEST(PoolRehearsal, ShippedScene_ArmsOrNamesWhatPasses) {
+/// Depending on the machine, the shipped budget arms a device or is refused with a budget that
+/// passes.
+TEST(PoolRehearsal, ShippedScene_ArmsOrNamesABudgetThatPasses) {
   const Models models = gameModels();
   const auto began = std::chrono::steady_clock::now();
   const auto rehearsed = rehearse(models, AxisPosition(kAxes), {});
@@ -314,7 +318,7 @@ TEST(PoolRehearsal, ShippedScene_ArmsOrNamesWhatPasses) {
   EXPECT_EQ(rehearsed.errors().front().key, "budget.awake");
 }
 
-TEST(Admission, OfAGameScene_FillsItsSlots) {
+TEST(Admission, AdmissionOfAGameScene_FillsItsSlots) {
   const auto refused = orThrow(admit(smallGame(8, 4), {}, slowAbove(2)));
   EXPECT_FALSE(refused.admitted);
   ASSERT_TRUE(refused.pool);
@@ -325,13 +329,13 @@ TEST(Admission, OfAGameScene_FillsItsSlots) {
   EXPECT_EQ(admitted.pool->measured.moving_max, 4);
 }
 
-/// A session with bodies gives the same bits after a rehearsal as without one.
-TEST(PoolRehearsal, LeavesNoTrace) {
+/// A session with bodies is bit-identical with and without a rehearsal before it.
+TEST(PoolRehearsal, Rehearsal_DoesNotChangeTheSession) {
   const auto play = [](bool rehearsed) {
     const Models models = smallGame(8, 4);
     if (rehearsed) orThrow(rehearsePool(models, AxisPosition(kAxes), {}, anyTime()));
     Game game(models, Intention::throughWaypoints({{0.0, AxisPosition(kAxes)}}));
-    PoolFilling filling(game.rig->models, models.scene.game, AxisPosition(kAxes));
+    WorstCaseBodies filling(game.rig->models, models.scene.game, AxisPosition(kAxes));
     std::vector<BodyState> states;
     std::vector<AxisEffort> sent;
     for (int k = 0; k < 400; ++k) {

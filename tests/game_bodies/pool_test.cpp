@@ -1,11 +1,11 @@
-// Slots: what is spawned behaves as a body of the scene, and what is refused changes nothing.
+// Slots: a spawned body behaves like a body of the scene, and a refused order changes nothing.
 #include "game_bodies/game_tools.hpp"
 #include "support/constants.hpp"
 
 namespace wholehand::test {
 namespace {
 
-TEST(GamePool, SpawnedInFreeSpace_IsSolidAtOnceAndFalls) {
+TEST(GamePool, BodySpawnedInFreeSpace_IsSolidAtOnceAndFalls) {
   Game game(std::vector<Shape>{boxShape({0.04, 0.05, 0.06})}, 2);
   game.order(spawnCommand(spawnOf(3, 0, BodyOwner::kLoop, poseAt(kAside_m))));
   game.tick();
@@ -17,7 +17,7 @@ TEST(GamePool, SpawnedInFreeSpace_IsSolidAtOnceAndFalls) {
   EXPECT_EQ(game.body(3).position_m.x, kAside_m.x());
 }
 
-TEST(GamePool, OfTheGame_IsWeightlessAndReachesItsTarget) {
+TEST(GamePool, BodyOfTheGame_IsWeightlessAndReachesItsTarget) {
   Game game(std::vector<Shape>{ballShape(0.03)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(5);
@@ -35,7 +35,7 @@ TEST(GamePool, OfTheGame_IsWeightlessAndReachesItsTarget) {
   EXPECT_LT(game.body(0).orientation_xyzw.eigen().angularDistance(turn), tolerance(5e-3));
 }
 
-TEST(GamePool, TargetsThatStop_HaltTheBody) {
+TEST(GamePool, EndOfTheTargets_StopsTheBody) {
   Game game(std::vector<Shape>{ballShape(0.03)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(5);
@@ -49,7 +49,7 @@ TEST(GamePool, TargetsThatStop_HaltTheBody) {
   EXPECT_LT(std::abs(game.body(0).position_m.x - at_m), 0.02);
 }
 
-TEST(GamePool, TwoSpawnedInOnePlace_TheLowerSlotIsSolidFirst) {
+TEST(GamePool, TwoBodiesSpawnedInOnePlace_BecomeSolidInSlotOrder) {
   Game game(std::vector<Shape>{boxShape({0.05, 0.05, 0.05})}, 1);
   for (const int slot : {5, 2}) {
     game.order(spawnCommand(spawnOf(slot, 0, BodyOwner::kFixed, poseAt(kAside_m))));
@@ -67,7 +67,7 @@ TEST(GamePool, TwoSpawnedInOnePlace_TheLowerSlotIsSolidFirst) {
   EXPECT_TRUE(game.until(5, "solid", 5));
 }
 
-TEST(GamePool, AMesh_LiesWhereTheSameBoxLies) {
+TEST(GamePool, MeshOfABox_RestsAtTheHeightOfTheBox) {
   std::array<double, 2> height_m{};
   for (const bool mesh : {false, true}) {
     Game game(gameModels(), atRest());
@@ -86,7 +86,7 @@ TEST(GamePool, AMesh_LiesWhereTheSameBoxLies) {
   EXPECT_NEAR(height_m[1], height_m[0], tolerance(5e-5));
 }
 
-TEST(GamePool, WhatLiesOnARemovedBody_Falls) {
+TEST(GamePool, BodyOnARemovedBody_Falls) {
   Game game(std::vector<Shape>{boxShape({0.1, 0.1, 0.02})}, 1);
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m))));
   const Eigen::Vector3d above = kAside_m + Eigen::Vector3d(0.0, 0.0, 0.0201);
@@ -96,14 +96,14 @@ TEST(GamePool, WhatLiesOnARemovedBody_Falls) {
   game.order(removeCommand(0, 1));
   game.run(100);
   EXPECT_NEAR(game.body(1).velocity_m_s.z, -kGravity_m_s2 * 0.1, tolerance(0.02));
-  // The slot can be used again, under another generation.
+  // The slot can be used again with another generation.
   SpawnOrder again = spawnOf(0, 0, BodyOwner::kFixed, poseAt(kAside_m));
   again.generation = 2;
   game.order(spawnCommand(again));
   EXPECT_TRUE(game.until(0, "solid", 5));
 }
 
-TEST(GamePool, FallenOutOfTheWorld_IsTakenOut) {
+TEST(GamePool, BodyThatFallsOutOfTheWorld_IsRemoved) {
   Game game(std::vector<Shape>{ballShape(0.03)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kLoop, poseAt(kAside_m))));
   EXPECT_TRUE(game.until(0, "left", 2000));
@@ -117,7 +117,7 @@ TEST(GamePool, FallenOutOfTheWorld_IsTakenOut) {
   EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
 }
 
-TEST(GamePool, SilentGame_ItsBodiesLeaveAfterFiveSeconds) {
+TEST(GamePool, BodiesOfASilentGame_LeaveAfterFiveSeconds) {
   Game game(std::vector<Shape>{ballShape(0.03)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(10);
@@ -199,7 +199,7 @@ TEST(GamePool, BadOrders_AreRefusedWithTheReasonAndChangeNothing) {
   }
 }
 
-TEST(GamePool, BeyondTheBudget_IsRefused) {
+TEST(GamePool, SpawnBeyondTheBudget_IsRefused) {
   Game game(std::vector<Shape>{ballShape(0.01)}, 1);
   for (int slot = 0; slot < 30; ++slot) {
     const Eigen::Vector3d at(0.5, 0.04 * slot, 0.5);
@@ -219,7 +219,7 @@ TEST(GamePool, BeyondTheBudget_IsRefused) {
   EXPECT_EQ(game.record.exercise.values[0], 24.0);
 }
 
-TEST(GamePool, SpawnedWithVelocityAndSpin_HasBothWhenItIsSolid) {
+TEST(GamePool, BodySpawnedWithVelocityAndSpin_HasBothWhenSolid) {
   Game game(std::vector<Shape>{ballShape(0.03)});
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt({0.5, 0.3, 0.2}));
   order.velocity_m_s = {0.5, -1.0, 0.25};
@@ -228,7 +228,7 @@ TEST(GamePool, SpawnedWithVelocityAndSpin_HasBothWhenItIsSolid) {
   ASSERT_TRUE(game.until(0, "solid", 20));
   game.tick();
   const BodyState& body = game.body(0);
-  // A ball turns on as it is; it falls by g T in a tick, of which a few may have passed.
+  // A ball keeps its spin; it falls by g T per tick, of which a few may have passed.
   EXPECT_NEAR(body.angular_velocity_rad_s.x, -30.0, tolerance(1e-6));
   EXPECT_NEAR(body.angular_velocity_rad_s.y, 0.5, tolerance(1e-6));
   EXPECT_NEAR(body.angular_velocity_rad_s.z, 100.0, tolerance(1e-6));

@@ -1,10 +1,11 @@
-// Random orders near a moving hand: nothing is allocated, nothing stops, and both files replay.
+// Random orders near a moving hand: no allocation, no stop, and both recording and black box file
+// replay.
+#include "game_bodies/expect_same_rerun.hpp"
 #include "game_bodies/game_tools.hpp"
-#include "game_bodies/same_again.hpp"
 #include "loop/device/simulated/simulated_device.hpp"
 #include "loop/patient/motion.hpp"
 #include "loop/realtime/allocation_counter.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 #include "support/fault_injector.hpp"
 #include "support/folder.hpp"
 #include "support/seed.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 constexpr int kSlots = 20;
 
-/// A game that does anything at any time, near the hand; also orders that are refused.
+/// A game that sends random orders near the hand, including orders that are refused.
 class WildGame {
  public:
   WildGame(std::mt19937_64& random, const Models& models) : random_(random), models_(models) {
@@ -84,7 +85,7 @@ class WildGame {
   std::array<int, kSlots> generation_{};
 };
 
-/// What stopped a run, for a person who has to find out.
+/// Describes what stopped a run, for debugging.
 std::string storyOf(const TickRecord& before, const TickRecord& now) {
   std::string story = "tick " + std::to_string(now.tick) + ", faults " +
                       std::to_string(static_cast<std::uint32_t>(now.faults)) + ", axis " +
@@ -103,7 +104,7 @@ std::string storyOf(const TickRecord& before, const TickRecord& now) {
 }
 
 struct Wild {
-  std::string stopped;  ///< what stopped it; empty: nothing
+  std::string stopped;  ///< what stopped the run; empty if nothing did
   RunOutcome outcome;
   std::uint64_t orders = 0, spawned = 0, ghosts = 0, solid = 0, refused = 0, touching = 0;
 };
@@ -150,7 +151,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   return out;
 }
 
-TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
+TEST(GameOrders, RandomOrdersNearAMovingHand_AllocateNothingStopNothingAndReplay) {
   auto random = seededRandom(4303);
   Wild all;
   for (const std::string device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
@@ -164,7 +165,7 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
     if (allocationCountingAvailable()) {
       EXPECT_EQ(wild.outcome.counters.allocations, 0U);
     }
-    expectSameAgain(folder.file("run.h5"), ticks);
+    expectSameRerun(folder.file("run.h5"), ticks);
     all.orders += wild.orders, all.spawned += wild.spawned, all.solid += wild.solid;
     all.refused += wild.refused, all.touching += wild.touching, all.ghosts += wild.ghosts;
   }
@@ -173,14 +174,14 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
   figure("became solid", static_cast<double>(all.solid), "1");
   figure("refused", static_cast<double>(all.refused), "1");
   figure("ticks with contact", static_cast<double>(all.touching), "1");
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(all.solid, 100U);
     EXPECT_GT(all.refused, 10U);
     EXPECT_GT(all.touching, 100U);
   }
 }
 
-TEST(GameOrders, ABlackBoxAfterAFault_Replays) {
+TEST(GameOrders, BlackBoxAfterAFault_Replays) {
   auto random = seededRandom(4304);
   const Folder folder;
   const Models models = gameModels();
@@ -188,8 +189,8 @@ TEST(GameOrders, ABlackBoxAfterAFault_Replays) {
       faultAtRandom(models.device, 1e-3, InjectedKind::kReadFails, 2500, 2600, 2000, random());
   const Wild wild = runWild(random, "lambda-pride", 4000, folder, {fault});
   ASSERT_TRUE(wild.outcome.faulted);
-  expectSameAgain(folder.file("run.wbb"), 1000);
-  expectSameAgain(folder.file("run.h5"), 1000);
+  expectSameRerun(folder.file("run.wbb"), 1000);
+  expectSameRerun(folder.file("run.h5"), 1000);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The registry of a game's bodies against records that the test writes: who gets a slot, and when.
+// The registry of a game's bodies with records that the test writes: which bodies get a slot, and
+// when.
 #include "game_bodies/game_tools.hpp"
 #include "loop/dynamics/synergy.hpp"
 #include "rig/registry/body_registry.hpp"
@@ -9,10 +10,10 @@
 namespace wholehand::test {
 namespace {
 
-constexpr int kRefusedType = 5;  // of the event "refused" in a game scene
+constexpr int kRefusedType = 5;  // type of the event "refused" in a game scene
 const Vec3 kParked{0.0, 0.0, -10.0};
 
-/// A loop that obeys at once, and that moves no body by itself.
+/// A loop that obeys at once and moves no body by itself.
 struct Loop {
   explicit Loop(int awake = 0) : models(gameModels()) {
     budget = models.scene.game;
@@ -33,16 +34,16 @@ struct Loop {
       record.exercise.event_count = 0;
       auto& waiting = registry.forLoop();
       while (record.command_count < kMaxCommands && !waiting.empty()) {
-        obey(waiting.front());
+        apply(waiting.front());
         record.commands[record.command_count++] = waiting.front();
         waiting.pop_front();
       }
       ++record.tick;
       record.time_s = 1e-3 * static_cast<double>(record.tick);
-      registry.see(record);
+      registry.onRecord(record);
     }
   }
-  void obey(const Command& command) {
+  void apply(const Command& command) {
     BodyState& body = record.bodies[command.index];
     if (command.type == CommandType::kRemove) {
       ++removals;
@@ -66,8 +67,8 @@ struct Loop {
     }
     return {};
   }
-  /// Distance of the hand's surface from a ball of 3 cm, by points along every capsule: fewer where
-  /// a sanitizer looks on.
+  /// Distance of the hand's surface from a ball of 3 cm, by points along every capsule; fewer
+  /// points under a sanitizer.
   [[nodiscard]] double distanceOf(const Eigen::Vector3d& at) const {
     constexpr int kPoints = WHOLEHAND_SANITIZED ? 50 : 1000;
     const ArticulatedBody hand = handAt(models.hand, record.q_s);
@@ -96,7 +97,7 @@ Eigen::Vector3d somewhere(std::mt19937_64& random, double within_m) {
   return {x, y, z};
 }
 
-TEST(BodyRegistry, AThousandBodies_TheNearestHaveTheSlotsAndTheRestIsNamed) {
+TEST(BodyRegistry, ThousandBodies_GiveTheSlotsToTheNearest) {
   auto random = seededRandom(5401);
   Loop loop;
   std::vector<Eigen::Vector3d> at;
@@ -129,7 +130,8 @@ TEST(BodyRegistry, AThousandBodies_TheNearestHaveTheSlotsAndTheRestIsNamed) {
   EXPECT_EQ(loop.spawns, kMaxSlots);
 }
 
-/// Anything that the axes can do in 0.25 s, each at its speed limit and within its range.
+/// A random position that the axes can reach in 0.25 s, each at its speed limit and within its
+/// range.
 AxisPosition movedFrom(const AxisPosition& q_s, const DeviceModel& device,
                        std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -142,7 +144,7 @@ AxisPosition movedFrom(const AxisPosition& q_s, const DeviceModel& device,
   return q;
 }
 
-TEST(BodyRegistry, WhatIsOutOfReach_TheHandDoesNotMeetWithinAQuarterSecond) {
+TEST(BodyRegistry, BodyOutOfReach_IsNotMetByTheHandWithinAQuarterSecond) {
   auto random = seededRandom(5404);
   double closest_m = 1e9;
   std::size_t met = 0;
@@ -179,7 +181,7 @@ TEST(BodyRegistry, WhatIsOutOfReach_TheHandDoesNotMeetWithinAQuarterSecond) {
   EXPECT_GT(met, 0U);
 }
 
-TEST(BodyRegistry, MoreThatMoveThanTheBudgetAllows_AreLeftOut) {
+TEST(BodyRegistry, MovingBodiesBeyondTheBudget_AreLeftOut) {
   Loop loop(3);
   for (int i = 0; i < 10; ++i) {
     (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
@@ -198,9 +200,9 @@ TEST(BodyRegistry, MoreThatMoveThanTheBudgetAllows_AreLeftOut) {
   EXPECT_EQ(left_out, 7);
 }
 
-TEST(BodyRegistry, BodiesOfOthersInSlots_CountAndKeepTheirSlot) {
+TEST(BodyRegistry, ForeignBodiesInSlots_CountAndKeepTheirSlot) {
   Loop loop(3);
-  loop.record.bodies[0].position_m = {0.2, 0.2, 0.2};  // nobody has said that it is fixed
+  loop.record.bodies[0].position_m = {0.2, 0.2, 0.2};  // not stated to be fixed
   for (int i = 0; i < 10; ++i) {
     (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
   }
@@ -212,14 +214,14 @@ TEST(BodyRegistry, BodiesOfOthersInSlots_CountAndKeepTheirSlot) {
   EXPECT_TRUE(loop.registry.holds(2));
 }
 
-TEST(BodyRegistry, HandedOverAndBack_APoseAndAVelocityAreTheSame) {
+TEST(BodyRegistry, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
   Loop loop;
   SpawnOrder order = spawnOf(kFirstNumber, 0, BodyOwner::kLoop, poseAt({0.1, 0.3, 0.1}));
   order.generation = 7;
   ASSERT_EQ(loop.registry.add(order, 0.03), BodyRefusal::kNone);
   loop.tick(50);
   ASSERT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
-  // The loop moves it away, where the hand does not come to.
+  // The loop moves it to a place that the hand cannot reach.
   const int slot = loop.body(kFirstNumber).slot;
   BodyState& state = loop.record.bodies[slot];
   state.position_m = {3.1, 0.25, -0.125};
@@ -234,7 +236,7 @@ TEST(BodyRegistry, HandedOverAndBack_APoseAndAVelocityAreTheSame) {
   EXPECT_EQ(away.pose.orientation_xyzw.y, -0.5);
   loop.tick(500);
   EXPECT_EQ(loop.spawns, 1);
-  // A device whose range reaches there: the hand comes after it.
+  // With a larger range of the device, the hand can follow it.
   for (DeviceAxis& axis : loop.models.device.axes) axis.lower = -5.0, axis.upper = 5.0;
   AxisPosition there(6);
   there[0] = 3.0;
@@ -250,7 +252,7 @@ TEST(BodyRegistry, HandedOverAndBack_APoseAndAVelocityAreTheSame) {
   EXPECT_EQ(loop.last_spawn.spin_rad_s.z, 100.0);
 }
 
-TEST(BodyRegistry, AHandThatTremblesAtTheEdge_MovesNothingInAndOut) {
+TEST(BodyRegistry, HandThatTremblesAtTheEdge_CausesFewSlotChanges) {
   auto random = seededRandom(5402);
   Loop loop;
   for (int i = 0; i < kMostRegistered; ++i) {
@@ -258,7 +260,7 @@ TEST(BodyRegistry, AHandThatTremblesAtTheEdge_MovesNothingInAndOut) {
   }
   loop.tick(500);
   const int before = loop.spawns;
-  for (int k = 0; k < 200; ++k) {  // 2 cm to and fro
+  for (int k = 0; k < 200; ++k) {  // the hand moves 2 cm to and fro
     AxisPosition q(6);
     q[1] = k % 2 == 0 ? 0.01 : -0.01;
     loop.moveHandTo(q);
@@ -268,7 +270,7 @@ TEST(BodyRegistry, AHandThatTremblesAtTheEdge_MovesNothingInAndOut) {
   EXPECT_EQ(loop.removals, loop.spawns - before);
 }
 
-TEST(BodyRegistry, ABodyThatTheHandTouches_KeepsItsSlot) {
+TEST(BodyRegistry, TouchedBody_KeepsItsSlot) {
   Loop loop(1);
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
   loop.tick(50);
@@ -295,24 +297,24 @@ TEST(BodyRegistry, BadOrders_AreRefusedByName) {
   EXPECT_EQ(loop.add(kLastNumber + 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
   BodyRegistry& registry = loop.registry;
   const BodyPose there = poseAt({0, 1, 4});
-  EXPECT_EQ(registry.obey(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.obey(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
-  EXPECT_EQ(registry.obey(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
+  EXPECT_EQ(registry.apply(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.apply(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(registry.apply(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
+  EXPECT_EQ(registry.apply(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
   EXPECT_EQ(loop.body(kFirstNumber).pose.position_m.y, 1.0);
-  EXPECT_EQ(registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(registry.apply(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
   EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kNone);
   EXPECT_EQ(registry.count(), static_cast<std::size_t>(kMostRegistered));
 }
 
-TEST(BodyRegistry, WhatTheLoopRefusesOrTakesOut_IsTriedAgainOrForgotten) {
+TEST(BodyRegistry, BodyRefusedByTheLoop_IsRetriedAndRemovedOneDropped) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
   loop.tick(25);
   ASSERT_EQ(loop.registry.forLoop().size() + static_cast<std::size_t>(loop.spawns), 1U);
   loop.tick(2);
   const int slot = loop.body(kFirstNumber).slot;
-  // The loop takes it out: too fast.
+  // The loop removes it because it is too fast.
   loop.record.bodies[slot].position_m = kParked;
   loop.tick(2);
   EXPECT_EQ(loop.registry.count(), 0U);
@@ -321,17 +323,17 @@ TEST(BodyRegistry, WhatTheLoopRefusesOrTakesOut_IsTriedAgainOrForgotten) {
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
   while (loop.registry.forLoop().empty()) loop.tick();
   const Command spawn = loop.registry.forLoop().front();
-  loop.registry.forLoop().clear();  // it is refused: as many move as may
+  loop.registry.forLoop().clear();  // the loop refuses it: the budget of moving bodies is used up
   loop.record.exercise.event_count = 1;
   loop.record.exercise.events[0] = {kRefusedType, spawn.index,
                                     static_cast<double>(BodyRefusal::kBudget)};
-  loop.registry.see(loop.record);
+  loop.registry.onRecord(loop.record);
   EXPECT_FALSE(loop.registry.holds(spawn.index));
   loop.tick(400);
   EXPECT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
 }
 
-TEST(BodyRegistry, ASilentGame_LosesItsBodiesAfterFiveSeconds) {
+TEST(BodyRegistry, BodiesOfASilentGame_LeaveAfterFiveSeconds) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.0, 0.0, 4.0});
   loop.record.faults = Fault::kHolderSilent;
@@ -348,7 +350,7 @@ TEST(BodyRegistry, OrdersToABodyInASlot_ReachTheLoop) {
   loop.tick(50);
   const int slot = loop.body(kFirstNumber).slot;
   ASSERT_GE(slot, 0);
-  ASSERT_EQ(loop.registry.obey(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
+  ASSERT_EQ(loop.registry.apply(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
             BodyRefusal::kNone);
   ASSERT_EQ(loop.registry.forLoop().size(), 1U);
   const Command order = loop.registry.forLoop().front();
@@ -356,7 +358,7 @@ TEST(BodyRegistry, OrdersToABodyInASlot_ReachTheLoop) {
   EXPECT_EQ(order.index, slot);
   EXPECT_EQ(order.value, loop.last_spawn.generation);
   EXPECT_EQ(poseOf(order).position_m.y, 0.3);
-  ASSERT_EQ(loop.registry.obey(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  ASSERT_EQ(loop.registry.apply(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
   EXPECT_EQ(loop.registry.count(), 0U);
   EXPECT_TRUE(loop.registry.holds(slot)) << "until the loop has let it go";
   loop.tick(3);

@@ -1,18 +1,18 @@
-// A thousand bodies of a game around a moving hand: what a tick costs, and that it replays.
+// A thousand bodies of a game around a moving hand: cost of a tick, and replay.
+#include "game_bodies/expect_same_rerun.hpp"
 #include "game_bodies/game_tools.hpp"
-#include "game_bodies/same_again.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
-#include "record/run/run.hpp"
 #include "rig/registry/body_registry.hpp"
+#include "rig/run/run.hpp"
 #include "support/folder.hpp"
 #include "support/seed.hpp"
 
 namespace wholehand::test {
 namespace {
 
-constexpr int kTiles = 49;    // of a floor, fixed
-constexpr int kDriven = 300;  // float about, each where the game wants it
+constexpr int kTiles = 49;    // fixed tiles of a floor
+constexpr int kDriven = 300;  // weightless bodies that follow targets of the game
 constexpr int kThousandTicks = 10'000;
 
 /// Boxes, balls and meshes on a floor and in the air, 1.6 m wide and deep.
@@ -53,13 +53,13 @@ class Crowd {
       }
     }
   }
-  /// A game at 60 Hz: a third of the driven bodies gets a target in a frame.
+  /// A game at 60 Hz: in each frame a third of the driven bodies gets a target.
   void play(const TickRecord& record) {
     if (record.tick % 16 != 0) return;
     for (int i = kTiles + static_cast<int>(record.tick / 16 % 3); i < kTiles + kDriven; i += 3) {
       BodyPose target = poses_[static_cast<std::size_t>(i)];
       target.position_m.x += 0.05 * std::sin(2.0 * record.time_s + i);
-      (void)registry.obey(bodyTargetCommand(kFirstNumber + i, 1, target));
+      (void)registry.apply(bodyTargetCommand(kFirstNumber + i, 1, target));
     }
   }
   BodyRegistry registry;
@@ -70,7 +70,7 @@ class Crowd {
   std::vector<BodyPose> poses_;
 };
 
-struct Seen {
+struct RoundOutcome {
   RunOutcome outcome;
   std::uint64_t most_awake = 0, awake_ticks = 0, touching = 0, handovers = 0, refused = 0;
   std::size_t registered = 0, most_left_out = 0;
@@ -100,12 +100,12 @@ struct Seen {
   }
 };
 
-Seen playRound(std::mt19937_64& random, const std::string& path) {
+RoundOutcome playRound(std::mt19937_64& random, const std::string& path) {
   Models models = gameModels();
   const Intention way = wander(random, models.device, 1e-3 * kThousandTicks, 0.3);
   auto rig = orThrow(buildRig(std::move(models), way, {}));
   Crowd crowd(random, rig->models);
-  Seen seen;
+  RoundOutcome seen;
   std::unique_ptr<Run> run;
   RunPlan plan;
   plan.duration_ticks = kThousandTicks;
@@ -116,7 +116,7 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
     seen.look(record);
     crowd.play(record);
     const std::int64_t begun_ns = threadCpuNow_ns();
-    crowd.registry.see(record);
+    crowd.registry.onRecord(record);
     seen.registry_ns += static_cast<double>(threadCpuNow_ns() - begun_ns);
     auto& waiting = crowd.registry.forLoop();
     while (!waiting.empty() && run->tryCommand(waiting.front())) waiting.pop_front();
@@ -129,10 +129,10 @@ Seen playRound(std::mt19937_64& random, const std::string& path) {
   return seen;
 }
 
-TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay_slow) {
+TEST(ThousandBodies, ThousandBodiesAroundAMovingHand_CostLittleAllocateNothingAndReplay_slow) {
   auto random = seededRandom(5403);
   const Folder folder;
-  const Seen seen = playRound(random, folder.file("run.h5"));
+  const RoundOutcome seen = playRound(random, folder.file("run.h5"));
   const Percentiles& cpu = seen.outcome.summary.cpu;
   figure("registered bodies", static_cast<double>(seen.registered), "bodies");
   figure("awake at once, most", static_cast<double>(seen.most_awake), "bodies");
@@ -152,10 +152,10 @@ TEST(ThousandBodies, AroundAMovingHand_CostLittleAllocateNothingAndReplay_slow) 
   EXPECT_EQ(seen.refused, 0U);
   EXPECT_GE(seen.most_awake, 20U);
   EXPECT_LE(seen.most_awake, 24U) << "budget.awake";
-  if (kCountsTell && fullCounts()) {
+  if (kStatisticsMeaningful && fullCounts()) {
     EXPECT_LE(cpu.p999_ns, 500e3);
   }
-  expectSameAgain(folder.file("run.h5"), kThousandTicks);
+  expectSameRerun(folder.file("run.h5"), kThousandTicks);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The event "touched": one for each touch of the hand by a body, with its impulse.
+// The event "touched": one for each touch of the hand by a body, with the impulse.
 #include "game_bodies/game_tools.hpp"
 #include "support/constants.hpp"
 
@@ -13,7 +13,7 @@ struct ReportedTouch {
   double impulse_ns = 0.0;
 };
 
-/// Runs, and collects what was reported of a slot.
+/// Runs and collects the touches reported for a slot.
 std::vector<ReportedTouch> touchesOf(Game& game, int slot, int ticks,
                                      const std::function<void(int)>& each) {
   const auto& names = game.rig->models.exercise->description().event_names;
@@ -39,7 +39,7 @@ Eigen::Vector3d above(Game& game) {
   return at;
 }
 
-TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
+TEST(Touched, BallFallingOnTheHand_ReportsTheMomentumThatItLost) {
   Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
   order.mass_kg = 0.2;
@@ -56,7 +56,7 @@ TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
   const auto first = static_cast<std::size_t>(std::find(touching.begin(), touching.end(), true) -
                                               touching.begin());
   ASSERT_LT(first + kStrike, velocity.size());
-  // Newton: what the hand got is what the ball lost, and its weight.
+  // Newton: the impulse on the hand is the momentum that the ball lost, plus its weight.
   const Eigen::Vector3d weight_ns(0.0, 0.0, -0.2 * kGravity_m_s2 * kStrike * 1e-3);
   const Eigen::Vector3d lost_ns = 0.2 * (velocity[first] - velocity[first + kStrike]) + weight_ns;
   EXPECT_NEAR(reported[0].impulse_ns, lost_ns.norm(), tolerance(1e-9));
@@ -64,7 +64,7 @@ TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
   figure("impulse of a ball of 0.2 kg that falls on the hand", reported[0].impulse_ns, "N·s");
 }
 
-TEST(Touched, OnceATouch_AndAgainAfterATenthOfASecondWithoutContact) {
+TEST(Touched, Touch_IsReportedOnceAndAgainAfterATenthOfASecondWithoutContact) {
   Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   const Eigen::Vector3d high = above(game), palm = game.palm();
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(high))));
@@ -105,7 +105,7 @@ TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
   EXPECT_EQ(static_cast<int>(reported.size()), touches);
 }
 
-TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsReportedBeforeItLeft) {
+TEST(Touched, BodyRemovedDuringAStrike_IsReportedBeforeItLeaves) {
   Game game(std::vector<Shape>{ballShape(0.03)}, 100);
   SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
   game.order(spawnCommand(order));
@@ -130,9 +130,9 @@ TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsReportedBeforeItLeft) {
   EXPECT_EQ(std::count(reported.begin(), reported.end(), "touched"), 1);
 }
 
-// Bodies of a game that are somewhere else at once: ghosts until they overlap nothing.
+// Bodies of a game that are teleported: they are ghosts until they overlap nothing.
 
-/// A game with a ball of its own at a place, solid.
+/// A game with a solid ball of its own at a place.
 struct DrivenBall {
   DrivenBall(const Eigen::Vector3d& at, Intention intention = atRest())
       : game(gameModels(), std::move(intention)) {
@@ -145,7 +145,7 @@ struct DrivenBall {
   Game game;
 };
 
-TEST(Teleports, TargetTooFarForAFrame_IsOne) {
+TEST(Teleports, TargetTooFarForAFrame_IsATeleport) {
   DrivenBall ball(kAside_m);
   const Eigen::Vector3d far = kAside_m + Eigen::Vector3d(0.0, 0.26, 0.0);
   ball.target(far);
@@ -154,7 +154,7 @@ TEST(Teleports, TargetTooFarForAFrame_IsOne) {
   EXPECT_EQ(ball.game.body(0).velocity_m_s.eigen().norm(), 0.0);
 }
 
-TEST(Teleports, TargetWithinAFrame_IsNone) {
+TEST(Teleports, TargetWithinAFrame_IsNoTeleport) {
   DrivenBall ball(kAside_m);
   ball.target(kAside_m + Eigen::Vector3d(0.0, 0.24, 0.0));
   for (int k = 0; k < 50; ++k) {
@@ -164,8 +164,9 @@ TEST(Teleports, TargetWithinAFrame_IsNone) {
   }
 }
 
-TEST(Teleports, TargetThatRunsAhead_IsNone) {
-  // The body is held to 0.5 m/s: it ends far behind its target, and no step was far.
+TEST(Teleports, TargetThatRunsAhead_IsNoTeleport) {
+  // The body is limited to 0.5 m/s: it ends far behind its target, although no step of the target
+  // was far.
   DrivenBall ball(kAside_m);
   for (int k = 0; k < 60; ++k) {
     ball.target(kAside_m - Eigen::Vector3d(0.0, 0.02 * k, 0.0));
@@ -177,7 +178,7 @@ TEST(Teleports, TargetThatRunsAhead_IsNone) {
   EXPECT_GT(ball.game.body(0).position_m.y, kAside_m.y() - 0.5);
 }
 
-TEST(Teleports, FarTargetWithinTheHand_MakesAGhostThatPushesNobody) {
+TEST(Teleports, FarTargetWithinTheHand_MakesAGhostThatDoesNotPush) {
   DrivenBall ball(kAside_m);
   ball.target(ball.game.palm());
   EXPECT_TRUE(ball.game.until(0, "appeared", 3));
@@ -189,14 +190,14 @@ TEST(Teleports, FarTargetWithinTheHand_MakesAGhostThatPushesNobody) {
   }
 }
 
-TEST(Teleports, FarTargetOfAPressedBody_LetsTheHandGoFirst) {
+TEST(Teleports, FarTargetOfAPressedBody_ReleasesTheHandFirst) {
   Eigen::Vector3d at;
   Game game = pressedFromAbove(BodyOwner::kGame, at);
   const auto target = [&](const Eigen::Vector3d& to) {
     game.order(bodyTargetCommand(0, 1, poseAt(to)));
   };
   ASSERT_GT(game.forceOf(0).norm(), 1.0) << "it is pressed";
-  // The game does not stop to name targets, and the last one counts.
+  // The game keeps sending targets, and the last one counts.
   Eigen::Vector3d far = at + Eigen::Vector3d(0.4, 0.0, 0.0);
   std::vector<std::string> events;
   double force_n = game.forceOf(0).norm(), largest_drop_n = 0.0;
@@ -213,7 +214,7 @@ TEST(Teleports, FarTargetOfAPressedBody_LetsTheHandGoFirst) {
   EXPECT_LT(largest_drop_n, 0.5);
 }
 
-TEST(Teleports, ByOrderIntoFreeSpace_AreSolidAndSaySo) {
+TEST(Teleports, TeleportByOrderIntoFreeSpace_IsReportedAsSolid) {
   DrivenBall ball(kAside_m);
   const Eigen::Vector3d beside = kAside_m + Eigen::Vector3d(0.0, 0.1, 0.0);
   ball.game.order(teleportCommand(0, 1, poseAt(beside)));

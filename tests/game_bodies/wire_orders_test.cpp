@@ -1,12 +1,12 @@
-// Orders of a game as bytes of the protocol: what comes of them on the simulated clock.
+// Orders of a game as bytes of the protocol, carried out on the simulated clock.
+#include "game_bodies/expect_same_rerun.hpp"
 #include "game_bodies/game_tools.hpp"
-#include "game_bodies/same_again.hpp"
-#include "record/run/run.hpp"
 #include "replay/replayed_recording.hpp"
+#include "rig/run/run.hpp"
 #include "station/game_body_tracker.hpp"
 #include "station/server/client_words.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <chrono>
@@ -19,7 +19,7 @@ using namespace words;  // NOLINT(google-build-using-namespace): the client's vo
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// What the station makes of a message, in a scene with the shipped budget.
+/// The station's check of a message, in a scene with the shipped budget.
 CheckedOrders checkedOf(const wire::Bytes& message, const GameBudget& budget) {
   const auto decoded = wire::decode(message);
   if (!decoded) throw std::runtime_error(format(decoded.errors()));
@@ -27,13 +27,13 @@ CheckedOrders checkedOf(const wire::Bytes& message, const GameBudget& budget) {
   return checkOrders(*bodiesOf(*decoded), budget, 1);
 }
 
-/// A game that says its orders as messages.
+/// A game that sends its orders as messages.
 struct WireGame : Game {
   WireGame() : Game(gameModels(), atRest()) {
     tracker.reset(rig->models.exercise->description().event_names);
   }
-  /// Hands the message over; its items must not be refused.
-  void say(const wire::Bytes& message) {
+  /// Passes the message on; none of its items may be refused.
+  void send(const wire::Bytes& message) {
     CheckedOrders checked = checkedOf(message, rig->models.scene.game);
     tracker.refuseBusy(checked);
     for (const RefusedItem& item : checked.refused) ADD_FAILURE() << item.reason;
@@ -42,7 +42,7 @@ struct WireGame : Game {
   }
   bool becomes(int slot, const char* event, int most) {
     for (int k = 0; k < most; ++k) {
-      tracker.see(tick());
+      tracker.onRecord(tick());
       if (this->event(slot) == event) return true;
     }
     return false;
@@ -59,17 +59,17 @@ fb::Pose placedAt(const Eigen::Vector3d& at) {
                        static_cast<float>(at.z()));
 }
 
-TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
+TEST(GameOnTheWire, DrivenBall_IsSolidPressesTheHandAndReleasesIt) {
   WireGame game;
   game.tick();
   std::uint32_t id = 0;
   const Eigen::Vector3d palm = game.palm();
   const Eigen::Vector3d beside = palm + Eigen::Vector3d(0.0, 0.25, 0.0);
-  game.say(prepareBall(++id, 3, 0.03F));
+  game.send(prepareBall(++id, 3, 0.03F));
   SpawnWords ball;
   ball.slot = 7, ball.generation = 5, ball.shape_set = 3, ball.owner = fb::BodyOwner::Game;
   ball.pose = placedAt(beside);
-  game.say(spawn(++id, {ball}));
+  game.send(spawn(++id, {ball}));
   ASSERT_TRUE(game.becomes(7, "solid", 20));
   ASSERT_EQ(game.bodies().size(), 1U);
   EXPECT_EQ(game.bodies()[0].slot, 7);
@@ -78,14 +78,14 @@ TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
   EXPECT_EQ(game.bodies()[0].shapes->pieces[0].radius_m, static_cast<double>(0.03F));
   double most_n = 0.0;
   for (int k = 0; k < 2000; ++k) {
-    if (k % 16 == 0) game.say(bodyTargets(++id, {{7, 5, placedAt(palm)}}));
-    game.tracker.see(game.tick());
+    if (k % 16 == 0) game.send(bodyTargets(++id, {{7, 5, placedAt(palm)}}));
+    game.tracker.onRecord(game.tick());
     if (k > 1500) most_n = std::max(most_n, game.forceOf(7).norm());
   }
   figure("a driven ball presses the palm", most_n, "N");
   EXPECT_GT(most_n, 0.5);
   EXPECT_LT(most_n, 1.1 * 5.0);  // F_max of ADR 43
-  game.say(words::remove(++id, {{7, 5}}));
+  game.send(words::remove(++id, {{7, 5}}));
   EXPECT_TRUE(game.becomes(7, "letting_go", 20));
   EXPECT_EQ(game.bodies()[0].state, SlotState::kLettingGo);
   EXPECT_TRUE(game.becomes(7, "left", 2000));
@@ -93,27 +93,27 @@ TEST(GameOnTheWire, ADrivenBall_IsSolidPressesTheHandAndLetsGo) {
   EXPECT_FALSE(any(game.record.faults & kStoppingFaults));
 }
 
-TEST(GameOnTheWire, TeleportAndOwner_ReachTheBody) {
+TEST(GameOnTheWire, TeleportAndSetOwner_ActOnTheBody) {
   WireGame game;
   std::uint32_t id = 0;
-  game.say(prepareBox(++id, 0, {0.02F, 0.025F, 0.03F}));
+  game.send(prepareBox(++id, 0, {0.02F, 0.025F, 0.03F}));
   SpawnWords box;
   box.owner = fb::BodyOwner::Fixed;
-  game.say(spawn(++id, {box}));
+  game.send(spawn(++id, {box}));
   ASSERT_TRUE(game.becomes(0, "solid", 20));
-  game.say(teleport(++id, {{0, 1, words::placed(0.5F, -0.25F, 0.5F)}}));
+  game.send(teleport(++id, {{0, 1, words::placed(0.5F, -0.25F, 0.5F)}}));
   game.run(2);
   EXPECT_EQ(game.body(0).position_m.y, -0.25);
-  game.say(setOwner(++id, {{0, 1, fb::BodyOwner::Loop}}));
+  game.send(setOwner(++id, {{0, 1, fb::BodyOwner::Loop}}));
   game.run(102);
   EXPECT_LT(game.body(0).velocity_m_s.z, -0.9);  // it falls: g 0.1 s
 }
 
-TEST(GameOnTheWire, ShapesOfABodyInTheWorld_AreRefusedUntilItLeft) {
+TEST(GameOnTheWire, ShapesInUse_AreRefusedUntilTheirBodyLeft) {
   WireGame game;
   const GameBudget& budget = game.rig->models.scene.game;
-  game.say(prepareBall(1, 0, 0.03F));
-  game.say(spawn(2, {{}}));
+  game.send(prepareBall(1, 0, 0.03F));
+  game.send(spawn(2, {{}}));
   const auto again = [&](int set) {
     CheckedOrders checked =
         checkedOf(prepareBall(3, static_cast<std::uint16_t>(set), 0.04F), budget);
@@ -125,12 +125,12 @@ TEST(GameOnTheWire, ShapesOfABodyInTheWorld_AreRefusedUntilItLeft) {
   EXPECT_TRUE(again(1).refused.empty());
   ASSERT_TRUE(game.becomes(0, "solid", 20));
   EXPECT_EQ(again(0).refused.at(0).refusal, BodyRefusal::kShapesBusy);
-  game.say(words::remove(4, {{0, 1}}));
+  game.send(words::remove(4, {{0, 1}}));
   ASSERT_TRUE(game.becomes(0, "left", 20));
   EXPECT_TRUE(again(0).refused.empty());
 }
 
-TEST(GameOnTheWire, SpawnBesideOneUnderWayOrWithoutShapes_IsRefused) {
+TEST(GameOnTheWire, SpawnIntoAPendingSlotOrWithoutShapes_IsRefused) {
   WireGame game;
   const GameBudget& budget = game.rig->models.scene.game;
   const auto refusalOf = [&](const SpawnWords& words) {
@@ -139,9 +139,9 @@ TEST(GameOnTheWire, SpawnBesideOneUnderWayOrWithoutShapes_IsRefused) {
     return checked.refused.empty() ? BodyRefusal::kNone : checked.refused[0].refusal;
   };
   EXPECT_EQ(refusalOf({}), BodyRefusal::kNoSuchShapes);
-  game.say(prepareBall(1, 0, 0.03F));
+  game.send(prepareBall(1, 0, 0.03F));
   EXPECT_EQ(refusalOf({}), BodyRefusal::kNone);
-  game.say(spawn(2, {{}}));
+  game.send(spawn(2, {{}}));
   EXPECT_EQ(refusalOf({}), BodyRefusal::kSlotTaken);
 }
 
@@ -149,7 +149,7 @@ struct BadItem {
   const char* what;
   wire::Bytes message;
   BodyRefusal refusal;
-  const char* says;  ///< part of the sentence
+  const char* expected;  ///< part of the expected reason
 };
 
 std::vector<BadItem> badBodies() {
@@ -192,7 +192,7 @@ std::vector<BadItem> badBodies() {
 std::vector<BadItem> badShapes() {
   const std::vector<fb::Vec3> corners = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}, {0, 0, 0.05F}};
   const std::vector<std::uint32_t> faces = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-  std::vector<fb::Vec3> dented = corners;  // a corner inside the tetrahedron's largest face
+  std::vector<fb::Vec3> dented = corners;  // with a corner inside the tetrahedron's largest face
   dented.emplace_back(0.01F, 0.01F, 0.01F);
   const std::vector<std::uint32_t> dent = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4, 2, 3, 4, 3, 1, 4};
   const std::vector<fb::Vec3> flat = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}, {0.05F, 0.05F, 0}};
@@ -240,7 +240,7 @@ std::vector<BadItem> badShapes() {
   };
 }
 
-TEST(GameOnTheWire, BadItems_AreNamedAndNothingOfThemReachesTheLoop) {
+TEST(GameOnTheWire, BadItems_AreRefusedByNameAndNotPassedToTheLoop) {
   const GameBudget budget = gameModels().scene.game;
   std::vector<BadItem> all = badBodies();
   for (BadItem& bad : badShapes()) all.push_back(std::move(bad));
@@ -250,14 +250,14 @@ TEST(GameOnTheWire, BadItems_AreNamedAndNothingOfThemReachesTheLoop) {
     EXPECT_TRUE(checked.commands.empty());
     ASSERT_FALSE(checked.refused.empty());
     EXPECT_STREQ(nameOf(checked.refused[0].refusal), nameOf(bad.refusal));
-    EXPECT_TRUE(says(checked.refused[0].reason, bad.says));
+    EXPECT_TRUE(contains(checked.refused[0].reason, bad.expected));
     const OrderReply reply = replyFor(checked.refused);
     EXPECT_EQ(reply.refusal, Refusal::kBodiesRefused);
-    EXPECT_TRUE(says(reply.reason, bad.says));
+    EXPECT_TRUE(contains(reply.reason, bad.expected));
   }
 }
 
-TEST(GameOnTheWire, GoodItemsBesideBadOnes_AreHandedOver) {
+TEST(GameOnTheWire, GoodItemsBesideBadOnes_ArePassedToTheLoop) {
   const GameBudget budget = gameModels().scene.game;
   const CheckedOrders checked =
       checkedOf(words::remove(1, {{2, 1}, {64, 1}, {3, 1}, {2, 1}}), budget);
@@ -310,7 +310,7 @@ TEST(GameOnTheWire, LargestShapes_AreCheckedInTimeAndFitTheQueue) {
   for (const RefusedItem& item : checked.refused) ADD_FAILURE() << item.reason;
   figure("largest shapes", static_cast<double>(message.size()), "bytes");
   figure("largest shapes checked and prepared", took.count(), "ms");
-  // A head; a piece each, with four vertices a command.
+  // One command for the head and one for each piece, and one for every four vertices.
   EXPECT_EQ(checked.commands.size(), 1U + kMaxSlotPieces * (1U + kMaxPieceVertices / 4U));
   EXPECT_LE(checked.commands.size(), 288U) << "what may wait for the loop";
 }
@@ -319,7 +319,7 @@ TEST(GameOnTheWire, LargestShapes_AreCheckedInTimeAndFitTheQueue) {
 const std::vector<fb::Vec3> kCorners = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}, {0, 0, 0.05F}};
 const std::vector<std::uint32_t> kFaces = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
 
-TEST(GameOnTheWire, MeshInsideOut_IsTurnedOutward) {
+TEST(GameOnTheWire, InsideOutMesh_IsTurnedOutward) {
   const GameBudget budget = gameModels().scene.game;
   const std::vector<fb::Vec3>& corners = kCorners;
   const std::vector<std::uint32_t>& outward = kFaces;
@@ -337,7 +337,7 @@ TEST(GameOnTheWire, MeshInsideOut_IsTurnedOutward) {
   EXPECT_NEAR(good.shapes->com_m.x(), 0.0125, tolerance(1e-8));
 }
 
-TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
+TEST(GameOnTheWire, MutatedMessages_NeverGiveAnUncheckedCommand) {
   auto random = seededRandom(4305);
   const GameBudget budget = gameModels().scene.game;
   std::uint64_t passed = 0, refused = 0, unreadable = 0;
@@ -366,10 +366,10 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
   EXPECT_GT(refused, 0U);
 }
 
-/// What was reported to live clients, and from which tick on.
+/// Bodies reported to live clients, with the tick of the report.
 using Reported = std::vector<std::pair<std::uint64_t, std::shared_ptr<const GameBodies>>>;
 
-/// Records a session whose orders come as messages.
+/// Records a session whose orders are sent as messages.
 /// @return how often a body became solid; -1: the session faulted
 int recordSession(const std::string& path, int ticks, Reported& reported) {
   auto rig = orThrow(buildRig(gameModels(), atRest(), {}));
@@ -383,7 +383,7 @@ int recordSession(const std::string& path, int ticks, Reported& reported) {
   plan.duration_ticks = static_cast<std::uint64_t>(ticks);
   plan.record = path;
   plan.simulated_clock = true;
-  const auto say = [&](const wire::Bytes& message) {
+  const auto send = [&](const wire::Bytes& message) {
     const CheckedOrders checked = checkedOf(message, budget);
     tracker.note(checked);
     for (const Command& c : checked.commands) {
@@ -404,21 +404,21 @@ int recordSession(const std::string& path, int ticks, Reported& reported) {
     for (int i = 0; i < record.exercise.event_count; ++i) {
       solid += record.exercise.events[i].type == 1 ? 1 : 0;
     }
-    tracker.see(record);
+    tracker.onRecord(record);
     const auto now = tracker.bodies();
     if (now && (reported.empty() || reported.back().second != now))
       reported.emplace_back(record.tick, now);
     const auto tick = static_cast<int>(record.tick);
-    if (tick == 10) say(prepareBall(++id, 0, 0.03F));
-    if (tick == 10) say(prepareBox(++id, 1, {0.02F, 0.03F, 0.04F}));
-    if (tick == 10) say(prepareMesh(++id, 2, kCorners, kFaces));
-    if (tick == 12) say(prepareBox(++id, 3, {0.02F, 0.03F, 0.04F}, &aside));
-    if (tick == 20) say(spawn(++id, {ball, box, stone}));  // the box falls on the hand
-    if (tick == 30) say(spawn(++id, {block}));
+    if (tick == 10) send(prepareBall(++id, 0, 0.03F));
+    if (tick == 10) send(prepareBox(++id, 1, {0.02F, 0.03F, 0.04F}));
+    if (tick == 10) send(prepareMesh(++id, 2, kCorners, kFaces));
+    if (tick == 12) send(prepareBox(++id, 3, {0.02F, 0.03F, 0.04F}, &aside));
+    if (tick == 20) send(spawn(++id, {ball, box, stone}));  // the box falls on the hand
+    if (tick == 30) send(spawn(++id, {block}));
     if (tick > 30 && tick < 2000 && tick % 16 == 0) {
-      say(bodyTargets(++id, {{0, 1, words::placed(0.05F, 0.0F, 0.0F)}}));
+      send(bodyTargets(++id, {{0, 1, words::placed(0.05F, 0.0F, 0.0F)}}));
     }
-    if (tick == 2000) say(words::remove(++id, {{0, 1}}));
+    if (tick == 2000) send(words::remove(++id, {{0, 1}}));
   });
   run = orThrow(Run::prepare(std::shared_ptr<Rig>(std::move(rig)), std::move(plan)));
   orThrow(run->simulate());
@@ -426,14 +426,14 @@ int recordSession(const std::string& path, int ticks, Reported& reported) {
   return run->outcome().faulted ? -1 : solid;
 }
 
-TEST(GameOnTheWire, ARecordedSession_ReplaysToTheBit) {
+TEST(GameOnTheWire, RecordedSession_ReplaysBitIdentically) {
   const Folder folder;
   Reported reported;
   EXPECT_EQ(recordSession(folder.file("run.h5"), 3000, reported), 4);
-  expectSameAgain(folder.file("run.h5"), 3000);
+  expectSameRerun(folder.file("run.h5"), 3000);
 }
 
-/// A change in the answer of a replay.
+/// One change in the answer of a replay.
 struct Replayed {
   std::uint32_t row = 0;
   const fb::GameBodies* bodies = nullptr;
@@ -453,7 +453,7 @@ std::vector<Replayed> changesIn(const std::string& answer) {
   return out;
 }
 
-TEST(GameOnTheWire, ARecordedSession_ShowsTheBodiesReportedToLiveClients) {
+TEST(GameOnTheWire, RecordedSession_ShowsTheBodiesReportedToLiveClients) {
   const Folder folder;
   Reported reported;
   EXPECT_EQ(recordSession(folder.file("run.h5"), 2300, reported), 4);

@@ -22,7 +22,7 @@ def scalar(kind, value):
 
 
 def element(kind, field, value):
-    """A value of the client's as the form has it."""
+    """A value of the client in the canonical form."""
     if kind == "table":
         return table(value)
     if kind == "string":
@@ -31,7 +31,7 @@ def element(kind, field, value):
 
 
 def struct_of(name, record):
-    if name in ("Vec3", "QuatXyzw"):  # the client gives them as arrays
+    if name in ("Vec3", "QuatXyzw"):  # the client returns them as arrays
         return {field["name"]: scalar("f32", number) for field, number in zip(objects[name]["fields"], record)}
     member = (lambda key: getattr(record, key)) if isinstance(record, messages.Table) else record.__getitem__
     return {field["name"]: element(field["kind"], field, member(field["name"])) for field in objects[name]["fields"]}
@@ -42,7 +42,7 @@ def table(read):
     for field in objects[read.kind]["fields"]:
         name, kind = field["name"], field["kind"]
         if kind in ("utype", "union"):
-            continue  # of commands, which this client only writes
+            continue  # a field of commands, which this client only writes
         value = getattr(read, name)
         if value is None:
             continue
@@ -56,7 +56,7 @@ def table(read):
 
 
 def reason_of(error):
-    """The kind of flaw that the client's sentence reports."""
+    """The kind of flaw that the client's error message reports."""
     for words, reason in (("schema_version", "version"), ("payload", "payload"), ("not a message of Wholehand's", "identifier")):
         if str(error).startswith(words):
             return reason
@@ -64,14 +64,14 @@ def reason_of(error):
 
 
 def read(data):
-    """As the connection's listener reads it, then field by field."""
+    """Reads a message as the connection's listener does, then returns it field by field."""
     try:
         message = messages.decode(data)
         connection.Connection(None)._hear(message)
         return {"payload": {message.kind: table(message)}}
     except messages.MessageError as error:
         return {"refused": reason_of(error)}
-    except Exception as error:  # noqa: BLE001: the runner counts what escapes
+    except Exception as error:  # noqa: BLE001: the runner counts escaped exceptions
         return {"escaped": repr(error)}
 
 
@@ -87,7 +87,7 @@ def timed_read(data):
 
 
 def given(field, value):
-    """A value of the form as this client takes it."""
+    """A value of the canonical form in the type that this client takes."""
     kind = field["element"] if field["kind"] == "vector" else field["kind"]
     def of(item):
         return struct.unpack(FORMATS[kind], bytes.fromhex(item))[0] if kind in FORMATS else item
@@ -126,14 +126,14 @@ def at(form):
 
 
 class Socket:
-    """Keeps what a connection sends."""
+    """Stores what a connection sends."""
     kept = None
 
     async def send(self, data):
         self.kept = data
 
 
-# Orders of bodies: by the methods that a game calls, whose arguments are not those of the schema.
+# Orders to bodies: written with the methods that a game calls; their arguments differ from those of the schema.
 BODIES = {"Spawn": ("spawn", spawned), "Remove": ("remove", named), "Teleport": ("teleport", at),
           "SetOwner": ("set_owner", lambda form: (*named(form), form["owner"])), "BodyTargets": ("body_targets", at)}
 
@@ -150,11 +150,11 @@ async def order_of_bodies(entry):
     asking = asyncio.ensure_future(asked)
     while program._socket.kept is None and not asking.done():
         await asyncio.sleep(0)
-    asking.cancel()  # it waits for the answer now
+    asking.cancel()  # now it waits for the answer
     return program._socket.kept
 
 
-OF_THE_RECORDS = {"OpenVisit", "CloseVisit"}  # no client for games gives them
+OF_THE_RECORDS = {"OpenVisit", "CloseVisit"}  # no client for games sends them
 
 
 def write(entry):

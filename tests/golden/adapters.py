@@ -1,5 +1,5 @@
-"""The clients, and how the runner has each read and write messages. An adapter is a program in the client's language; it
-gets a job and leaves an answer, both JSON (docs/protocol.md, "Golden messages")."""
+"""The clients, and how the runner makes each of them read and write messages. An adapter is a program in the client's
+language; it gets a job and leaves an answer, both JSON (docs/protocol.md, "Golden messages")."""
 import os
 import shutil
 import subprocess
@@ -16,8 +16,8 @@ PATIENCE_S = 120
 
 
 class Client:
-    checks_bounds = False   # it finds every damaged message
-    names_reasons = frozenset()  # those of the judge that it reports, too
+    checks_bounds = False   # it detects every damaged message
+    names_reasons = frozenset()  # reasons of the judge that it also reports
     has_datagrams = False
     reads = SAID_BY_THE_PROGRAM
     writes = ORDERS_OF_A_GAME
@@ -26,14 +26,14 @@ class Client:
         self.root, self.build, self.here = root, build, root / "tests/golden"
 
     def missing(self):
-        """What is to be installed first; empty: nothing."""
+        """What must be installed first; empty: nothing."""
         return ""
 
     def prepare(self, work):
         """Builds the adapter."""
 
     def run(self, work, job, answer):
-        """Has the client do the job."""
+        """Makes the client do the job."""
         raise NotImplementedError
 
     def difference(self, expected, got):
@@ -78,7 +78,7 @@ class CSharp(Client):
 
 
 class TypeScript(Client):
-    """The pages."""
+    """The web pages' client."""
     name = "typescript"
     names_reasons = {"version"}
     reads = SAID_BY_THE_PROGRAM | {"Commissioning"}
@@ -100,14 +100,14 @@ class TypeScript(Client):
 
 
 def is_zero(value):
-    """What the addon gives for something absent; of an orientation, none."""
+    """The addon's value for an absent field; for an orientation, the zero rotation."""
     if isinstance(value, dict):
         return all(is_zero(number) or (name == "w" and number == "3f800000") for name, number in value.items())
     return value in (0, False, "", [], "0" * 8, "0" * 16)
 
 
 class Godot(Client):
-    """The addon keeps only some fields, and those are compared: every variable of its own objects."""
+    """The addon keeps only some fields; these are compared: every variable of its own objects."""
     name = "godot"
     checks_bounds = True
     writes = ORDERS_OF_A_GAME | ORDERS_OF_BODIES
@@ -134,7 +134,7 @@ class Godot(Client):
             raise AssertionError(f"the addon's scripts fail: {errors[:5]}")
 
     def difference(self, expected, got):
-        """Where what it gives differs; what it does not give is not compared."""
+        """Where the returned values differ; fields that it does not return are not compared."""
         if isinstance(got, dict) and isinstance(expected, dict):
             for name, value in got.items():
                 if name not in expected and not is_zero(value):

@@ -1,4 +1,4 @@
-"""Golden datagrams (docs/udp.md): sound ones, and one for every reason to ignore one."""
+"""Golden datagrams (docs/udp.md): valid ones, and one for every reason to ignore one."""
 import struct
 import zlib
 
@@ -21,7 +21,7 @@ def flipped(data, at):
 
 
 def datagrams(schema):
-    """(name, what it is, who sends it, names of those before it in the conversation, reason to ignore it, bytes)"""
+    """Yields (name, description, sender, names of the earlier datagrams of the conversation, reason to ignore it, bytes)."""
     def message(payload, **more):
         return schema.encode({"payload": payload}, **more)
 

@@ -20,8 +20,8 @@ std::string shortName(const std::string& name) {
   return name.starts_with(kPackage) ? name.substr(std::string(kPackage).size()) : name;
 }
 
-/// A scalar type: its name in the layout, and how the form has it. 64-bit integers and
-/// floating-point numbers are written as their bits: JSON readers round them.
+/// A scalar type: its name in the layout and its format in the canonical form. 64-bit integers and
+/// floating-point numbers are written as bits, because JSON readers round them.
 struct Scalar {
   const char* name;
   std::string (*form)(const std::uint8_t* at);
@@ -39,7 +39,7 @@ std::string truth(const std::uint8_t* at) {
   return *at != 0 ? "true" : "false";
 }
 
-/// nullptr: not a scalar.
+/// The scalar type, or nullptr if it is none.
 const Scalar* scalarOf(BaseType type) {
   static const std::map<BaseType, Scalar> kScalars = {
       {BaseType::Bool, {"bool", truth}},
@@ -69,7 +69,7 @@ std::string defaultOf(const reflection::Field& field) {
   return scalarOf(type)->form(static_cast<const std::uint8_t*>(value));
 }
 
-/// In the order of their ids; reflection has them by name.
+/// Fields in the order of their ids; reflection gives them in the order of their names.
 std::vector<const reflection::Field*> fieldsOf(const reflection::Object& object) {
   std::vector<const reflection::Field*> fields(object.fields()->begin(), object.fields()->end());
   std::sort(fields.begin(), fields.end(),
@@ -100,7 +100,7 @@ class Reader {
     return *schema_.objects()->Get(static_cast<flatbuffers::uoffset_t>(type.index()));
   }
 
-  /// Empty where the field is absent, empty or has its default.
+  /// The field's form; empty if the field is absent, empty or has its default.
   std::string fieldOf(const flatbuffers::Table& table, const reflection::Object& object,
                       const reflection::Field& field) const {
     const std::uint8_t* at = table.GetAddressOf(field.offset());

@@ -14,7 +14,7 @@ BITS = ("i64", "u64", "f32", "f64")  # written as hexadecimal digits of their bi
 
 
 def bits_of(kind, value):
-    """A number of the form as an unsigned integer."""
+    """A number of the canonical form as an unsigned integer."""
     width = WIDTHS[kind]
     bits = int(value, 16) if kind in BITS else int(value)
     return bits & ((1 << 8 * width) - 1)
@@ -44,14 +44,14 @@ class Schema:
         self.objects, self.enums = self.layout["objects"], self.layout["enums"]
 
     def named(self, name):
-        """Of a golden message of this version; those of older ones keep their names."""
+        """Name of a golden message of this version; messages of older versions keep their names."""
         return name if self.version == 1 else f"{name}_v{self.version}"
 
     def members(self, union):
         return [name for name, value in self.enums[union]["values"].items() if value != 0]
 
     def payload_of(self, table):
-        """The form of a message with this table: a payload, or an order of a client."""
+        """The canonical form of a message with this table: a payload, or an order of a client."""
         if table in self.members("Payload"):
             return lambda form: {"payload": {table: form}}
         if table in self.members("Order"):
@@ -60,7 +60,7 @@ class Schema:
                        f"orders: {', '.join(self.members('Order'))}")
 
     def fields_in(self, table, form):
-        """(table, field) of all that a form has."""
+        """Yields (table, field) for every field that a form has."""
         seen = set()
         for field in self.objects[table]["fields"]:
             if field["name"] not in form:
@@ -78,7 +78,7 @@ class Schema:
     # ---- examples ----
 
     def example(self, table, variant, depth=0):
-        """@param variant `full`: every field has a value of its own; `extreme`: the ends of every type"""
+        """@param variant `full`: every field has its own value; `extreme`: the limits of every type"""
         form = {}
         for field in self.objects[table]["fields"]:
             if field["kind"] == "utype":
@@ -94,7 +94,7 @@ class Schema:
             count = 2 if variant == "full" else (1 - seed % 2) * 5
             return [self._value(field, field["element"], variant, seed + i, depth) for i in range(count)]
         if kind == "union":
-            return None  # a union of a table below a payload or an order has an example of its own
+            return None  # a union of a nested table has its own example
         if kind in ("table", "struct"):
             return self.example(field["of"], variant, depth + 1) if depth < 6 else None
         if kind == "string":
@@ -107,7 +107,7 @@ class Schema:
     # ---- bytes ----
 
     def encode(self, form, explicit_defaults=False):
-        """@param explicit_defaults writes scalars that have their default, too, as a builder may"""
+        """@param explicit_defaults also writes scalars with their default value, as a builder may"""
         builder = flatbuffers.Builder(1024)
         builder.ForceDefaults(explicit_defaults)
         form = {"schema_version": self.version, **form}
@@ -143,7 +143,7 @@ class Schema:
         return self.enums[field["of"]]["values"][member]
 
     def _outside(self, builder, field, value):
-        """What a table refers to, written before it."""
+        """Writes an object to which a table refers; it comes before the table."""
         if field["kind"] == "string":
             return builder.CreateString(value)
         if field["kind"] == "table":
@@ -208,7 +208,7 @@ def number(kind, variant, seed):
 
 
 def first_difference(expected, got, place="", part=False):
-    """Where two forms differ, in words; None: nowhere. @param part `expected` may lack what `got` has"""
+    """Describes where two forms differ; None if nowhere. @param part `expected` may lack fields that `got` has"""
     if isinstance(expected, dict) and isinstance(got, dict):
         for key in {**expected, **({} if part else got)}:
             if key not in got or key not in expected:

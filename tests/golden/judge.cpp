@@ -1,7 +1,7 @@
-// The reader that judges golden messages, and the program's own reading of them (run.py runs it).
+// The reference reader for golden messages, and the program's own reading of them (run.py runs it).
 //
 //   golden_judge layout SCHEMA.bfbs     the schema as JSON
-//   golden_judge messages SCHEMA.bfbs   a line for each path on stdin: what is in that file
+//   golden_judge messages SCHEMA.bfbs   a line for each path on stdin: the contents of that file
 //   golden_judge datagrams              a line for each line on stdin: key and paths of a
 //                                       conversation; judges the last one
 //   golden_judge say FOLDER             messages from the program's encoders
@@ -26,14 +26,14 @@ namespace {
 namespace fb = wholehand::protocol;
 using Bytes = std::vector<std::uint8_t>;
 
-/// In memory that begins at a multiple of 16 bytes, of the file's very size.
+/// Reads a file into memory of exactly its size that begins at a multiple of 16 bytes.
 Bytes readFile(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw std::runtime_error(path + ": cannot be read");
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// What the program makes of a message that a client said.
+/// The program's reading of a client's message.
 std::string asTheProgramReads(const Bytes& bytes) {
   const auto message = wire::decode(bytes);
   if (!message) return fmt::format(R"({{"refused":{}}})", quoted(message.errors().front().key));
@@ -44,7 +44,7 @@ std::string refused(const char* reason) {
   return fmt::format(R"({{"refused":"{}")", reason);
 }
 
-std::string judged(const reflection::Schema& schema, const Bytes& bytes) {
+std::string messageForm(const reflection::Schema& schema, const Bytes& bytes) {
   constexpr std::size_t kSmallest = 8;  // root offset and identifier
   if (bytes.size() < kSmallest || !fb::MessageBufferHasIdentifier(bytes.data())) {
     return refused("identifier");
@@ -56,7 +56,7 @@ std::string judged(const reflection::Schema& schema, const Bytes& bytes) {
   if (message->payload() == nullptr || message->payload_type() > fb::Payload::MAX) {
     return refused("payload");
   }
-  // The schema given may be another one than this program was compiled with.
+  // The given schema may differ from the one compiled into this program.
   if (!flatbuffers::Verify(schema, *schema.root_table(), bytes.data(), bytes.size())) {
     return refused("damaged");
   }
@@ -82,9 +82,10 @@ const char* nameOf(udp::Flaw flaw) {
   return kNames.at(flaw);
 }
 
-/// Why the program ignores the last datagram of a game with that key; empty: it does not.
+/// The reason why the program ignores the last datagram of a game with that key; empty if it does
+/// not.
 std::string ignoredFor(std::uint64_t key, const std::vector<Bytes>& datagrams) {
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpCounters counters;
   udp::Host host(controls, counters, [](const auto&, auto) { return UdpSent::kSent; });
   host.admit(key, controls.newClient(), false);
@@ -99,7 +100,7 @@ std::string ignoredFor(std::uint64_t key, const std::vector<Bytes>& datagrams) {
   return "";
 }
 
-std::string judgedDatagram(std::uint64_t key, const std::vector<Bytes>& datagrams) {
+std::string datagramForms(std::uint64_t key, const std::vector<Bytes>& datagrams) {
   const Bytes& last = datagrams.back();
   const udp::Received got = udp::read(last);
   std::string out = "{\"ignored\":" + quoted(ignoredFor(key, datagrams));
@@ -112,14 +113,14 @@ std::string judgedDatagram(std::uint64_t key, const std::vector<Bytes>& datagram
                      headerOf(got.header), got.payload.size(), same);
 }
 
-void judgeMessages(const reflection::Schema& schema) {
+void printMessages(const reflection::Schema& schema) {
   for (std::string path; std::getline(std::cin, path);) {
     const Bytes bytes = readFile(path);
-    std::cout << judged(schema, bytes) << ",\"program\":" << asTheProgramReads(bytes) << "}\n";
+    std::cout << messageForm(schema, bytes) << ",\"program\":" << asTheProgramReads(bytes) << "}\n";
   }
 }
 
-void judgeDatagrams() {
+void printDatagrams() {
   for (std::string line; std::getline(std::cin, line);) {
     std::istringstream words(line);
     std::string key, path;
@@ -127,11 +128,11 @@ void judgeDatagrams() {
     std::vector<Bytes> datagrams;
     while (words >> path) datagrams.push_back(readFile(path));
     if (datagrams.empty()) throw std::runtime_error(line + ": names no datagram");
-    std::cout << judgedDatagram(std::stoull(key, nullptr, 16), datagrams) << "\n";
+    std::cout << datagramForms(std::stoull(key, nullptr, 16), datagrams) << "\n";
   }
 }
 
-void say(const std::string& folder) {
+void writeMessages(const std::string& folder) {
   for (const auto& [name, bytes] : programMessages()) {
     std::ofstream out(folder + "/" + name + ".bin", std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()),
@@ -142,8 +143,8 @@ void say(const std::string& folder) {
 
 int run(const std::vector<std::string>& arguments) {
   const std::string what = arguments.empty() ? "" : arguments[0];
-  if (what == "datagrams") return judgeDatagrams(), 0;
-  if (what == "say" && arguments.size() == 2) return say(arguments[1]), 0;
+  if (what == "datagrams") return printDatagrams(), 0;
+  if (what == "say" && arguments.size() == 2) return writeMessages(arguments[1]), 0;
   if ((what != "layout" && what != "messages") || arguments.size() != 2) {
     std::cerr << "golden_judge layout|messages SCHEMA.bfbs | datagrams | say FOLDER\n";
     return 2;
@@ -156,7 +157,7 @@ int run(const std::vector<std::string>& arguments) {
   }
   const reflection::Schema& schema = *reflection::GetSchema(compiled.data());
   if (what == "layout") std::cout << layoutOf(schema, wire::kSchemaVersion);
-  if (what == "messages") judgeMessages(schema);
+  if (what == "messages") printMessages(schema);
   return 0;
 }
 

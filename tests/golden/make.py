@@ -3,12 +3,12 @@
 
 make.py --missing         examples of every payload and order that has none (TABLE, TABLE_full, TABLE_extreme), or that
                           has fields that are in no message (TABLE_full_2)
-make.py FILE.json...      NAME.bin of a form that you wrote: {"about": ..., "form": ...}
-make.py --special         sound and damaged messages of special.py that have no file yet
+make.py FILE.json...      NAME.bin for a form in a file: {"about": ..., "form": ...}
+make.py --special         valid and damaged messages of special.py that have no file yet
 make.py --datagrams       datagrams of datagrams.py that have no file yet
 make.py --program         messages of tests/golden/program_messages.cpp that have no file yet
 
-An existing .bin is never written again: it stands for programs and clients that are out there. --build names the
+An existing .bin is never overwritten, because it represents released programs and clients. --build names the
 folder of the build (build/release)."""
 import argparse
 import itertools

@@ -38,7 +38,7 @@ LoopStatus someStatus() {
   return test::sampleStatus({0.5});
 }
 
-/// A ball in slot 3, which is the one of number 1002; three more beyond the slots.
+/// A ball in slot 3, which has number 1002, and three more bodies beyond the slots.
 wire::Bytes bodiesBeyondSlots() {
   const auto shapes = std::make_shared<const GameShapes>(test::sampleBall());
   const auto at = [](double x_m) { return BodyPose{{x_m, 0.5, -0.25}, {0.6, 0.0, 0.0, 0.8}}; };
@@ -47,7 +47,7 @@ wire::Bytes bodiesBeyondSlots() {
       {{{1000, 5, 0, -1, Whereabouts::kOutOfReach, at(3.0)}, shapes},
        {{1001, 1, 0, -1, Whereabouts::kLeftOut, at(0.1)}, shapes},
        {{1002, 7, 0, 3, Whereabouts::kInSlot, at(0.2)}, shapes},
-       {{32767, 2, 0, -1, Whereabouts::kOutOfReach, at(0.3)}, nullptr}});  // registered no more
+       {{32767, 2, 0, -1, Whereabouts::kOutOfReach, at(0.3)}, nullptr}});  // no longer registered
 }
 
 CommissioningFacts failedStep() {

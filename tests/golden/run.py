@@ -1,4 +1,4 @@
-"""Every client against the golden messages and datagrams of protocol/golden: docs/protocol.md, "Golden messages".
+"""Tests every client with the golden messages and datagrams of protocol/golden: docs/protocol.md, "Golden messages".
 
 run.py BUILD CLIENT       CLIENT: program, python, csharp, typescript, godot. Exit code 77: its tools are not installed."""
 import base64
@@ -20,13 +20,13 @@ ROOT = HERE.parents[1]
 GOLDEN = ROOT / "protocol/golden"
 FEWEST_MESSAGES, FEWEST_DATAGRAMS = 60, 30
 MUTATED, MUTATED_ROUNDS = (4000, 25) if os.environ.get("WHOLEHAND_FULL") == "1" else (400, 1)
-LONGEST_S = 3.0    # of the processor, for one message (Godot: by the clock); a tenth of a millisecond is usual
-LARGEST_MB = 1024  # of a client with 4,000 messages of up to 26 kB
+LONGEST_S = 3.0    # processor time for one message (Godot: wall time); a tenth of a millisecond is usual
+LARGEST_MB = 1024  # memory of a client with 4,000 messages of up to 26 kB
 MAKE = "/usr/bin/python3 tests/golden/make.py"
 
 
 class Golden:
-    """A file's bytes and what is said of them."""
+    """A golden file's bytes and their description."""
 
     def __init__(self, path):
         self.name, self.path = path.stem, path.with_suffix(".bin")
@@ -41,7 +41,7 @@ class Golden:
 
     @property
     def is_command(self):
-        """Said by a client."""
+        """Whether a client sends it."""
         return self.form is not None and self.payload[0] == "Command"
 
     @property
@@ -93,7 +93,7 @@ class Judge:
         self._ask(["say", folder], [])
 
 
-# ---- the files, by the judge and the program ----
+# ---- the files, checked by the judge and the program ----
 
 def of_another_version(golden, schema):
     return golden.form is not None and golden.form["schema_version"] != schema.version
@@ -102,7 +102,7 @@ def of_another_version(golden, schema):
 def check_messages(judge, all_goldens, failures):
     for golden, judged in zip(all_goldens, judge.messages([g.path for g in all_goldens])):
         if of_another_version(golden, judge.schema):
-            # The version rose: what is out there is refused by name, and never misread.
+            # After a rise of the version, older messages must be refused by name and never misread.
             failures.equal("version", judged.get("refused"), f"{golden.name}, of an older schema")
             continue
         if not failures.equal(golden.form, judged.get("form"), f"{golden.name}: what is out there is read otherwise today; "
@@ -131,7 +131,7 @@ def check_coverage(schema, all_goldens, failures):
 
 
 def check_program_says(judge, all_goldens, work, failures):
-    """The program's encoders say today what they said when the files were made, and maybe more."""
+    """The program's encoders must write what they wrote when the files were made, and may write more."""
     folder = work / "said"
     folder.mkdir(parents=True, exist_ok=True)
     judge.say(folder)
@@ -160,7 +160,7 @@ def conversation_of(datagram):
 
 
 def check_datagram(datagram, got, failures, who):
-    """Its header or flaw, and that it is written byte for byte as it is."""
+    """Checks its header or flaw, and that it is written byte for byte the same."""
     for what in ("flaw", "header"):
         failures.equal(datagram.entry.get(what), got.get(what), f"{who} reads {datagram.name}: {what}")
     if "header" in got:
@@ -179,7 +179,7 @@ def run_program(judge, all_goldens, all_datagrams, work, failures):
 # ---- clients ----
 
 def expected_of(client, golden, schema):
-    """What the client must make of a message."""
+    """What the client must read from a message."""
     if of_another_version(golden, schema):
         return {"refused": "version"}
     if golden.flaw:
@@ -192,7 +192,7 @@ def check_read(client, golden, got, schema, failures):
     expected = expected_of(client, golden, schema)
     if "refused" in expected:
         if golden.flaw == "damaged" and not client.checks_bounds:
-            return "survived"  # FlatBuffers has no verifier there: it must end, and it did
+            return "survived"  # FlatBuffers has no verifier in this language: the client only had to end
         if failures.check("refused" in got, f"{what}: it is taken for a message, expected: refused ({expected['refused']})"):
             if expected["refused"] in client.names_reasons:
                 failures.equal(expected["refused"], got["refused"], f"{what}: reason")
@@ -209,7 +209,7 @@ def check_written(client, golden, written, judged, failures):
     _, command = golden.payload
     (order, _), = command["order"].items()
     if written is None:
-        # What the program would refuse, a client may decline.
+        # A client may decline an order that the program would refuse.
         failures.check(order not in client.writes or "refused" in golden.entry["program"], f"{client.name} has to write {order}")
         return False
     difference = forms.first_difference(golden.form, judged.get("form"))
@@ -250,7 +250,7 @@ def cut(data, random, _other):
 
 
 def change_length(data, random, _other):
-    """Of the numbers that can be a length or an offset within the message, one is a little or much more or less."""
+    """Changes one number that can be a length or an offset within the message, slightly or strongly."""
     places = [at for at in range(0, len(data) - 3, 4) if 0 < int.from_bytes(data[at:at + 4], "little") < len(data)]
     at = random.choice(places)
     number = int.from_bytes(data[at:at + 4], "little")
@@ -265,7 +265,7 @@ def splice(data, random, other):
 
 
 def move(data, random, _other):
-    """A stretch is taken out, or put in once more elsewhere."""
+    """Removes a section, or copies it to another place."""
     a, b = sorted(random.randrange(len(data)) for _ in range(2))
     stretch = data[a:b]
     if random.random() < 0.5:
@@ -289,7 +289,7 @@ def mutated(all_goldens, count, seed):
 
 
 def survive(client, schema, all_goldens, work, failures):
-    """Damaged messages end: whatever is read of them, nothing escapes, nothing hangs and memory is bounded."""
+    """Reading damaged messages must end: no exception escapes, nothing hangs and memory is bounded."""
     first = int(os.environ.get("WHOLEHAND_SEED", "1"))
     refused, longest_s = 0, 0.0
     for seed in range(first, first + MUTATED_ROUNDS):
@@ -310,7 +310,7 @@ def survive(client, schema, all_goldens, work, failures):
 
 
 def check_survived(client, name, read, data, work, failures):
-    """It ended in a value or in the client's own error; otherwise its bytes are kept."""
+    """Checks that reading ended with a value or the client's own error; otherwise keeps the bytes."""
     if not failures.check(isinstance(read, dict) and ("payload" in read or "unread" in read or "refused" in read),
                           f"{client.name} reads {name}: {read}; its bytes: {work}/{name}.bin"):
         (work / f"{name}.bin").write_bytes(data)
@@ -320,7 +320,7 @@ def ask(client, job, work):
     (work / "job.json").write_text(json.dumps(job, ensure_ascii=False), encoding="utf-8")
     (work / "answer.json").unlink(missing_ok=True)
     client.run(work, work / "job.json", work / "answer.json")
-    # A text of a damaged message may be no UTF-8, and have any character.
+    # A text of a damaged message may be invalid UTF-8 and contain any character.
     return json.loads((work / "answer.json").read_text(encoding="utf-8", errors="replace"), strict=False)
 
 

@@ -1,4 +1,4 @@
-"""Messages that no example of a table is: sound ones of other builders and later schemas, and damaged ones."""
+"""Messages that are not examples of a table: valid ones of other builders and later schemas, and damaged ones."""
 import copy
 import struct
 
@@ -12,14 +12,14 @@ def put(data, at, form, value):
 
 
 def place_of(data, slot):
-    """Where a field of the root table is. @param slot its place in the vtable [bytes]"""
+    """Position of a field of the root table. @param slot its position in the vtable [bytes]"""
     root, = struct.unpack_from("<I", data)
     vtable = root - struct.unpack_from("<i", data, root)[0]
     return root + struct.unpack_from("<H", data, vtable + slot)[0]
 
 
 def messages(schema):
-    """(name, what it is, bytes)"""
+    """Yields (name, description, bytes)."""
     def of(payload, **more):
         return schema.encode({"payload": payload}, **more)
 
@@ -39,14 +39,14 @@ def messages(schema):
         field["id"] for field in later.objects["WorldState"]["fields"]), "kind": "string"})
     of_tomorrow = Schema.encode(later, {"payload": {"WorldState": {"session": 3, "of_tomorrow": "new"}}})
 
-    # Sound: read as the form says.
+    # Valid: read as the form says.
     yield "sound_state", "numbers that JSON and decimal digits lose", state
     yield "sound_explicit_defaults", "every scalar on the wire, as a builder may write it", of(
         {"WorldState": {"session": 3}}, explicit_defaults=True)
     yield "sound_later_schema", "a field that a later schema has added: ignored", of_tomorrow
     yield "sound_unknown_enum", "an enum value of a later schema: a number", of({"WorldState": {"run_state": 99, "help": 77}})
     yield "sound_followed_by_rubbish", "bytes behind the message", reply + b"\xff" * 9
-    # Sound, and refused by the program.
+    # Valid, but refused by the program.
     yield "order_aim_nan", "an aim that is no number", command("Aim", {"q": [f32(0.1), "7fc00000"]})
     yield "order_aim_17_axes", "an aim of more axes than there can be", command("Aim", {"q": [f32(0.1)] * 17})
     yield "order_aim_16_axes", "an aim of as many axes as there can be", command("Aim", {"q": [f32(0.1)] * 16})

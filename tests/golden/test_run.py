@@ -1,4 +1,4 @@
-"""The runner itself: what it has to find, and that it takes what is new. test_run.py BUILD"""
+"""Tests of the runner: the errors that it must find, and the changes that it must accept. test_run.py BUILD"""
 import copy
 import json
 import pathlib
@@ -16,7 +16,7 @@ SCHEMA = (run.ROOT / "protocol/wholehand.fbs").read_text(encoding="utf-8")
 
 
 class OfAnotherSchema(run.Judge):
-    """The judge, given a changed schema."""
+    """The judge with a changed schema."""
 
     def __init__(self, test, text):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
@@ -34,19 +34,19 @@ class Schemas(unittest.TestCase):
         run.check_messages(OfAnotherSchema(self, SCHEMA.replace(before, after)), run.goldens("messages"), failures)
         return failures.all
 
-    def test_a_field_that_is_moved_is_found(self):
+    def test_moved_field_is_found(self):
         failures = self.failures_with("missed_deadlines: ulong;\n  dropped_records: ulong;",
                                       "dropped_records: ulong;\n  missed_deadlines: ulong;")
         self.assertTrue(any("program_state: what is out there is read otherwise" in failure for failure in failures), failures)
 
-    def test_a_field_that_is_renumbered_is_found(self):
+    def test_renumbered_field_is_found(self):
         failures = self.failures_with("  accepted: bool;\n", "  new_one: bool;\n  accepted: bool;\n")
         self.assertTrue(any(failure.startswith("program_reply:") for failure in failures), failures)
 
-    def test_a_field_at_the_end_is_allowed(self):
+    def test_new_field_at_the_end_is_allowed(self):
         self.assertEqual(self.failures_with("  items: [RefusedItem];", "  items: [RefusedItem];\n  new_one: [string];\n"), [])
 
-    def test_a_new_table_takes_no_change_elsewhere(self):
+    def test_new_table_needs_no_change_of_the_runner(self):
         text = SCHEMA.replace("union Order {", "struct Grip { at_m: Vec3; part: HandPart; since: long; }\n"
                               "table NewOrder { body: Body; grips: [Grip]; names: [string]; first: Grip; share: double = 0.5; }\n"
                               "union Order {").replace("OpenVisit, CloseVisit\n", "OpenVisit, CloseVisit, NewOrder\n")
@@ -62,7 +62,7 @@ class Schemas(unittest.TestCase):
         self.assertEqual([failure for failure in failures.all if "has no golden message" in failure],
                          ["NewOrder has no golden message; make some: /usr/bin/python3 tests/golden/make.py --missing"])
 
-    def test_messages_of_an_older_version_are_to_be_refused(self):
+    def test_messages_of_an_older_version_must_be_refused(self):
         class Risen:
             schema = type("Schema", (), {"version": 2})
 
@@ -77,7 +77,7 @@ class Schemas(unittest.TestCase):
 
 
 class Clients(unittest.TestCase):
-    """What a client gets wrong is found."""
+    """Every error of a client must be found."""
 
     def setUp(self):
         self.schema = run.Judge(BUILD).schema
@@ -91,41 +91,41 @@ class Clients(unittest.TestCase):
     def payload(self, name):
         return copy.deepcopy(self.goldens[name].form["payload"])
 
-    def test_a_message_read_right_passes(self):
+    def test_correctly_read_message_passes(self):
         self.assertEqual(self.read("program_state", {"payload": self.payload("program_state")}), [])
 
-    def test_one_bit_is_found(self):
+    def test_wrong_bit_of_a_value_is_found(self):
         payload = self.payload("program_state")
         payload["WorldState"]["values"][1] = "3e7ad7f29abcaf49"
         self.assertRegex(self.read("program_state", {"payload": payload})[0], r"values\[1\] is '3e7ad7f29abcaf49'")
 
-    def test_a_field_too_few_is_found(self):
+    def test_missing_field_is_found(self):
         payload = self.payload("program_state")
         del payload["WorldState"]["links"]
         self.assertRegex(self.read("program_state", {"payload": payload})[0], "links is missing")
 
-    def test_a_field_of_part_of_a_message_is_found(self):
+    def test_wrong_field_of_a_client_that_keeps_only_some_is_found(self):
         payload = self.payload("program_state")
-        del payload["WorldState"]["links"]  # the addon does not keep them
+        del payload["WorldState"]["links"]  # the addon does not keep the links
         self.assertEqual(self.read("program_state", {"payload": payload}, adapters.Godot), [])
         payload["WorldState"]["tick"] = "0000001cbe991a15"
         self.assertRegex(self.read("program_state", {"payload": payload}, adapters.Godot)[0], "tick.is '0000001cbe991a15'")
 
-    def test_a_flaw_that_is_not_seen_is_found(self):
+    def test_undetected_flaw_is_found(self):
         self.assertRegex(self.read("flaw_version_65535", {"payload": {}})[0], "expected: refused .version")
         self.assertRegex(self.read("flaw_cut_20", {"payload": {}}, adapters.Godot)[-1], "expected: refused .damaged")
 
-    def test_another_reason_is_found(self):
+    def test_wrong_reason_is_found(self):
         self.assertRegex(self.read("flaw_version_65535", {"refused": "payload"})[0], "reason: .*'payload', expected 'version'")
 
-    def test_a_payload_that_is_not_read_any_more_is_found(self):
+    def test_unread_payload_is_found(self):
         self.assertNotEqual(self.read("program_reply", {"unread": True}), [])
 
-    def test_an_order_that_is_not_written_any_more_is_found(self):
+    def test_unwritten_order_is_found(self):
         run.check_written(adapters.Python(run.ROOT, BUILD), self.goldens["arm_full"], None, {}, self.failures)
         self.assertEqual(self.failures.all, ["python has to write Arm"])
 
-    def test_what_escapes_of_a_damaged_message_is_found(self):
+    def test_escaped_exception_or_missing_answer_is_found(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
             work = pathlib.Path(folder)
             for name, read in (("cut_1_0", {"escaped": "KeyError()"}), ("cut_1_1", None), ("cut_1_2", {"refused": ""}),
@@ -135,7 +135,7 @@ class Clients(unittest.TestCase):
         self.assertEqual(len(self.failures.all), 2)
         self.assertIn("python reads cut_1_0: {'escaped': 'KeyError()'}", self.failures.all[0])
 
-    def test_every_mutation_changes_messages_and_a_seed_repeats_them(self):
+    def test_mutations_change_messages_and_repeat_with_their_seed(self):
         made = dict(run.mutated(self.goldens.values(), 700, 7))
         self.assertEqual(made, dict(run.mutated(self.goldens.values(), 700, 7)))
         whole = {golden.bytes for golden in self.goldens.values()}
@@ -145,7 +145,7 @@ class Clients(unittest.TestCase):
 
 
 class Files(unittest.TestCase):
-    def test_a_file_that_exists_is_not_written_again(self):
+    def test_existing_file_is_not_overwritten(self):
         kept = (run.GOLDEN / "messages/reply.bin").read_bytes()
         made = subprocess.run([sys.executable, "-B", run.HERE / "make.py", "--build", BUILD,
                                run.GOLDEN / "messages/reply.json"], text=True, capture_output=True)
@@ -153,7 +153,7 @@ class Files(unittest.TestCase):
         self.assertIn("reply.bin exists and is not written again: give the new message another name", made.stderr)
         self.assertEqual((run.GOLDEN / "messages/reply.bin").read_bytes(), kept)
 
-    def test_a_form_that_is_not_canonical_is_refused(self):
+    def test_non_canonical_form_is_refused(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
             file = pathlib.Path(folder) / "not_canonical.json"
             file.write_text(json.dumps({"about": "a default that is written", "form": {"payload": {"Reply": {"command": 0}}}}))

@@ -1,4 +1,4 @@
-// A disk that answers with an error for a while, and then works again.
+// A disk that fails for a while and then works again.
 #include "record/recording.hpp"
 #include "record/synthetic_recording.hpp"
 #include "support/seed.hpp"
@@ -23,14 +23,14 @@
 #include <vector>
 
 namespace {
-// What the function below shares with the tests.
+// Shared by the tests and the replaced functions below.
 std::atomic<bool> disk_fails{false};  // NOLINT
-std::atomic<int> writes_before{0};    // NOLINT: that succeed still
-std::atomic<int> writes_lost{0};      // NOLINT: that fail then, before the disk works again
-std::atomic<bool> unsynced{false};    // NOLINT: something was written since a file was synced
+std::atomic<int> writes_before{0};    // NOLINT: writes that still succeed
+std::atomic<int> writes_lost{0};      // NOLINT: writes that fail then, before the disk works again
+std::atomic<bool> unsynced{false};    // NOLINT: whether bytes were written since the last sync
 }  // namespace
 
-// HDF5's own calls come here first: a program's symbols are found before those of the C library.
+// HDF5's calls reach this function, because symbols of the program precede those of the C library.
 extern "C" ssize_t pwrite(int fd, const void* bytes, size_t count, off_t at) {
   using Function = ssize_t (*)(int, const void*, size_t, off_t);
   static const auto real = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, "pwrite"));
@@ -48,8 +48,7 @@ extern "C" int fsync(int fd) {
   return kReal(fd);
 }
 
-// HDF5 1.10 loses an object of its own where a write fails. What we leave open it would still know
-// of.
+// HDF5 1.10 leaks one of its objects if a write fails.
 extern "C" const char* __lsan_default_suppressions();  // NOLINT: the sanitizer's name
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libhdf5_serial";
@@ -61,7 +60,7 @@ namespace {
 using namespace std::chrono_literals;
 using synthetic::Folder;
 
-/// What is read back of a recording and its parts: how often each tick.
+/// Reads a recording and its parts: how often each tick occurs.
 std::map<std::uint64_t, int> ticksOf(const std::vector<std::string>& paths) {
   std::map<std::uint64_t, int> seen;
   for (const std::string& path : paths) {
@@ -97,14 +96,14 @@ struct DiskErrorTest : testing::Test {
   std::uint64_t appended = 0;
 };
 
-TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
+TEST_F(DiskErrorTest, ErrorThatPasses_BeginsANewPartAndLosesNothingBeforeOrAfter) {
   append(1000);
   failAfter(0, 1 << 30);
-  append(1600);  // a chunk of 1000 is kept in memory, the others are lost
+  append(1600);  // a chunk of 1000 stays in memory, the other ticks are lost
   const std::uint64_t dropped = writer->dropped();
   EXPECT_GT(dropped, 0U);
   disk_fails = false;
-  std::this_thread::sleep_for(150ms);  // writing is tried again after 100 ms
+  std::this_thread::sleep_for(150ms);  // the writer retries after 100 ms
   append(2000);
   writer->close();
   EXPECT_EQ(writer->dropped(), dropped) << "nothing is lost once the disk answers";
@@ -116,16 +115,16 @@ TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   for (std::uint64_t tick = 2600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
 }
 
-// What is reported as recorded outlives a power cut.
-TEST_F(DiskErrorTest, ClosedRecording_IsOnTheDisk) {
+// Ticks that are reported as recorded must survive a power cut.
+TEST_F(DiskErrorTest, ClosedRecording_IsSyncedToTheDisk) {
   append(600);
   EXPECT_TRUE(unsynced);
   writer->close();
   EXPECT_FALSE(unsynced);
 }
 
-// Rows that grew a table and never reached the disk are no rows of tick 0.
-TEST(DiskErrors, AtEachWriteOfAFlush_EveryTickFlushedBeforeIsRead) {
+// Rows that extended a table but never reached the disk must not count as rows of tick 0.
+TEST(DiskErrors, ErrorAtAnyWriteOfAFlush_KeepsEveryEarlierTick) {
   int refused = 0;
   for (int before = 0; before < 60; ++before) {
     const Folder folder;
@@ -143,7 +142,7 @@ TEST(DiskErrors, AtEachWriteOfAFlush_EveryTickFlushedBeforeIsRead) {
     append(200);
     refused += writer->written() == 100 ? 1 : 0;
     disk_fails = false;
-    writer->close();  // tries once more
+    writer->close();  // tries to write once more
     EXPECT_EQ(writer->written(), 200U);
     std::vector<std::string> files = recordingParts(path);
     files.insert(files.begin(), path);
@@ -152,10 +151,10 @@ TEST(DiskErrors, AtEachWriteOfAFlush_EveryTickFlushedBeforeIsRead) {
   EXPECT_GT(refused, 20) << "else the test is about nothing";
 }
 
-TEST(DiskErrors, AtAnyWriteForAnyNumberOfThem_EveryWrittenTickIsReadAndTheOthersAreCounted) {
+TEST(DiskErrors, ErrorsOfAnyNumberOfWrites_KeepWrittenTicksAndCountTheOthers) {
   auto random = test::seededRandom(15);
   std::uint64_t lost = 0, parts = 0;
-  const int runs = test::cases(7);  // 210 where every large count is asked for
+  const int runs = test::cases(7);  // 210 in a full run
   for (int run = 0; run < runs; ++run) {
     const Folder folder;
     const std::string path = folder.file("run.h5");

@@ -4,9 +4,9 @@
 //
 //   DISK_FOLDERS   folders, separated by ':'
 //   DISK_CONTROL   a file of five 32-bit numbers that is shared with the test:
-//                  [0] which calls are hit, a bit each, in the order of `Call`
-//                  [1] how many hang at present   [2] how many were ever hit
-//                  [3] how many processes have loaded this
+//                  [0] which calls are affected, a bit each, in the order of `Call`
+//                  [1] how many hang at present   [2] how many were ever affected
+//                  [3] how many processes have loaded this library
 //                  [4] the errno with which they fail; 0: they hang
 //   DISK_MS        for how long each hangs
 #include <climits>
@@ -34,7 +34,7 @@ namespace {
 enum class Call { kOpen, kRead, kPwrite, kStat, kFsync, kFallocate };
 
 std::atomic<unsigned>* g_control = nullptr;
-char g_folders[4096];  // no constructor may run before begin()
+char g_folders[4096];  // an array: no constructor may run before begin()
 long g_ms = 5000;
 
 __attribute__((constructor)) void begin() {
@@ -71,7 +71,7 @@ bool isBelow(std::string_view path) {
 void hang() {
   const int saved = errno;
   ++g_control[1];
-  const pid_t child = ::vfork();  // NOLINT: the point of it
+  const pid_t child = ::vfork();  // NOLINT: vfork makes the sleep uninterruptible
   if (child == 0) {
     timespec left{g_ms / 1000, g_ms % 1000 * 1'000'000};
     ::syscall(SYS_nanosleep, &left, nullptr);
@@ -83,7 +83,7 @@ void hang() {
   errno = saved;
 }
 
-/// Hangs, or says with which errno the call fails.
+/// Hangs, or returns the errno with which the call fails.
 int hit() {
   ++g_control[2];
   const auto error = static_cast<int>(g_control[4].load());
@@ -91,7 +91,7 @@ int hit() {
   return error;
 }
 
-// Length of what /proc/self/<link> names; 0 where that is nothing.
+// Length of the target of /proc/self/<link>; 0 if there is none.
 std::size_t follow(const char* link, char* whole, std::size_t size) {
   const long n = ::syscall(SYS_readlinkat, AT_FDCWD, link, whole, size - 1);
   if (n <= 0) return 0;
@@ -99,7 +99,7 @@ std::size_t follow(const char* link, char* whole, std::size_t size) {
   return static_cast<std::size_t>(n);
 }
 
-/// The errno with which a call that touches this path fails; 0: it does not.
+/// The errno with which a call that touches this path fails; 0 if it does not.
 int touchPath(Call call, int folder, const char* name) {
   if (!isOn(call) || name == nullptr) return 0;
   char link[64] = "/proc/self/cwd";
@@ -120,7 +120,7 @@ int touchFile(Call call, int fd) {
   return follow(link, whole, sizeof whole) > 0 && isBelow(whole) ? hit() : 0;
 }
 
-/// What a call that fails returns.
+/// Return value of a failing call.
 template <class Result>
 Result failWith(int error) {
   errno = error;
@@ -131,7 +131,7 @@ Result failWith(int error) {
   }
 }
 
-/// The function that this library stands in front of.
+/// The original function that this library replaces.
 template <class Function>
 Function* behind(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));

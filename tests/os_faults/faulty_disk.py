@@ -1,4 +1,5 @@
-"""A disk that hangs or fails under a program, by disk_faults.cpp; and the way to the programs' other tests."""
+"""A disk that hangs or fails under a program, by disk_faults.cpp. Importing this makes the modules of tests/apps
+importable."""
 import mmap
 import os
 import pathlib
@@ -13,25 +14,25 @@ CALLS = ("open", "read", "pwrite", "stat", "fsync", "fallocate")  # in the order
 
 
 class FaultyDisk:
-    """The commands to disk_faults.cpp."""
+    """Controls disk_faults.cpp."""
 
     def __init__(self, folder, ms=0):
         self.path = folder / "faults"
         self.path.write_bytes(bytes(4096))
         with open(self.path, "r+b") as file:
             self.memory = mmap.mmap(file.fileno(), 4096)
-        library = shutil.copy(LIBRARY, folder)  # LD_PRELOAD names no path with a space in it
+        library = shutil.copy(LIBRARY, folder)  # LD_PRELOAD accepts no path with a space
         self.preload = {"LD_PRELOAD": library, "DISK_CONTROL": str(self.path), "DISK_MS": str(ms)}
 
     def environment(self, *folders):
-        """For a program whose disk is that of these folders."""
+        """Environment of a program for which these folders are on the faulty disk."""
         return dict(os.environ, **self.preload, DISK_FOLDERS=":".join(map(str, folders)))
 
     def hang(self, *calls):
         self.fail(0, *calls)
 
     def fail(self, error, *calls):
-        """These calls fail with this errno; none: the disk is sound again."""
+        """Makes these calls fail with this errno; without calls the disk works again."""
         struct.pack_into("<I", self.memory, 16, error)
         struct.pack_into("<I", self.memory, 0, sum(1 << CALLS.index(c) for c in calls))
 
@@ -48,5 +49,5 @@ class FaultyDisk:
 
     @property
     def loaded(self):
-        """How many processes the library is in."""
+        """Number of processes that have loaded the library."""
         return self._word(3)

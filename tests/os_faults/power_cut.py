@@ -1,6 +1,6 @@
-"""A disk whose power can be cut: an image behind /dev/fuse, on a loop device, with ext4 on it. It keeps every write until
-the next flush apart, as a drive keeps them in its cache: cut() gives the image as of the last flush, with a drawn part of
-what was written since. Needs root."""
+"""A disk whose power can be cut: an image behind /dev/fuse, on a loop device, with ext4. It keeps the writes since the
+last flush separately, like the cache of a drive: cut() gives the image of the last flush with a random part of the
+later writes. Needs root."""
 import ctypes
 import os
 import pathlib
@@ -32,14 +32,14 @@ def run(*command):
 
 
 def own_mounts():
-    """What this process mounts, nobody else sees, and it ends with it."""
+    """Hides the mounts of this process from others; they end with the process."""
     called(libc.unshare(CLONE_NEWNS), "unshare")
     called(libc.mount(None, b"/", None, MS_REC | MS_PRIVATE, None), "mount --make-rprivate /")
 
 
 class Disk:
     def __init__(self, folder, size):
-        """Mounts a new ext4 at folder/disk. OSError where this machine does not allow it. @pre own_mounts()"""
+        """Mounts a new ext4 at folder/disk. Raises OSError if this machine does not allow it. @pre own_mounts()"""
         self.image, self.files = folder / "image", folder / "disk"
         self.image.touch()
         self.files.mkdir()
@@ -58,10 +58,10 @@ class Disk:
         subprocess.run(["umount", "-l", self.image], capture_output=True)
 
     def cut(self, draw, to):
-        """Writes to a file what a power cut leaves at this moment."""
+        """Writes the image that a power cut would leave at this moment to a file."""
         with self.lock:
             left, since = bytearray(self.flushed), list(self.since)
-        kept = draw.choice((0.0, 0.1, 0.5, 0.9, 1.0))  # share of the sectors that the drive had written
+        kept = draw.choice((0.0, 0.1, 0.5, 0.9, 1.0))  # share of the sectors that the drive has written
         for at, data in since:
             for sector in range(0, len(data), BLOCK):
                 if draw.random() < kept:
@@ -73,7 +73,7 @@ class Disk:
             try:
                 asked = os.read(self.kernel, LARGEST_WRITE + 4096)
             except OSError:
-                return  # it was unmounted
+                return  # the disk was unmounted
             _, what, unique = struct.unpack_from("<IIQ", asked)
             if what in (INTERRUPT, FORGET):
                 continue
@@ -114,7 +114,7 @@ class Disk:
 
 
 class Found:
-    """The files that a power cut has left: mounts the image, which replays ext4's journal."""
+    """The files after a power cut: mounts the image, which replays ext4's journal."""
 
     def __init__(self, image, at):
         self.at = pathlib.Path(at)

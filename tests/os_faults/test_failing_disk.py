@@ -1,5 +1,5 @@
-"""A disk that refuses what a recording writes: full, over its quota, read-only, broken, gone. The loop goes on, the loss
-is reported while it lasts and at the end, and every tick that was written is read."""
+"""A disk that refuses writes of a recording: full, over its quota, read-only, broken, gone. The loop continues, the
+loss is reported while it lasts and at the end, and every written tick can be read."""
 import errno
 import re
 import signal
@@ -9,7 +9,7 @@ from faulty_disk import LIBRARY, FaultyDisk
 from app import FREE_RUN, HANG_S, INTERRUPTED, AppTest, loop_sleeps, main, read_recording
 
 NEVER = 2**64 - 1  # docs/recording.md: a tick that never reached the disk
-SOUND_TICKS = 1500  # before the disk fails; and, where it recovers, after that
+SOUND_TICKS = 1500  # ticks before the disk fails, and after a recovery
 WRITES = ("pwrite", "fallocate", "fsync")
 
 
@@ -20,7 +20,7 @@ class FailingDisk(AppTest):
         self.wait_until(run, lambda: loop_sleeps(run.pid) >= before + SOUND_TICKS)
 
     def run_over(self, error, ends):
-        """A run whose disk fails while it renders; all that it said, and the ticks of its files."""
+        """Runs the program with a disk that fails during rendering. Returns its output and the ticks of its files."""
         kept = self.folder / errno.errorcode[error]
         kept.mkdir()
         disk = FaultyDisk(self.folder)
@@ -29,7 +29,7 @@ class FailingDisk(AppTest):
         self.wait_for_ticks(run)
         disk.fail(error, *WRITES)
         said = ""
-        while "ticks are missing" not in said:  # reported while it lasts
+        while "ticks are missing" not in said:  # reported while the disk fails
             line = run.stdout.readline()
             self.assertTrue(line, said)
             said += line
@@ -40,7 +40,7 @@ class FailingDisk(AppTest):
         run.send_signal(signal.SIGTERM)
         rest, complained = run.communicate(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED, said + rest + complained)
-        ticks = set()  # the chunk that failed may lie in the file and in its next part
+        ticks = set()  # the failed chunk may be both in the file and in its next part
         for name in self.names_in(kept):
             if name.endswith(".h5"):
                 with read_recording(kept / name) as recording:
@@ -56,7 +56,7 @@ class FailingDisk(AppTest):
         self.assertGreaterEqual(len(ticks), ticks_due - missed - dropped, "a tick that was written is not read")
         self.assertGreater(len(ticks), 500)  # a chunk of 250 may wait in memory when the disk fails
 
-    def test_of_every_kind_the_loop_goes_on_and_every_written_tick_is_read(self):
+    def test_every_disk_error_keeps_the_loop_running_and_every_written_tick_readable(self):
         for error, ends in ((errno.EIO, True), (errno.ENOSPC, True), (errno.EDQUOT, True), (errno.EROFS, False),
                             (errno.ENODEV, False)):
             with self.subTest(errno.errorcode[error], ends=ends):

@@ -1,8 +1,9 @@
-"""Stops wait for nothing: from every source, while a disk hangs. disk_faults.cpp makes it hang, as a share whose server is gone.
+"""No stop waits while a disk hangs, whatever its source. disk_faults.cpp makes the disk hang, like a share whose server
+is gone.
 
-Measured is the time from sending to the loop's first tick of the fade or the ramp. When that tick was due is known
-from its number: ticks are a period apart, and the earliest that states ever came says when tick 0 was, so that
-neither the network nor a busy observer counts."""
+The measured time is from sending the stop to the loop's first tick of the fade or the ramp. The due time of that tick
+follows from its number: ticks are a period apart, and the earliest arrival of any state gives the time of tick 0, so
+that delays of the network and of the observer do not count."""
 import fcntl
 import http.client
 import itertools
@@ -27,11 +28,11 @@ FADE_S, RAMP_S = 0.35, 0.100  # docs/safety.md: a plain stop fades the exercise 
 PLACES = ("recording", "download", "report", "page", "log")
 STOP_SOURCES = ("emergency stop of a page", "stop of a page", "emergency stop of a game", "stop of a game", "SIGINT",
          "SIGTERM", "page that is closed", "page that falls silent")
-RATE_HZ = 500  # of states to the observer: every other tick
+RATE_HZ = 500  # rate of states to the observer: every second tick
 
 
 def listen_to_ctrl_c():
-    """A shell's background job ignores it, and so would the program."""
+    """Restores the default handling of Ctrl-C, which a shell's background jobs ignore."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
@@ -47,7 +48,7 @@ class Stops(PacedTest):
         environment = self.disk.environment(*folders)
         if place in ("download", "report") and not (kept / "old.h5").exists():
             os.replace(self.record("old.h5", duration=0.3), kept / "old.h5")
-        # What a program that hangs still holds is not written over.
+        # A recording held by a program that hangs is not overwritten.
         (self.folder / "rec/run.h5").unlink(missing_ok=True)
         run = self.start_app("run", "--port", 0, "--udp", 0, "--udp-key", client.Game.KEY, "--record", "rec/run.h5", "--duration", 600,
                              "--no-rehearsal", *arguments, env=environment, preexec_fn=listen_to_ctrl_c)
@@ -58,7 +59,7 @@ class Stops(PacedTest):
         self.assertGreater(self.disk.loaded, 0, "the disk cannot hang: disk_faults.cpp is not in the program")
         self.game = client.Game(int(line.split(":")[1]), RATE_HZ)
         self.addCleanup(self.game.close)
-        # Rendering, blended in.
+        # Waits until it renders with full authority.
         self.wait_until(run, lambda: self.game.states and self.game.states[-1][3] == 1.0 and self.game.states[-1][1] > 400)
         return run
 
@@ -66,7 +67,7 @@ class Stops(PacedTest):
         return f"http://127.0.0.1:{self.port}{path}"
 
     def browse(self, path):
-        """Asks for it and does not wait; the answer's status, later."""
+        """Requests a path without waiting; returns a list that gets the status later."""
         def ask():
             try:
                 with urllib.request.urlopen(self.url(path), timeout=HANG_S) as answer:
@@ -81,7 +82,7 @@ class Stops(PacedTest):
         return statuses
 
     def expect_said(self, run, text):
-        """On standard error, sooner or later."""
+        """Waits for a text on standard error."""
         os.set_blocking(run.stderr.fileno(), False)
         said, until = b"", time.monotonic() + HANG_S
         while text.encode() not in said and time.monotonic() < until:
@@ -92,29 +93,29 @@ class Stops(PacedTest):
         self.assertIn(text, said.decode())
 
     def fill_log(self, run):
-        """Nobody reads what the program says, until its pipe is full."""
+        """Fills the pipe of the program's output, which nobody reads."""
         with open(f"/proc/{run.pid}/fd/1", "wb", buffering=0, opener=lambda p, f: os.open(p, f | os.O_NONBLOCK)) as pipe:
             fcntl.fcntl(run.stdout, fcntl.F_SETPIPE_SZ, 4096)
             while pipe.write(b"x" * 512):
                 pass
 
     def busy_with(self, run, place, call):
-        """Something of the program hangs in that call, where it makes it at all."""
+        """Waits until a part of the program hangs in that call, if it makes the call at all."""
         if place == "log":
             self.fill_log(run)
-            self.browse("/none/%00")  # is refused, and said so
+            self.browse("/none/%00")  # the refusal is logged
         self.disk.hang(call)
         paths = {"download": ["/api/recordings", "/api/recordings/old.h5"],
                  "report": ["/api/recordings/old.h5/report/"], "page": ["/", "/console"]}.get(place, [])
         self.statuses = [self.browse(path) for path in paths for _ in range(2)]
-        # The recorder claims room every few seconds; what the program never calls never hangs.
+        # The recorder allocates space every few seconds; a call that the program never makes cannot hang.
         until = time.monotonic() + (0.6 if place != "recording" else 8.0 if call == "fallocate" else 1.2)
         while not self.disk.hanging and time.monotonic() < until:
             time.sleep(0.005)
         time.sleep(self.random.uniform(0.02, 0.1))
 
     def prepare(self, run, source):
-        """The client that is to stop is there, and holds the controls where a stop needs them."""
+        """Connects the client that will stop; it takes the controls if the stop needs them."""
         if source == "stop of a game":
             self.game.say(client.TAKE_CONTROLS)
             self.wait_until(run, lambda: self.game.holds_controls)
@@ -126,7 +127,7 @@ class Stops(PacedTest):
         time.sleep(0.1)
 
     def send(self, run, source):
-        """When it was sent, and when at the latest its effect must begin."""
+        """Sends the stop. Returns when it was sent, and the longest delay of its effect."""
         now = time.monotonic()
         if source == "emergency stop of a page":
             self.page.say(client.EMERGENCY_STOP)
@@ -145,9 +146,9 @@ class Stops(PacedTest):
         return now, 0.0
 
     def first(self, since, bits):
-        """Delay of the first tick with one of these bits; None where there is none yet."""
+        """Delay of the first tick with one of these bits; None if there is none yet."""
         states = list(self.game.states)
-        origin = min(came - tick * 1e-3 for came, tick, _, _ in states if tick > 0)  # 0 is said before the loop runs, too
+        origin = min(came - tick * 1e-3 for came, tick, _, _ in states if tick > 0)  # tick 0 also precedes the loop
         ticks = [tick for _, tick, faults, _ in states if faults & bits]
         return origin + ticks[0] * 1e-3 - since if ticks else None
 
@@ -162,7 +163,7 @@ class Stops(PacedTest):
         delay = self.first(since, BEGUN)
         self.assertIsNotNone(delay, ALWAYS + "nothing stopped")
         ramp = None
-        if "closed" not in source and "silent" not in source:  # these fade the exercise out, and render on
+        if "closed" not in source and "silent" not in source:  # these fade the exercise out, and rendering continues
             self.wait_until(run, lambda: self.first(since, STOP_REQUESTED) is not None)
             ramp = self.first(since, STOP_REQUESTED)
             self.assertIsNotNone(ramp, ALWAYS + "it faded, and never ramped")
@@ -183,14 +184,14 @@ class Stops(PacedTest):
         self.random.shuffle(combinations)
         if not FULL:
             del combinations[2:]
-            # And the one of each kind that waited before: for the server's thread, for telemetry, for the main thread.
+            # Combinations that once waited: for the server's thread, for telemetry, for the main thread.
             combinations += [("emergency stop of a page", "download", "read"), ("stop of a page", "recording", "pwrite"),
                              ("SIGTERM", "recording", "pwrite")]
         for source, place, call in combinations:
             with self.subTest(source=source, place=place, call=call):
                 self.check(source, place, call, 5000 if FULL else 2000)
 
-    def test_second_ctrl_c_says_what_is_waited_for_and_the_third_ends_it(self):
+    def test_second_ctrl_c_reports_what_is_waited_for_and_the_third_ends_it(self):
         run = self.start(ms=20000)
         self.busy_with(run, "recording", "pwrite")
         self.assertGreater(self.disk.hanging, 0)
@@ -205,10 +206,10 @@ class Stops(PacedTest):
         run.wait(timeout=HANG_S)
         self.assertLess(time.monotonic() - began, 10.0, "it ends before the disk answers")
         self.assertEqual(run.returncode, INTERRUPTED)
-        with read_recording(self.folder / "rec/run.h5") as recording:  # what was written before it hung
+        with read_recording(self.folder / "rec/run.h5") as recording:  # the ticks from before the disk hung
             self.assertEqual(len(recording["ticks/tick"]) % 1000, 0)
 
-    def test_a_run_without_pages_stops_and_says_the_same(self):
+    def test_run_without_pages_stops_and_reports_the_same(self):
         self.disk = FaultyDisk(self.folder, 20000)
         self.addCleanup(self.disk.hang)
         run = self.start_app(*FREE_RUN, "--duration", 600, "--record", "rec/run.h5", "--no-rehearsal",
@@ -223,7 +224,7 @@ class Stops(PacedTest):
         run.wait(timeout=HANG_S)
         self.assertEqual(run.returncode, INTERRUPTED)
 
-    def test_disk_that_comes_back_loses_nothing_but_what_it_had_no_room_for(self):
+    def test_disk_that_recovers_loses_no_tick(self):
         run = self.start(ms=1500)
         self.busy_with(run, "recording", "pwrite")
         self.disk.hang()
@@ -235,20 +236,20 @@ class Stops(PacedTest):
             self.assertEqual(recording["ticks/authority"][-1], 0.0)
         self.expect_same_when_run_again("rec/run.h5")
 
-    def test_requests_that_a_hung_disk_keeps_are_refused_and_the_pages_still_come(self):
+    def test_requests_to_a_hung_disk_are_refused_and_pages_are_served(self):
         run = self.start(place="download", ms=4000)
         self.disk.hang("read", "open", "stat")
         asked = [self.browse("/api/recordings/old.h5") for _ in range(24)]
         time.sleep(1.0)
-        self.assertEqual([s for s in asked if s == [503]], [[503]] * 8)  # 16 wait at most
+        self.assertEqual([s for s in asked if s == [503]], [[503]] * 8)  # at most 16 requests wait
         with urllib.request.urlopen(self.url("/healthz"), timeout=HANG_S) as health:
             self.assertEqual(health.status, 200)
         page = self.browse("/")
         self.wait_until(run, lambda: page)
-        self.assertIn(page[0], (200, 503))  # 503 where the pages are not built; here and now
+        self.assertIn(page[0], (200, 503))  # 503 if the pages are not built; answered at once
         self.disk.hang()
 
-    def test_stop_among_200_other_commands(self):
+    def test_stop_after_200_other_commands_is_obeyed_in_time(self):
         for flood in (200, 2000):
             run = self.start()
             page = client.Page(self.port)
@@ -260,14 +261,14 @@ class Stops(PacedTest):
             numbers += [page.say(client.ACTION, ("b", 3)) for _ in range(flood // 2)]
             self.assertEqual(page.answer(stop), (True, ""))
             self.wait_until(run, lambda: self.first(since, BEGUN) is not None)
-            self.assertLess(self.first(since, BEGUN), 10 * WITHIN_S)  # all the others were before it in the line
+            self.assertLess(self.first(since, BEGUN), 10 * WITHIN_S)  # it was sent after all the others
             refused = {n: page.answer(n)[1] for n in numbers if page.answer(n, 5.0) and not page.answer(n)[0]}
             for number, reason in refused.items():
                 self.assertTrue(reason, number)
             page.close()
             run.kill()
 
-    def test_report_under_way_never_keeps_the_program_from_ending(self):
+    def test_report_being_made_does_not_delay_the_end_of_the_program(self):
         run = self.start(place="report", ms=20000)
         self.disk.hang("read")
         report = self.browse("/api/recordings/old.h5/report/")

@@ -1,5 +1,5 @@
-"""A program that stands still in the middle of a contact, and one whose processors others use: no effort jumps, nothing
-stops for that on a simulated device, and a stop is obeyed."""
+"""A program that is stopped during a contact, and one whose processors are used by others: no effort jumps, a simulated
+device does not stop for it, and a stop is obeyed."""
 import os
 import re
 import select
@@ -10,10 +10,10 @@ import time
 
 import numpy
 
-import faulty_disk  # noqa: F401  the way to what follows
+import faulty_disk  # noqa: F401  makes the following modules importable
 from app import ALWAYS, HANG_S, INTERRUPTED, PacedTest, main, read_recording
 
-SLEW_PER_MS = 0.25  # of the effort limit: docs/safety.md, kEffortSlew
+SLEW_PER_MS = 0.25  # share of the effort limit: docs/safety.md, kEffortSlew
 ROUNDING = 1e-9
 STALLS_IN_CONTACT = 3
 
@@ -25,7 +25,7 @@ class Standstill(PacedTest):
         return run
 
     def expect_no_jump(self):
-        """Of what was sent, from each tick to the next one that ran; the contacts at each."""
+        """Checks the sent efforts from each tick to the next one that ran; returns the contacts at each."""
         with read_recording(self.folder / "run.h5") as recording:
             sent = numpy.asarray(recording["ticks/sent"])
             limits = numpy.asarray(recording["meta"].attrs["effort_limits"])
@@ -35,7 +35,7 @@ class Standstill(PacedTest):
         self.assertLessEqual(share.max(), SLEW_PER_MS * (1 + ROUNDING), ALWAYS)
         return contacts, numpy.diff(ticks)
 
-    def test_stopped_and_continued_in_contact_no_effort_jumps(self):
+    def test_no_effort_jumps_when_stopped_and_continued_in_contact(self):
         run = self.start_bar()
         out, more, until = "", STALLS_IN_CONTACT, time.monotonic() + HANG_S
         while more > 0 and time.monotonic() < until:
@@ -45,7 +45,7 @@ class Standstill(PacedTest):
             run.send_signal(signal.SIGCONT)
             while run.poll() is None and select.select([run.stdout], [], [], 0)[0]:
                 out += os.read(run.stdout.fileno(), 4096).decode()
-            if re.search(r"  [1-9]\d* contacts?  largest", out):  # a status line every 5 s
+            if re.search(r"  [1-9]\d* contacts?  largest", out):  # a status line is printed every 5 s
                 more -= 1
         run.send_signal(signal.SIGTERM)
         rest, err = run.communicate(timeout=HANG_S)
@@ -56,7 +56,7 @@ class Standstill(PacedTest):
         self.assertGreater(stalled.sum(), 5)
         self.assertGreater((stalled & (contacts[:-1] > 0)).sum(), 0, "no stall met a contact")
 
-    def test_beside_programs_that_use_every_processor_it_goes_on_and_stops_when_asked(self):
+    def test_busy_processors_do_not_end_the_run_and_a_stop_is_obeyed(self):
         busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
         for program in busy:
             self.addCleanup(program.wait)

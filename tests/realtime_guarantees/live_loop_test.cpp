@@ -1,7 +1,8 @@
-// A live session as a station runs it, recorded and commanded: all that its loop's thread does.
+// Counts everything that the loop's thread does in a live session, as a station runs it, with
+// recording and commands.
 #include "loop/patient/steered_player.hpp"
 #include "realtime_guarantees/tick_watch.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 #include "support/rig_tools.hpp"
 #include "support/watched_main.hpp"
 
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Plays as another does, and counts all that the loop's thread does from one tick to a later one.
+/// A player that acts like another and counts everything that the loop's thread does from one tick
+/// to a later one.
 class CountingPlayer final : public Player {
  public:
   static constexpr std::uint64_t kFrom = kWarmTicks, kTo = 3000;
@@ -29,8 +31,8 @@ class CountingPlayer final : public Player {
   void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override {
     inner_->advance(period_s, q, qd);
   }
-  void see(const TickRecord& record) noexcept override {
-    inner_->see(record);
+  void onRecord(const TickRecord& record) noexcept override {
+    inner_->onRecord(record);
     if (!begun_ && record.tick >= kFrom) {
       begun_ = true;
       before_ = countsOfThisThread();
@@ -48,7 +50,7 @@ class CountingPlayer final : public Player {
   bool begun_ = false, ended_ = false;
 };
 
-TEST(LiveLoop, WithRecordingAndCommands_OnlyTicksAndSleeps) {
+TEST(LiveLoop, LoopWithRecordingAndCommands_OnlyTicksAndSleeps) {
   seesRealTime();
   ModelFiles files = shippedFiles();
   files.scene.clear();

@@ -1,4 +1,4 @@
-// The tick does nothing that may make it late: counted over whole sessions, on both clocks.
+// The tick does nothing that could delay it: counted over whole sessions, on both clocks.
 #include "experiments/grasp_script.hpp"
 #include "loop/patient/motion.hpp"
 #include "loop/patient/player.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A rig and its virtual patient, who hears of every tick.
+/// A rig and its virtual patient, who is notified of every tick.
 struct Played {
   std::unique_ptr<Rig> rig;
   std::unique_ptr<ListeningPlayer> listener;
@@ -45,7 +45,7 @@ Played cocktailBar(double rate_hz = 1000.0) {
   return played(std::move(models), std::move(player), rate_hz);
 }
 
-/// A cylinder on a pedestal is grasped with the whole hand, lifted and held.
+/// The whole hand grasps, lifts and holds a cylinder on a pedestal.
 Played freeGrasping() {
   const auto trials = tunedTrials();
   const auto trial = *std::find_if(trials.begin(), trials.end(), [](const GraspTrial& t) {
@@ -62,7 +62,7 @@ Played freeGrasping() {
   return played(std::move(models), std::move(player));
 }
 
-/// What makes the run worth looking at: the exercise has pushed, things were touched and moved.
+/// Shows that the run was representative: the exercise pushed, and bodies were touched.
 struct Story {
   std::uint64_t touching = 0, pushing = 0, records = 0;
   void operator()(const TickRecord& r) {
@@ -77,7 +77,7 @@ struct Story {
   }
 };
 
-/// What the kernel may do to a thread on its own account, the machine excuses.
+/// Prefix that forbids retries, empty for events that the kernel may cause on its own.
 const char* alwaysFor(Kind kind) {
   return kind == Kind::kMajorFault || kind == Kind::kVoluntarySwitch ? "" : kAlways;
 }
@@ -102,7 +102,7 @@ void expectNothing(const TickWatch& watch, bool memory_locked) {
 
 class RealTimeProof : public testing::Test {
  protected:
-  /// Runs that long on the simulated clock; warm once `kWarmTicks` have passed.
+  /// Runs so many ticks on the simulated clock; counting starts after `kWarmTicks`.
   void simulated(const char* title, Played played, std::uint64_t ticks, Story& story) {
     orThrow(played.rig->renderer->arm());
     const SetupLine locked = requestLockedMemory();
@@ -119,7 +119,7 @@ class RealTimeProof : public testing::Test {
     expectNothing(watch, locked.granted);
   }
 
-  /// The same in real time, with a thread of its own and telemetry beside it.
+  /// The same in real time, with its own thread and telemetry.
   void inRealTime(const char* title, Played played, std::uint64_t ticks, Story& story) {
     seesRealTime();
     orThrow(played.rig->renderer->arm());
@@ -141,7 +141,7 @@ class RealTimeProof : public testing::Test {
     std::printf("  missed deadlines: %llu\n", static_cast<unsigned long long>(skipped));
     ASSERT_GT(watch.ticks(), 0U);
     expectNothing(watch, granted(setup, "locked memory"));
-    // Between ticks it hands the record on and sleeps; nothing else.
+    // Between ticks the thread only passes on the record and sleeps.
     const Counts& between = watch.between();
     for (const Kind kind : {Kind::kAllocation, Kind::kRelease, Kind::kLock, Kind::kWait,
                             Kind::kWake, Kind::kSystemCall}) {
@@ -154,53 +154,53 @@ class RealTimeProof : public testing::Test {
   }
 };
 
-TEST_F(RealTimeProof, CocktailBarOnTheSimulatedClock_DoesNothingThatMayMakeItLate) {
+TEST_F(RealTimeProof, CocktailBarOnTheSimulatedClock_DoesNothingThatCouldDelayTheTick) {
   Story story;
   simulated("cocktail bar", cocktailBar(), 8000, story);
   EXPECT_GT(story.pushing, 200U);
   EXPECT_GT(story.touching, 200U);
 }
 
-/// A minute where every large count is asked for, else until the first dispenser is squeezed.
-TEST_F(RealTimeProof, CocktailBarAt8kHz_DoesNothingThatMayMakeItLate) {
+/// Runs a minute in a full run, otherwise until the first dispenser is squeezed.
+TEST_F(RealTimeProof, CocktailBarAt8kHz_DoesNothingThatCouldDelayTheTick) {
   const std::uint64_t ticks = std::getenv("WHOLEHAND_FULL") != nullptr ? 480'000 : 40'000;
   Story story;
   simulated("cocktail bar at 8 kHz", cocktailBar(8000.0), ticks, story);
   EXPECT_GT(story.pushing, 1000U);
 }
 
-TEST_F(RealTimeProof, CocktailBarInRealTime_DoesNothingThatMayMakeItLate) {
+TEST_F(RealTimeProof, CocktailBarInRealTime_DoesNothingThatCouldDelayTheTick) {
   Story story;
   inRealTime("cocktail bar", cocktailBar(), 4000, story);
   EXPECT_GT(story.records, 1000U);
 }
 
-TEST_F(RealTimeProof, GraspingOnTheSimulatedClock_DoesNothingThatMayMakeItLate) {
+TEST_F(RealTimeProof, GraspingOnTheSimulatedClock_DoesNothingThatCouldDelayTheTick) {
   Story story;
   simulated("free grasping", freeGrasping(), 8000, story);
-  EXPECT_GT(story.touching, 4000U);  // from 2.8 s on it is held
+  EXPECT_GT(story.touching, 4000U);  // the cylinder is held from 2.8 s on
 }
 
-TEST_F(RealTimeProof, GraspingInRealTime_DoesNothingThatMayMakeItLate) {
+TEST_F(RealTimeProof, GraspingInRealTime_DoesNothingThatCouldDelayTheTick) {
   Story story;
   inRealTime("free grasping", freeGrasping(), 4000, story);
   EXPECT_GT(story.records, 1000U);
 }
 
-/// Does in one tick everything that none may.
-class Sinner final : public TickListener {
+/// A listener that does in one tick everything that is forbidden in a tick.
+class MisbehavingListener final : public TickListener {
  public:
   static constexpr std::uint64_t kTick = 50;
   static constexpr std::size_t kPages = 5;
 
-  Sinner()
+  MisbehavingListener()
       : pages_(static_cast<volatile char*>(mmap(nullptr, kPages * 4096, PROT_READ | PROT_WRITE,
                                                 MAP_PRIVATE | MAP_ANONYMOUS, -1, 0))) {
     (void)madvise(const_cast<char*>(pages_), kPages * 4096, MADV_NOHUGEPAGE);
   }
-  ~Sinner() override { munmap(const_cast<char*>(pages_), kPages * 4096); }
-  Sinner(const Sinner&) = delete;
-  Sinner& operator=(const Sinner&) = delete;
+  ~MisbehavingListener() override { munmap(const_cast<char*>(pages_), kPages * 4096); }
+  MisbehavingListener(const MisbehavingListener&) = delete;
+  MisbehavingListener& operator=(const MisbehavingListener&) = delete;
 
   void beforeTick(const TickRecord&) noexcept override {}
   void afterTick(const TickRecord& record) noexcept override {
@@ -218,12 +218,12 @@ class Sinner final : public TickListener {
   volatile char* pages_;
 };
 
-TEST_F(RealTimeProof, EverySin_IsCounted) {
+TEST_F(RealTimeProof, EveryForbiddenCall_IsCounted) {
   if (!counting()) GTEST_SKIP() << "a sanitizer owns malloc and the locks";
   Played played = freeGrasping();
   orThrow(played.rig->renderer->arm());
-  Sinner sinner;
-  TickWatch watch(sinner, {40, 59});
+  MisbehavingListener misbehaving;
+  TickWatch watch(misbehaving, {40, 59});
   SessionConfig config;
   config.listener = &watch;
   config.duration_ticks = 60;
@@ -234,8 +234,8 @@ TEST_F(RealTimeProof, EverySin_IsCounted) {
   EXPECT_EQ(of(watch.inTick(), Kind::kRelease), 1);
   EXPECT_EQ(of(watch.inTick(), Kind::kLock), 1);
   EXPECT_GE(of(watch.inTick(), Kind::kVoluntarySwitch), 1);
-  EXPECT_GE(of(watch.inTick(), Kind::kMinorFault), std::int64_t{Sinner::kPages});
-  EXPECT_EQ(watch.lastTickWith(Kind::kLock), std::int64_t{Sinner::kTick});
+  EXPECT_GE(of(watch.inTick(), Kind::kMinorFault), std::int64_t{MisbehavingListener::kPages});
+  EXPECT_EQ(watch.lastTickWith(Kind::kLock), std::int64_t{MisbehavingListener::kTick});
   if (watch.noSystemCalls().empty()) {
     EXPECT_EQ(of(watch.inTick(), Kind::kSleep), 1);
     EXPECT_EQ(of(watch.inTick(), Kind::kSystemCall), 1);

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-/// What a tick must not do, counted while it does its work.
+/// Counts the events that a tick must not cause while it works.
 namespace wholehand::test {
 
 enum class Kind : std::uint8_t {
@@ -31,31 +31,31 @@ using Counts = std::array<std::int64_t, kKinds>;
   return counts[static_cast<std::size_t>(kind)];
 }
 
-/// Is notified of every tick, and notifies another; counts what the loop's thread does between the
-/// two calls (the tick, with the players that hear of it), and from there to the next tick (the
-/// queue, the sleep, what a simulated run's sink does).
+/// Is notified of every tick and notifies another listener. Counts what the loop's thread does
+/// between the two calls (the tick, with the players that receive it), and from there to the next
+/// tick (the queue, the sleep, the sink of a simulated run).
 class TickWatch final : public TickListener {
  public:
   struct Plan {
-    std::uint64_t warm_ticks = 0;  ///< at the beginning, counted apart
-    std::uint64_t last_tick = 0;   ///< after it nothing is counted: the thread may end at any time
+    std::uint64_t warm_ticks = 0;  ///< first ticks, counted separately
+    std::uint64_t last_tick = 0;   ///< last tick counted: the thread may end after it
   };
-  /// @param inner notified of every tick within what is counted; outlives this
+  /// @param inner notified of every tick within the counted time; outlives this object
   TickWatch(TickListener& inner, const Plan& plan) : inner_(inner), plan_(plan) {}
 
   void beforeTick(const TickRecord& record) noexcept override;
   void afterTick(const TickRecord& record) noexcept override;
 
-  // After the end.
+  // Read these after the end of the session.
   [[nodiscard]] const Counts& inTick() const { return in_tick_; }
   [[nodiscard]] const Counts& between() const { return between_; }
   [[nodiscard]] const Counts& inWarmTicks() const { return in_warm_ticks_; }
   [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
-  /// Why system calls are not counted here; empty where they are.
+  /// Why system calls are not counted here; empty if they are.
   [[nodiscard]] const std::string& noSystemCalls() const { return no_system_calls_; }
-  /// The last tick in which something of that kind happened; -1: never.
+  /// The last tick with an event of this kind; -1: never.
   [[nodiscard]] std::int64_t lastTickWith(Kind kind) const { return of(last_tick_with_, kind); }
-  /// Per kind the count, over how many ticks.
+  /// Prints the count of each kind and the number of ticks.
   void print(const std::string& title) const;
 
  private:
@@ -70,19 +70,19 @@ class TickWatch final : public TickListener {
   Counts before_{}, in_tick_{}, between_{}, in_warm_ticks_{}, last_tick_with_{};
   std::uint64_t ticks_ = 0, warm_ = 0;
   bool begun_ = false;
-  int system_call_ = -1;  ///< number of one that is not allowed
+  int system_call_ = -1;  ///< number of a system call that is not allowed
   std::string no_system_calls_;
 };
 
-/// Caches and functions that are bound late; what is counted in them is printed beside the rest.
+/// Ticks in which caches are filled and functions bound; their counts are printed separately.
 inline constexpr std::uint64_t kWarmTicks = 100;
 
-/// False under a sanitizer: the sessions then run for its sake, and nothing is counted.
+/// False under a sanitizer: the sessions still run for it, but nothing is counted.
 [[nodiscard]] bool counting();
-/// Whether the loop's thread was given what it asked for ("locked memory").
+/// Whether the loop's thread was granted the resource `what` ("locked memory").
 [[nodiscard]] bool granted(const SetupReport& setup, const std::string& what);
 
-/// Everything that this thread has done so far.
+/// Counts of everything that this thread has done so far.
 [[nodiscard]] Counts countsOfThisThread() noexcept;
 
 }  // namespace wholehand::test

@@ -1,5 +1,5 @@
-// The whole program at once, as `wholehand run` puts it together: loop, telemetry, recording,
-// server and UDP bridge, with clients on all of its ports. ./check runs it under ThreadSanitizer.
+// The whole program as `wholehand run` assembles it: loop, telemetry, recording, server and UDP
+// bridge, with clients on all of its ports. ./check runs it under ThreadSanitizer.
 #include "record/recording.hpp"
 #include "station/server/client_words.hpp"
 #include "station/server/fake_program.hpp"
@@ -32,16 +32,16 @@ StationConfig barConfig(const std::string& folder) {
   return c;
 }
 
-/// The console of a therapist, who holds the controls.
+/// The console of a therapist who holds the controls.
 class Console {
  public:
   explicit Console(std::uint16_t port) : socket_(port) {}
 
-  /// Says one thing and hears the answer.
+  /// Sends one command and returns whether it was accepted.
   template <class Word, class... Arguments>
-  bool says(Word word, Arguments... arguments) {
+  bool ask(Word word, Arguments... arguments) {
     const std::uint32_t id = ++id_;
-    socket_.say(word(id, arguments...));
+    socket_.send(word(id, arguments...));
     std::optional<bool> accepted;
     (void)staysUntil([&] { return accepted.has_value(); },
                      [&](const fb::Reply& reply) {
@@ -51,14 +51,14 @@ class Console {
                      });
     return accepted.value_or(false);
   }
-  /// Hears what the program says, and shows that it is alive, until something has happened.
+  /// Reads messages and sends heartbeats until the condition holds.
   template <class Condition>
   bool staysUntil(
       Condition&& condition,
       const std::function<void(const fb::Reply&)>& hears = [](const fb::Reply&) {}) {
     for (const auto until = Clock::now() + kPatience; Clock::now() < until && !condition();) {
-      // A console that is silent for 200 ms loses the controls.
-      const auto frame = socket_.hear(50ms);
+      // A console that is silent for 200 ms is suspended.
+      const auto frame = socket_.receive(50ms);
       if (frame && frame->opcode == 2) {
         if (const auto* reply = replies::message(*frame).payload_as_Reply()) hears(*reply);
       }
@@ -66,7 +66,7 @@ class Console {
         std::printf("the program has closed the console's connection\n");
         return false;
       }
-      socket_.say(words::heartbeat(++id_));
+      socket_.send(words::heartbeat(++id_));
     }
     return condition();
   }
@@ -76,7 +76,7 @@ class Console {
   std::uint32_t id_ = 0;
 };
 
-/// Threads of people who watch, until it goes out of scope.
+/// Threads of watching clients, until the object is destroyed.
 class Watchers {
  public:
   Watchers(std::uint16_t http, const UdpEndpoint& udp) {
@@ -84,7 +84,7 @@ class Watchers {
       threads_.emplace_back([this, http] {
         WebSocket socket(http);
         while (!leaving_) {
-          if (socket.hear(100ms)) ++frames;
+          if (socket.receive(100ms)) ++frames;
           if (socket.closed()) break;
         }
       });
@@ -124,11 +124,11 @@ class Watchers {
     UdpEndpoint from;
     while (!leaving_ && !line.closed()) {
       for (long n; (n = socket.receive(from, buffer)) >= 0;) {
-        game.hear({buffer.data(), static_cast<std::size_t>(n)});
+        game.receive({buffer.data(), static_cast<std::size_t>(n)});
       }
       states = static_cast<int>(game.state_ticks.size());
-      game.say();
-      (void)line.hear(20ms);
+      game.send();
+      (void)line.receive(20ms);
     }
   }
 
@@ -136,7 +136,7 @@ class Watchers {
   std::vector<std::thread> threads_;
 };
 
-/// The program, put together as `wholehand run` does it.
+/// The program, assembled as by `wholehand run`.
 struct Program {
   explicit Program(const std::string& folder)
       : station(barConfig(folder)), bridge(station, controls) {
@@ -165,7 +165,7 @@ struct Program {
     server.reset();
   }
   Station station;
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpBridge bridge;
   std::unique_ptr<Server> server;
   std::atomic<std::uint64_t> records{0};
@@ -187,7 +187,8 @@ void expectNeutral(const Station& station) {
   TickRecord record;
   ASSERT_TRUE(station.latest(record));
   EXPECT_EQ(record.authority, 0.0) << kAlways;
-  for (double effort : record.sent) EXPECT_EQ(effort, 0.0) << kAlways;  // neutral of this device
+  for (double effort : record.sent)
+    EXPECT_EQ(effort, 0.0) << kAlways;  // the neutral effort of this device
 }
 
 void expectSoundRecordings(const Station& station, std::size_t count) {
@@ -200,49 +201,49 @@ void expectSoundRecordings(const Station& station, std::size_t count) {
   }
 }
 
-/// As a person does who has seen how the last session ended.
+/// Arms again as a person who has seen the end of the last session.
 bool armsAgain(const Station& station, Console& console) {
-  return console.says([seen = station.status().endings](std::uint32_t id) {
-    return words::armHavingSeen(seen, id);
+  return console.ask([seen = station.status().endings](std::uint32_t id) {
+    return words::armAcknowledging(seen, id);
   });
 }
 
-TEST(WholeSession, EverythingAtOnce_ObeysStopsAndRecords) {
+TEST(WholeSession, AllPartsAtOnce_ObeyStopsAndRecord) {
   const Folder folder;
   Program program(folder.path());
   Station& station = program.station;
   const Watchers watchers(program.server->port(), program.bridge.local());
   Console console(program.server->port());
-  ASSERT_TRUE(console.says(words::takeControls, ""));
+  ASSERT_TRUE(console.ask(words::takeControls, ""));
 
   ASSERT_TRUE(armsAgain(station, console));
   ASSERT_TRUE(rendersOn(program, console));
-  EXPECT_TRUE(console.says(words::setParameter, "effort_limit_arm_n", 8.0));
-  EXPECT_FALSE(console.says(words::setParameter, "effort_limit_arm_n", 1e6));
-  EXPECT_TRUE(console.says(words::steer, fb::Steering::Person));
+  EXPECT_TRUE(console.ask(words::setParameter, "effort_limit_arm_n", 8.0));
+  EXPECT_FALSE(console.ask(words::setParameter, "effort_limit_arm_n", 1e6));
+  EXPECT_TRUE(console.ask(words::steer, fb::Steering::Person));
   for (int i = 0; i < 20; ++i) {
     const std::vector<float> aim{-0.06F, 0.0F, 0.001F * static_cast<float>(i), 0.2F, 0.2F, 0.2F};
-    EXPECT_TRUE(console.says(words::aim, aim, fb::Help::Unsaid));
+    EXPECT_TRUE(console.ask(words::aim, aim, fb::Help::Unspecified));
   }
-  EXPECT_TRUE(console.says(words::steer, fb::Steering::VirtualPatient));
-  EXPECT_TRUE(console.says(words::action, fb::Act::Restart));
+  EXPECT_TRUE(console.ask(words::steer, fb::Steering::VirtualPatient));
+  EXPECT_TRUE(console.ask(words::action, fb::Act::Restart));
   ASSERT_TRUE(rendersOn(program, console));
 
-  ASSERT_TRUE(console.says(words::load, "cocktail-bar", std::uint16_t{2}, "woman-p05-right"));
+  ASSERT_TRUE(console.ask(words::load, "cocktail-bar", std::uint16_t{2}, "woman-p05-right"));
   ASSERT_TRUE(rendersOn(program, console));
-  ASSERT_TRUE(console.says(words::stop));
+  ASSERT_TRUE(console.ask(words::stop));
   ASSERT_TRUE(becomes(program, console, RunState::kStopped));
   expectNeutral(station);
 
   ASSERT_TRUE(armsAgain(station, console));
   ASSERT_TRUE(rendersOn(program, console));
-  ASSERT_TRUE(console.says(words::emergencyStop));
+  ASSERT_TRUE(console.ask(words::emergencyStop));
   ASSERT_TRUE(becomes(program, console, RunState::kStopped));
   expectNeutral(station);
 
   ASSERT_TRUE(armsAgain(station, console));
   ASSERT_TRUE(rendersOn(program, console));
-  program.quit();  // in the middle of it all
+  program.quit();  // quits while everything runs
   EXPECT_TRUE(program.ended_well);
   expectSoundRecordings(station, 4);  // armed three times, loaded once
   EXPECT_GT(watchers.frames, 10);

@@ -1,4 +1,5 @@
-// What a recording keeps of a tick: inputs to the bit, the rest in single precision, and a digest.
+// Content of a recorded tick: inputs to the bit, all other numbers in single precision, and a
+// digest.
 #include "loop/core/tick_digest.hpp"
 #include "record/round_trip.hpp"
 #include "support/seed.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 using synthetic::noisyTicks;
 
-/// All numbers of a tick that a digest sees, in order.
+/// All numbers of a tick that its digest covers, in order.
 std::vector<double> computed(const TickRecord& record) {
   std::vector<double> numbers;
   visitComputed(record, [&numbers](const char*, const double* from, int count) {
@@ -27,7 +28,7 @@ std::vector<std::uint64_t> bits(const auto& numbers) {
   return out;
 }
 
-TEST(PlainColumns, Inputs_ComeBackToTheBit) {
+TEST(PlainColumns, Inputs_AreRestoredToTheBit) {
   synthetic::roundTrip(noisyTicks(synthetic::kManyTicks),
                        [](const TickRecord& wrote, const TickRecord& read) {
                          EXPECT_EQ(read.tick, wrote.tick);
@@ -49,8 +50,8 @@ TEST(PlainColumns, Inputs_ComeBackToTheBit) {
                        });
 }
 
-// The bound is half the spacing of numbers of single precision, IEEE 754: 2⁻²⁴ relative.
-TEST(PlainColumns, EveryOtherNumber_IsTheNearestOfSinglePrecision) {
+// The bound is half the spacing of single precision numbers, IEEE 754: 2⁻²⁴ relative.
+TEST(PlainColumns, OtherNumbers_AreRoundedToSinglePrecision) {
   synthetic::roundTrip(noisyTicks(synthetic::kManyTicks),
                        [](const TickRecord& wrote, const TickRecord& read) {
                          const std::vector<double> a = computed(wrote), b = computed(read);
@@ -80,8 +81,8 @@ TEST(PlainColumns, Digest_IsThatOfTheUnroundedTick) {
   }
 }
 
-// Any one bit of any number that is computed again shows in the digest; a NaN's payload does not.
-TEST(TickDigest, OneBit_ChangesIt) {
+// Any changed bit of any computed number changes the digest; a NaN's payload does not.
+TEST(TickDigest, OneChangedBit_ChangesTheDigest) {
   std::mt19937_64 random(test::seed());
   for (int i = 0; i < test::cases(2000); ++i) {
     TickRecord record = synthetic::noisy(i, random);
@@ -106,7 +107,7 @@ TEST(TickDigest, OneBit_ChangesIt) {
   }
 }
 
-TEST(TickDigest, ClockTimesAndTheVirtualPatient_AreNotInIt) {
+TEST(TickDigest, ClockTimesAndTheVirtualPatient_AreNotCovered) {
   std::mt19937_64 random(test::seed());
   TickRecord record = synthetic::noisy(7, random);
   const std::uint64_t before = digestOf(record);

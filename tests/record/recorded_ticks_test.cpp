@@ -1,5 +1,5 @@
-// The ticks of a long recording with gaps, and of one that is damaged: every expected value is what
-// was written.
+// The ticks of a long recording with gaps, and of a damaged one. Every expected value is the
+// written one.
 #include "record/recording.hpp"
 #include "record/synthetic_recording.hpp"
 #include "support/python.hpp"
@@ -26,10 +26,11 @@ using synthetic::Folder;
 using synthetic::identical;
 using test::python;
 
-/// 68 chunks of 250 ticks, and a part of one.
+/// 68 chunks of 250 ticks and a part of one.
 constexpr std::uint64_t kTicks = 68 * 250 + 200;
 
-/// A third of a second in a row, and every 50th tick, do not exist; 100 more were lost.
+/// Ticks with gaps: a third of a second in a row and every 50th tick do not exist; 100 more were
+/// lost.
 std::vector<TickRecord> ticksWithGaps(std::uint64_t count) {
   const std::vector<TickRecord> noisy = synthetic::noisyTicks(990);
   std::vector<TickRecord> ticks;
@@ -46,7 +47,7 @@ std::vector<TickRecord> ticksWithGaps(std::uint64_t count) {
   return ticks;
 }
 
-/// At 250 Hz, so that a chunk has 250 ticks.
+/// A description with 250 Hz, so that a chunk has 250 ticks.
 RecordingMeta quarterRate() {
   RecordingMeta meta = synthetic::meta();
   meta.period_s = 4e-3;
@@ -63,7 +64,7 @@ struct RecordedTicks : testing::Test {
     ticks.clear();
     folder.reset();
   }
-  /// A copy of the recording after `edit`, a few lines of h5py: f is the file, corrupt(dataset,
+  /// A copy of the recording after `edit`, some lines of h5py: f is the file, corrupt(dataset,
   /// chunk) overwrites the middle of a chunk.
   static std::string edited(const std::string& name, const std::string& edit) {
     const std::string path = folder->file(name);
@@ -95,10 +96,11 @@ with open(path, 'r+b') as raw:
     for (std::uint64_t i = 0; i < kTicks; ++i) {
       ASSERT_EQ(reader.outline().numbers[i], ticks[i].tick) << "row " << i;
     }
-    EXPECT_EQ(reader.outline().missing, 100U);  // 334 on from the last, of which 234 did not exist
+    EXPECT_EQ(reader.outline().missing,
+              100U);  // 334 after the last one, of which 234 did not exist
   }
-  /// Reads ticks at random, those at the edges of chunks and chunk 5: how many could not be read.
-  /// No other than what was written is given.
+  /// Reads random ticks, those at the edges of chunks, and chunk 5, and checks that only written
+  /// ticks are returned. @return how many could not be read
   static int readAtRandom(RecordingReader& reader) {
     auto random = test::seededRandom(35);
     std::vector<std::uint64_t> rows = {0, 249, 250, 15'999, 16'000, kTicks - 1};
@@ -128,12 +130,12 @@ with open(path, 'r+b') as raw:
 std::unique_ptr<Folder> RecordedTicks::folder;
 std::vector<TickRecord> RecordedTicks::ticks;
 
-TEST_F(RecordedTicks, RandomOnes_AreThoseWritten) {
+TEST_F(RecordedTicks, RandomTicks_AreThoseWritten) {
   expectWhole(folder->file("a.h5"));
 }
 
 // Chunk 5 is rows 1250 to 1499.
-TEST_F(RecordedTicks, DamagedChunkOfACount_CostsItsTicks) {
+TEST_F(RecordedTicks, DamagedChunkOfACount_LosesOnlyItsTicks) {
   const auto reader = opened(edited("counts.h5", "corrupt('ticks/contact_count', 5)"));
   ASSERT_NE(reader, nullptr);
   expectOutline(*reader);
@@ -144,7 +146,7 @@ TEST_F(RecordedTicks, DamagedChunkOfACount_CostsItsTicks) {
   EXPECT_TRUE(reader->read(1500, got));
 }
 
-TEST_F(RecordedTicks, DamagedChunkOfTheirNumbers_CostsItsTicks) {
+TEST_F(RecordedTicks, DamagedChunkOfTickNumbers_LosesOnlyItsTicks) {
   const auto reader = opened(edited("numbers.h5", "corrupt('ticks/tick', 5)"));
   ASSERT_NE(reader, nullptr);
   ASSERT_EQ(reader->size(), kTicks - 250);
@@ -157,8 +159,8 @@ TEST_F(RecordedTicks, DamagedChunkOfTheirNumbers_CostsItsTicks) {
   EXPECT_TRUE(identical(got, reader->digest(), ticks[1500]));
 }
 
-// 256 rows of /contacts belong to ticks of two chunks at most: these are lost, and no others.
-TEST_F(RecordedTicks, DamagedOwnersOfContacts_CostTheChunksThatHaveThem) {
+// 256 rows of /contacts belong to ticks of at most two chunks: only these are lost.
+TEST_F(RecordedTicks, DamagedOwnersOfContacts_LoseOnlyTheirChunks) {
   const auto reader = opened(edited("owners.h5", "corrupt('contacts/row', 1)"));
   ASSERT_NE(reader, nullptr);
   ASSERT_TRUE(reader->outline().contradicted_tick.has_value());
@@ -176,13 +178,13 @@ TEST_F(RecordedTicks, DamagedOwnersOfContacts_CostTheChunksThatHaveThem) {
   EXPECT_GE(read, kTicks - 2 * 250);
 }
 
-/// A process that writes the first ticks and waits for its end with the file open.
+/// Starts a process that writes the first ticks and waits for its end with the file open.
 pid_t startWriting(const std::string& path, const std::vector<TickRecord>& ticks) {
   std::array<int, 2> ends{};
   EXPECT_EQ(::pipe(ends.data()), 0);
   const pid_t child = ::fork();
   if (child == 0) {
-    ::alarm(300);  // where nobody ends it
+    ::alarm(300);  // in case nobody ends it
     auto* const writer = RecordingWriter::create(path, quarterRate()).value().release();
     for (const TickRecord& record : ticks) writer->append(record);
     writer->flush();
@@ -196,7 +198,7 @@ pid_t startWriting(const std::string& path, const std::vector<TickRecord>& ticks
   return child;
 }
 
-TEST_F(RecordedTicks, OfAFileThatIsWrittenAndThenKilled_AreReadAsFarAsTheyAreThere_slow) {
+TEST_F(RecordedTicks, FileBeingWrittenThenKilled_IsReadAsFarAsItWasWritten_slow) {
   const std::string path = folder->file("growing.h5");
   const pid_t child = startWriting(path, ticks);
   {
@@ -211,7 +213,7 @@ TEST_F(RecordedTicks, OfAFileThatIsWrittenAndThenKilled_AreReadAsFarAsTheyAreThe
   expectWhole(path);
 }
 
-TEST_F(RecordedTicks, ThatDoNotRise_AreRead_slow) {
+TEST_F(RecordedTicks, UnorderedTicks_AreRead_slow) {
   const std::string path = folder->file("falling.h5");
   std::swap(ticks[600], ticks[610]);
   synthetic::writeRecording(path, ticks, quarterRate());

@@ -21,7 +21,7 @@ using test::bytesOfFile;
 using test::seed;
 using test::writeBytes;
 
-/// One byte (half of the trials) or up to eight places of up to 64 bytes get other contents.
+/// Changes one byte (half of the trials) or up to eight places of up to 64 bytes.
 void corrupt(std::string& bytes, std::mt19937_64& random) {
   const bool one = random() % 2 == 0;
   for (std::uint64_t n = one ? 1 : 1 + random() % 8; n > 0; --n) {
@@ -32,12 +32,12 @@ void corrupt(std::string& bytes, std::mt19937_64& random) {
   }
 }
 
-/// What a process that reads damaged files reports to its parent, as far as it came.
+/// Progress that a process reading damaged files reports to its parent.
 struct CopyProgress {
   int trial = 0, refused = 0, read = 0, silent = 0;
 };
 
-/// Reads everything that can be read. Counts how it ended.
+/// Reads everything that can be read and counts the outcome.
 void readAll(const std::string& path, CopyProgress& progress) {
   const auto opened = RecordingReader::open(path);
   if (!opened) {
@@ -53,8 +53,8 @@ void readAll(const std::string& path, CopyProgress& progress) {
   ++progress.read;
 }
 
-/// Corrupts and reads `whole` again and again, in a process of its own, so that a crash ends only
-/// that process and is reported.
+/// Repeatedly corrupts and reads `whole` in a separate process, so that a crash ends only that
+/// process and is reported.
 void expectReadsOrRefuses(const std::string& whole, const std::string& path, int count) {
   auto* const progress = static_cast<CopyProgress*>(::mmap(
       nullptr, sizeof(CopyProgress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
@@ -67,7 +67,7 @@ void expectReadsOrRefuses(const std::string& whole, const std::string& path, int
       std::string bytes = whole;
       corrupt(bytes, random);
       writeBytes(path, bytes);
-      ::alarm(20);  // a hang ends it as well; a read takes milliseconds
+      ::alarm(20);  // also ends a hang; a read takes milliseconds
       readAll(path, *progress);
     }
     ::_exit(0);
@@ -90,15 +90,15 @@ std::string wholeRecording(const std::string& path, std::uint64_t ticks) {
   return bytesOfFile(path);
 }
 
-TEST(RecordingReader, RandomDamageAnywhere_IsReadOrRefusedNeverACrash) {
+TEST(RecordingReader, RandomDamage_IsReadOrRefusedWithoutACrash) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), corrupted = folder.file("corrupted.h5");
-  // Most of the first is meta, most of the second ticks.
+  // Most of the first file is meta, most of the second ticks.
   expectReadsOrRefuses(wholeRecording(path, 60), corrupted, test::cases(300));
   expectReadsOrRefuses(wholeRecording(path, 600), corrupted, test::cases(60));
 }
 
-TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
+TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedWithoutACrash) {
   const Folder folder;
   const std::string path = folder.file("whole.h5");
   const pid_t child = ::fork();
@@ -113,8 +113,8 @@ TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
   expectReadsOrRefuses(bytesOfFile(path), folder.file("corrupted.h5"), test::cases(60));
 }
 
-// Every byte of a text that the file holds once: where HDF5 would keep texts of variable length,
-// its reader would fall over (HDF5 1.10, H5HG_read).
+// Damages every byte of texts that the file holds once. The reader of HDF5 would crash on damaged
+// texts of variable length (HDF5 1.10, H5HG_read).
 TEST(RecordingReader, DamageToEveryTextOfTheDescription_IsRefused) {
   const Folder folder;
   const std::string path = folder.file("whole.h5"), corrupted = folder.file("corrupted.h5");

@@ -1,9 +1,9 @@
 #include "record/recording.hpp"
 
 #include "record/synthetic_recording.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
 #include "support/python.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "support/watched_main.hpp"
@@ -46,7 +46,7 @@ void expectRefused(const std::string& path, const std::string& why) {
   EXPECT_TRUE(test::refusedWith(opened, why)) << path;
 }
 
-/// So many rows, all of synthetic::noisy() in rising order.
+/// Checks that there are `rows` rows, all of synthetic::noisy() in rising order.
 void expectTrueTicks(RecordingReader& r, std::uint64_t rows) {
   ASSERT_EQ(r.size(), rows);
   std::mt19937_64 random(1);
@@ -59,7 +59,7 @@ void expectTrueTicks(RecordingReader& r, std::uint64_t rows) {
   }
 }
 
-TEST(Recording, EveryTick_ComesBack) {
+TEST(Recording, EveryTick_IsReadBack) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   constexpr std::uint64_t kTicks = 1103;  // no multiple of a chunk
@@ -76,7 +76,7 @@ TEST(Recording, EveryTick_ComesBack) {
   EXPECT_EQ(got.tick, 3U);
 }
 
-TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
+TEST(Recording, Description_ComesBackWithIdenticalFiles) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   RecordingMeta want = synthetic::meta();
@@ -115,11 +115,11 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.joint_names, want.joint_names);
   EXPECT_EQ(got.body_names, want.body_names);
   EXPECT_EQ(got.capsule_names, want.capsule_names);
-  EXPECT_EQ(got.files, want.files);  // one holds zeros and 0xFF, one is empty
+  EXPECT_EQ(got.files, want.files);  // one file holds zeros and 0xFF, one is empty
   EXPECT_EQ(r->size(), 0U);
 }
 
-TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
+TEST(Recording, SceneWithoutBodiesOrJoints_IsReadBack) {
   const Folder folder;
   RecordingMeta meta = synthetic::meta();
   meta.body_names.clear();
@@ -145,7 +145,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   EXPECT_TRUE(identical(got, r->digest(), want));
 }
 
-/// Runs `body` in a child process and returns how it ended.
+/// Runs `body` in a child process. @return its wait status
 template <class Body>
 int endOfChild(Body body) {
   const pid_t child = ::fork();
@@ -180,7 +180,7 @@ TEST(Recording, KillMinusNine_LosesLessThanASecond) {
   }
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
-  while (::read(pipe_ends[0], &last, sizeof last) == sizeof last) {  // what it did until the kill
+  while (::read(pipe_ends[0], &last, sizeof last) == sizeof last) {  // its progress until the kill
   }
   ::close(pipe_ends[0]);
 
@@ -191,7 +191,7 @@ TEST(Recording, KillMinusNine_LosesLessThanASecond) {
   expectTrueTicks(*r, r->size());
 }
 
-TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
+TEST(Recording, SlowTicksThenKill_PartialChunkIsKept) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   endOfChild([&path] {
@@ -202,12 +202,13 @@ TEST(Recording, SlowTicksThenKill_PartialChunkIsThere) {
     }
     ::kill(::getpid(), SIGKILL);
   });
-  const std::uint64_t there = reader(path)->size();  // how many, a busy machine decides
+  const std::uint64_t there =
+      reader(path)->size();  // the number depends on the load of the machine
   EXPECT_GE(there, 1U);
   EXPECT_LT(there, 1000U);
 }
 
-TEST(Recording, WhileItIsWritten_AnotherProcessReads) {
+TEST(Recording, DuringWriting_AnotherProcessCanRead) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   auto w = writer(path);
@@ -220,7 +221,7 @@ TEST(Recording, WhileItIsWritten_AnotherProcessReads) {
   EXPECT_EQ(status, 0);
 }
 
-/// Appends until ticks are refused, then makes room by `relieve`, and goes on.
+/// Appends until ticks are refused, then makes space by `relieve` and continues.
 struct FullDisk {
   std::uint64_t refused = 0, accepted = 0, after = 0, written = 0, dropped = 0;
 };
@@ -233,7 +234,7 @@ FullDisk fillDisk(RecordingWriter& w, Relieve relieve) {
     ++(w.append(synthetic::noisy(i, random)) ? result.accepted : result.refused);
   }
   relieve();
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));  // it tries again after 100 ms
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));  // the writer retries after 100 ms
   for (const std::uint64_t end = i + 600; i < end; ++i) {
     result.after += w.append(synthetic::noisy(i, random)) ? 1 : 0;
   }
@@ -243,7 +244,7 @@ FullDisk fillDisk(RecordingWriter& w, Relieve relieve) {
   return result;
 }
 
-/// The file holds what the writer says, and nothing but true ticks in rising order.
+/// Checks that the file holds as many ticks as the writer reports, all correct and in rising order.
 void expectSound(const std::string& path, const FullDisk& disk) {
   EXPECT_GE(disk.refused, 300U);
   EXPECT_EQ(disk.after, 600U);
@@ -254,7 +255,7 @@ void expectSound(const std::string& path, const FullDisk& disk) {
   expectTrueTicks(*r, disk.written);
 }
 
-/// No file of this process may be larger, until it is lifted.
+/// Limits the size of files that this process writes, until it is lifted.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -270,7 +271,7 @@ class FileSizeLimit {
   rlimit before_{};
 };
 
-TEST(Recording, FileSizeLimit_DropsCountsAndGoesOnSilently) {
+TEST(Recording, FileSizeLimit_DropsAndCountsTicksSilently) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   testing::internal::CaptureStderr();
@@ -281,7 +282,7 @@ TEST(Recording, FileSizeLimit_DropsCountsAndGoesOnSilently) {
   expectSound(path, disk);
 }
 
-TEST(Recording, FullFileSystem_DropsCountsAndGoesOnSilently) {
+TEST(Recording, FullFileSystem_DropsAndCountsTicksSilently) {
   const Folder folder;
   const char* const options = "size=6m";
   if (::mount("tmpfs", folder.path().c_str(), "tmpfs", 0, options) != 0) {
@@ -298,7 +299,7 @@ TEST(Recording, FullFileSystem_DropsCountsAndGoesOnSilently) {
   EXPECT_EQ(::umount2(folder.path().c_str(), MNT_DETACH), 0);
 }
 
-TEST(RecordingWriter, FolderMissing_SaysSoAndLeavesNothing) {
+TEST(RecordingWriter, MissingFolder_IsReportedAndLeavesNothing) {
   const Folder folder;
   const auto created = RecordingWriter::create(folder.file("none/a.h5"), synthetic::meta());
   EXPECT_TRUE(test::refusedWith(created, "none/a.h5"));
@@ -306,7 +307,7 @@ TEST(RecordingWriter, FolderMissing_SaysSoAndLeavesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("none")));
 }
 
-TEST(RecordingWriter, NoRoomForTheDescription_KeepsTheOldFile) {
+TEST(RecordingWriter, NoSpaceForTheDescription_KeepsTheOldFile) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   writer(path)->close();
@@ -329,7 +330,7 @@ TEST(RecordingReader, ForeignFiles_AreRefusedWithTheReason) {
   expectRefused(folder.file("text.h5"), "is no HDF5 file");
 }
 
-/// A copy of which the end is missing.
+/// A copy of the file without its end.
 std::string cutAt(double share, const std::string& whole) {
   const auto bytes = static_cast<double>(std::filesystem::file_size(whole));
   std::filesystem::copy_file(whole, whole + ".cut",
@@ -338,7 +339,7 @@ std::string cutAt(double share, const std::string& whole) {
   return whole + ".cut";
 }
 
-TEST(RecordingReader, TruncatedAtAnyPlace_IsRefused) {
+TEST(RecordingReader, FileTruncatedAnywhere_IsRefused) {
   const Folder folder;
   const std::string whole = folder.file("whole.h5"), killed = folder.file("killed.h5");
   synthetic::writeRecording(whole, noisyTicks(700));
@@ -356,7 +357,7 @@ TEST(RecordingReader, TruncatedAtAnyPlace_IsRefused) {
   expectRefused(whole, "is no HDF5 file");
 }
 
-/// What Python says to lines of h5py; f is the file.
+/// Python's output for lines of h5py; f is the file.
 std::string withH5py(const std::string& path, const std::string& lines, const char* mode = "r+") {
   return python("import h5py, numpy\nf = h5py.File('" + path + "', '" + mode + "')\n" + lines);
 }
@@ -375,7 +376,7 @@ TEST(RecordingReader, OtherHdf5AndOtherSchemas_AreRefused) {
                 "of its time: 7c1e90a");
 }
 
-TEST(RecordingReader, TextsThatH5pyWrote_AreRead) {
+TEST(RecordingReader, TextsWrittenByH5py_AreRead) {
   const Folder folder;
   const std::string path = folder.file("edited.h5");
   writer(path)->close();
@@ -395,7 +396,7 @@ TEST(RecordingReader, TextsThatH5pyWrote_AreRead) {
   EXPECT_EQ(r->meta().files.front().second, "kind = 1");
 }
 
-// HDF5 1.10 keeps texts of variable length in heaps ("GCOL") that have no checksum.
+// HDF5 1.10 keeps texts of variable length in heaps ("GCOL") without a checksum.
 TEST(RecordingReader, DamagedTextsOfVariableLength_AreRefusedOrRead) {
   const Folder folder;
   const std::string path = folder.file("edited.h5"), damaged = folder.file("damaged.h5");
@@ -410,12 +411,12 @@ TEST(RecordingReader, DamagedTextsOfVariableLength_AreRefusedOrRead) {
     std::string bytes = whole;
     for (int k = 0; k < 4; ++k) bytes[heap + random() % 64] = static_cast<char>(random());
     std::ofstream(damaged, std::ios::binary) << bytes;
-    const auto opened = RecordingReader::open(damaged);  // the process goes on
-    if (!opened) EXPECT_TRUE(test::says(format(opened.errors()), "damaged"));
+    const auto opened = RecordingReader::open(damaged);  // the process continues
+    if (!opened) EXPECT_TRUE(test::contains(format(opened.errors()), "damaged"));
   }
 }
 
-TEST(RecordingReader, AttributeOfAnotherTypeAndEndlessTicks_AreRefusedByName) {
+TEST(RecordingReader, AttributeOfAnotherTypeOrUnlimitedTicks_AreRefusedByName) {
   const Folder folder;
   const std::string path = folder.file("edited.h5"), endless = folder.file("endless.h5");
   writer(path)->close();
@@ -426,7 +427,7 @@ TEST(RecordingReader, AttributeOfAnotherTypeAndEndlessTicks_AreRefusedByName) {
   expectRefused(endless, "claims more ticks");
 }
 
-/// The lines that docs/recording.md gives to users of h5py, taken from that file.
+/// The h5py example of docs/recording.md, read from that file.
 std::string documentedPython() {
   std::ifstream in(WHOLEHAND_SOURCE_DIR "/docs/recording.md");
   std::string line, lines;
@@ -446,7 +447,7 @@ TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   double sum = 0.0;
   for (const TickRecord& tick : ticks) sum += tick.sent[3];
   const std::string lines = documentedPython();
-  ASSERT_TRUE(test::says(lines, "h5py.File("));
+  ASSERT_TRUE(test::contains(lines, "h5py.File("));
   const std::string out = python(
       "import os, sys\nsys.path.insert(0, '" WHOLEHAND_SOURCE_DIR "/clients/python')\nos.chdir('" +
       folder.path() + "')\n" + lines +

@@ -11,11 +11,11 @@
 namespace wholehand::synthetic {
 
 /// Four chunks; two under a sanitizer.
-inline const std::uint64_t kManyTicks = test::kFew ? 500 : 1000;
+inline const std::uint64_t kManyTicks = test::kReducedCounts ? 500 : 1000;
 
 /// Writes ticks and reads them back; judge(written, read) compares them.
-template <class Judge>
-void roundTrip(const std::vector<TickRecord>& ticks, Judge&& judge,
+template <class Check>
+void roundTrip(const std::vector<TickRecord>& ticks, Check&& check,
                const RecordingMeta& as = meta()) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
@@ -26,7 +26,7 @@ void roundTrip(const std::vector<TickRecord>& ticks, Judge&& judge,
   for (std::size_t i = 0; i < ticks.size() && !testing::Test::HasFailure(); ++i) {
     ASSERT_TRUE(reader->read(i, got)) << "tick " << i;
     SCOPED_TRACE(i);
-    judge(ticks[i], got);
+    check(ticks[i], got);
   }
 }
 

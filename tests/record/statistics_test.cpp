@@ -19,14 +19,14 @@
 namespace wholehand {
 namespace {
 
-/// The exact answer: nearest rank in the sorted samples.
+/// The exact answer: the nearest rank in the sorted samples.
 double nearestRank(std::vector<std::int64_t> samples, double share) {
   std::sort(samples.begin(), samples.end());
   const double rank = std::ceil(share * static_cast<double>(samples.size()));
   return static_cast<double>(samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1]);
 }
 
-TEST(DurationHistogram, LogNormalDurations_PercentilesWithinOnePercentOfSorted) {
+TEST(DurationHistogram, LogNormalDurations_PercentilesAreWithinOnePercentOfSorted) {
   std::mt19937_64 random(7);
   std::lognormal_distribution<double> us(std::log(40.0), 0.7);
   DurationHistogram histogram;
@@ -50,7 +50,7 @@ TEST(DurationHistogram, OneOrNoDuration_IsExact) {
   EXPECT_EQ(histogram.percentiles().p999_ns, 12345.0);
 }
 
-TEST(TickStatistics, NoisyRecords_AgreeWithDirectCounts) {
+TEST(TickStatistics, NoisyRecords_MatchDirectCounts) {
   std::mt19937_64 random(3);
   TickStatistics statistics;
   std::uint64_t ticks = 0, missed = 0, limited = 0;
@@ -82,7 +82,7 @@ TEST(TickStatistics, NoisyRecords_AgreeWithDirectCounts) {
   EXPECT_NEAR(s.stage_cpu[2].p50_ns, nearestRank(stage, 0.5), 0.01 * nearestRank(stage, 0.5));
 }
 
-TEST(TickStatistics, FaultsOfAnAxis_AreCountedByIt) {
+TEST(TickStatistics, FaultsOfAnAxis_AreCountedForThatAxis) {
   TickStatistics statistics;
   const auto tick = [&statistics](Fault faults, int axis) {
     TickRecord r;
@@ -93,7 +93,7 @@ TEST(TickStatistics, FaultsOfAnAxis_AreCountedByIt) {
   for (int i = 0; i < 3; ++i) tick(Fault::kEffortLimit, 4);
   tick(Fault::kEffortLimit | Fault::kLateTick, 5);
   tick(Fault::kEffortLimit | Fault::kEffortSlew, 2);  // the limit comes first in the tick
-  tick(Fault::kEffortLimit | Fault::kSpeedLimit, 1);  // the device is read before either
+  tick(Fault::kEffortLimit | Fault::kSpeedLimit, 1);  // the device is read before both
   tick(Fault::kWorkspace | Fault::kNonFiniteEffort, 0);
   tick(Fault::kLateTick | Fault::kDeviceRead, -1);
   const TickSummary s = statistics.snapshot();
@@ -110,7 +110,7 @@ TEST(TickStatistics, FaultsOfAnAxis_AreCountedByIt) {
   EXPECT_EQ(s.fault_axes[0], none);
 }
 
-/// The source of a hub: as many ticks as are offered, and then none.
+/// The source of a hub: gives as many ticks as `offered`, then none.
 template <class Count>
 auto noisySource(const Count& offered) {
   return [&offered, next = std::uint64_t{0}, random = std::mt19937_64(1)](TickRecord& r) mutable {
@@ -120,7 +120,7 @@ auto noisySource(const Count& offered) {
   };
 }
 
-TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
+TEST(TelemetryHub, StopAfterABurst_EverySinkHasEveryRecord) {
   const synthetic::Folder folder;
   auto writer = RecordingWriter::create(folder.file("a.h5"), synthetic::meta()).value();
   TickStatistics statistics;
@@ -144,7 +144,7 @@ TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
   EXPECT_EQ(writer->written(), 1003U);  // flushed, although not yet closed
 }
 
-/// Keeps nothing but the number of ticks.
+/// Keeps only the number of ticks.
 class CountingRecorder : public RecordingWriter {
  public:
   bool append(const TickRecord&) override {
@@ -172,7 +172,7 @@ class BrokenRecorder final : public CountingRecorder {
 
 constexpr std::uint64_t kHundred = 100;
 
-TEST(TelemetryHub, ConsumersThatThrow_AreCalledNoMoreAndReported) {
+TEST(TelemetryHub, ConsumersThatThrow_AreReportedAndNotCalledAgain) {
   BrokenRecorder recorder;
   TickStatistics statistics;
   TelemetryHub hub(noisySource(kHundred));
@@ -197,14 +197,14 @@ TEST(TelemetryHub, ConsumersThatThrow_AreCalledNoMoreAndReported) {
   EXPECT_EQ(recorder.written(), 10U);  // 0 to 9
   EXPECT_EQ(hub.unrecorded(), 90U);
   std::vector<std::string> failures = hub.failures();
-  std::sort(failures.begin(), failures.end());  // the recorder has a thread of its own
+  std::sort(failures.begin(), failures.end());  // the recorder has its own thread
   ASSERT_EQ(failures.size(), 3U);
   EXPECT_EQ(failures[0], "sink 1 threw: no more paper");
   EXPECT_EQ(failures[1], "sink 2 threw: something that is no std::exception");
   EXPECT_EQ(failures[2], std::string("the recorder threw: ") + std::bad_alloc().what());
 }
 
-/// A disk that stands still from its first tick on, until it is let go.
+/// A disk that hangs from its first tick on until it is released.
 class HungRecorder final : public CountingRecorder {
  public:
   bool append(const TickRecord& record) override {
@@ -220,7 +220,7 @@ class HungRecorder final : public CountingRecorder {
   std::atomic<bool> go_{false};
 };
 
-TEST(TelemetryHub, DiskThatHangs_HoldsUpNobodyAndWhatItLostIsReported) {
+TEST(TelemetryHub, DiskThatHangs_BlocksNobodyAndItsLossIsReported) {
   constexpr std::uint64_t kTicks = 2000;
   HungRecorder recorder;
   std::uint64_t next = 0;
@@ -252,7 +252,7 @@ TEST(TelemetryHub, DiskThatHangs_HoldsUpNobodyAndWhatItLostIsReported) {
   EXPECT_GE(recorder.written(), room - 5);
 }
 
-TEST(TelemetryHub, SourceThatThrows_EndsInSilenceAndIsReported) {
+TEST(TelemetryHub, SourceThatThrows_EndsTheHubAndIsReported) {
   TelemetryHub hub([](TickRecord&) -> bool { throw std::runtime_error("gone"); });
   hub.start();
   hub.stop();

@@ -58,7 +58,7 @@ Array randomArray(int size, std::mt19937_64& random) {
   return a;
 }
 
-/// A record with every field set to something of its own.
+/// A record with every field set to a distinct value.
 inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   std::normal_distribution<double> n;
   const auto whole = [&random](int most) {
@@ -142,7 +142,7 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   return r;
 }
 
-/// So many of them, one after another.
+/// `count` of them, one after another.
 inline std::vector<TickRecord> noisyTicks(std::uint64_t count, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::vector<TickRecord> ticks;
@@ -150,7 +150,7 @@ inline std::vector<TickRecord> noisyTicks(std::uint64_t count, std::uint64_t see
   return ticks;
 }
 
-/// A whole recording of these ticks, closed.
+/// Writes a complete, closed recording of these ticks.
 inline void writeRecording(const std::string& path, const std::vector<TickRecord>& ticks,
                            const RecordingMeta& description = meta()) {
   const auto writer = RecordingWriter::create(path, description).value();
@@ -160,7 +160,7 @@ inline void writeRecording(const std::string& path, const std::vector<TickRecord
   writer->close();
 }
 
-/// Whether `read` is what a recording keeps of `wrote`: its number, its inputs, and by its digest
+/// True if `read` is what a recording keeps of `wrote`: its number, its inputs and, by the digest,
 /// all the rest.
 inline bool identical(const TickRecord& read, std::uint64_t digest, const TickRecord& wrote) {
   return read.tick == wrote.tick && digest == digestOf(wrote);

@@ -1,8 +1,8 @@
-// Bodies of a game in a recording, as its replay and its report show them.
+// Bodies of a game in a recording, as the replay and the report show them.
 #include "game_bodies/game_tools.hpp"
-#include "record/run/run.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"
+#include "rig/run/run.hpp"
 #include "support/folder.hpp"
 #include "unpacked.hpp"
 #include "wholehand_generated.h"
@@ -22,12 +22,12 @@ namespace {
 namespace fb = wholehand::protocol;
 
 constexpr std::uint64_t kGameTicks = 4000;
-constexpr int kSlots = 20;  ///< one after another, for 1.5 s each
+constexpr int kSlots = 20;  ///< filled one after another, each for 1.5 s
 
-/// Of one row: what there is, in words; and every shape by the id that it has there.
+/// The bodies at one row as text, each with its slot, generation, state and shapes.
 using Row = std::string;
 
-/// Reads changes by row. Shapes are kept for as long as a body has them, as clients do.
+/// Reads the changes by row. A shape is kept while a body has it, as clients do.
 std::map<std::uint64_t, Row> rowsIn(const std::string& changes) {
   std::map<std::uint64_t, Row> rows;
   std::map<std::uint32_t, std::string> shapes;
@@ -61,7 +61,7 @@ Row at(const std::map<std::uint64_t, Row>& rows, std::uint64_t row) {
   return after == rows.begin() ? "" : std::prev(after)->second;
 }
 
-/// Fixed balls and meshes that come and go beside the hand.
+/// Records fixed balls and meshes that appear and disappear beside the hand.
 std::string recordGame(const Folder& folder) {
   Models models = gameModels();
   std::shared_ptr<Rig> rig = orThrow(buildRig(std::move(models), atRest(), {}));
@@ -98,18 +98,18 @@ std::string recordGame(const Folder& folder) {
   return folder.file("game.h5");
 }
 
-/// Recorded once.
+/// The recording of recordGame(), made once.
 std::string recordedGame() {
   static const Folder folder;
   static const std::string path = recordGame(folder);
   return path;
 }
 
-TEST(GameRecording, BodiesInAReport_AreThoseOfTheReplayAtEveryStateThatItShows) {
+TEST(GameRecording, BodiesInAReport_EqualThoseOfTheReplayAtEveryState) {
   const std::string path = recordedGame();
   const auto reader = orThrow(RecordingReader::open(path));
   const auto replayed = rowsIn(gameBodiesOf(*reader));
-  // A slot's body is ordered in its hundred, and removed fifteen hundreds later.
+  // The body of slot k is ordered in ticks 100 k to 100 k + 99 and removed 1500 ticks later.
   EXPECT_EQ(at(replayed, 99), "");
   EXPECT_EQ(at(replayed, 150), "0.1 2 1 of type 1; ") << "a ball, solid";
   EXPECT_EQ(at(replayed, 250), "0.1 2 1 of type 1; 1.1 2 1 of type 4; ") << "and a mesh";
@@ -129,14 +129,14 @@ TEST(GameRecording, BodiesInAReport_AreThoseOfTheReplayAtEveryStateThatItShows) 
   }
 }
 
-TEST(GameRecording, BodiesAtFewerRows_AreFewerBytesAndRightAtThoseRows) {
+TEST(GameRecording, BodiesAtFewerRows_TakeFewerBytesAndAreRight) {
   const auto reader = orThrow(RecordingReader::open(recordedGame()));
   SampledBodies bodies(reader->meta());
   std::vector<std::uint64_t> rows;
   TickRecord record;
   for (std::uint64_t row = 0; row < reader->size(); ++row) {
     ASSERT_TRUE(reader->read(row, record));
-    bodies.see(record);
+    bodies.onRecord(record);
     if (row % 10 != 0) continue;
     bodies.keep(row);
     rows.push_back(row);

@@ -1,10 +1,10 @@
-// How soon an hour can be looked at, and what its report costs. Run with WHOLEHAND_FULL=1 for the
-// hour; else it is a minute.
+// Measures how fast a recording of an hour opens and what its report costs. WHOLEHAND_FULL=1 tests
+// the hour; otherwise it is a minute.
 #include "loop/realtime/monotonic_clock.hpp"
 #include "record/recording.hpp"
-#include "record/run/run.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"
+#include "rig/run/run.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
@@ -30,7 +30,7 @@ std::uint64_t ticksToWrite() {
   return isFull() ? 3'600'000U : 60'000U;
 }
 
-/// Two seconds of the bar, again and again, as one recording.
+/// Writes a recording that repeats two seconds of the bar.
 void writeLongBar(const std::string& path, std::uint64_t ticks) {
   ModelFiles files = shippedFiles();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
@@ -54,7 +54,7 @@ void writeLongBar(const std::string& path, std::uint64_t ticks) {
   writer->close();
 }
 
-/// Wall and CPU time of an answer [s].
+/// Wall and CPU time of one answer [s].
 struct Cost {
   double wall_s = 0.0, cpu_s = 0.0;
 };
@@ -76,7 +76,7 @@ Cost median(std::vector<Cost> costs, bool largest = false) {
   return {by(&Cost::wall_s), by(&Cost::cpu_s)};
 }
 
-void tell(const std::string& name, const Cost& cost) {
+void print(const std::string& name, const Cost& cost) {
   figure((name + "_wall").c_str(), 1e3 * cost.wall_s, "ms");
   figure((name + "_cpu").c_str(), 1e3 * cost.cpu_s, "ms");
 }
@@ -93,7 +93,7 @@ Cost report(const std::string& path) {
           1e-9 * static_cast<double>(threadCpuNow_ns() - cpu_ns)};
 }
 
-TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
+TEST(ReplayFigures, RecordingOfAnHour_OpensScrubsAndIsReportedInTime) {
   auto random = seededRandom(93);
   const Folder folder;
   const std::string path = folder.file("hour.h5");
@@ -110,27 +110,28 @@ TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
     open.wall_s += cost.wall_s;
     open.cpu_s += cost.cpu_s;
   }
-  tell("replay_about_scene_first_state", open);
+  print("replay_about_scene_first_state", open);
 
   std::vector<Cost> states, pieces;
   for (int i = 0; i < 200; ++i) {
     const std::string row = std::to_string(random() % ticks);
     states.push_back(askHour(recording, "states?tick=" + row + "&count=1&step=1"));
   }
-  tell("replay_state_median", median(states));
-  tell("replay_state_largest", median(states, true));
+  print("replay_state_median", median(states));
+  print("replay_state_largest", median(states, true));
 
   for (int i = 0; i < 3; ++i) {
     const std::uint64_t from_s = 60 * (random() % (ticks / 60'000));
     pieces.push_back(askHour(recording, "series?from_s=" + std::to_string(from_s) + "&to_s=" +
                                             std::to_string(from_s + 60) + "&columns=1000"));
   }
-  tell("replay_series_of_a_minute", median(pieces));
+  print("replay_series_of_a_minute", median(pieces));
   EXPECT_LT(median(states).cpu_s, 0.05) << "scrubbing answers within 50 ms";
 
   const Cost reported = report(path);
-  tell("replay_report", reported);
-  // Of an hour with pauses 20 s are asked for; the hand of this one never rests, which packs badly.
+  print("replay_report", reported);
+  // The requirement is 20 s for an hour with pauses. The hand of this recording never rests, so it
+  // compresses badly.
   EXPECT_LT(reported.cpu_s, isFull() ? 30.0 : 2.0) << "a report costs twice what it did";
 }
 

@@ -35,13 +35,13 @@ TEST(RecordingMarks, QuietTick_HasNone) {
   EXPECT_EQ(kindsOf(kRendering, &kRendering), Kinds{});
 }
 
-TEST(RecordingMarks, FirstTickThatIsArmed_SaysSo) {
+TEST(RecordingMarks, FirstArmedTick_IsMarkedAsArmed) {
   const TickRecord armed = tick(SafetyState::kArmed, Fault::kNone, 1.0);
   EXPECT_EQ(kindsOf(armed, nullptr), Kinds{"armed"});
   EXPECT_EQ(kindsOf(kRendering, &armed), Kinds{}) << "blended in: armed it was before";
 }
 
-TEST(RecordingMarks, WhatPeopleAsk_IsMarkedWhereItBegins) {
+TEST(RecordingMarks, OrdersOfPeople_AreMarkedWhereTheyBegin) {
   for (const auto& [bit, kind] : {std::pair{Fault::kStopRequested, "stop"},
                                   {Fault::kEmergencyStop, "emergency_stop"},
                                   {Fault::kHolderSilent, "controls_lost"}}) {
@@ -51,13 +51,13 @@ TEST(RecordingMarks, WhatPeopleAsk_IsMarkedWhereItBegins) {
   }
 }
 
-TEST(RecordingMarks, StoppingFault_NamesItselfAndItsAxis) {
+TEST(RecordingMarks, StoppingFault_IsMarkedWithItsNameAndAxis) {
   TickRecord faulted = tick(SafetyState::kFaulted, Fault::kSpeedLimit | Fault::kLateTick, 0.99);
   faulted.fault_axis = 3;
   const auto marks = marksOf(faulted, &kRendering, synthetic::meta());
   ASSERT_EQ(marks.size(), 1U);
   EXPECT_EQ(marks[0].kind, "fault");
-  EXPECT_EQ(marks[0].text, "speed limit exceeded");  // late ticks only inform
+  EXPECT_EQ(marks[0].text, "speed limit exceeded");  // late ticks are no stopping fault
   EXPECT_EQ(marks[0].axis, "finger_flexion");
   TickRecord more = faulted;
   more.faults |= Fault::kWorkspace;

@@ -1,4 +1,4 @@
-// Stretches of a recording against a plain loop over its rows.
+// Series over sections of a recording, compared with a plain loop over its rows.
 #include "replay/recording_series.hpp"
 
 #include "record/recording.hpp"
@@ -26,7 +26,7 @@ using synthetic::Folder;
 
 constexpr double kSeriesPeriod_s = 1e-3;
 
-/// Writes these ticks and reads them back.
+/// Writes these ticks to a recording and opens it.
 std::unique_ptr<RecordingReader> recorded(const Folder& folder,
                                           const std::vector<TickRecord>& ticks) {
   const std::string path = folder.file("run.h5");
@@ -34,7 +34,7 @@ std::unique_ptr<RecordingReader> recorded(const Folder& folder,
   return orThrow(RecordingReader::open(path));
 }
 
-/// Ticks in which nothing happens.
+/// `count` ticks without events.
 std::vector<TickRecord> quietTicks(std::uint64_t count) {
   std::vector<TickRecord> ticks;
   for (std::uint64_t tick = 0; tick < count; ++tick) {
@@ -91,7 +91,7 @@ const std::vector<Check>& checks() {
   return all;
 }
 
-/// A plain loop over every tick, for every column anew.
+/// Compares the series with a plain loop over all ticks for every column.
 void expectExtremes(const Series& series, const std::vector<TickRecord>& ticks, double from_s,
                     double to_s) {
   const auto columns = static_cast<double>(series.columns());
@@ -110,7 +110,7 @@ void expectExtremes(const Series& series, const std::vector<TickRecord>& ticks, 
         ASSERT_TRUE(std::isnan(series.low(channel, c))) << check.name << " column " << c;
         ASSERT_TRUE(std::isnan(series.high(channel, c))) << check.name << " column " << c;
       } else {
-        // A sum of numbers in single precision: a few units in the last place.
+        // The values are sums in single precision: they agree within a few units in the last place.
         ASSERT_NEAR(series.low(channel, c), low, 5e-7 * std::abs(low)) << check.name << " " << c;
         ASSERT_NEAR(series.high(channel, c), high, 5e-7 * std::abs(high)) << check.name << " " << c;
       }
@@ -118,14 +118,14 @@ void expectExtremes(const Series& series, const std::vector<TickRecord>& ticks, 
   }
 }
 
-TEST(RecordingSeries, Extremes_AreThoseOfAPlainLoop) {
+TEST(RecordingSeries, Extremes_EqualThoseOfAPlainLoop) {
   auto random = seededRandom(91);
   std::vector<TickRecord> ticks;
   for (std::uint64_t tick = 0; tick < 1200; ++tick) {
     ticks.push_back(synthetic::noisy(tick, random));
-    ticks.back().wall_ns += 1;  // 0 would be none
+    ticks.back().wall_ns += 1;  // 0 means that there is no value
   }
-  ticks.erase(ticks.begin() + 400, ticks.begin() + 460);  // so that columns are empty
+  ticks.erase(ticks.begin() + 400, ticks.begin() + 460);  // leaves columns empty
   const Folder folder;
   const auto reader = recorded(folder, ticks);
   std::uniform_real_distribution<double> time(-0.3, 1.5);
@@ -143,7 +143,7 @@ TEST(RecordingSeries, Extremes_AreThoseOfAPlainLoop) {
   }
 }
 
-TEST(RecordingSeries, ReaderThatSparesDatasets_GivesTheSameBytes) {
+TEST(RecordingSeries, ReaderOfOnlyTheNeededDatasets_GivesTheSameBytes) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
   synthetic::writeRecording(path, synthetic::noisyTicks(900, 7));
@@ -153,7 +153,7 @@ TEST(RecordingSeries, ReaderThatSparesDatasets_GivesTheSameBytes) {
   EXPECT_TRUE(seriesMessage(*sparing.reader, question) == seriesMessage(*whole, question));
 }
 
-TEST(RecordingSeries, OneTickThatSticksOut_IsSeenInAMinute) {
+TEST(RecordingSeries, SingleExtremeTick_IsVisibleInASeriesOfAMinute) {
   auto ticks = quietTicks(3000);
   ticks[1777].sent[4] = 7.5;
   ticks[1777].exercise.values[1] = -3.25;
@@ -161,17 +161,17 @@ TEST(RecordingSeries, OneTickThatSticksOut_IsSeenInAMinute) {
   const auto reader = recorded(folder, ticks);
   const Series series = seriesOf(*reader, 0.0, 60.0, 100);
   const std::size_t sent = series.channel("sent", 4), value = series.channel("value", 1);
-  EXPECT_EQ(series.high(sent, 2), 7.5F);  // 1.777 s of 0.6 s a column
+  EXPECT_EQ(series.high(sent, 2), 7.5F);  // 1.777 s lies in column 2; a column covers 0.6 s
   EXPECT_EQ(series.low(sent, 2), 0.0F);
   EXPECT_EQ(series.low(value, 2), -3.25F);
   EXPECT_TRUE(std::isnan(series.high(sent, 5))) << "the recording ends at 3 s";
 }
 
-TEST(RecordingSeries, MissingTicks_AreGapsAndSkippedOnesAreNot) {
+TEST(RecordingSeries, MissingTicks_AreGapsButSkippedPeriodsAreNot) {
   auto ticks = quietTicks(1000);
-  ticks[600].elapsed_periods = 11;  // the loop was late: ten periods are skipped
+  ticks[600].elapsed_periods = 11;  // the loop was late and skipped ten periods
   ticks.erase(ticks.begin() + 590, ticks.begin() + 600);
-  ticks.erase(ticks.begin() + 300, ticks.begin() + 325);  // the disk was full
+  ticks.erase(ticks.begin() + 300, ticks.begin() + 325);  // missing ticks, as if the disk was full
   const Folder folder;
   const auto reader = recorded(folder, ticks);
   const auto gaps = seriesOf(*reader, 0.0, 1.0, 10).header["gaps"];
@@ -180,12 +180,12 @@ TEST(RecordingSeries, MissingTicks_AreGapsAndSkippedOnesAreNot) {
   EXPECT_NEAR(gaps[0]["to_s"].get<double>(), 0.325, 1e-9);
   EXPECT_EQ(gaps[0]["ticks"], 25);
   EXPECT_EQ(reader->outline().missing, 25U);
-  // One that ends exactly where a stretch begins is reported there, and nowhere twice.
+  // A gap that ends exactly where a section begins is reported once, in the section before it.
   EXPECT_EQ(seriesOf(*reader, 0.0, 0.325, 10).header["gaps"].size(), 0U);
   EXPECT_EQ(seriesOf(*reader, 0.325, 1.0, 10).header["gaps"].size(), 1U);
 }
 
-TEST(RecordingSeries, EventsAndMarks_AreReportedOnceWhereverStretchesMeet) {
+TEST(RecordingSeries, EventsAndMarksAtSectionBorders_AreReportedOnce) {
   auto ticks = quietTicks(1000);
   ticks[123].exercise.event_count = 2;
   ticks[123].exercise.events[0] = {1, 3, 2.5};
@@ -217,7 +217,7 @@ TEST(RecordingSeries, EventsAndMarks_AreReportedOnceWhereverStretchesMeet) {
   EXPECT_EQ(reported, expected);
 }
 
-TEST(RecordingSeries, StretchWithoutTicks_IsEmptyAndNoFault) {
+TEST(RecordingSeries, SectionWithoutTicks_IsEmptyWithoutAFault) {
   const Folder folder;
   const auto reader = recorded(folder, quietTicks(10));
   for (const auto& [from_s, to_s] : {std::pair{5.0, 6.0}, {-2.0, -1.0}, {0.0091, 0.0099}}) {
@@ -227,8 +227,8 @@ TEST(RecordingSeries, StretchWithoutTicks_IsEmptyAndNoFault) {
   }
 }
 
-// Found by an audit: a time that is no number led the plots beyond their memory.
-TEST(RecordingSeries, TickWhoseTimeIsNoNumber_IsUnreadableAndNothingElse) {
+// Regression test from an audit: a time that was not a number made the plots write out of bounds.
+TEST(RecordingSeries, TickWithANonFiniteTime_IsTheOnlyUnreadableOne) {
   const Folder folder;
   for (const double time_s :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -250,9 +250,8 @@ TEST(RecordingSeries, TickWhoseTimeIsNoNumber_IsUnreadableAndNothingElse) {
   }
 }
 
-// Of neighbouring ticks beyond 2^53 the times are the same: a stretch from one to the next has no
-// length.
-TEST(RecordingReport, TicksNumberedBeyondDoubles_AreReported) {
+// Neighbouring ticks beyond 2^53 have equal times, so a section between them has no length.
+TEST(RecordingReport, TicksNumberedBeyondDoublePrecision_AreReported) {
   const Folder folder;
   std::vector<TickRecord> ticks = quietTicks(2);
   for (TickRecord& tick : ticks) {
@@ -265,7 +264,7 @@ TEST(RecordingReport, TicksNumberedBeyondDoubles_AreReported) {
   EXPECT_EQ((*data)["about"]["ticks"], 2);
 }
 
-TEST(RecordingSeries, FloodOfEvents_IsCutAndSaysSo) {
+TEST(RecordingSeries, FloodOfEvents_IsCutAndMarkedAsTruncated) {
   auto ticks = quietTicks(4000);
   for (TickRecord& r : ticks) r.exercise.event_count = kMaxExerciseEvents;
   const Folder folder;

@@ -1,5 +1,5 @@
-// The processes that read recordings, played by small shell scripts: each is called as
-// `program replay RECORDING --answer`. That the real program answers shows tests/apps.
+// Small shell scripts replace the processes that read recordings. Each is called as `program replay
+// RECORDING --answer`. tests/apps tests the real program.
 #include "replay/replay_children.hpp"
 
 #include "support/folder.hpp"
@@ -23,8 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-/// Answers each question with its process id, in eight characters, after the head of an answer
-/// (src/replay/replay_children.hpp): "WRA1", status 200, JSON, eight bytes.
+/// Script that answers each request with its process id in eight characters, after the answer's
+/// header (src/replay/replay_children.hpp): "WRA1", status 200, JSON, eight bytes.
 constexpr const char* kSaysItsId =
     "while read -r words; do echo \"$$ $2 $words\" >> \"$(dirname \"$0\")/asked\"\n"
     "printf 'WRA1\\310\\000\\001\\000\\010\\000\\000\\000\\000\\000\\000\\000%8d' $$; done";
@@ -66,13 +66,13 @@ TEST_F(ReplayChildrenTest, OneRecording_HasOneProcessForStatesAndOneForPlots) {
   EXPECT_NE(asked().find(path + " " + kState), std::string::npos) << asked();
 }
 
-TEST_F(ReplayChildrenTest, TokenInTheQuery_IsNotHandedOn) {
+TEST_F(ReplayChildrenTest, TokenInTheQuery_IsNotPassedOn) {
   ReplayChildren children(playing(kSaysItsId));
   (void)children.answer(recording("a.h5"), "states?tick=0&count=1&step=1&token=0123456789abcdef");
   EXPECT_EQ(asked().find("token"), std::string::npos) << asked();
 }
 
-TEST_F(ReplayChildrenTest, SoManyStay_AndTheOneAskedLongestAgoGoes) {
+TEST_F(ReplayChildrenTest, ProcessesBeyondTheLimit_EndTheOneAskedLongestAgo) {
   auto options = playing(kSaysItsId);
   options.most = 2;
   ReplayChildren children(options);
@@ -80,14 +80,14 @@ TEST_F(ReplayChildrenTest, SoManyStay_AndTheOneAskedLongestAgoGoes) {
   const std::string of_a = children.answer(a, kState).body;
   const std::string of_b = children.answer(b, kState).body;
   EXPECT_EQ(children.answer(a, kState).body, of_a);
-  (void)children.answer(c, kState);  // b goes
+  (void)children.answer(c, kState);  // ends the process of b
   EXPECT_EQ(children.answer(a, kState).body, of_a);
   EXPECT_NE(children.answer(b, kState).body, of_b);
 }
 
-TEST_F(ReplayChildrenTest, ManyWhoAskAtOnce_AreAllAnswered) {
+TEST_F(ReplayChildrenTest, ManyRequestsAtOnce_AreAllAnswered) {
   auto options = playing(kSaysItsId);
-  options.most = 2;  // so that processes go while others ask
+  options.most = 2;  // processes are ended while others ask
   ReplayChildren children(options);
   const std::string paths[] = {recording("a.h5"), recording("b.h5"), recording("c.h5")};
   std::vector<std::thread> pages;
@@ -105,7 +105,7 @@ TEST_F(ReplayChildrenTest, ManyWhoAskAtOnce_AreAllAnswered) {
   EXPECT_EQ(answered, 40);
 }
 
-TEST_F(ReplayChildrenTest, FileThatChanged_IsReadAnewWhenAskedAbout) {
+TEST_F(ReplayChildrenTest, ChangedFile_IsReadAgainAtTheNextAbout) {
   ReplayChildren children(playing(kSaysItsId));
   const std::string path = recording("a.h5");
   const std::string before = children.answer(path, "about").body;
@@ -117,7 +117,7 @@ TEST_F(ReplayChildrenTest, FileThatChanged_IsReadAnewWhenAskedAbout) {
   EXPECT_EQ(children.answer(path, kState).body, after);
 }
 
-TEST_F(ReplayChildrenTest, CrashOfTheReader_IsReportedAndTheNextOneTries) {
+TEST_F(ReplayChildrenTest, CrashOfTheReader_IsReportedAndTheNextRequestStartsANewOne) {
   ReplayChildren children(playing("read -r words; kill -SEGV $$"));
   for (int i = 0; i < 2; ++i) {
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
@@ -128,8 +128,8 @@ TEST_F(ReplayChildrenTest, CrashOfTheReader_IsReportedAndTheNextOneTries) {
   }
 }
 
-TEST_F(ReplayChildrenTest, ReaderThatSaysSomethingElse_IsNoAnswer) {
-  for (const char* text : {"read -r words; kill -TERM $$",  // somebody stopped it
+TEST_F(ReplayChildrenTest, MalformedAnswerOfTheReader_IsAnError) {
+  for (const char* text : {"read -r words; kill -TERM $$",  // ended from outside
                            "exit 0", "read -r words; echo hello, this is no answer at all",
                            "read -r words; printf WRA1"}) {
     ReplayChildren children(playing(text));
@@ -139,7 +139,7 @@ TEST_F(ReplayChildrenTest, ReaderThatSaysSomethingElse_IsNoAnswer) {
   }
 }
 
-TEST_F(ReplayChildrenTest, ReaderThatHangs_IsGivenUp) {
+TEST_F(ReplayChildrenTest, HangingReader_IsEnded) {
   auto options = playing("read -r words; exec sleep 600");
   options.patience = 300ms;
   ReplayChildren children(options);
@@ -148,7 +148,7 @@ TEST_F(ReplayChildrenTest, ReaderThatHangs_IsGivenUp) {
   EXPECT_NE(answer.body.find("in time"), std::string::npos) << answer.body;
 }
 
-TEST_F(ReplayChildrenTest, EndOfTheProgram_EndsTheWaiting) {
+TEST_F(ReplayChildrenTest, EndOfTheProgram_EndsWaitingRequests) {
   ReplayChildren children(playing("touch \"$(dirname \"$0\")/begun\"; exec sleep 600"));
   const std::string path = recording("a.h5");
   auto waiting = std::async(std::launch::async, [&] { return children.answer(path, "about"); });
@@ -158,7 +158,7 @@ TEST_F(ReplayChildrenTest, EndOfTheProgram_EndsTheWaiting) {
   EXPECT_EQ(children.answer(path, "about").status, 503);
 }
 
-TEST_F(ReplayChildrenTest, BadQuestions_StartNoProcess) {
+TEST_F(ReplayChildrenTest, BadRequests_StartNoProcess) {
   ReplayChildren children(playing(kSaysItsId));
   const std::string path = recording("a.h5");
   EXPECT_EQ(children.answer(path, "series?from_s=0&to_s=3600&columns=9").status, 400);
@@ -166,7 +166,7 @@ TEST_F(ReplayChildrenTest, BadQuestions_StartNoProcess) {
   EXPECT_EQ(asked(), "");
 }
 
-TEST_F(ReplayChildrenTest, BesideALoop_TheyHaveTheProgramsPriority) {
+TEST_F(ReplayChildrenTest, ReadersWhileALoopRuns_HaveTheProgramsPriority) {
   ReplayChildren children(
       playing("sleep 0.3; nice > \"$(dirname \"$0\")/asked\"; " + std::string(kSaysItsId)));
   (void)children.answer(recording("a.h5"), "about");

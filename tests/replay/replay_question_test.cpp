@@ -7,7 +7,7 @@
 namespace wholehand {
 namespace {
 
-using What = ReplayQuestion::What;
+using Kind = ReplayQuestion::Kind;
 
 ReplayQuestion parsed(const std::string& text) {
   const auto question = parseReplayQuestion(text);
@@ -15,24 +15,24 @@ ReplayQuestion parsed(const std::string& text) {
   return question ? *question : ReplayQuestion{};
 }
 
-TEST(ReplayQuestion, EachKind_IsReadAndReportedAgain) {
-  EXPECT_EQ(parsed("about").what, What::kAbout);
-  EXPECT_EQ(parsed("about?token=abc").what, What::kAbout);
-  EXPECT_EQ(parsed("scene?").what, What::kScene);
-  EXPECT_EQ(parsed("bodies?token=abc").what, What::kBodies);
+TEST(ReplayQuestion, EachKind_IsParsedAndWrittenBack) {
+  EXPECT_EQ(parsed("about").what, Kind::kAbout);
+  EXPECT_EQ(parsed("about?token=abc").what, Kind::kAbout);
+  EXPECT_EQ(parsed("scene?").what, Kind::kScene);
+  EXPECT_EQ(parsed("bodies?token=abc").what, Kind::kBodies);
   EXPECT_EQ(textOf(parsed("bodies?token=abc")), "bodies");
   const ReplayQuestion states = parsed("states?step=25&tick=7&token=abc&count=256");
-  EXPECT_EQ(states.what, What::kStates);
+  EXPECT_EQ(states.what, Kind::kStates);
   EXPECT_EQ(states.states.first, 7U);
   EXPECT_EQ(states.states.count, 256U);
   EXPECT_EQ(states.states.step, 25U);
-  EXPECT_EQ(textOf(states), "states?tick=7&count=256&step=25");  // what else stood there is gone
+  EXPECT_EQ(textOf(states), "states?tick=7&count=256&step=25");  // unknown parameters are dropped
   const ReplayQuestion series = parsed("series?from_s=0.1&to_s=60.1&columns=2000");
-  EXPECT_EQ(series.what, What::kSeries);
+  EXPECT_EQ(series.what, Kind::kSeries);
   EXPECT_EQ(series.series.from_s, 0.1);
   EXPECT_EQ(series.series.columns, 2000);
   const ReplayQuestion again = parsed(textOf(series));
-  EXPECT_EQ(again.series.from_s, series.series.from_s);  // to the last bit
+  EXPECT_EQ(again.series.from_s, series.series.from_s);  // bit-identical
   EXPECT_EQ(again.series.to_s, series.series.to_s);
 }
 
@@ -51,7 +51,7 @@ TEST(ReplayQuestion, NumbersOutOfRange_AreRefusedWithTheirKey) {
       {"series?from_s=0&to_s=1", "columns"},
       {"series?from_s=2&to_s=1&columns=10", "to_s"},
       {"series?from_s=1&to_s=1&columns=10", "to_s"},
-      {"series?from_s=0&to_s=3600&columns=10", "to_s"},  // a window of an hour
+      {"series?from_s=0&to_s=3600&columns=10", "to_s"},  // a section of an hour is too long
       {"series?from_s=nan&to_s=1&columns=10", "from_s"},
       {"series?from_s=0&to_s=inf&columns=10", "to_s"},
       {"series?from_s=0&to_s=1e400&columns=10", "to_s"},
@@ -72,7 +72,7 @@ TEST(ReplayQuestion, EveryFault_IsReportedAtOnce) {
   EXPECT_EQ(question.errors().size(), 3U);
 }
 
-TEST(ReplayQuestion, AnythingElse_HasNoKey) {
+TEST(ReplayQuestion, UnknownQuestion_IsRefusedWithoutAKey) {
   for (const char* text : {"", "?", "abou", "about/", "states/0", "SCENE", "../about"}) {
     const auto question = parseReplayQuestion(text);
     ASSERT_FALSE(question) << text;

@@ -1,16 +1,16 @@
-// A recording of the bar, looked at again: against its file, and against what the live program said
-// of the same ticks.
+// A replayed recording of the bar, compared with its file and with the messages of the live program
+// for the same ticks.
 #include "replay/replayed_recording.hpp"
 
-#include "record/run/run.hpp"
 #include "record/synthetic_recording.hpp"
 #include "replay/recording_report.hpp"
 #include "replay/series_reader.hpp"
+#include "rig/run/run.hpp"
 #include "station/scene_facts.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
 #include "support/python.hpp"
 #include "support/recorded_run.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "unpacked.hpp"
@@ -44,7 +44,7 @@ const fb::WorldState& stateIn(const std::string& bytes) {
   return *state;
 }
 
-/// Messages, each after its length in four bytes.
+/// Splits messages that are each preceded by their length in four bytes.
 std::vector<std::string> splitMessages(const std::string& body) {
   std::vector<std::string> messages;
   for (std::size_t at = 0; at < body.size();) {
@@ -57,7 +57,7 @@ std::vector<std::string> splitMessages(const std::string& body) {
   return messages;
 }
 
-/// The messages of an answer of states.
+/// The messages of an answer with states.
 std::vector<std::string> messagesIn(const ReplayAnswer& answer) {
   EXPECT_EQ(answer.status, 200) << answer.body;
   EXPECT_EQ(answer.content_type, "application/octet-stream");
@@ -85,7 +85,8 @@ Models barModels() {
   return load(files);
 }
 
-/// Nine seconds of the bar, four under a sanitizer; and what was reported to clients of each tick.
+/// Records nine seconds of the bar (four under a sanitizer) and the messages to clients for each
+/// tick.
 class RecordedBar {
  public:
   RecordedBar() {
@@ -96,7 +97,7 @@ class RecordedBar {
     RunPlan plan;
     plan.title = "bar";
     plan.simulated_clock = true;
-    plan.duration_ticks = kFew ? 4000 : 9000;
+    plan.duration_ticks = kReducedCounts ? 4000 : 9000;
     plan.record = path();
     plan.sinks.push_back([&](const TickRecord& record) {
       const auto message = live.encode(record, LoopStatus{}, wire::Detail::kFull, 0);
@@ -108,7 +109,7 @@ class RecordedBar {
 
   const Folder folder;
   std::shared_ptr<const SceneFacts> facts;
-  std::vector<std::string> states;  ///< of each tick, as live clients get them
+  std::vector<std::string> states;  ///< state message of each tick, as live clients get it
 };
 
 const RecordedBar& recordedBar() {
@@ -133,7 +134,8 @@ std::string bytesOfStructs(const Vector* v) {
                                     v->size() * sizeof(*v->Get(0)));
 }
 
-/// Numbers that follow from joints in single precision: 3 units in the last place of 1.
+/// Compares numbers computed from joints in single precision: within 3 units in the last place of
+/// 1.
 template <class Vector>
 void expectNear(const Vector& a, const Vector& b) {
   ASSERT_EQ(a.size(), b.size());
@@ -171,7 +173,7 @@ void expectAsInFile(const fb::WorldState& state, const TickRecord& row) {
   }
 }
 
-TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgram) {
+TEST(ReplayedRecording, ThousandRandomTicks_EqualTheFileAndTheLiveMessages) {
   auto random = seededRandom(92);
   const auto recording = openedAgain(recordedBar().path());
   const auto file = orThrow(RecordingReader::open(recordedBar().path()));
@@ -202,11 +204,11 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
   EXPECT_GT(with_contacts, 0) << "the bar was never touched: nothing of contacts was compared";
 }
 
-/// Of four seconds a report has a state each 18 ticks, of nine, where its size limit halves them,
-/// each 40: 25 pictures a second.
-const std::size_t kTicksAPicture = kFew ? 18 : 40;
+/// Ticks between two states of a report: 18 for a recording of four seconds; 40 for nine, where the
+/// size limit halves their number. Both give 25 pictures a second.
+const std::size_t kTicksAPicture = kReducedCounts ? 18 : 40;
 
-TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
+TEST(RecordingReport, EveryState_EqualsThatOfTheFile) {
   const Json data = orThrow(reportData(recordedBar().path(), ""));
   const auto rows = data["states"]["rows"].get<std::vector<std::uint64_t>>();
   const auto messages = splitMessages(unpacked(data["states"]["messages"]));
@@ -225,7 +227,7 @@ TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
   }
 }
 
-TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
+TEST(RecordingReport, RecordingReadAsALongOne_GivesTheSamePage) {
   const Json read_once = orThrow(reportData(recordedBar().path(), ""));
   const Json read_as_long = orThrow(reportData(recordedBar().path(), "", {}, 0));
   EXPECT_GE(read_once["states"]["rows"].size(), recordedBar().states.size() / kTicksAPicture);
@@ -234,7 +236,7 @@ TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
   }
 }
 
-TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
+TEST(ReplayedRecording, Scene_EqualsTheLiveOneExceptForProgramFields) {
   const auto recording = openedAgain(recordedBar().path());
   const ReplayAnswer answer = ask(*recording, "scene");
   ASSERT_EQ(answer.status, 200) << answer.body;
@@ -251,7 +253,7 @@ TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
   EXPECT_FALSE(scene->exercise_json()->str().empty());
 }
 
-TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
+TEST(ReplayedRecording, About_DescribesTheContentsOfTheFile) {
   const auto recording = openedAgain(recordedBar().path());
   const Json about = aboutOf(*recording);
   const Json expected = {{"name", "bar.h5"},
@@ -277,7 +279,7 @@ TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
   EXPECT_TRUE(about["result"][0]["decimals"].is_number());
 }
 
-TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
+TEST(ReplayedRecording, StatesInSteps_AreTheRequestedRowsAndFewerAtTheEnd) {
   const auto recording = openedAgain(recordedBar().path());
   const auto ticksOf = [&](const std::string& question) {
     std::vector<std::uint64_t> ticks;
@@ -293,7 +295,7 @@ TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
   EXPECT_TRUE(ticksOf("states?tick=" + std::to_string(size) + "&count=1&step=1").empty());
 }
 
-TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
+TEST(ReplayedRecording, RecordingWithoutExerciseOrBodies_ShowsTheHandAlone) {
   const Folder folder;
   const auto recording =
       openedAgain(recordRest(load(shippedFiles("lambda-pride", "empty")), folder.file("rest.h5")));
@@ -312,20 +314,20 @@ TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
   EXPECT_EQ(ask(*recording, "scene").status, 200);
 }
 
-/// Ticks whose file carries no scene, hand ...
+/// Writes a recording of plain ticks whose file contains no scene, hand ...
 std::string synthetic(const Folder& folder, std::uint64_t ticks) {
   const std::string path = folder.file("synthetic.h5");
   synthetic::writeRecording(path, synthetic::noisyTicks(ticks, 5));
   return path;
 }
 
-TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
+TEST(ReplayedRecording, RecordingWithoutItsSceneFiles_HasAllButThePicture) {
   const Folder folder;
   const auto recording = openedAgain(synthetic(folder, 300));
   const Json about = aboutOf(*recording);
   EXPECT_EQ(about["picture"], false);
   const std::string why = about["no_picture_because"];
-  EXPECT_TRUE(says(why, "carries no scene file"));
+  EXPECT_TRUE(contains(why, "carries no scene file"));
   EXPECT_EQ(about["run_again"], false) << "its models were changed in memory";
   EXPECT_EQ(about["device"], "lambda-pride");
   EXPECT_EQ(about["axes"].size(), 6U);
@@ -338,14 +340,15 @@ TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
   EXPECT_EQ(stateIn(messages[0]).q_m()->size(), 6U);
 }
 
-TEST(ReplayedRecording, OfNoTicks_IsRefused) {
+TEST(ReplayedRecording, RecordingWithoutTicks_IsRefused) {
   const Folder folder;
   const ReplayAnswer refused = ask(*openedAgain(synthetic(folder, 0)), "about");
   EXPECT_EQ(refused.status, 422);
-  EXPECT_TRUE(says(Json::parse(refused.body)["error"].get<std::string>(), "holds no ticks"));
+  EXPECT_TRUE(contains(Json::parse(refused.body)["error"].get<std::string>(), "holds no ticks"));
 }
 
-/// A recording of 2000 ticks, eight chunks of 250, of which one chunk of a dataset is zeros.
+/// A recording of 2000 ticks in eight chunks of 250; one chunk of `dataset` is overwritten with
+/// zeros.
 std::string damaged(const Folder& folder, const std::string& dataset, int chunk) {
   const std::string path = synthetic(folder, 2000);
   EXPECT_EQ(python("path, name, number = '" + path + "', '" + dataset + "', " +
@@ -380,7 +383,7 @@ TEST(ReplayedRecording, DamagedChunk_IsReportedAndTheRestIsShown) {
   const ReplayAnswer state =
       ask(*recording, "states?tick=" + std::to_string(kBad) + "&count=1&step=1");
   EXPECT_EQ(state.status, 422);
-  EXPECT_TRUE(says(state.body, "cannot be read"));
+  EXPECT_TRUE(contains(state.body, "cannot be read"));
   const Series series(ask(*recording, "series?from_s=-0.0005&to_s=1.9995&columns=2000").body);
   EXPECT_TRUE(series.header["truncated"]);
   const std::size_t channel = series.channel("q_m", 0);

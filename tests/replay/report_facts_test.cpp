@@ -16,10 +16,10 @@
 namespace wholehand {
 namespace {
 
-/// Time moved, a tick at a time.
+/// Moved time before and after the current tick.
 struct Moving {
   MovedTime before, now;
-  void tick(Mover by, Help help = Help::kUnsaid, std::uint32_t periods = 1) {
+  void tick(Mover by, Help help = Help::kUnspecified, std::uint32_t periods = 1) {
     before = now;
     now.add(by, help, periods);
   }
@@ -33,40 +33,42 @@ TEST(MovedTime, PersonWithoutATick_IsNotCredited) {
   EXPECT_EQ(time.mostHelp(), Help::kSome);
   time.add(Mover::kPerson, Help::kFull, 999'998);
   EXPECT_EQ(time.mostHelp(), Help::kFull);
-  time.add(Mover::kNobody, Help::kFull, 1);  // one period of a million
+  time.add(Mover::kNobody, Help::kFull, 1);  // one of a million periods
   EXPECT_TRUE(time.isShared());
   EXPECT_EQ(time.share(), 999'999.0 / 1'000'000.0);
   EXPECT_EQ(time.mostly(), Mover::kPerson);
   EXPECT_EQ((time - time).sum(), 0U);
 }
 
-TEST(TouchLog, ShortBreaks_AreOneTouch) {
-  TouchLog log(3, "cube");
+TEST(BodyContacts, ContactsWithShortBreaks_AreOneTouch) {
+  BodyContacts log(3, "cube");
   Moving moving;
   for (int i = 0; i < 3000; ++i) {
     const double t = i * 1e-3;
     const bool touching = (t >= 0.5 && t < 1.0 && i % 50 > 5) || (t >= 2.0 && t < 2.25);
-    // In a break between two contacts of the first touch somebody else moves.
+    // In a break between two contacts of the first touch, the virtual patient moves the hand.
     moving.tick(i == 603 ? Mover::kVirtualPatient : Mover::kPerson);
     if (touching) log.contact({t, 1e-3, 2.0 + t, t >= 2.0}, moving.before, moving.now);
-    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0}, t, true);  // with 0.4 mm of jitter
+    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0}, t, true);  // 0.4 mm of jitter
   }
-  const std::vector<Touch>& touches = log.story().touches;
+  const std::vector<Touch>& touches = log.timeline().touches;
   ASSERT_EQ(touches.size(), 2U);
   EXPECT_EQ(touches[0].body, 3);
-  EXPECT_NEAR(touches[0].to_s - touches[0].from_s, 0.494, 1e-9);  // from its contact at 0.506 s
+  EXPECT_NEAR(touches[0].to_s - touches[0].from_s, 0.494,
+              1e-9);  // from the first contact, at 0.506 s
   EXPECT_NEAR(touches[1].largest_force_n, 4.249, 1e-9);
   EXPECT_NEAR(touches[1].held_s, 0.25, 1e-9);
   EXPECT_TRUE(touches[0].moved.isShared());
-  ASSERT_EQ(log.story().persons().size(), 1U);
-  EXPECT_EQ(log.story().persons()[0].from_s, touches[1].from_s);
-  // From the first contact of each to 0.2 s, the break that is bridged, after its last.
-  EXPECT_NEAR(log.story().travelled_m, 0.1 * (1.2 - 0.506) + 0.1 * (2.45 - 2.0), 2e-3);
+  ASSERT_EQ(log.timeline().persons().size(), 1U);
+  EXPECT_EQ(log.timeline().persons()[0].from_s, touches[1].from_s);
+  // Each touch counts from its first contact to 0.2 s after its last; 0.2 s is the longest break
+  // that is bridged.
+  EXPECT_NEAR(log.timeline().travelled_m, 0.1 * (1.2 - 0.506) + 0.1 * (2.45 - 2.0), 2e-3);
 }
 
-// The row of fruit goes on by itself; a finger passed over it once.
-TEST(TouchLog, BodyThatTheExerciseSlidesOn_TravelledNothing) {
-  TouchLog log(3, "lemon");
+// The exercise moves a row of fruit; a finger touched it once before.
+TEST(BodyContacts, BodyMovedByTheExercise_HasTravelledNothing) {
+  BodyContacts log(3, "lemon");
   Moving moving;
   for (int i = 0; i < 10'000; ++i) {
     const double t = i * 1e-3;
@@ -74,11 +76,11 @@ TEST(TouchLog, BodyThatTheExerciseSlidesOn_TravelledNothing) {
     if (i >= 1000 && i < 1100) log.contact({t, 1e-3, 2.0, false}, moving.before, moving.now);
     log.position({i < 2000 ? 0.0 : 0.1 * (t - 2.0), 0.0, 0.0}, t, true);
   }
-  EXPECT_EQ(log.story().travelled_m, 0.0);
+  EXPECT_EQ(log.timeline().travelled_m, 0.0);
 }
 
-// A force of 4 N + 0.5 N sin(2π 5 Hz t) over whole periods: its mean is 4 N, its deviation 0.5/√2
-// N.
+// A force of 4 N + 0.5 N sin(2π 5 Hz t) over whole periods has the mean 4 N and the deviation
+// 0.5/√2 N.
 TEST(GripLog, SteadyGripWithTremor_HasItsMeanAndDeviation) {
   GripLog log;
   Moving moving;
@@ -86,7 +88,7 @@ TEST(GripLog, SteadyGripWithTremor_HasItsMeanAndDeviation) {
     const double t = i * 1e-3;
     const bool rises = t < 1.25 || t >= 3.75;  // the first and the last quarter of a second
     const double tremor_n = 0.5 * std::sin(2.0 * std::numbers::pi * 5.0 * t);
-    moving.tick(i == 1000 ? Mover::kMotion : Mover::kPerson);  // its first tick
+    moving.tick(i == 1000 ? Mover::kMotion : Mover::kPerson);  // the first tick of the grip
     const double force_n = t < 1.0 || t >= 4.0 ? 0.0 : rises ? 9.0 : 4.0 + tremor_n;
     log.add(t, force_n, moving.before, moving.now);
   }
@@ -97,11 +99,11 @@ TEST(GripLog, SteadyGripWithTremor_HasItsMeanAndDeviation) {
   EXPECT_NEAR(grip.mean_n, 4.0, 0.01);
   EXPECT_NEAR(grip.deviation_n, 0.5 / std::sqrt(2.0), 0.01);
   EXPECT_EQ(grip.largest_n, 9.0);
-  EXPECT_EQ(grip.moved.sum(), 3000U);  // 1.000 s .. 3.999 s
+  EXPECT_EQ(grip.moved.sum(), 3000U);  // 1.000 s to 3.999 s
   EXPECT_EQ(grip.moved.persons(), 2999U);
 }
 
-TEST(GripLog, TouchesOfLessThanASecondOrANewton_AreNoGrips) {
+TEST(GripLog, TouchesBelowASecondOrANewton_AreNoGrips) {
   GripLog log;
   const MovedTime none;
   for (int i = 0; i < 3000; ++i) log.add(i * 1e-3, i % 1000 < 900 ? 5.0 : 0.0, none, none);
@@ -122,7 +124,7 @@ TickRecord restingTick(int number) {
   return record;
 }
 
-/// Facts of so many resting ticks, of which `change` makes what they are.
+/// Makes facts of `ticks` resting ticks; `change` edits each one.
 nlohmann::json therapyFacts(int ticks, const std::function<void(TickRecord&, int)>& change,
                             const RecordingMeta& meta = synthetic::meta()) {
   TherapyFacts facts(meta);
@@ -134,21 +136,22 @@ nlohmann::json therapyFacts(int ticks, const std::function<void(TickRecord&, int
   return facts.json();
 }
 
-TEST(TherapyFacts, LimitThatChanges_IsReportedWithItsTimesAndStaysShort) {
+TEST(TherapyFacts, ChangingLimit_IsReportedByTimeInAShortList) {
   const auto limits = therapyFacts(4000, [](TickRecord& record, int i) {
     record.effort_limit[2] = i < 2000 ? 20.0 : 8.0;
-    record.effort_limit[3] = 20.0 - 10.0 * std::min(1.0, i / 2000.0);  // 2 s from 20 N to 10 N
+    record.effort_limit[3] =
+        20.0 - 10.0 * std::min(1.0, i / 2000.0);  // falls from 20 N to 10 N in 2 s
   })["limits"];
   ASSERT_EQ(limits.size(), 6U);
   EXPECT_EQ(limits[0], nlohmann::json::parse("[[0.0, 20.0]]"));
   EXPECT_EQ(limits[2], nlohmann::json::parse("[[0.0, 20.0], [2.0, 8.0]]"));
-  EXPECT_LE(limits[3].size(), 23U);  // one every 0.1 s
+  EXPECT_LE(limits[3].size(), 23U);  // one entry every 0.1 s
   EXPECT_EQ(limits[3].back()[1], 10.0);
 }
 
-TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay) {
+TEST(TherapyFacts, SlotsOfAGame_CountOnlyWithABodyAndOnlyItsOwnTravel) {
   RecordingMeta meta = synthetic::meta();
-  const auto scene_bodies = meta.body_names.size() - 2;  // the last two are taken for slots
+  const auto scene_bodies = meta.body_names.size() - 2;  // the last two bodies serve as slots
   meta.game_slots = 2;
   meta.capsule_names = {"palm"};
   const auto slot = static_cast<int>(scene_bodies);
@@ -186,13 +189,14 @@ TEST(TherapyFacts, ForceOnABody_IsReportedByItsName) {
   ASSERT_EQ(json["bodies"].size(), 1U);
   EXPECT_EQ(json["bodies"][0]["name"], "cylinder");
   EXPECT_NEAR(json["bodies"][0]["held_s"].get<double>(), 1.0, 1e-9);
-  EXPECT_NEAR(json["bodies"][0]["largest_force_n"].get<double>(), 10.0, 1e-12);  // twice 5 N
+  EXPECT_NEAR(json["bodies"][0]["largest_force_n"].get<double>(), 10.0,
+              1e-12);  // two contacts of 5 N
   EXPECT_NEAR(json["strongest"]["time_s"].get<double>(), 1.0, 1e-12);
   EXPECT_EQ(json["strongest"]["row"], 1000);
 }
 
-TEST(TherapyFacts, LimitThatChangesAllTheTime_EndsWithTheOneInForce) {
-  // Every 0.5 s another limit for 5,000 s: more than a page holds.
+TEST(TherapyFacts, LimitThatChangesAllTheTime_EndsWithTheLastValue) {
+  // The limit changes every 0.5 s for 5,000 s, which is more than a page holds.
   const auto json = therapyFacts(10'000, [](TickRecord& record, int i) {
     record.time_s = 0.5 * i;
     record.effort_limit[1] = 5.0 + i % 7;
@@ -205,8 +209,8 @@ TEST(TherapyFacts, LimitThatChangesAllTheTime_EndsWithTheOneInForce) {
   EXPECT_GE(json["limits_between_s"].get<double>(), 0.5);
 }
 
-TEST(TherapyFacts, TouchesBeyondThoseDrawn_AreCountedAndInTheSums) {
-  // A touch of one tick every 0.25 s, 3,000 of them, on one body; every third by nobody.
+TEST(TherapyFacts, TouchesBeyondTheDrawnOnes_AreCountedInTheSums) {
+  // 3,000 touches of one body, one tick long and 0.25 s apart; nobody moves during every third.
   RecordingMeta meta = synthetic::meta();
   meta.capsule_names = {"palm"};
   const auto json = therapyFacts(
@@ -225,7 +229,7 @@ TEST(TherapyFacts, TouchesBeyondThoseDrawn_AreCountedAndInTheSums) {
   EXPECT_EQ(json["bodies"][0]["touches"], 2'000);
 }
 
-/// A bar of two values and the events that a report reads.
+/// Metadata of a bar with two values and the events that a report reads.
 RecordingMeta barMeta() {
   RecordingMeta meta = synthetic::meta();
   meta.event_names = {"engaged", "step_done", "drink_done", "level_done", "restarted"};
@@ -238,13 +242,13 @@ RecordingMeta barMeta() {
   return meta;
 }
 
-/// One thing of a play at the bar: an event at a tick, with what the exercise counts from it on.
+/// One event of a session at the bar: its tick, and the values of the exercise from then on.
 struct BarMoment {
   int tick, event, index;
   double value, poured_l, score;
 };
 
-/// The play of some moments; `mover` of each tick.
+/// Facts of a session with these events; `mover` gives the mover of each tick.
 nlohmann::json barFacts(const std::vector<BarMoment>& moments,
                         const std::function<Mover(int)>& mover) {
   double poured_l = 0.0, score = 0.0;
@@ -266,7 +270,8 @@ nlohmann::json barFacts(const std::vector<BarMoment>& moments,
 
 enum : int { kEngaged, kStepDone, kDrinkDone, kLevelDone, kRestarted };
 
-// Two drinks of 40 ml finish a level; it begins again, and a third drink of 30 ml is finished.
+// Two drinks of 40 ml finish a level. The level begins again, and a third drink of 30 ml is
+// finished.
 const std::vector<BarMoment> kThreeDrinks = {
     {100, kEngaged, 0, 0.0, 0.0, 0.0},       {300, kStepDone, 0, 0.04, 0.04, 0.0},
     {300, kDrinkDone, 0, 90.0, 0.04, 90.0},  {500, kEngaged, 0, 0.0, 0.04, 90.0},
@@ -276,7 +281,7 @@ const std::vector<BarMoment> kThreeDrinks = {
     {1200, kDrinkDone, 0, 70.0, 0.03, 70.0}, {1900, kRestarted, -1, 0.0, 0.0, 0.0},
 };
 
-TEST(TherapyFacts, LevelThatBeginsAgain_KeepsTheFiguresOfItsFinishedDrinks) {
+TEST(TherapyFacts, RestartedLevel_KeepsTheFiguresOfItsFinishedDrinks) {
   const auto json = barFacts(kThreeDrinks, [](int) { return Mover::kPerson; });
   EXPECT_EQ(json["sums"]["drink_done"]["count"], 3);
   EXPECT_EQ(json["sums"]["drink_done"]["stars"], 9.0);
@@ -287,8 +292,8 @@ TEST(TherapyFacts, LevelThatBeginsAgain_KeepsTheFiguresOfItsFinishedDrinks) {
   EXPECT_EQ(json["moved"]["share"], 1.0);
 }
 
-TEST(TherapyFacts, DrinksOfTheVirtualPatient_AreListedAndInNoSum) {
-  // The person moves from tick 500, in which the second drink begins, to 1199, before the third
+TEST(TherapyFacts, DrinksOfTheVirtualPatient_AreListedButNotSummed) {
+  // The person moves from tick 500, when the second drink begins, to tick 1199, before the third
   // ends.
   const auto json = barFacts(kThreeDrinks, [](int tick) {
     return tick >= 500 && tick < 1200 ? Mover::kPerson : Mover::kVirtualPatient;
@@ -304,19 +309,19 @@ TEST(TherapyFacts, DrinksOfTheVirtualPatient_AreListedAndInNoSum) {
   EXPECT_EQ(json["parts"][0]["share"], 0.0);
   EXPECT_TRUE(json["parts"][1]["persons"].get<bool>());
   EXPECT_EQ(json["parts"][2]["event"], "level_done");
-  EXPECT_EQ(json["parts"][2]["share"], 301.0 / 701.0);  // ticks 100 to 800, from 500 on
-  EXPECT_EQ(json["parts"][3]["share"], 200.0 / 201.0);  // ticks 1000 to 1200, but the last
+  EXPECT_EQ(json["parts"][2]["share"], 301.0 / 701.0);  // ticks 500 to 800 of 100 to 800
+  EXPECT_EQ(json["parts"][3]["share"], 200.0 / 201.0);  // all but the last of ticks 1000 to 1200
   EXPECT_EQ(json["sums"]["level_done"]["shared"], 1);
   EXPECT_EQ(json["moved"]["by"], nlohmann::json({0, 700, 1300, 0}));
   EXPECT_EQ(json["moved"]["runs"].size(), 3U);
-  // Reaches: 0 .. 100, 300 .. 500, 900 .. 1000.
+  // The reaches are ticks 0 to 100, 300 to 500 and 900 to 1000.
   EXPECT_EQ(json["reaches"]["count"], 1);
   EXPECT_EQ(json["reaches"]["shared"], 1);
   EXPECT_EQ(json["reaches"]["others"], 1);
 }
 
-/// A reach of 0.3 m to the left and 0.4 m up in a second each, at 0.3 and 0.4 m/s, with 0.2 mm of
-/// tremor; before it, the virtual patient moves 1 m, ten times as fast.
+/// A reach of 0.3 m to the left and then 0.4 m up, one second each, at 0.3 and 0.4 m/s, with 0.2 mm
+/// of tremor. Before it, the virtual patient moves 1 m at 2 m/s.
 void reachAroundACorner(TickRecord& record, int i) {
   constexpr int kPersonFrom = 500;
   const double t = 1e-3 * (i - kPersonFrom), tremor_m = 2e-4 * (i % 2);
@@ -335,8 +340,9 @@ void reachAroundACorner(TickRecord& record, int i) {
   if (i == kPersonFrom + 2000) out.events[out.event_count++] = {kEngaged, 0, 0.0};
 }
 
-// The patient's speed is still in the hand when the person takes it over, and aims at nothing.
-TEST(TherapyFacts, HandTakenOverInMotion_HasNoPeakSpeedOfThePersons) {
+// The hand still moves at the virtual patient's speed when the person takes over; the person aims
+// at nothing.
+TEST(TherapyFacts, HandTakenOverInMotion_GivesThePersonNoPeakSpeed) {
   const auto change = [](TickRecord& record, int i) {
     record.moved_by = i < 500 ? Mover::kVirtualPatient : Mover::kPerson;
     record.qd_mf = AxisVelocity(6);
@@ -345,8 +351,8 @@ TEST(TherapyFacts, HandTakenOverInMotion_HasNoPeakSpeedOfThePersons) {
   EXPECT_TRUE(therapyFacts(2000, change, barMeta())["reaches"]["peak_m_s"].is_null());
 }
 
-// Path over straight line: (0.3 + 0.4) / 0.5. Tremor across a step of 1 mm makes it 2 % longer at
-// most: sqrt(1 + 0.2²).
+// Path over straight line: (0.3 + 0.4) / 0.5. Tremor across steps of 1 mm makes the path 2 % longer
+// at most: sqrt(1 + 0.2²).
 TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
   const test::Folder folder;
   const std::string path = folder.path() + "/visit.h5";
@@ -379,8 +385,8 @@ TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
   EXPECT_EQ((*measures)["recording"]["sha256"], sha256(bytes));
 }
 
-// Killed in its first second: whose it was is known all the same.
-TEST(RecordingMeasures, WithoutATick_SaysWhoseItIs) {
+// A recording killed in its first second still names its visit.
+TEST(RecordingMeasures, RecordingWithoutATick_NamesItsVisit) {
   const test::Folder folder;
   const std::string path = folder.path() + "/short.h5";
   RecordingMeta meta = barMeta();
@@ -396,7 +402,7 @@ TEST(RecordingMeasures, WithoutATick_SaysWhoseItIs) {
   EXPECT_TRUE((*measures)["peak_speed_m_s"].is_null());
 }
 
-TEST(RecordingMeasures, OfAFileThatIsNone_NamesIt) {
+TEST(RecordingMeasures, DamagedFile_IsNamed) {
   const test::Folder folder;
   const std::string path = folder.path() + "/cut.h5";
   std::ofstream(path) << "half a recor";
@@ -410,14 +416,14 @@ TEST(EngineeringFacts, Ticks_AreCountedInStepsOfThePeriod) {
   EngineeringFacts facts(meta);
   for (int i = 0; i < 4000; ++i) {
     TickRecord record = restingTick(i);
-    record.wall_ns = 95'500;  // 9.55 % of a millisecond
+    record.wall_ns = 95'500;  // 9.55 % of 1 ms
     if (i == 7) record.faults = Fault::kSpeedLimit;
     if (i == 7) record.fault_axis = 3;
     facts.add(record);
   }
   const auto json = facts.json();
   EXPECT_EQ(json["times"]["counts"][9], 4000);
-  EXPECT_NEAR(json["damped_share"].get<double>(), 0.25, 1e-12);  // the first second of four
+  EXPECT_NEAR(json["damped_share"].get<double>(), 0.25, 1e-12);  // 1 s of 4 s
   ASSERT_EQ(json["faults"].size(), 1U);
   EXPECT_EQ(json["faults"][0]["name"], "speed limit exceeded");
   EXPECT_EQ(json["faults"][0]["axis"], "finger_flexion");

@@ -10,7 +10,7 @@
 
 namespace wholehand::test {
 
-/// A stretch of plots, read as docs/protocol.md lays it out.
+/// A section of plot data, read as specified in docs/protocol.md.
 struct Series {
   nlohmann::json header;
   std::vector<float> values;
@@ -18,7 +18,7 @@ struct Series {
   explicit Series(const std::string& message) {
     std::uint32_t bytes = 0;
     std::memcpy(&bytes, message.data(), sizeof bytes);
-    EXPECT_EQ(bytes % 4U, 0U);  // padded with spaces: the numbers are aligned
+    EXPECT_EQ(bytes % 4U, 0U);  // padded with spaces, so that the numbers are aligned
     header = nlohmann::json::parse(message.substr(4, bytes));
     const std::size_t begin = 4 + bytes;
     values.resize((message.size() - begin) / sizeof(float));

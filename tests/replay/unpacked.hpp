@@ -10,7 +10,7 @@
 
 namespace wholehand::test {
 
-/// What packBytes() packed, by Python's own base64 and zlib.
+/// Unpacks the text of packBytes() with Python's own base64 and zlib.
 inline std::string unpacked(const std::string& text) {
   const Folder folder;
   const std::string packed = folder.write("packed", text), bytes = folder.file("bytes");

@@ -1,4 +1,4 @@
-// Names against the rules, for tidy_bites.sh; never compiled.
+// Names against the rules, for clang_tidy_rejects_bad_names.sh; never compiled.
 struct bad_type {};
 enum class Choice { badEnumerator, kGoodEnumerator };
 constexpr int bad_constant = 1;

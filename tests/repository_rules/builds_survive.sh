@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What scripts/lib.sh builds where a build goes wrong: a path with spaces, a build that is killed half way, a
-# tree that was moved, a full disk, a missing compiler, a second build in the same tree.
+# Builds of scripts/lib.sh under adverse conditions: a path with spaces, a build killed half way, a moved tree, a full
+# disk, a missing compiler, a second build in the same tree.
 set -euo pipefail
 folder=$(mktemp -d)
 disk=$folder/disk
@@ -8,14 +8,14 @@ trap 'umount "$disk" 2>/dev/null || true; rm -rf "$folder"' EXIT
 # shellcheck source=tests/repository_rules/wrong.sh
 source tests/repository_rules/wrong.sh
 
-# Enough of the tree to configure all of it. One small library is built.
+# Copies enough of the tree to configure all of it. One small library is built.
 copy_tree() { # <to>
   mkdir -p "$1"
   git ls-files -z -- CMakeLists.txt CMakePresets.json LICENSE cmake protocol clients src include drivers experiments apps \
     packaging data scripts start check | tar --null -T - -c | tar -x -C "$1"
 }
 target=wholehand_page
-# in_tree <tree> <command ...>: as ./start and ./check call it.
+# in_tree <tree> <command ...>: runs it as ./start and ./check do.
 in_tree() {
   # shellcheck disable=SC2016
   CCACHE_DISABLE=1 bash -c 'set -euo pipefail; root=$1; shift; cd "$root"; source scripts/lib.sh; "$@"' lib "$@" 2>&1
@@ -29,14 +29,14 @@ objects() { # <tree>: the sums of all that was compiled
   (cd "$1/build/release" && find . \( -name '*.o' -o -name '*.a' \) -print0 | sort -z | xargs -0 sha256sum)
 }
 
-# A path with spaces; whole, it is what the killed builds are held against.
+# A path with spaces. Its complete build is the reference for the killed builds.
 tree="$folder/a tree"
 copy_tree "$tree"
 build_it "$tree"
 whole=$(objects "$tree")
 [[ -n $whole ]] || wrong "nothing was built in '$tree'"
 
-# Killed half way, three times, at other points.
+# Kills the build half way, three times, at different points.
 rm -rf "$tree/build"
 in_tree "$tree" configure release -DWHOLEHAND_BUILD_TESTS=OFF >/dev/null
 for seconds in 0.5 1.2 2.1; do
@@ -50,7 +50,7 @@ done
 build_it "$tree"
 [[ $(objects "$tree") == "$whole" ]] || wrong "after three killed builds something else is built"
 
-# Two at once: the second one names the first.
+# Two builds at once: the second one names the first.
 exec 8>>"$tree/build/check.lock"
 flock -n 8
 echo $$ >"$tree/build/check.lock"
@@ -58,7 +58,7 @@ if said=$(in_tree "$tree" one_at_a_time); then wrong "two build in one tree"; fi
 [[ $said == *"Another ./check or ./start builds in $tree (process $$)"* ]] || wrong "the first is not named" "$said"
 exec 8>&-
 
-# Moved to another folder: configured afresh, and built there.
+# Moved to another folder: it is configured again and built there.
 moved="$folder/moved"
 mv "$tree" "$moved"
 build_it "$moved"
@@ -80,7 +80,7 @@ if said=$(PATH=$bin in_tree "$moved" configure release); then wrong "configured 
 [[ $said == *clang* && $said == *"Configuring release failed. Full log: $moved/build/logs/configure-release.log"* ]] ||
   wrong "the missing compiler is not named" "$said"
 
-# A full disk; where one cannot be mounted (no root), the rest has passed.
+# A full disk. Without root it cannot be mounted; the rest has passed by then.
 mkdir "$disk"
 if ! mount -t tmpfs -o size=40m tmpfs "$disk" 2>/dev/null; then
   echo "no disk can be mounted here: a full one was not tried"

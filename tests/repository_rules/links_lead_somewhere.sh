@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every relative link and image of a tracked Markdown file leads to a file, and to a tracked one.
+# Every relative link and image of a tracked Markdown file leads to an existing, tracked file.
 set -euo pipefail
 [[ -e .git ]] || exit 77
 python3 - <<'EOF'
@@ -19,7 +19,7 @@ for page in tracked("*.md"):
     if not os.path.exists(page):
         continue
     with open(page, encoding="utf-8") as f:
-        text = re.sub(r"^```.*?^```", "", f.read(), flags=re.M | re.S)  # code shows links, it has none
+        text = re.sub(r"^```.*?^```", "", f.read(), flags=re.M | re.S)  # code shows links but contains none
     targets = re.findall(r"\]\(\s*<?([^)>\s]+)[^)]*\)", text)
     targets += re.findall(r"""<(?:img|a)\s[^>]*(?:src|href)=["']([^"']+)""", text)
     for target in targets:

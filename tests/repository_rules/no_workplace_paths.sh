@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Nothing in the repository may lead to the machine it was written on.
+# No file of the repository may refer to the machine it was written on.
 set -euo pipefail
 # Written in pieces, so that this file does not find itself.
 pattern="/wo""rk/|shar""ed/(design|reference|paper|data|mockups)|/ho""me/[a-z]|/tmp/who""lehand"

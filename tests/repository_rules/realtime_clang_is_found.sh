@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# ./check looks for a clang with RealtimeSanitizer: an old one will not do, nor one without the
-# runtime, and it may be called clang++-21.
+# ./check looks for a clang with RealtimeSanitizer: not an old one, nor one without the runtime. It may be called
+# clang++-21.
 set -euo pipefail
 root=$PWD
 # shellcheck source=scripts/lib.sh

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# docs/safety.md has a row for every bit of Fault, with the reaction that the table in code has; every hazard names a test, and every test named
-# there exists in the file that it links. A page with one false name is noticed.
+# docs/safety.md has a row for every bit of Fault, with the reaction of the table in the code. Every hazard names a
+# test, and every named test exists in the file that it links. A page with one false name must be noticed.
 set -euo pipefail
 judge() {
   python3 - "$1" <<'EOF'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shell that parses, runs from anywhere and lists packages that the scripts can read.
+# Shell scripts parse, run from any folder, and list packages that the scripts can read.
 set -euo pipefail
 # shellcheck source=tests/repository_rules/wrong.sh
 source tests/repository_rules/wrong.sh
@@ -25,7 +25,7 @@ source scripts/lib.sh
 [[ $(packages_of run) == clang* && $(packages_of run) != *g++* ]]
 [[ $(packages_of check) == *libgtest-dev* ]]
 [[ $(packages_of web) == $'nodejs\nnpm' ]]
-# A misspelt name of a package would be found missing on every machine.
+# A misspelt package name would count as missing on every machine.
 if command -v apt-cache >/dev/null && apt-cache show clang >/dev/null 2>&1; then
   mapfile -t packages < <(packages_of run web check develop)
   known=" $(apt-cache show --no-all-versions "${packages[@]}" 2>/dev/null |

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# ./start on machines that lack something: played by stand-ins for apt-get, dpkg, node, npm and ninja
-# on a PATH of its own.
+# ./start on machines that lack something, simulated by stand-ins for apt-get, dpkg, node, npm and ninja on a separate
+# PATH.
 set -euo pipefail
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
@@ -19,7 +19,7 @@ stand_in() { # <program>, its script on standard input
 for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find flock sort; do
   ln -s "$(command -v "$tool")" "$bin/$tool" 2>/dev/null || true
 done
-# Knows as installed what the file says; one package was removed once.
+# Reports the packages in the file as installed; one package was removed once.
 stand_in dpkg-query <<EOF
 while read -r p; do echo "installed \$p"; done <"$tree/installed"
 echo "config-files zlib1g-dev"
@@ -34,7 +34,7 @@ echo "E: Failed to fetch: Temporary failure resolving" >&2
 exit 100
 EOF
 
-start() { # [argument ...]: what ./start says, in $said, and its status
+start() { # [argument ...]: output of ./start in $said, and its status
   cd /
   said=$(PATH=$bin "$bin/bash" "$repo/start" "$@" </dev/null 2>&1)
 }
@@ -48,7 +48,7 @@ expect_line() { grep -qxF -- "$1" <<<"$said" || wrong "expected the line '$1'"; 
 refuse() { ! grep -qF -- "$1" <<<"$said" || wrong "did not expect '$1'"; }
 went_on() { start "$@" || wrong "./start $* ended with $?"; }
 
-# Everything of [run] is installed but two packages: just these are asked for, and nothing goes on.
+# Everything of [run] is installed except two packages: only these are requested, and ./start stops.
 root=$PWD
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
@@ -64,7 +64,7 @@ else
   expect_line 'They need root and there is no sudo here. As root: apt-get install --no-install-recommends libfmt-dev zlib1g-dev'
 fi
 
-# Help and a wrong option are answered before anything is asked for or built.
+# Help and a wrong option are answered before anything is requested or built.
 start --help || wrong "--help ended with $?"
 expect '--exercise'
 refuse 'Missing packages'
@@ -74,7 +74,7 @@ refuse 'Missing packages'
 if start --seed -1 --port=0; then wrong "./start went on without packages"; fi
 expect 'Missing packages'
 
-# From here on all of [run] is there and the program is built: it says with what it was started.
+# From here on all of [run] is installed and the program is built: it reports its arguments.
 packages_of run >"$tree/installed"
 echo "CMAKE_HOME_DIRECTORY:INTERNAL=$repo" >"$repo/build/release/CMakeCache.txt"
 touch "$repo/build/release/build.ninja"
@@ -87,7 +87,7 @@ case $1 in true) ;; *) exec "$@" ;; esac
 EOF
 touch -d 2020-01-01 "$repo/web/package.json" "$repo/web/package-lock.json" "$repo/web/src/main.ts" \
   "$repo/protocol/messages.fbs"
-dist=$repo/web/dist/charts.html  # what is built last
+dist=$repo/web/dist/charts.html  # the last page that is built
 node() { stand_in node <<<"echo $1"; }
 npm_works() {
   cat <<EOF
@@ -106,14 +106,14 @@ without_pages='Going on without pages: the address below says how to build them.
 
 if start --lab --level 2; then wrong "./start --lab went on without MuJoCo"; fi
 expect_line 'Missing packages: libmujoco-dev'
-afresh # no node, and none to be had
+afresh # no node, and none available
 went_on --level 2
 expect_line 'Missing packages: nodejs npm'
 expect 'is there a network?'
 expect_line "$without_pages"
 expect_line 'wholehand run --level 2'
 
-for version in v16.20.2 v18.18.2 v19.9.0 v21.7.3; do # nothing that vite runs on
+for version in v16.20.2 v18.18.2 v19.9.0 v21.7.3; do # none of these runs vite
   afresh
   node "$version"
   npm_works | stand_in npm
@@ -123,7 +123,7 @@ for version in v16.20.2 v18.18.2 v19.9.0 v21.7.3; do # nothing that vite runs on
   [[ ! -e $tree/apt-was-asked ]] || wrong "apt-get was asked"
 done
 
-afresh # node of another source, without npm: Debian's npm would remove it
+afresh # node from another source, without npm: Debian's npm would remove it
 node v20.11.1
 went_on
 expect "Node v20.11.1 ($bin/node) is there but its npm is not, and it is not Debian's. Install npm from where this node came."
@@ -160,7 +160,7 @@ expect_line 'Going on with the pages built before.'
 expect_line 'wholehand run'
 refuse 'Going on without pages'
 [[ $(cat "$dist") == built ]] || wrong "the old pages are gone"
-# Packages with old pages would be wrong: without a network none are made, and it is said how they can be.
+# A package with old pages would be wrong: without a network none is made, and the message says how to make it.
 cp "$root/scripts/package.sh" "$repo/scripts/"
 packages_of package >>"$tree/installed"
 mkdir -p "$repo/build/packages"
@@ -170,7 +170,7 @@ expect_line "Without one: copy the folder web/dist from a machine where these so
 [[ -z $(ls "$repo/build/packages") ]] || wrong "something was packed"
 packages_of run >"$tree/installed"
 
-afresh # what opens no port needs no pages; --port opens one even with a scene
+afresh # a run without a port needs no pages; --port opens one even with a scene
 for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.csv' --no-web; do
   read -ra words <<<"$arguments"
   went_on "${words[@]}"
@@ -179,7 +179,7 @@ done
 went_on --scene a.toml --port 0
 expect_line "$without_pages"
 
-# Building: a full disk, a tree that was moved, another that builds here, a compiler that is missing.
+# Building: a full disk, a moved tree, another build in the same tree, a missing compiler.
 stand_in ninja <<'EOF'
 echo "[1/2] Building CXX object a.o"
 echo "FAILED: a.o"
@@ -213,7 +213,7 @@ echo "CMAKE_HOME_DIRECTORY:INTERNAL=$repo" >"$repo/build/release/CMakeCache.txt"
 )
 went_on --no-web
 
-# One range, in words for npm as well.
+# One version range, also in npm's notation.
 cd "$root"
 # shellcheck disable=SC2154
 grep -qF "\"node\": \"$node_engines\"" web/package.json || {

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The versions that are written by hand agree; each that did not would be named, with both values.
+# All versions written by hand agree; any that does not is named with both values.
 set -euo pipefail
 python3 scripts/check_versions.py
 copy=$(mktemp -d)
 trap 'rm -rf "$copy"' EXIT
-files=(CITATION.cff CHANGELOG.md clients/unity/org.wholehand.client/package.json
+files=(CITATION.cff CHANGELOG.md web/package.json clients/unity/org.wholehand.client/package.json
   clients/unity/org.wholehand.client/CHANGELOG.md clients/godot/addons/wholehand/plugin.cfg
   clients/python/wholehand/__init__.py)
 cp --parents CMakeLists.txt "${files[@]}" "$copy"

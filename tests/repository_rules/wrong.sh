@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Read by the tests in this folder, from the repository's root: wrong <what> [what was said ...]
+# Sourced by the tests in this folder, from the repository's root: wrong <what> [output ...]
 wrong() {
   printf '%s\n' "$@"
   exit 1

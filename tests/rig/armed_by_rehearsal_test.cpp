@@ -1,18 +1,19 @@
-// A device that may move a person is armed by a rehearsal of that very rig, and by nothing else.
+// A device that may move a person can only be armed by a rehearsal of exactly that rig.
 #include "rig/rehearsal.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 
 #include <type_traits>
 
 namespace wholehand::test {
 namespace {
 
-// Only rehearse() makes one.
+// Only rehearse() makes an object of this type.
 static_assert(!std::is_default_constructible_v<RehearsalPassed>);
 static_assert(!std::is_constructible_v<RehearsalPassed, std::string>);
 
-/// Rests at the origin. It may move a person: it does not say that it is simulated.
+/// Rests at the origin. It counts as a device that may move a person, since it is not declared as
+/// simulated.
 class Handle final : public RestingDevice {
  public:
   explicit Handle(int& opened) : RestingDevice(AxisPosition(3)), opened_(opened) {}
@@ -42,18 +43,18 @@ std::string fingerprint(const Models& of, const RigOptions& options = {}) {
       .rehearsal;
 }
 
-TEST(ArmedByRehearsal, WithoutOne_ADeviceThatMayMoveAPersonIsNotEvenOpened) {
+TEST(ArmedByRehearsal, NoRehearsal_DeviceThatMayMoveAPersonIsNotOpened) {
   int opened = 0;
   const auto rig = orThrow(buildRig(models(), std::make_unique<Handle>(opened), {}));
   const Expected<Done> armed = rig->renderer->arm();
   ASSERT_FALSE(armed);
-  EXPECT_TRUE(says(armed.errors().front().problem, "rehearsed"));
-  EXPECT_TRUE(says(armed.errors().front().remedy, "rehearse()"));
+  EXPECT_TRUE(contains(armed.errors().front().problem, "rehearsed"));
+  EXPECT_TRUE(contains(armed.errors().front().remedy, "rehearse()"));
   EXPECT_EQ(opened, 0);
   EXPECT_EQ(rig->renderer->safetyState(), SafetyState::kDisarmed);
 }
 
-TEST(ArmedByRehearsal, WithItsOwn_IsArmedAndArmedAgain) {
+TEST(ArmedByRehearsal, OwnRehearsal_ArmsRepeatedly) {
   int opened = 0;
   const auto rig = orThrow(buildRig(models(), std::make_unique<Handle>(opened), {}));
   const Rehearsal rehearsal = orThrow(rehearsed(rig->models));
@@ -66,7 +67,7 @@ TEST(ArmedByRehearsal, WithItsOwn_IsArmedAndArmedAgain) {
   }
 }
 
-TEST(ArmedByRehearsal, WithThatOfAnotherSceneOrRate_IsRefusedAndNotOpened) {
+TEST(ArmedByRehearsal, RehearsalOfAnotherSceneOrRate_IsRefusedAndDeviceIsNotOpened) {
   int opened = 0;
   const auto rig = orThrow(buildRig(models(), std::make_unique<Handle>(opened), {}));
   Models other = models();
@@ -78,19 +79,19 @@ TEST(ArmedByRehearsal, WithThatOfAnotherSceneOrRate_IsRefusedAndNotOpened) {
     ASSERT_TRUE(of_other.passed);
     const Expected<Done> armed = rig->renderer->arm(of_other.passed);
     ASSERT_FALSE(armed);
-    EXPECT_TRUE(says(armed.errors().front().problem, "not what is to be rendered"));
+    EXPECT_TRUE(contains(armed.errors().front().problem, "not what is to be rendered"));
   }
   EXPECT_EQ(opened, 0);
 }
 
-// Who allows a tick more than the limit finds out how long it takes, and may arm nothing with it.
-TEST(ArmedByRehearsal, HeldToLessThanTheLimit_IsNoPass) {
+// A rehearsal with a laxer time limit is only a measurement and must not arm anything.
+TEST(ArmedByRehearsal, RehearsalWithALaxerLimit_IsNoPass) {
   RehearsalOptions loose;
-  loose.most_of_period = 10.0 * mostOfPeriod();
+  loose.allowed_period_share = 10.0 * allowedPeriodShare();
   EXPECT_FALSE(orThrow(rehearse(models(), AxisPosition(3), {}, loose)).passed);
 }
 
-TEST(ArmedByRehearsal, SimulatedDevicesAndThoseThatMoveNobody_NeedNone) {
+TEST(ArmedByRehearsal, SimulatedDevicesAndThoseThatMoveNobody_NeedNoRehearsal) {
   const auto simulated =
       orThrow(buildRig(models(), Intention::throughWaypoints({{0.0, AxisPosition(3)}}), {}));
   EXPECT_TRUE(simulated->renderer->arm());
@@ -98,7 +99,7 @@ TEST(ArmedByRehearsal, SimulatedDevicesAndThoseThatMoveNobody_NeedNone) {
   EXPECT_TRUE(build(models(), std::make_unique<Handle>(opened))->renderer->arm());
 }
 
-TEST(RehearsalFingerprint, OfAnythingThatMakesOtherContactsOrTicks_Differs) {
+TEST(RehearsalFingerprint, ChangeOfContactsOrTicks_ChangesTheFingerprint) {
   const Models same = models();
   const std::string one = fingerprint(same);
   EXPECT_EQ(fingerprint(models()), one);
@@ -122,7 +123,7 @@ TEST(RehearsalFingerprint, OfAnythingThatMakesOtherContactsOrTicks_Differs) {
   EXPECT_NE(fingerprint(same, faster), one);
   Models of_another_patient = models();
   of_another_patient.patient.axes[0].stiffness += 1.0;
-  EXPECT_EQ(fingerprint(of_another_patient), one);  // who is not there when it is rehearsed
+  EXPECT_EQ(fingerprint(of_another_patient), one);  // the patient takes no part in a rehearsal
 }
 
 }  // namespace

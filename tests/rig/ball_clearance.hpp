@@ -7,7 +7,7 @@
 
 namespace wholehand::test {
 
-/// Between a ball and the nearest capsule of the hand; negative where they overlap [m].
+/// Distance between a ball and the nearest capsule of the hand; negative where they overlap [m].
 inline double clearance_m(const ArticulatedBody& body, const Eigen::Vector3d& center_m,
                           double radius_m) {
   double least_m = std::numeric_limits<double>::infinity();

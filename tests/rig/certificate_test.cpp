@@ -1,8 +1,8 @@
-// Every shipped rendering on its device with every shipped hand and exercise, as shipped.
+// Every shipped rendering file on its device with every shipped hand and exercise, unchanged.
 #include "certify/certificate_refusal.hpp"
 #include "rig/models.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
 #include "support/test_names.hpp"
@@ -15,7 +15,7 @@ class ShippedCertificate : public testing::TestWithParam<std::string> {};
 TEST_P(ShippedCertificate, WithEveryHand_IsCertifiedAsShipped) {
   const std::vector<std::string> hands = shipped("hands");
   ASSERT_GE(hands.size(), 8U);
-  ASSERT_EQ(shipped("devices"), shipped("rendering"));  // each device with its own gains
+  ASSERT_EQ(shipped("devices"), shipped("rendering"));  // each device has its own gains
   double least = 100.0;
   std::size_t index = 0;
   for (const std::string& hand : hands) {
@@ -35,31 +35,31 @@ TEST_P(ShippedCertificate, WithEveryHand_IsCertifiedAsShipped) {
 INSTANTIATE_TEST_SUITE_P(Devices, ShippedCertificate, testing::ValuesIn(shipped("rendering")),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
-/// The last level of each exercise that the device can play (its walls are the stiffest) with each
-/// hand, and every level with one of the hands, drawn; all of it where large counts are asked for,
-/// a tenth of the exercises under a sanitizer.
+/// Checks the last playable level of each exercise (its walls are the stiffest) with each hand, and
+/// every level with one random hand. Full counts check all of them, a sanitizer a tenth of the
+/// exercises.
 TEST_P(ShippedCertificate, WithEveryHandAndExercise_IsCertifiedAsShipped) {
   double least = 100.0, least_any = 100.0;
   int judged = 0, walls = 0;
   const std::vector<std::string> hands = shipped("hands");
   const std::string drawn = hands[seed() % hands.size()];
   std::string tightest;
-  for (const std::string& exercise : aTenth(shipped("exercises"))) {
+  for (const std::string& exercise : sampleTenth(shipped("exercises"))) {
     for (const std::string& hand : hands) {
       const bool thorough = hand == drawn || fullCounts();
-      if (kFew && !thorough) continue;
+      if (kReducedCounts && !thorough) continue;
       ModelFiles files = shippedFiles(GetParam(), "empty", hand);
       files.exercise =
           std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + exercise + ".toml";
       int levels = 1;
       for (files.level = 1; files.level <= levels; ++files.level) {
         const Expected<Models> m = loadModels(files);
-        if (!m) {  // without fingers nobody squeezes: the exercise's own words, not ours
+        if (!m) {  // without finger axes the exercise refuses the device
           ASSERT_EQ(m.errors().front().file, files.exercise) << format(m.errors());
           break;
         }
         levels = m->exercise->description().levels;
-        if (files.level < levels && (!thorough || kFew)) continue;
+        if (files.level < levels && (!thorough || kReducedCounts)) continue;
         const CertificateInput input = certificateInput(*m, 1e-3);
         EXPECT_EQ(input.exercise, m->exercise->description().name);
         EXPECT_EQ(input.walls.size(), m->exercise_walls.size());
@@ -79,7 +79,7 @@ TEST_P(ShippedCertificate, WithEveryHandAndExercise_IsCertifiedAsShipped) {
     }
   }
   EXPECT_GE(least, 1.0);
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GE(judged, 8);
     EXPECT_EQ(walls > 0, GetParam() != "desktop-3axis");
   }
@@ -89,10 +89,10 @@ TEST_P(ShippedCertificate, WithEveryHandAndExercise_IsCertifiedAsShipped) {
   figure("hands, exercises and levels of " + GetParam(), judged, "");
 }
 
-/// Faster loops, too, hold for any passive person wherever they are certified.
+/// Faster loops also hold for any passive person wherever they are certified.
 TEST_P(ShippedCertificate, AtHigherRates_HoldsForAnyPerson) {
   const std::vector<std::string> hands = shipped("hands");
-  for (const double rate_hz : aTenth<double>({2e3, 4e3, 8e3, 16e3})) {
+  for (const double rate_hz : sampleTenth<double>({2e3, 4e3, 8e3, 16e3})) {
     std::size_t index = static_cast<std::size_t>(rate_hz);
     for (const std::string& hand : hands) {
       if (!fullCounts() && (index++ + seed()) % hands.size() != 0) continue;
@@ -105,8 +105,8 @@ TEST_P(ShippedCertificate, AtHigherRates_HoldsForAnyPerson) {
   }
 }
 
-/// The certificate and the check before a run must speak of the same gains.
-TEST(Certificate, Loops_AreThoseOfTheGainsThatRun) {
+/// The certificate and the check before a run must use the same gains.
+TEST(Certificate, CertifiedLoops_UseTheGainsThatRun) {
   for (const std::string& device : shipped("devices")) {
     const Models m = load(shippedFiles(device));
     const CheckedGains checked = orThrow(checkGains(m, 1e-3));
@@ -127,8 +127,8 @@ TEST(Certificate, Loops_AreThoseOfTheGainsThatRun) {
   }
 }
 
-/// Gains that the file's damping bears are refused where less was measured, and where that is.
-TEST(Certificate, OfADeviceThatWasMeasured_HoldsAtItsWorstCornersToo) {
+/// Gains that pass with the file's damping are refused where less damping was measured.
+TEST(Certificate, MeasuredDevice_IsAlsoCheckedAtItsWorstCorners) {
   const Models m = load(shippedFiles("desktop-3axis"));
   RigOptions options;
   options.measured = {m.device, m.device};
@@ -138,24 +138,25 @@ TEST(Certificate, OfADeviceThatWasMeasured_HoldsAtItsWorstCornersToo) {
   const auto refused = buildRig(m, Intention{}, options);
   ASSERT_FALSE(refused.ok());
   ASSERT_EQ(refused.errors().size(), 1U) << format(refused.errors());
-  EXPECT_TRUE(says(refused.errors()[0].problem, "at the worst corner of the passport"));
-  EXPECT_TRUE(says(format(refused.errors()[0]), "y"));
+  EXPECT_TRUE(contains(refused.errors()[0].problem, "at the worst corner of the passport"));
+  EXPECT_TRUE(contains(format(refused.errors()[0]), "y"));
 }
 
-/// These gains bear any linear passive person at 700 Hz, which is not proven of the others: enough
-/// for a simulated device, not for one that moves a person.
-TEST(Certificate, OfADeviceThatWasMeasured_HoldsForPersonsThatAreNotLinear) {
+/// These gains are certified for any linear passive person at 700 Hz but not for others. That is
+/// enough for a simulated device, not for one that moves a person.
+TEST(Certificate, MeasuredDevice_IsCheckedForNonlinearPersons) {
   const Models m = load(shippedFiles("wrist-9axis", "empty", "man-p95-right"));
   constexpr double kSlow_s = 1.0 / 700.0;
   EXPECT_TRUE(orThrow(checkGains(m, kSlow_s)).refused.empty());
   const CheckedGains measured = orThrow(checkGains(m, kSlow_s, {m.device}));
   ASSERT_EQ(measured.refused.size(), 1U);
-  EXPECT_TRUE(says(measured.refused[0].problem, "nonlinear and time-varying ones, too"));
+  EXPECT_TRUE(contains(measured.refused[0].problem, "nonlinear and time-varying ones, too"));
   EXPECT_TRUE(orThrow(checkGains(m, 1e-3, {m.device})).refused.empty());
 }
 
-/// A certificate for other numbers is refused, and for these accepted; so is a rig around it.
-TEST(Certificate, NamedInOptions_MustFitTheModels) {
+/// A certificate for other numbers is refused and one for these numbers accepted; the same for the
+/// rig.
+TEST(Certificate, CertificateInOptions_MustMatchTheModels) {
   const Models m = load(shippedFiles("lambda-pride"));
   const CheckedGains checked = orThrow(checkGains(m, 1e-3));
   RigOptions options;
@@ -178,8 +179,8 @@ TEST(Certificate, NamedInOptions_MustFitTheModels) {
             "is for the hand adult-median-right, this run uses woman-p05-right");
 }
 
-/// What passed once in a process is not judged again, but only the same numbers are the same.
-TEST(CheckedGains, ThatPassedOnce_AreRefusedWithAnyOtherNumber) {
+/// Gains that passed once in a process are not checked again; any other number is.
+TEST(CheckedGains, GainsThatPassedOnce_AreStillRefusedWithAnyOtherNumber) {
   const ModelFiles files = shippedFiles("desktop-3axis", "empty", "adult-median-right");
   const auto passes = [](const Models& m, double period_s = 1e-3) {
     const Expected<CheckedGains> checked = checkGains(m, period_s);
@@ -192,7 +193,7 @@ TEST(CheckedGains, ThatPassedOnce_AreRefusedWithAnyOtherNumber) {
     change(changed);
     return !passes(changed);
   };
-  // Each by the condition K < b / (T (1/2 + n)): stiffer, less damped, slower.
+  // Each of them violates K < b / (T (1/2 + n)): stiffer, less damped, slower.
   EXPECT_TRUE(refused([](Models& m) { m.rendering.axes[0].k_pm *= 50.0; }));
   EXPECT_TRUE(refused([](Models& m) { m.device.axes[1].damping *= 0.01; }));
   EXPECT_FALSE(passes(shipped, 50e-3));

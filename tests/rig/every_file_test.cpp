@@ -17,7 +17,8 @@
 namespace wholehand::test {
 namespace {
 
-/// From back and above, `aside` of the way to the left, into the middle, closing.
+/// Moves from the back and the top into the middle while closing; `aside` is the share of the way
+/// to the left.
 Intention reachIn(const DeviceModel& device, double aside) {
   AxisPosition start(device.axisCount()), end(device.axisCount());
   for (int a = 0; a < start.size(); ++a) {
@@ -31,12 +32,12 @@ Intention reachIn(const DeviceModel& device, double aside) {
   return Intention::throughWaypoints({{0.0, start}, {0.8, end}});
 }
 
-/// Built and armed, or null where the hand would start inside a body.
+/// Builds and arms a rig. @return null where the hand would start inside a body
 std::shared_ptr<Rig> armed(const std::string& device, const std::string& scene,
                            const std::string& hand, double aside) {
   Models m = load(shippedFiles(device, scene, hand));
   Intention intention = reachIn(m.device, aside);
-  // Certified, too: `uncertified` is not set.
+  // The gains must be certified: `uncertified` is not set.
   std::shared_ptr<Rig> rig = orThrow(buildRig(std::move(m), std::move(intention), {}));
   return rig->renderer->arm() ? rig : nullptr;
 }
@@ -53,14 +54,14 @@ TEST_P(EveryFile, OnThisDevice_BuildsArmsAndRunsASecond) {
   std::size_t index = 0;
   for (const std::string& hand : hands) {
     for (const std::string& scene : scenes) {
-      // Sampled: every hand, and every scene with some hand; which with which, by the seed.
+      // Samples: every hand, and every scene with some hand; the seed decides the pairs.
       const std::size_t pair = index++;
       const std::size_t due = (pair / scenes.size() + seed()) % scenes.size();
       if (cases(1) == 1 && pair % scenes.size() != due) continue;
       if (leftOutUnderASanitizer(pair / scenes.size())) continue;
       SCOPED_TRACE(hand + " in " + scene);
-      // Small devices must begin beside what stands in the middle; what fills their whole range
-      // leaves a large hand no place.
+      // Small devices must start beside the bodies in the middle; bodies that fill their whole
+      // range leave no place for a large hand.
       std::shared_ptr<Rig> rig;
       for (const double aside : {0.0, 0.95, -0.95}) {
         if (!rig) rig = armed(device, scene, hand, aside);
@@ -91,19 +92,20 @@ TEST_P(EveryFile, OnThisDevice_BuildsArmsAndRunsASecond) {
 INSTANTIATE_TEST_SUITE_P(Devices, EveryFile, testing::ValuesIn(shipped("devices")),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
-// Left hands of every size against right ones, in mirrored scenes, through the whole renderer.
+// Compares left hands of every size with right ones, in mirrored scenes, through the whole
+// renderer.
 
-/// Of lambda-pride: mirrored in the plane y = 0, only y changes its sign.
+/// Mirror image for lambda-pride in the plane y = 0: only y changes its sign.
 template <class Axes>
 Axes mirrored(Axes axes) {
   axes[1] = -axes[1];
   return axes;
 }
 
-/// From the back a hand reaches for a fixed ball beside it and closes, and is pushed back.
+/// A hand that reaches from the back for a fixed ball beside it, closes and is pushed back.
 std::unique_ptr<Rig> reaching(const std::string& size, bool left) {
   Models m = load(shippedFiles("lambda-pride", "empty", size + (left ? "-left" : "-right")));
-  // Frictionless, so that where the solver lays its tangents does not matter.
+  // Frictionless, so that the solver's choice of tangents does not matter.
   SceneBody body = ball({0.09, left ? -0.07 : 0.07, 0.0}, 0.03, 0.0);
   body.friction = 0.0;
   m.scene.bodies = {body};
@@ -117,11 +119,11 @@ std::unique_ptr<Rig> reaching(const std::string& size, bool left) {
                                           : moveAndHold(from, to, 800));
 }
 
-TEST(LeftHandOfEverySize, InTheMirroredScene_FeelsTheMirroredEffort) {
+TEST(LeftHandOfEverySize, MirroredScene_RendersTheMirroredEffort) {
   double apart_n = 0.0;
   for (const std::string& size :
-       aTenth<std::string>({"adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05",
-                            "man-p50", "man-p95"})) {
+       sampleTenth<std::string>({"adult-median", "woman-p05", "woman-p50", "woman-p95", "man-p05",
+                                 "man-p50", "man-p95"})) {
     const std::unique_ptr<Rig> right = reaching(size, false), left = reaching(size, true);
     ASSERT_TRUE(right->renderer->arm()) << size;
     ASSERT_TRUE(left->renderer->arm()) << size;
@@ -142,7 +144,7 @@ TEST(LeftHandOfEverySize, InTheMirroredScene_FeelsTheMirroredEffort) {
 }
 
 // A glove with an axis for every finger joint: twelve rotations, no base. 3^12 postures would take
-// minutes; the gate must stay quick and still see the corners.
+// minutes; the check must stay fast and still include the corners.
 
 const std::string kRoot = WHOLEHAND_SOURCE_DIR;
 
@@ -171,27 +173,29 @@ Models glove() {
   return models;
 }
 
-TEST(SampledInertia, GloveOfTwelveRotations_IsSampledAndNotEnumerated) {
+TEST(SampledInertia, GloveOfTwelveRotations_IsSampled) {
   const Models models = glove();
   ASSERT_EQ(models.device.axisCount(), 12);
   const SampledInertia inertia = sampleInertia(models.hand, models.device);
-  EXPECT_EQ(inertia.samples.size(), 729U);  // 3^6, as many as six rotations have
+  EXPECT_EQ(inertia.samples.size(), 729U);  // 3^6, as many as for six rotations
   const SampledInertia again = sampleInertia(models.hand, models.device);
   for (std::size_t i = 0; i < inertia.samples.size(); ++i) {
-    ASSERT_EQ(inertia.samples[i], again.samples[i]);  // the same verdict every time
+    ASSERT_EQ(inertia.samples[i], again.samples[i]);  // the same result every time
     EXPECT_GT(inertia.samples[i].diagonal().minCoeff(), 0.0);
   }
-  // A straight finger is harder to turn at its knuckle than a bent one: both ends are among them.
+  // A straight finger has more inertia at its knuckle than a bent one: the samples contain both
+  // ends.
   EXPECT_GT(inertia.samples[0](0, 0), inertia.samples[2](0, 0));
 }
 
-// Every shipped exercise begins: nobody's hand starts inside what is to be grasped.
+// Every shipped exercise starts: no hand starts inside an object to be grasped.
 
 std::string config(const std::string& name) {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
 }
 
-/// As `run` and the station begin: its virtual patient, or a hand at rest where it has none.
+/// Starts as `run` and the station do: with its virtual patient, or with a hand at rest where it
+/// has none.
 void expectBegins(Models models, std::uint64_t seed) {
   std::unique_ptr<Player> player = makeExercisePlayer(models, seed);
   if (!player) player = makeMotionPlayer(models);
@@ -204,14 +208,14 @@ void expectBegins(Models models, std::uint64_t seed) {
   });
 }
 
-TEST(ShippedExercises, EveryLevel_ArmsAtItsStartTouchingNothing) {
+TEST(ShippedExercises, EveryLevel_ArmsAtItsStartWithoutContact) {
   const std::vector<ExerciseFile> exercises = listExercises(config("exercises"));
   ASSERT_GE(exercises.size(), 3U);
   std::size_t index = 0;
   for (const ExerciseFile& file : exercises) {
     int levels = 1;
     for (int level = 1; level <= levels; ++level) {
-      for (const std::uint64_t seed : {1U, 2U}) {  // virtual patients start by it
+      for (const std::uint64_t seed : {1U, 2U}) {  // the virtual patient's start depends on it
         if (level > 1 && leftOutUnderASanitizer(index++)) continue;
         SCOPED_TRACE(file.name + ", level " + std::to_string(level) + ", seed " +
                      std::to_string(seed));
@@ -226,7 +230,7 @@ TEST(ShippedExercises, EveryLevel_ArmsAtItsStartTouchingNothing) {
   }
 }
 
-// It names no device and no hand: with whichever a person has, it begins.
+// The exercise names no device and no hand, so it starts with any of them.
 TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
   std::size_t index = 0;
   for (const std::string& device : shipped("devices")) {
@@ -238,9 +242,8 @@ TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
   }
 }
 
-/// A body is within reach when the device can put the palm where the power grasp of a bottle has
-/// it: the bottle's axis 0.049, 0.041, 0.004 m from the palm's base (docs/exercises.md's
-/// dispensers).
+/// A body is within reach if the device can put the palm into the power grasp of a bottle: the
+/// bottle's axis is (0.049, 0.041, 0.004) m from the palm's base (docs/exercises.md, dispensers).
 TEST(ShippedExercises, FreeGrasping_EveryBodyIsWithinReachOfAGrasp) {
   const Models models = load(exerciseFiles("free-grasping"));
   ASSERT_FALSE(models.scene.bodies.empty());

@@ -1,5 +1,5 @@
-// What is felt against what acts: every shipped device with every hand in random postures, every
-// axis.
+// Rendered effort compared with contact effort: every shipped device with every hand in random
+// postures, on every axis.
 #include "rig/ball_clearance.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
@@ -10,7 +10,7 @@
 namespace wholehand::test {
 namespace {
 
-/// Stands still, and keeps what drives the hand.
+/// A world that stands still and keeps the drive of the hand.
 class StandingWorld final : public PhysicsWorld {
  public:
   /// @pre world outlives this
@@ -46,7 +46,7 @@ class Draw {
     const double r = std::sqrt(1.0 - z * z);
     return {r * std::cos(turn), r * std::sin(turn), z};
   }
-  /// A posture in the middle nine tenths of every range.
+  /// A random posture in the middle nine tenths of every range.
   AxisPosition posture(const DeviceModel& device) {
     AxisPosition q(device.axisCount());
     for (int a = 0; a < q.size(); ++a) {
@@ -70,10 +70,11 @@ std::vector<ModelFiles> everyHandOnEveryDevice() {
       all.push_back(shippedFiles(device, "empty", hand));
     }
   }
-  return aTenth(all);
+  return sampleTenth(all);
 }
 
-/// Gᵀ (τ - h) + A a: what drives the hand, in the person's coordinates. Of its own dynamics.
+/// Gᵀ (τ - h) + A a: the effort on the hand in the person's coordinates, computed by separate
+/// dynamics.
 AxisEffort acting(const HandModel& hand, const AxisPosition& q_s, const HandDrive& drive) {
   ArticulatedBody body(hand);
   JointPosition theta;
@@ -85,8 +86,8 @@ AxisEffort acting(const HandModel& hand, const AxisPosition& q_s, const HandDriv
   return out;
 }
 
-/// Largest |felt / acting - 1| of a hand that cannot move while the device is off by a third of
-/// what the effort limit allows on every axis.
+/// Largest |rendered / acting - 1| of a hand that cannot move, while the device is displaced on
+/// every axis by a third of what the effort limit allows.
 double worstShare(const ModelFiles& files, Draw& draw) {
   Models m = load(files);
   const AxisPosition at = draw.posture(m.device);
@@ -115,7 +116,7 @@ double worstShare(const ModelFiles& files, Draw& draw) {
   return worst;
 }
 
-TEST(FeltAndActed, HandThatIsHeld_FeelsWhatDrivesItOnEveryAxis) {
+TEST(FeltAndActed, HandThatIsHeld_RendersItsDriveOnEveryAxis) {
   Draw draw(71);
   double worst = 0.0;
   int postures = 0;
@@ -131,7 +132,7 @@ TEST(FeltAndActed, HandThatIsHeld_FeelsWhatDrivesItOnEveryAxis) {
   figure("postures of every device and hand", postures, "");
 }
 
-/// Small fixed balls 1 mm off the skin, about some capsules of the hand.
+/// Small fixed balls 1 mm off the skin, near some capsules of the hand.
 std::vector<SceneBody> ballsAbout(const HandModel& hand, const AxisPosition& q, Draw& draw) {
   constexpr double kRadius_m = 0.008, kGap_m = 0.001;
   constexpr int kBalls = 5;
@@ -149,7 +150,7 @@ std::vector<SceneBody> ballsAbout(const HandModel& hand, const AxisPosition& q, 
   return balls;
 }
 
-/// What the hand does to itself, and the ends of its joints, per axis.
+/// Virtual work of the hand's self-contacts and joint ends, per axis.
 AxisEffort workOfTheHandItself(const Rig& rig, const AxisPosition& q_s) {
   SelfForces own;
   rig.world->selfForces(own);
@@ -161,11 +162,12 @@ AxisEffort workOfTheHandItself(const Rig& rig, const AxisPosition& q_s) {
 struct Hold {
   int contacts = 0;
   double speed = 0.0;  ///< of the fastest axis at the end [rad/s or m/s]
-  double worst = 0.0;  ///< |felt - virtual work| over what the axis, or its kind, bears
+  double worst = 0.0;  ///< largest |rendered effort - virtual work| relative to the load of the
+                       ///< axis or its kind
 };
 
-/// The hand among fixed balls, moved on every axis at once and held until it rests, for 10 s at
-/// most.
+/// Moves the hand among fixed balls on every axis at once and holds it until it rests, for at most
+/// 10 s.
 Hold hold(const ModelFiles& files, Draw& draw) {
   Models m = load(files);
   const AxisPosition at = draw.posture(m.device);
@@ -197,17 +199,17 @@ Hold hold(const ModelFiles& files, Draw& draw) {
   for (int a = 0; a < at.size(); ++a) {
     const double acted = bodies[a] + itself[a];
     const double kind = largest[static_cast<std::size_t>(rig->models.device.axes[a].kind)];
-    // What bears next to nothing is judged by a tenth of what its kind bears.
+    // An axis with almost no load is measured against a tenth of its kind's load.
     const double scale = std::max({std::abs(acted), 0.1 * kind, 1e-3});
     out.worst = std::max(out.worst, std::abs(last->sent[a] - neutral[a] - acted) / scale);
   }
   return out;
 }
 
-TEST(FeltAndActed, HandHeldAmongBalls_FeelsTheVirtualWorkOfAllForcesOnEveryAxis) {
+TEST(FeltAndActed, HandHeldAmongBalls_RendersTheVirtualWorkOfAllForcesOnEveryAxis) {
   Draw draw(72);
-  // Felt and acted differ by inertia: what slides on after 10 s is no static hold, and another is
-  // drawn for it.
+  // Rendered and contact efforts differ by inertia: a hand that still slides after 10 s is no
+  // static hold, and another posture is drawn.
   constexpr double kRests = 5e-4;  // rad/s, m/s
   double worst = 0.0;
   int held = 0, contacts = 0, slid = 0;

@@ -1,6 +1,6 @@
-// What a stop of the real engine feels like over frequency, at every axis of every shipped device
-// by itself, against the prediction for a rigid one: `certify --impedance` measures contact in the
-// analytic world, which has no shapes.
+// Rendered impedance of a stop in the real engine over frequency, on every single axis of every
+// shipped device, compared with the prediction for a rigid stop. `certify --impedance` measures
+// contact in the analytic world, which has no shapes.
 #include "certify/impedance.hpp"
 #include "rig/ball_clearance.hpp"
 #include "support/rig_tools.hpp"
@@ -18,13 +18,14 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kWindow = 1000, kSettle = 6000;  // ticks of 1 ms; the slowest pole fades in 0.25 s
-constexpr std::array<int, 7> kLines = {1, 3, 7, 13, 29, 61, 97};  // [Hz], whole turns of the window
+constexpr int kWindow = 1000, kSettle = 6000;  // ticks of 1 ms; the slowest pole decays in 0.25 s
+constexpr std::array<int, 7> kLines = {1,  3,  7, 13,
+                                       29, 61, 97};  // [Hz], whole cycles in the window
 constexpr double kPreload_n = 2.0, kLine_n = 0.05, kSoft_n_m = 1e-6;
 constexpr double kLever_m = 0.08;
 
-/// Leans on a device of one axis, then pushes to and fro besides, through an arm too soft to be
-/// felt.
+/// Leans on a device of one axis and additionally pushes back and forth, through an arm too soft to
+/// influence the result.
 class LeaningPlayer final : public Player {
  public:
   explicit LeaningPlayer(double scale) : scale_(scale) {}
@@ -41,14 +42,14 @@ class LeaningPlayer final : public Player {
     }
     q = AxisPosition(1, scale_ * grown * push_n / kSoft_n_m);
   }
-  void see(const TickRecord&) noexcept override {}
+  void onRecord(const TickRecord&) noexcept override {}
 
  private:
-  double scale_;  ///< its sign says which way, a lever arm makes torque of force
+  double scale_;  ///< its sign is the direction; a lever arm converts force to torque
   int tick_ = 0;
 };
 
-/// An axis of a shipped device, pushed one way.
+/// An axis of a shipped device, pushed in one direction.
 struct FeltSide {
   std::string device, axis;
   int sign = 1;
@@ -59,14 +60,14 @@ std::vector<FeltSide> everySide() {
   for (const std::string& device : shipped("devices")) {
     for (const DeviceAxis& axis : load(shippedFiles(device)).device.axes) {
       sides.push_back({device, axis.name, 1});
-      // A hand's axis begins at its open end.
+      // A hand axis starts at its open end, so it is pushed in one direction only.
       if (axis.group == AxisGroup::kBase) sides.push_back({device, axis.name, -1});
     }
   }
-  return aTenth(sides);
+  return sampleTenth(sides);
 }
 
-/// The axis by itself, without what is not linear: dry friction, encoder, adaptive damping.
+/// The single axis without nonlinear parts: dry friction, encoder, adaptive damping.
 Models linearAxis(const FeltSide& side) {
   Models m = load(shippedFiles(side.device));
   keepAxes(m, {side.axis});
@@ -76,8 +77,8 @@ Models linearAxis(const FeltSide& side) {
   return m;
 }
 
-/// Fixed, in the way of the hand 2 mm on: a wall before a translation, before a rotation a small
-/// ball at the bare point of the hand that it moves furthest.
+/// A fixed stop 2 mm in front of the hand: a wall for a translation, a small ball for a rotation at
+/// the free point of the hand that moves farthest.
 SceneBody stopOf(const Models& m, int sign) {
   constexpr double kGap_m = 0.002, kBall_m = 0.004, kStep_rad = 1e-5;
   const AxisPosition at(1);
@@ -105,11 +106,11 @@ SceneBody stopOf(const Models& m, int sign) {
 
 class FeltStop : public testing::TestWithParam<FeltSide> {};
 
-TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
+TEST_P(FeltStop, RealEngine_RendersThePredictedRigidStop) {
   const FeltSide& side = GetParam();
   Models m = linearAxis(side);
   m.scene.bodies = {stopOf(m, side.sign)};
-  // Of a rotation: the same at a lever arm.
+  // A rotation has the same quantities at a lever arm.
   const double lever = m.device.axes[0].kind == AxisKind::kTranslation ? 1.0 : kLever_m;
   m.patient.axes[0].mass = m.patient.axes[0].damping = 0.0;
   m.patient.axes[0].stiffness = kSoft_n_m;
@@ -144,7 +145,7 @@ TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
   const std::string where = side.device + ", " + side.axis + (side.sign > 0 ? " +" : " -");
   figure("stop of the engine against a rigid one, " + where, worst_db, "dB");
   figure("the same, phase, " + where, worst_deg, "degrees");
-  EXPECT_LE(worst_db, tolerance(1.0));  // the figure that is promised
+  EXPECT_LE(worst_db, tolerance(1.0));  // the figure that the documentation states
   EXPECT_LE(worst_deg, tolerance(5.0));
 }
 INSTANTIATE_TEST_SUITE_P(EveryAxis, FeltStop, testing::ValuesIn(everySide()),

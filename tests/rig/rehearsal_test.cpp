@@ -1,9 +1,9 @@
-// The worst contacts of a scene, run before anybody feels a force.
+// The worst contacts of a scene, simulated before anybody feels a force.
 #include "rig/rehearsal.hpp"
 
 #include "loop/realtime/monotonic_clock.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <chrono>
@@ -12,10 +12,10 @@
 namespace wholehand::test {
 namespace {
 
-/// Half the period, in whatever way this was built.
+/// Half the period, for any build type.
 RehearsalOptions strict() {
   RehearsalOptions options;
-  options.most_of_period = 0.5;
+  options.allowed_period_share = 0.5;
   return options;
 }
 
@@ -27,8 +27,8 @@ AxisPosition origin(const Models& models) {
   return AxisPosition(models.device.axisCount());
 }
 
-/// An exercise that takes time, or pushes with what is no number.
-class Awkward final : public Exercise {
+/// An exercise that takes too long, or gives a non-finite effort.
+class InvalidExercise final : public Exercise {
  public:
   std::int64_t busy_ns = 0;
   double effort = 0.0;
@@ -47,7 +47,7 @@ class Awkward final : public Exercise {
  private:
 };
 
-TEST(Rehearsal, Bar_PassesWithTheContactsOfAWholePlayInHalfASecond) {
+TEST(Rehearsal, CocktailBar_ReachesTheContactsOfAWholePlayInHalfASecond) {
   const Models models = bar();
   const auto began = std::chrono::steady_clock::now();
   const std::int64_t cpu_ns = threadCpuNow_ns();
@@ -59,27 +59,27 @@ TEST(Rehearsal, Bar_PassesWithTheContactsOfAWholePlayInHalfASecond) {
   figure("rehearsal_bar_p999", 1e-3 * r.summary.cpu.p999_ns, "µs");
   figure("rehearsal_bar_attempts", r.attempts, "");
   std::printf("%s\n", describe(r).c_str());
-  // 20 s of play by the virtual patient touch with at most 3 points at once.
+  // 20 s of play by the virtual patient have at most 3 contact points at once.
   EXPECT_GE(r.summary.contacts_max, 3);
   EXPECT_GE(r.bodies_touched, 3) << "rail, glass and the dispenser are within reach";
   EXPECT_GT(r.summary.records, 1000U);
-  EXPECT_LE(1e-3 * r.summary.cpu.p999_ns, 1e3 * mostOfPeriod());
+  EXPECT_LE(1e-3 * r.summary.cpu.p999_ns, 1e3 * allowedPeriodShare());
 }
 
-TEST(Rehearsal, EveryDevice_TouchesWhatLiesOnATable) {
+TEST(Rehearsal, EveryDevice_TouchesTheBodiesOnATable) {
   for (const std::string& device :
-       aTenth<std::string>({"lambda-pride", "wrist-9axis", "desktop-3axis"})) {
+       sampleTenth<std::string>({"lambda-pride", "wrist-9axis", "desktop-3axis"})) {
     SCOPED_TRACE(device);
     const Models models = load(shippedFiles(device, "table"));
     RehearsalOptions any;
-    any.most_of_period = 100.0;
+    any.allowed_period_share = 100.0;
     const Rehearsal r = orThrow(rehearse(models, origin(models), {}, any));
     std::printf("%s: %s\n", device.c_str(), describe(r).c_str());
     EXPECT_GE(r.bodies_touched, device == "desktop-3axis" ? 2 : 4);
   }
 }
 
-TEST(Rehearsal, PileOfManyShapes_IsRefusedByStageAndName) {
+TEST(Rehearsal, PileOfManyShapes_IsRefusedWithStageAndName) {
   Models models = load(shippedFiles());
   SceneBody pile = fixedBox({0.05, 0.06, 0.0}, {0.05, 0.05, 0.05});
   pile.name = "pile";
@@ -91,7 +91,7 @@ TEST(Rehearsal, PileOfManyShapes_IsRefusedByStageAndName) {
   models.scene.bodies = {ball({0.0, -0.3, 0.3}, 0.01, 0.0), pile};
   RehearsalOptions options;
   // No other stage takes as long, even on a slow machine.
-  options.most_of_period = kFew ? 3.0 : 1.0;
+  options.allowed_period_share = kReducedCounts ? 3.0 : 1.0;
   const auto began = std::chrono::steady_clock::now();
   const auto refused = rehearse(models, origin(models), {}, options);
   figure("rehearsal_hopeless_wall",
@@ -99,52 +99,52 @@ TEST(Rehearsal, PileOfManyShapes_IsRefusedByStageAndName) {
   ASSERT_FALSE(refused);
   const std::string why = format(refused.errors());
   std::printf("%s\n", why.c_str());
-  EXPECT_TRUE(says(why, "most of it is physics_step"));
-  EXPECT_TRUE(says(why, "\"pile\""));
-  EXPECT_TRUE(says(why, "fewer than 500 shapes"));
+  EXPECT_TRUE(contains(why, "most of it is physics_step"));
+  EXPECT_TRUE(contains(why, "\"pile\""));
+  EXPECT_TRUE(contains(why, "fewer than 500 shapes"));
 }
 
-TEST(Rehearsal, SlowExercise_IsRefusedByItsStage) {
+TEST(Rehearsal, SlowExercise_IsRefusedWithItsStage) {
   Models models = load(shippedFiles());
-  const auto slow = std::make_shared<Awkward>();
+  const auto slow = std::make_shared<InvalidExercise>();
   slow->busy_ns = 600'000;  // of 1 ms; 0.5 ms is allowed
   models.exercise = slow;
   const auto refused = rehearse(models, origin(models), {}, strict());
   ASSERT_FALSE(refused);
   const std::string why = format(refused.errors());
-  EXPECT_TRUE(says(why, "most of it is exercise"));
-  EXPECT_TRUE(says(why, "500 µs"));
+  EXPECT_TRUE(contains(why, "most of it is exercise"));
+  EXPECT_TRUE(contains(why, "500 µs"));
 }
 
-// The same scene at a quarter of the rate has four times the room.
-TEST(Rehearsal, LimitFollowsTheRate) {
+// At a quarter of the rate the same scene has four times as much time.
+TEST(Rehearsal, TimeLimit_FollowsTheRate) {
   Models models = load(shippedFiles());
-  const auto slow = std::make_shared<Awkward>();
+  const auto slow = std::make_shared<InvalidExercise>();
   slow->busy_ns = 600'000;
   models.exercise = slow;
   RigOptions slower;
   slower.period_s = 4e-3;
-  slower.uncertified = true;  // of the gains nothing is asked here
+  slower.uncertified = true;  // the gains are not tested here
   const auto passed = rehearse(models, origin(models), slower, strict());
   ASSERT_TRUE(passed) << format(passed.errors());
   EXPECT_GE(1e-3 * passed->summary.cpu.p50_ns, 600.0);
   EXPECT_STREQ(stageName(passed->slowest), "exercise");
 }
 
-TEST(Rehearsal, WorldThatBreaks_IsRefusedByTheBodyAndTheFault) {
+TEST(Rehearsal, WorldThatFails_IsRefusedWithBodyAndFault) {
   Models models = load(shippedFiles());
   models.scene.bodies = {ball({0.05, 0.04, 0.0}, 0.03, 0.0)};
-  const auto broken = std::make_shared<Awkward>();
+  const auto broken = std::make_shared<InvalidExercise>();
   broken->effort = std::numeric_limits<double>::quiet_NaN();
   models.exercise = broken;
   const auto refused = rehearse(models, origin(models), {});
   ASSERT_FALSE(refused);
   const std::string why = format(refused.errors());
-  EXPECT_TRUE(says(why, "ball"));
-  EXPECT_TRUE(says(why, "non-finite effort"));
+  EXPECT_TRUE(contains(why, "ball"));
+  EXPECT_TRUE(contains(why, "non-finite effort"));
 }
 
-TEST(Rehearsal, WeightsTooDifferentToSettle_AreNamed) {
+TEST(Rehearsal, MassesTooDifferentToSettle_AreNamed) {
   for (const double top_kg : {0.02, 1000.0}) {
     Models models = load(shippedFiles());
     models.scene.bodies = {fixedBox({0.5, 0.0, -0.3}, {0.4, 0.4, 0.02})};
@@ -157,14 +157,14 @@ TEST(Rehearsal, WeightsTooDifferentToSettle_AreNamed) {
       models.scene.bodies.push_back(cube);
     }
     RehearsalOptions any;
-    any.most_of_period = 100.0;
+    any.allowed_period_share = 100.0;
     const Rehearsal r = orThrow(rehearse(models, origin(models), {}, any));
     EXPECT_EQ(r.unsettled > 0.0, top_kg > 1.0) << describe(r);
-    EXPECT_EQ(says(describe(r), "do not settle"), top_kg > 1.0);
+    EXPECT_EQ(contains(describe(r), "do not settle"), top_kg > 1.0);
   }
 }
 
-TEST(Rehearsal, Cancelled_EndsWithTheTickAndSaysSo) {
+TEST(Rehearsal, Cancelled_EndsWithTheTickAndReportsIt) {
   const Models models = bar();
   RehearsalOptions options;
   int asked = 0;
@@ -174,9 +174,9 @@ TEST(Rehearsal, Cancelled_EndsWithTheTickAndSaysSo) {
   EXPECT_EQ(asked, 101);
 }
 
-// A session after it gives the same bits as one without: exercise, player and the thread's
-// arithmetic are as they were.
-TEST(Rehearsal, LeavesNoTrace) {
+// A session after a rehearsal gives the same bits as one without: exercise, player and the thread's
+// arithmetic are unchanged.
+TEST(Rehearsal, RehearsalBeforeASession_LeavesItUnchanged) {
   const auto play = [](bool rehearsed) {
     const Models models = bar();
     if (rehearsed) {

@@ -1,8 +1,8 @@
-// A rig when something fails: what is refused, what is left open.
+// A rig when something fails: what is refused and what is left open.
 #include "rig/rig.hpp"
 
 #include "rig/watched_device.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kDevice = kWatchedDevice;
 
-TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
+TEST(BuildRig, UncertifiedGainsOnADeviceThatMayHoldAPerson_AreRefused) {
   RigOptions options;
   options.uncertified = true;
   Story story;
@@ -27,8 +27,8 @@ TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
   EXPECT_TRUE(buildRig(models, Intention::throughWaypoints({{0.0, AxisPosition(3)}}), options));
 }
 
-// v = sqrt(2 g h) = 10.4 m/s, which the plate takes in one step.
-TEST(Rig, BallThatFallsFiveAndAHalfMetres_LandsAndTheSessionGoesOn) {
+// v = sqrt(2 g h) = 10.4 m/s, which the plate must stop in one step.
+TEST(Rig, BallThatFallsFiveAndAHalfMetres_LandsAndTheSessionContinues) {
   Models models = load(shippedFiles());
   models.scene.bodies = {fixedBox({0.8, 0.0, -0.2}, {0.3, 0.3, 0.001}),
                          ball({0.8, 0.0, 5.3}, 0.005, 0.01)};
@@ -47,7 +47,7 @@ TEST(Rig, BallThatFallsFiveAndAHalfMetres_LandsAndTheSessionGoesOn) {
   EXPECT_NEAR(record.bodies[1].position_m.z, -0.2 + 0.0005 + 0.005, 1e-4);
 }
 
-TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
+TEST(CheckGains, ArmatureRenderedAsAnExcessiveMass_IsRefusedWithTheMass) {
   Models models = load(shippedFiles("lambda-pride"));
   const int finger = models.device.axisIndex("finger_flexion");
   AxisRendering& rendering = models.rendering.axes[finger];
@@ -58,15 +58,16 @@ TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
   const Diagnostic& said = checked.refused.front();
   EXPECT_EQ(said.key, "axes[finger_flexion].armature_kg_m2");
   EXPECT_EQ(said.value, "0.05");
-  // Felt in free motion: M (1 + (1 - γ) k_d τ) with k_d = 2 √(K/M) - T K/M, M = 4.96e-5 + 0.05.
+  // Rendered mass in free motion: M (1 + (1 - γ) k_d τ) with k_d = 2 √(K/M) - T K/M, M = 4.96e-5 +
+  // 0.05.
   const double M = 0.05 + 4.96e-5, k_p = rendering.k_pm / M;
   const double tau_s = 1.0 / (2.0 * 3.14159265358979 * rendering.velocity_filter_hz);
   const double felt =
       M * (1.0 + (1.0 - rendering.gamma) * (2.0 * std::sqrt(k_p) - 1e-3 * k_p) * tau_s);
-  EXPECT_TRUE(says(said.problem, fmt::format("felt as {:.2g}", felt)));
+  EXPECT_TRUE(contains(said.problem, fmt::format("felt as {:.2g}", felt)));
   EXPECT_GT(felt, axis.mass);
-  EXPECT_TRUE(says(said.remedy, "leave it out"));
-  // What is felt as less than the device itself is borne.
+  EXPECT_TRUE(contains(said.remedy, "leave it out"));
+  // A rendered mass below that of the device itself is allowed.
   rendering.armature = 0.3 * axis.mass;
   for (const Diagnostic& other : orThrow(checkGains(models, 1e-3)).refused) {
     EXPECT_EQ(other.problem.find("weight"), std::string::npos) << other.problem;
@@ -89,7 +90,7 @@ void expectTooLarge(const Models& models, const std::string& key, const std::str
 
 // The capacities are those of loop/core/world_query.hpp, loop/core/axis_array.hpp and
 // loop/dynamics/articulated_body.hpp.
-TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
+TEST(BuildRig, ModelsBeyondTheTicksCapacities_AreRefused) {
   Models full = load(shippedFiles(kDevice));
   for (int i = 0; i < 1024; ++i) {
     full.scene.bodies.push_back(
@@ -112,7 +113,7 @@ TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
   expectTooLarge(axes, "axes", "17");
 }
 
-/// An exercise that only describes itself.
+/// An exercise with only a description.
 class Described final : public Exercise {
  public:
   Described(std::size_t parameters, std::size_t values) {
@@ -129,7 +130,7 @@ class Described final : public Exercise {
  private:
 };
 
-// An exercise reads its parameters from a row of 24, of which the rendering has four.
+// An exercise reads its parameters from an array of 24, of which the rendering uses four.
 TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
   Models models = load(shippedFiles(kDevice));
   Story story;
@@ -141,8 +142,8 @@ TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
   expectTooLarge(models, "values", "49");
 }
 
-// The loader refuses such a file; a program may make such a model.
-TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
+// The loader refuses such a file, but a program may build such a model.
+TEST(BuildRig, InvalidLimits_AreRefusedByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused_for = [](auto change) {
     Models models = load(shippedFiles(kDevice));
@@ -158,7 +159,7 @@ TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
   EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_limit = 0.0; }), "y.effort_limit");
   EXPECT_EQ(refused_for([&](Device, Axis a) { a.speed_limit = nan; }), "y.speed_limit");
   EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_slew_limit = nan; }), "y.effort_slew_limit");
-  // 1.5 / 80 ms is the ramp's steepest, from one limit to the other: 37.5 limits a second.
+  // 1.5 / 80 ms is the ramp's steepest slope, from one limit to the other: 37.5 limits per second.
   EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_slew_limit = 37.0 * a.effort_limit; }),
             "y.effort_slew_limit");
   EXPECT_EQ(refused_for([&](Device, Axis a) { a.neutral_effort = nan; }), "y.neutral_effort");
@@ -170,7 +171,7 @@ TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
   EXPECT_EQ(refused_for([&](Device d, Axis) { d.power_limit_w = 0.0; }), "power_limit_w");
 }
 
-TEST(Rig, AtItsEnd_ClosesTheDevice) {
+TEST(Rig, DestroyedRig_ClosesTheDevice) {
   Story story;
   auto rig = watched(story);
   ASSERT_TRUE(rig->renderer->arm());
@@ -179,7 +180,7 @@ TEST(Rig, AtItsEnd_ClosesTheDevice) {
   EXPECT_FALSE(story.open);
 }
 
-TEST(Arm, Refused_LeavesTheDeviceClosed) {
+TEST(Arm, RefusedArming_LeavesTheDeviceClosed) {
   Story unreadable, buried;
   const auto rig = watched(unreadable, 0);
   EXPECT_FALSE(rig->renderer->arm());

@@ -1,18 +1,18 @@
-// What the record stream reports of the safety supervisor, on the simulated clock.
+// The safety supervisor's events in the record stream, on the simulated clock.
 #include "rig/safety_log.hpp"
 
 #include "loop/patient/player.hpp"
 #include "loop/runtime/session.hpp"
 #include "loop/runtime/statistics.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
 namespace wholehand::test {
 namespace {
 
-/// Where the hand is at a read; otherwise at rest.
+/// A rig whose hand follows the script by read number and otherwise rests.
 std::unique_ptr<Rig> scripted(ScriptedDevice::Script script) {
   return buildScripted(load(shippedFiles()), std::move(script));
 }
@@ -33,7 +33,7 @@ std::vector<SafetyTransition> play(Rig& rig, int ticks,
   return transitions;
 }
 
-TEST(SafetyLog, RunThatIsStopped_TellsEveryStateOnceAndWhoAsked) {
+TEST(SafetyLog, RunThatIsStopped_ReportsEveryStateOnceAndTheCause) {
   for (const bool emergency : {false, true}) {
     const auto rig = scripted([](int) { return AxisPosition(6); });
     const auto transitions = play(*rig, 600, [&](const TickRecord& record) {
@@ -48,13 +48,13 @@ TEST(SafetyLog, RunThatIsStopped_TellsEveryStateOnceAndWhoAsked) {
     EXPECT_EQ(transitions[2].to, SafetyState::kDisarmed);
     EXPECT_LE(transitions[2].time_s, 0.4 + 0.1) << "neutral within 100 ms";
     EXPECT_EQ(any(transitions[2].faults & Fault::kEmergencyStop), emergency);
-    EXPECT_TRUE(says(transitions[2].cause,
-                     emergency ? "emergency stop at 0.400 s" : "stop requested at 0.400 s"));
+    EXPECT_TRUE(contains(transitions[2].cause,
+                         emergency ? "emergency stop at 0.400 s" : "stop requested at 0.400 s"));
   }
 }
 
-// 2 mm in 1 ms are 2 m/s; the file allows 1.5.
-TEST(SafetyLog, AxisTooFast_IsNamedWithItsSpeedAndLimit) {
+// 2 mm in 1 ms are 2 m/s; the file allows 1.5 m/s.
+TEST(SafetyLog, AxisTooFast_IsReportedWithSpeedAndLimit) {
   const auto rig = scripted([](int read) {
     AxisPosition q(6);
     q[1] = read < 500 ? 0.0 : 0.002 * (read - 499);
@@ -72,11 +72,11 @@ TEST(SafetyLog, AxisTooFast_IsNamedWithItsSpeedAndLimit) {
   EXPECT_EQ(fault.limit, 1.5);
   EXPECT_EQ(fault.unit, "m/s");
   EXPECT_TRUE(
-      says(describe(fault), "rendering -> faulted: speed limit exceeded on y, 2 m/s of 1.5"));
+      contains(describe(fault), "rendering -> faulted: speed limit exceeded on y, 2 m/s of 1.5"));
 }
 
-// Out of the range by more than the margin of 5 mm, slowly.
-TEST(SafetyLog, WorkspaceLeft_IsNamedWithPositionAndEnd) {
+// The axis leaves the range slowly by more than the margin of 5 mm.
+TEST(SafetyLog, WorkspaceLeft_IsReportedWithPositionAndEnd) {
   const auto rig = scripted([](int read) {
     AxisPosition q(6);
     q[0] = -0.0001 * read;  // 0.1 m/s
@@ -91,7 +91,8 @@ TEST(SafetyLog, WorkspaceLeft_IsNamedWithPositionAndEnd) {
   EXPECT_EQ(fault.unit, "m");
 }
 
-// After a fault a person arms again: the next stream begins where the last one ended.
+// After a fault a person arms again: the next stream starts in the state in which the last one
+// ended.
 TEST(SafetyLog, ArmedAfterAFault_GoesFromFaultedToArmed) {
   const DeviceModel device = load(shippedFiles()).device;
   SafetyLog log(device, 1e-3);
@@ -112,7 +113,7 @@ TEST(SafetyLog, ArmedAfterAFault_GoesFromFaultedToArmed) {
   EXPECT_EQ(log.fault().to, SafetyState::kDisarmed) << "of this session there is none";
 }
 
-// The controls' holder goes silent while the virtual patient squeezes: the record says so from
+// The control client goes silent while the virtual patient squeezes: the records report it from
 // that tick on, and the exercise has let go within the time that its description states.
 TEST(SafetyLog, HolderSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   const Models models = load(exerciseFiles("cocktail-bar"));
@@ -163,7 +164,7 @@ std::vector<DeviceAxis> axesNamed(const std::vector<std::string>& names) {
   return axes;
 }
 
-TEST(FaultText, FaultOfAnAxis_NamesIt) {
+TEST(FaultText, FaultOfAnAxis_NamesTheAxis) {
   const std::vector<DeviceAxis> axes = axesNamed({"x", "y", "finger_flexion"});
   TickSummary summary;
   summary.faults[6] = 12;  // the bits of loop/core/fault.hpp
@@ -178,7 +179,7 @@ TEST(FaultText, FaultOfAnAxis_NamesIt) {
   EXPECT_EQ(faultText(summary), "speed limit exceeded in 1 tick") << "the axes have no names";
 }
 
-TEST(FaultText, EveryLimitThatHeldAnEffort_IsReportedAsNoticed) {
+TEST(FaultText, EveryLimitThatClampedAnEffort_IsReportedAsANotice) {
   TickSummary summary;
   summary.faults[14] = 1;  // the bits of loop/core/fault.hpp
   summary.faults[15] = 2;

@@ -6,12 +6,12 @@
 #include <functional>
 #include <limits>
 
-/// A device that records its calls, and a rig around it.
+/// A device that records its calls, and a rig with it.
 namespace wholehand::test {
 
 inline constexpr const char* kWatchedDevice = "desktop-3axis";
 
-/// What a device went through, known after its end too.
+/// The calls that a device received; it outlives the device.
 struct Story {
   bool open = false, enabled = false;
   int reads = 0, enables = 0;

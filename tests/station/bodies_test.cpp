@@ -1,4 +1,5 @@
-// Orders of a game to its bodies, in a station that renders. In real time.
+// Orders that a game gives to its bodies, checked in a station that renders. These tests run in
+// real time.
 #include "loop/core/body_order.hpp"
 #include "station/station_bench.hpp"
 #include "support/ball_shape.hpp"
@@ -32,7 +33,8 @@ class GameInAStation : public Bar {
       ASSERT_TRUE(rendersOn());
     }
   }
-  /// With four slots and a device that moves a person.
+  /// Loads a scene with four slots and a device that moves a person. `extra_ns` adds time [ns] to
+  /// each measured tick of the rehearsal.
   void runForAPerson(int awake, const std::function<std::int64_t(const TickRecord&)>& extra_ns) {
     std::ifstream in(kRoot + "/config/exercises/game-scene.toml");
     std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -47,7 +49,7 @@ class GameInAStation : public Bar {
     StationConfig config = barConfig();
     config.files.exercise = folder_ + "/game.toml";
     config.rehearsal = {};
-    if (extra_ns) config.rehearsal.most_of_period = 1e4;  // less than extra_ns on any machine
+    if (extra_ns) config.rehearsal.allowed_period_share = 1e4;  // only extra_ns can exceed this
     config.rehearsal.extra_ns = extra_ns;
     config.make_device = [](const DeviceModel&) -> Expected<std::unique_ptr<HapticDevice>> {
       return std::unique_ptr<HapticDevice>(std::make_unique<RestingDevice>(AxisPosition(6)));
@@ -67,12 +69,13 @@ class GameInAStation : public Bar {
     all.pieces = std::move(pieces);
     return bodies<orders::PrepareShapes>(std::move(all));
   }
-  static Order say(std::vector<Command> commands, std::uint32_t claim = 0) {
+  static Order orderOf(std::vector<Command> commands, std::uint32_t claim = 0) {
     BodyOrders all;
     all.commands = std::move(commands);
-    return bodies<orders::Spawn>(std::move(all), claim);  // the station reads the commands
+    return bodies<orders::Spawn>(std::move(all),
+                                 claim);  // of any kind: the station reads the commands
   }
-  /// State of a slot's body as reported to clients; parked where there is none.
+  /// State of a slot's body as reported to clients; kParked if none is reported.
   SlotState stateOf(int slot) {
     const auto reported = station_->status().bodies;
     if (!reported) return SlotState::kParked;
@@ -86,23 +89,23 @@ class GameInAStation : public Bar {
 TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  const OrderReply spawned = ask(say({spawnCommand(ballAside(4))}));
+  const OrderReply spawned = ask(orderOf({spawnCommand(ballAside(4))}));
   ASSERT_TRUE(spawned.accepted) << spawned.reason;
   ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
-  EXPECT_EQ(record.bodies[4].position_m.x, 0.5);  // a scene without bodies of its own
-  ASSERT_TRUE(ask(say({removeCommand(4, 1)})).accepted);
+  EXPECT_EQ(record.bodies[4].position_m.x, 0.5);  // the scene has no bodies of its own
+  ASSERT_TRUE(ask(orderOf({removeCommand(4, 1)})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(4) == SlotState::kParked; }));
 }
 
-TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimulated) {
+TEST_F(GameInAStation, RegisteredBodies_AreAllShownAndOnlyThoseNearTheHandAreSimulated) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   SpawnOrder near = ballAside(kFirstNumber), far = ballAside(kFirstNumber + 1);
   near.pose.position_m = {0.1, 0.25, 0.1};
   far.pose.position_m = {3.0, 0.0, 0.0};
-  ASSERT_TRUE(ask(say({spawnCommand(near), spawnCommand(far)})).accepted);
+  ASSERT_TRUE(ask(orderOf({spawnCommand(near), spawnCommand(far)})).accepted);
   const auto shown = [&](int number) {
     const auto reported = station_->status().registered;
     for (const ShownBody& body : reported ? *reported : RegisteredBodies{}) {
@@ -115,11 +118,11 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
   EXPECT_EQ(shown(kFirstNumber + 1).pose.position_m.x, 3.0);
   const int slot = shown(kFirstNumber).slot;
   EXPECT_TRUE(becomes([&] { return stateOf(slot) == SlotState::kSolid; }));
-  // A body elsewhere is out of its slot; one without is put there at once.
+  // A body that is teleported out of reach leaves its slot; a body without a slot is moved at once.
   BodyPose there;
   there.position_m = {0.0, -3.0, 0.0};
-  ASSERT_TRUE(ask(say({teleportCommand(kFirstNumber, 1, there),
-                       teleportCommand(kFirstNumber + 1, 1, there)}))
+  ASSERT_TRUE(ask(orderOf({teleportCommand(kFirstNumber, 1, there),
+                           teleportCommand(kFirstNumber + 1, 1, there)}))
                   .accepted);
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber + 1).pose.position_m.y == -3.0; }));
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).whereabouts == Whereabouts::kOutOfReach; }));
@@ -127,24 +130,24 @@ TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimula
   EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).pose.position_m.y == -3.0; }));
   EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, BodyRefusal::kShapesBusy);
   ASSERT_TRUE(
-      ask(say({removeCommand(kFirstNumber, 1), removeCommand(kFirstNumber + 1, 1)})).accepted);
+      ask(orderOf({removeCommand(kFirstNumber, 1), removeCommand(kFirstNumber + 1, 1)})).accepted);
   EXPECT_TRUE(station_->status().registered->empty());
 }
 
-TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
+TEST_F(GameInAStation, BadOrdersToRegisteredBodies_AreRefusedWithTheReason) {
   runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  const auto refusalOf = [&](const Command& command, const char* says) {
-    const OrderReply reply = ask(say({command}));
+  const auto refusalOf = [&](const Command& command, const char* expected) {
+    const OrderReply reply = ask(orderOf({command}));
     if (reply.items.empty()) return BodyRefusal::kNone;
-    EXPECT_NE(reply.reason.find(says), std::string::npos) << reply.reason;
+    EXPECT_NE(reply.reason.find(expected), std::string::npos) << reply.reason;
     EXPECT_EQ(reply.items[0].slot, command.index);
     return reply.items[0].refusal;
   };
   std::vector<Command> all;
   for (int i = 0; i < kMostRegistered; ++i)
     all.push_back(spawnCommand(ballAside(kFirstNumber + i)));
-  ASSERT_TRUE(ask(say(all)).accepted);
+  ASSERT_TRUE(ask(orderOf(all)).accepted);
   EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber + 1000)), "1000 are registered"),
             BodyRefusal::kBudget);
   EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber)), "registered already"),
@@ -154,7 +157,7 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   EXPECT_EQ(refusalOf(removeCommand(9999, 1), "is registered"), BodyRefusal::kWrongGeneration);
   EXPECT_EQ(refusalOf(removeCommand(kFirstNumber, 2), "generation 2"),
             BodyRefusal::kWrongGeneration);
-  ASSERT_TRUE(ask(say({removeCommand(kFirstNumber, 1)})).accepted);
+  ASSERT_TRUE(ask(orderOf({removeCommand(kFirstNumber, 1)})).accepted);
   SpawnOrder without = ballAside(kFirstNumber);
   without.shape_set = 1;
   EXPECT_EQ(refusalOf(spawnCommand(without), "prepare it first"), BodyRefusal::kNoSuchShapes);
@@ -162,7 +165,7 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   lost.pose.position_m.x = std::nan("");
   EXPECT_EQ(refusalOf(spawnCommand(lost), "must be finite"), BodyRefusal::kBadPose);
   EXPECT_EQ(station_->status().registered->size(), 999U);
-  // They are there when it is armed, and end with their session.
+  // The bodies exist when the session is armed and are removed when it ends.
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().registered->size(), 999U);
@@ -173,32 +176,32 @@ TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
   EXPECT_TRUE(station_->status().registered->empty());
 }
 
-TEST_F(GameInAStation, SlotOfARegisteredBody_IsNotSpawnedInto) {
+TEST_F(GameInAStation, SpawnIntoTheSlotOfARegisteredBody_IsRefused) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   SpawnOrder near = ballAside(kFirstNumber);
   near.pose.position_m = {0.1, 0.25, 0.1};
-  ASSERT_TRUE(ask(say({spawnCommand(near)})).accepted);
+  ASSERT_TRUE(ask(orderOf({spawnCommand(near)})).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
-  const OrderReply taken = ask(say({spawnCommand(ballAside(0))}));
+  const OrderReply taken = ask(orderOf({spawnCommand(ballAside(0))}));
   ASSERT_EQ(taken.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(taken.items.at(0).refusal, BodyRefusal::kSlotTaken);
   EXPECT_NE(taken.reason.find("holds a registered body"), std::string::npos) << taken.reason;
-  EXPECT_TRUE(ask(say({spawnCommand(ballAside(1))})).accepted);
+  EXPECT_TRUE(ask(orderOf({spawnCommand(ballAside(1))})).accepted);
 }
 
-TEST_F(GameInAStation, DeviceThatMovesAPerson_IsArmedAfterARehearsalWithTheSlotsFull) {
+TEST_F(GameInAStation, DeviceThatMovesAPerson_IsArmedAfterARehearsalWithAllSlotsFull) {
   runForAPerson(1, nullptr);
   const OrderReply armed = ask(orders::Arm{});
-  if (!armed.accepted) {  // a machine may be too slow for it, and for nothing else
+  if (!armed.accepted) {  // a slow machine may fail the rehearsal; no other refusal is allowed
     EXPECT_EQ(armed.refusal, Refusal::kRehearsalFailed) << armed.reason;
     EXPECT_NE(armed.reason.find("µs of CPU time (p99.9)"), std::string::npos) << armed.reason;
     return;
   }
-  EXPECT_TRUE(says("1 awake and 3 fixed bodies of a game")) << log();
+  EXPECT_TRUE(logContains("1 awake and 3 fixed bodies of a game")) << log();
 }
 
-TEST_F(GameInAStation, DeviceThatMovesAPerson_IsRefusedWithWhatPassesWhereTheTickIsTooSlow) {
+TEST_F(GameInAStation, RehearsalWithTooSlowATick_IsRefusedAndNamesTheBudgetThatPasses) {
   runForAPerson(3, [](const TickRecord& record) -> std::int64_t {
     return record.exercise.values[2] > 1 ? 1'000'000'000'000 : 0;
   });
@@ -207,22 +210,23 @@ TEST_F(GameInAStation, DeviceThatMovesAPerson_IsRefusedWithWhatPassesWhereTheTic
   EXPECT_EQ(armed.refusal, Refusal::kRehearsalFailed);
   EXPECT_NE(armed.reason.find("budget.awake = 3"), std::string::npos) << armed.reason;
   EXPECT_NE(armed.reason.find("state awake = 1,"), std::string::npos) << armed.reason;
-  EXPECT_TRUE(says("rehearsal: measuring 3 awake bodies")) << log();
+  EXPECT_TRUE(logContains("rehearsal: measuring 3 awake bodies")) << log();
 }
 
 TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(4, 7)), spawnCommand(ballAside(5))})).accepted);
-  // As in a session: a slot once, and only shapes that were prepared and are free.
-  EXPECT_EQ(ask(say({spawnCommand(ballAside(4, 8))})).items.at(0).refusal, BodyRefusal::kSlotTaken);
+  ASSERT_TRUE(ask(orderOf({spawnCommand(ballAside(4, 7)), spawnCommand(ballAside(5))})).accepted);
+  // The rules of a session hold: a slot is used once, and the shapes must be prepared and free.
+  EXPECT_EQ(ask(orderOf({spawnCommand(ballAside(4, 8))})).items.at(0).refusal,
+            BodyRefusal::kSlotTaken);
   EXPECT_EQ(ask(prepare(0, {ballShape(0.02)})).items.at(0).refusal, BodyRefusal::kShapesBusy);
   SpawnOrder without = ballAside(6);
   without.shape_set = 1;
-  EXPECT_EQ(ask(say({spawnCommand(without)})).items.at(0).refusal, BodyRefusal::kNoSuchShapes);
-  // A spawn can be taken back, by its generation.
-  EXPECT_EQ(ask(say({removeCommand(5, 2)})).items.at(0).refusal, BodyRefusal::kWrongGeneration);
-  ASSERT_TRUE(ask(say({removeCommand(5, 1)})).accepted);
+  EXPECT_EQ(ask(orderOf({spawnCommand(without)})).items.at(0).refusal, BodyRefusal::kNoSuchShapes);
+  // A spawn can be removed again; the remove must name its generation.
+  EXPECT_EQ(ask(orderOf({removeCommand(5, 2)})).items.at(0).refusal, BodyRefusal::kWrongGeneration);
+  ASSERT_TRUE(ask(orderOf({removeCommand(5, 1)})).accepted);
   EXPECT_EQ(station_->status().bodies, nullptr);
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
@@ -231,39 +235,40 @@ TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   EXPECT_EQ(reported->front().generation, 7);
 }
 
-TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
+TEST_F(GameInAStation, OrdersKeptForTheNextArming_AreHandedOverOnce) {
   runGame(false);
-  for (const Order& order : {prepare(0, {ballShape(0.03)}), say({spawnCommand(ballAside(0))})}) {
+  for (const Order& order :
+       {prepare(0, {ballShape(0.03)}), orderOf({spawnCommand(ballAside(0))})}) {
     const OrderReply kept = ask(order);
     ASSERT_TRUE(kept.accepted);
     EXPECT_EQ(kept.reason, "nothing is armed: kept for the next arming");
   }
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
-  EXPECT_EQ(ask(prepare(1, {ballShape(0.03)})).reason, "");  // handed over at once
+  EXPECT_EQ(ask(prepare(1, {ballShape(0.03)})).reason, "");  // the session takes it at once
   ASSERT_TRUE(ask(orders::Stop{}).accepted);
   EXPECT_EQ(ask(prepare(0, {ballShape(0.03)})).refusal, Refusal::kStillStopping);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().bodies, nullptr);
-  // Shapes are those of a session.
-  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
+  // Prepared shapes end with their session.
+  const OrderReply spawn = ask(orderOf({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
 }
 
-TEST_F(GameInAStation, OrdersToBodiesThatAreNotThere_AreRefusedWhileDisarmed) {
+TEST_F(GameInAStation, OrdersToAbsentBodiesWhileDisarmed_AreRefused) {
   runGame(false);
   for (const Command& command : {bodyTargetCommand(0, 1, {}), teleportCommand(0, 1, {}),
                                  setOwnerCommand(0, 1, BodyOwner::kLoop)}) {
-    const OrderReply reply = ask(say({command}));
+    const OrderReply reply = ask(orderOf({command}));
     EXPECT_EQ(reply.refusal, Refusal::kNothingArmed);
     EXPECT_NE(reply.reason.find("kept for the next arming"), std::string::npos) << reply.reason;
   }
 }
 
-TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
+TEST_F(GameInAStation, OrdersBeyondTheLoopsQueueWhileDisarmed_AreRefusedAsBusy) {
   runGame(false);
   bool busy = false;
   int kept = 0;
@@ -274,21 +279,21 @@ TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
     EXPECT_TRUE(busy || reply.accepted) << reply.reason;
   }
   EXPECT_TRUE(busy);
-  EXPECT_EQ(kept, 144);  // two commands each, 288 in all
-  EXPECT_EQ(ask(say({removeCommand(0, 1)})).items.at(0).refusal, BodyRefusal::kWrongGeneration)
+  EXPECT_EQ(kept, 144);  // two commands each, 288 in total
+  EXPECT_EQ(ask(orderOf({removeCommand(0, 1)})).items.at(0).refusal, BodyRefusal::kWrongGeneration)
       << "a spawn could be taken back";
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
-TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
+TEST_F(GameInAStation, KeptOrdersOfAnEarlierHolder_AreDropped) {
   runGame(false);
   BodyOrders shapes;
   shapes.shape_set = 0;
   shapes.pieces = {ballShape(0.03)};
   ASSERT_TRUE(ask(bodies<orders::PrepareShapes>(shapes, 1)).accepted);
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
-  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
+  ASSERT_TRUE(ask(orderOf({spawnCommand(ballAside(0))}, 1)).accepted);
+  const OrderReply spawn = ask(orderOf({spawnCommand(ballAside(0))}, 2));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
@@ -296,56 +301,56 @@ TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
   EXPECT_EQ(station_->status().bodies, nullptr);
 }
 
-TEST_F(GameInAStation, WhatIsKept_IsForgottenWhenAnExerciseIsLoaded) {
+TEST_F(GameInAStation, KeptOrders_AreDroppedWhenAnExerciseIsLoaded) {
   runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
+  ASSERT_TRUE(ask(orderOf({spawnCommand(ballAside(0))})).accepted);
   ASSERT_TRUE(ask(orders::LoadExercise{}).accepted);
-  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
+  const OrderReply spawn = ask(orderOf({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, BodyRefusal::kNoSuchShapes);
 }
 
-TEST_F(GameInAStation, SceneWithoutABudget_TakesNoBodies) {
+TEST_F(GameInAStation, SceneWithoutABodyBudget_RefusesBodies) {
   run(true);
-  const OrderReply reply = ask(say({removeCommand(0, 1)}));
+  const OrderReply reply = ask(orderOf({removeCommand(0, 1)}));
   EXPECT_EQ(reply.refusal, Refusal::kNoBodies);
   EXPECT_NE(reply.reason.find("game-scene"), std::string::npos);
 }
 
 TEST_F(GameInAStation, OrderOfAnEarlierHolder_IsRefused) {
   runGame(true);
-  ASSERT_TRUE(ask(say({removeCommand(0, 1)}, 2)).accepted);
-  EXPECT_EQ(ask(say({removeCommand(0, 1)}, 1)).refusal, Refusal::kNotHolder);
+  ASSERT_TRUE(ask(orderOf({removeCommand(0, 1)}, 2)).accepted);
+  EXPECT_EQ(ask(orderOf({removeCommand(0, 1)}, 1)).refusal, Refusal::kNotHolder);
 }
 
-TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
+TEST_F(GameInAStation, OrdersBeyondTheLoopsQueue_AreAnsweredBusyAndAcceptedLater) {
   runGame(true);
   std::vector<Command> all;
   for (int slot = 0; slot < kMaxSlots; ++slot) all.push_back(removeCommand(slot, 1));
   bool busy = false;
   for (int i = 0; i < 1000 && !busy; ++i) {
-    const OrderReply reply = ask(say(all));
+    const OrderReply reply = ask(orderOf(all));
     busy = reply.refusal == Refusal::kBusy;
     EXPECT_TRUE(busy || reply.accepted) << reply.reason;
   }
   EXPECT_TRUE(busy);
-  EXPECT_TRUE(becomes([&] { return ask(say(all)).accepted; }));
+  EXPECT_TRUE(becomes([&] { return ask(orderOf(all)).accepted; }));
   EXPECT_TRUE(rendersOn());
 }
 
-TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
+TEST_F(GameInAStation, SpawnWhileTheGameIsSilent_IsNotCarriedOut) {
   runGame(true);
   ASSERT_TRUE(ask(prepare(0, {ballShape(0.03)})).accepted);
   ASSERT_TRUE(ask(orders::HolderAlive{false}).accepted);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted)
+  ASSERT_TRUE(ask(orderOf({spawnCommand(ballAside(0))})).accepted)
       << "the loop refuses it, by an event";
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(stateOf(0), SlotState::kParked);
   ASSERT_TRUE(ask(orders::HolderAlive{true}).accepted);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0, 2))})).accepted);
+  ASSERT_TRUE(ask(orderOf({spawnCommand(ballAside(0, 2))})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
 }
 

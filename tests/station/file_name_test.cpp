@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::Folder;
 
-TEST(FileNamePart, WhatSomeFileSystemRefuses_BecomesAHyphen) {
+TEST(FileNamePart, CharactersThatAFileSystemRefuses_BecomeHyphens) {
   EXPECT_EQ(fileNamePart("p-014"), "p-014");
   EXPECT_EQ(fileNamePart("../../etc/passwd"), "etc-passwd");
   EXPECT_EQ(fileNamePart(R"(a\b:c*d?e"f<g>h|i j.k)"), "a-b-c-d-e-f-g-h-i-j-k");
@@ -29,10 +29,10 @@ TEST(FileNamePart, WhatSomeFileSystemRefuses_BecomesAHyphen) {
   EXPECT_EQ(fileNamePart("///..."), "");
 }
 
-TEST(FileNamePart, LettersOfAnyScript_Stay) {
+TEST(FileNamePart, LettersOfAnyScript_AreKept) {
   EXPECT_EQ(fileNamePart("Übung für Zoé"), "Übung-für-Zoé");
   EXPECT_EQ(fileNamePart("تمرين اليد"), "تمرين-اليد");
-  // A mark that turns the direction of writing, and bytes that are no UTF-8, do not.
+  // A mark that changes the writing direction and bytes that are not UTF-8 are replaced.
   EXPECT_EQ(fileNamePart("a\u202Eb\xFF"), "a-u-202e-b-xff");
 }
 
@@ -55,8 +55,8 @@ TEST(SessionFiles, Name_SaysTimePersonExerciseAndLevel) {
   EXPECT_EQ(nobody.substr(15), "-scene-level-1.h5") << nobody;
 }
 
-// Whatever second it is, and however the clock is set meanwhile.
-TEST(SessionFiles, NamesThatAreTaken_AreNotGivenAgain) {
+// The names must be unique in any second, even if the clock is set meanwhile.
+TEST(SessionFiles, TakenNames_AreNotGivenAgain) {
   const Folder folder;
   auto time = std::chrono::system_clock::now();
   const SessionFiles files(folder.path(), [&time] { return time; });
@@ -77,11 +77,11 @@ TEST(SessionFiles, NamesThatAreTaken_AreNotGivenAgain) {
   EXPECT_EQ(files.list("").size(), 40U) << "what was recorded is not given back";
 }
 
-// Each process asks for names at the same moment: eight programs that are started at once.
+// Eight processes ask for names at the same moment, like programs that are started together.
 TEST(SessionFiles, EightProgramsAtOnce_GetDifferentNames) {
   constexpr int kPrograms = 8, kNames = 25;
   const Folder folder;
-  const auto time = std::chrono::system_clock::now();  // of all of them
+  const auto time = std::chrono::system_clock::now();  // the same for all processes
   std::array<int, 2> gate{}, names{};
   ASSERT_EQ(::pipe(gate.data()), 0);
   ASSERT_EQ(::pipe(names.data()), 0);
@@ -89,7 +89,7 @@ TEST(SessionFiles, EightProgramsAtOnce_GetDifferentNames) {
     if (::fork() != 0) continue;
     ::close(gate[1]);
     char begin = 0;
-    (void)!::read(gate[0], &begin, 1);  // until the parent closes it
+    (void)!::read(gate[0], &begin, 1);  // blocks until the parent closes the pipe
     const SessionFiles files(folder.path() + "/recordings", [time] { return time; });
     for (int n = 0; n < kNames; ++n) {
       const auto path = files.nameNew("", "bar", 1);
@@ -115,8 +115,8 @@ TEST(SessionFiles, EightProgramsAtOnce_GetDifferentNames) {
   EXPECT_EQ(different.size(), std::size_t{kPrograms * kNames});
 }
 
-// A file where the folder should be, a folder that is not there and cannot be made.
-TEST(SessionFiles, FolderThatTakesNothing_IsNamedInTheError) {
+// Two cases: a file in place of the folder, and a missing folder that cannot be created.
+TEST(SessionFiles, UnwritableFolder_IsNamedInTheError) {
   const Folder folder;
   std::ofstream(folder.path() + "/file") << "in the way";
   for (const char* name : {"/file", "/file/recordings"}) {
@@ -128,8 +128,8 @@ TEST(SessionFiles, FolderThatTakesNothing_IsNamedInTheError) {
   }
 }
 
-// A link or a pipe is a name that is taken, and nothing is written through it.
-TEST(SessionFiles, LinkOfItsName_IsNotFollowed) {
+// An existing link or pipe counts as a taken name; nothing is written through it.
+TEST(SessionFiles, LinkOfTheSameName_IsNotFollowed) {
   const Folder folder;
   const auto time = std::chrono::system_clock::now();
   const SessionFiles files(folder.path(), [time] { return time; });
@@ -143,7 +143,7 @@ TEST(SessionFiles, LinkOfItsName_IsNotFollowed) {
   EXPECT_FALSE(fs::exists(target));
 }
 
-// Asked for by --record: in a folder of its own.
+// The option --record names a file in another folder.
 TEST(SessionFiles, RecordingElsewhere_IsListedAndFoundWhileItIsWritten) {
   const Folder folder, other;
   const SessionFiles files(folder.path());
@@ -160,7 +160,7 @@ TEST(SessionFiles, RecordingElsewhere_IsListedAndFoundWhileItIsWritten) {
   EXPECT_EQ(files.path("mine.h5", ""), "") << "of what is over";
   EXPECT_EQ(files.path("../mine.h5", mine), "");
   EXPECT_EQ(files.path("kept.h5", mine), kept);
-  // The one in the folder has the name.
+  // A file in the recordings folder takes precedence over one elsewhere.
   std::ofstream(folder.path() + "/mine.h5") << "older";
   EXPECT_EQ(files.path("mine.h5", mine), folder.path() + "/mine.h5");
   EXPECT_EQ(files.list(mine).size(), 2U);

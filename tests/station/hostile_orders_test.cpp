@@ -1,5 +1,5 @@
-// Orders in a state that does not expect them, in numbers that nobody can carry out, from clients
-// that are gone: what is safe stays safe, and the next client is served. In real time.
+// Orders in unexpected states, with impossible numbers, and from clients that left. The station
+// must stay safe and serve the next client. These tests run in real time.
 #include "station/server/client_words.hpp"
 #include "station/station_bench.hpp"
 #include "support/seed.hpp"
@@ -18,8 +18,8 @@ class HostileOrders : public Bar {
   }
 };
 
-// A terminal that was stopped (Ctrl-S), or a pipe that nobody reads.
-TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
+// The log can block: a terminal is stopped (Ctrl-S), or nobody reads the pipe.
+TEST_F(HostileOrders, BlockedLog_DelaysNoStop) {
   std::mutex mutex;
   std::condition_variable released;
   bool stands_still = true;
@@ -38,7 +38,7 @@ TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
     TickRecord record;
     ASSERT_TRUE(station_->latest(record));
     EXPECT_LT(largest(record.sent), 1e-3)
-        << kAlways;  // where the last record was dropped, the one before
+        << kAlways;  // if the last record was dropped, this is the one before
   }
   {
     const std::lock_guard lock(mutex);
@@ -46,7 +46,7 @@ TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
   }
   released.notify_all();
   (void)quit();
-  station_.reset();  // its log uses what is of this test
+  station_.reset();  // the log callback refers to local variables
 }
 
 TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
@@ -65,9 +65,9 @@ TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
   EXPECT_TRUE(rendersOn());
 }
 
-// Two servers speak for two holders: the first one's vanishing is carried out after the second
-// one's taking over.
-TEST_F(HostileOrders, WordOfAFormerHolder_ChangesNothingAnyMore) {
+// Two servers act for two holders. The order that the first holder vanished arrives after the
+// second holder took the controls.
+TEST_F(HostileOrders, OrderOfAFormerHolder_ChangesNothingExceptAStop) {
   run(true);
   ASSERT_TRUE(squeezes());
   ASSERT_TRUE(ask(of(orders::HolderAlive{true}, 2)).accepted);
@@ -75,14 +75,14 @@ TEST_F(HostileOrders, WordOfAFormerHolder_ChangesNothingAnyMore) {
   EXPECT_EQ(ask(of(orders::Steer{Steering::kPerson}, 1)).refusal, Refusal::kNotHolder);
   EXPECT_EQ(ask(of(orders::LoadExercise{}, 1)).refusal, Refusal::kNotHolder);
   const std::uint64_t before = records_;
-  ASSERT_TRUE(becomes([&] { return records_ > before + 400; }));  // longer than its fade, 300 ms
+  ASSERT_TRUE(becomes([&] { return records_ > before + 400; }));  // longer than the fade of 300 ms
   EXPECT_EQ(alpha(), 1.0) << "the exercise of the present holder still pushes";
   EXPECT_EQ(station_->status().steering, Steering::kVirtualPatient);
   EXPECT_TRUE(ask(of(orders::Stop{}, 1)).accepted) << "a stop never comes too late";
   EXPECT_TRUE(becomes(RunState::kStopped));
 }
 
-TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
+TEST_F(HostileOrders, HolderSilentWithAFullQueue_StillFadesTheExercise) {
   run(true);
   ASSERT_TRUE(squeezes());
   TickRecord record;
@@ -99,20 +99,20 @@ TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
   EXPECT_TRUE(becomes([&] { return alpha() == 0.0; }));
 }
 
-TEST_F(HostileOrders, EmergencyStopBeforeTheRun_IsNotForgotten) {
+TEST_F(HostileOrders, EmergencyStopBeforeTheRun_PreventsArmingAtStart) {
   load(barConfig());
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   run(true);
-  staysAt(RunState::kStopped);  // and is shown as what it is
+  staysAt(RunState::kStopped);  // the state is shown as stopped
   EXPECT_EQ(records_, 0U) << kAlways;
   EXPECT_TRUE(ask(orders::Arm{}).accepted) << "somebody wants it now";
   EXPECT_TRUE(rendersOn());
 }
 
-TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
+TEST_F(HostileOrders, LimitLoweredWhileArming_AppliesToThatSession) {
   run(false);
   auto answer = askLater(of(orders::Arm{}));
-  // What it begins with is settled; the world is being built.
+  // The parameters of the session are fixed; the world is being built.
   ASSERT_TRUE(becomes([&] { return station_->status().session == 1U; }));
   const orders::SetParameter limit{"effort_limit_arm_n", 8.0};
   ASSERT_TRUE(ask(limit).accepted);
@@ -124,7 +124,7 @@ TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
       << " N";
 }
 
-TEST_F(HostileOrders, SessionLeftAlone_EndsWhereAClientArmedIt) {
+TEST_F(HostileOrders, UnattendedSession_EndsIfAClientArmedIt) {
   run(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Unattended{}).accepted);
@@ -138,7 +138,7 @@ TEST_F(HostileOrders, SessionLeftAlone_EndsWhereAClientArmedIt) {
   EXPECT_TRUE(becomes(RunState::kStopped)) << "it would be recorded for ever";
 }
 
-TEST_F(HostileOrders, LoadDuringARunWithAnEnd_EndsWithIt) {
+TEST_F(HostileOrders, LoadDuringARunOfLimitedLength_DoesNotExtendTheRun) {
   load(barConfig());
   std::atomic<bool> ended{false};
   thread_ = std::thread([&] {
@@ -150,7 +150,7 @@ TEST_F(HostileOrders, LoadDuringARunWithAnEnd_EndsWithIt) {
   EXPECT_TRUE(becomes([&] { return ended.load(); }));
 }
 
-// Two seconds of mutated messages, as the servers hand them on. Every record is looked at.
+// Sends two seconds of mutated messages as the servers would pass them on, and checks every record.
 TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergencyStop) {
   load(barConfig());
   std::atomic<int> beyond{0};
@@ -196,7 +196,7 @@ TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergency
   EXPECT_TRUE(becomes(RunState::kRendering)) << "the next person is served";
 }
 
-TEST_F(HostileOrders, OfAKindThatIsCarriedOutElsewhere_AreRefusedByName) {
+TEST_F(HostileOrders, OrdersThatTheServerCarriesOut_AreRefusedByName) {
   load(barConfig());
   for (const orders::Any& what :
        {orders::Any(orders::TakeControls{}), orders::Any(orders::ReleaseControls{}),
@@ -208,7 +208,7 @@ TEST_F(HostileOrders, OfAKindThatIsCarriedOutElsewhere_AreRefusedByName) {
   }
 }
 
-TEST_F(HostileOrders, AfterTheEnd_NobodyWaitsForAnAnswer) {
+TEST_F(HostileOrders, OrderAfterTheEnd_IsAnsweredWithARefusal) {
   run(false);
   (void)quit();
   EXPECT_EQ(ask(orders::Arm{}).refusal, Refusal::kEnding);

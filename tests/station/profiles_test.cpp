@@ -17,7 +17,7 @@ Profile somebody() {
           Help::kSome,    {{"effort_limit_hand_tip_n", 0.1 + 0.2}, {"lead_in_m", 0.004}}};
 }
 
-TEST(ProfileFile, SavedAndLoaded_IsTheSameToTheBit) {
+TEST(ProfileFile, SavedAndLoaded_IsBitIdentical) {
   const Folder folder;
   const Profiles profiles(folder.path() + "/profiles");
   EXPECT_TRUE(profiles.list().empty());
@@ -31,22 +31,22 @@ TEST(ProfileFile, SavedAndLoaded_IsTheSameToTheBit) {
   EXPECT_EQ(loaded->parameters, somebody().parameters);
 }
 
-TEST(ProfileFile, OfEveryHelp_IsReadBackAndTheKeyIsLeftOutWhereNothingIsSet) {
+TEST(ProfileFile, EveryHelpLevel_IsReadBackAndTheKeyIsOmittedIfUnset) {
   const Folder folder;
   const Profiles profiles(folder.path());
-  for (const Help help : {Help::kUnsaid, Help::kFull, Help::kSome, Help::kNone}) {
+  for (const Help help : {Help::kUnspecified, Help::kFull, Help::kSome, Help::kNone}) {
     Profile profile = somebody();
     profile.help = help;
     ASSERT_TRUE(profiles.save(profile).ok());
     EXPECT_EQ(profiles.load("p-014")->help, help);
     std::ifstream in(folder.path() + "/p-014.toml");
     const std::string text{std::istreambuf_iterator<char>(in), {}};
-    EXPECT_EQ(text.find("help") != std::string::npos, help != Help::kUnsaid) << text;
+    EXPECT_EQ(text.find("help") != std::string::npos, help != Help::kUnspecified) << text;
   }
 }
 
-/// As version 0.3 wrote them.
-TEST(ProfileFile, FromBeforeTheNewKeys_StillLoads) {
+/// Profile file in the format of version 0.3.
+TEST(ProfileFile, FileOfVersion03_StillLoads) {
   const Folder folder;
   std::ofstream(folder.path() + "/old.toml")
       << "kind = \"profile\"\nversion = 1\nname = \"old\"\ndevice = \"lambda-pride\"\n"
@@ -54,7 +54,7 @@ TEST(ProfileFile, FromBeforeTheNewKeys_StillLoads) {
          "[parameters]\nlead_in_m = 0.004\n";
   const auto loaded = Profiles(folder.path()).load("old");
   ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-  EXPECT_EQ(loaded->help, Help::kUnsaid);
+  EXPECT_EQ(loaded->help, Help::kUnspecified);
   EXPECT_EQ(loaded->parameters.size(), 1U);
 }
 
@@ -75,8 +75,8 @@ TEST(ProfileFile, CodeOfSixtyLetters_IsSavedLoadedAndNamesARecording) {
   EXPECT_EQ(profiles.list().size(), 1U);
 }
 
-// Nothing is read from a pipe, which would hold up every order, nor written through a link.
-TEST(ProfileFile, LinkOrPipeOfItsName_IsNamedAndUntouched) {
+// A pipe is not read, because reading would block every order; a link is not written through.
+TEST(ProfileFile, LinkOrPipeInPlaceOfTheFile_IsReportedAndUntouched) {
   const Folder folder;
   const Profiles profiles(folder.path());
   const std::string path = folder.path() + "/p-014.toml";
@@ -97,7 +97,7 @@ TEST(ProfileFile, LinkOrPipeOfItsName_IsNamedAndUntouched) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "mine");
 }
 
-TEST(ProfileFile, NameThatIsNone_IsRefusedAndWritesNothing) {
+TEST(ProfileFile, InvalidName_IsRefusedAndWritesNothing) {
   const Folder folder;
   const Profiles profiles(folder.path() + "/profiles");
   for (const char* name : {"", "../p", "a b", "a/b", ".", "ä"}) {
@@ -143,7 +143,7 @@ class StationProfiles : public Bar {
   }
 };
 
-TEST_F(StationProfiles, SavedBeforeARestart_HoldsAfterItFromTheFirstTick) {
+TEST_F(StationProfiles, ProfileSavedBeforeARestart_AppliesFromTheFirstTickAfterIt) {
   begin();
   ASSERT_TRUE(set("lead_in_m", 0.004).accepted);
   ASSERT_TRUE(ask(orders::SaveProfile{"p-014"}).accepted);
@@ -161,11 +161,11 @@ TEST_F(StationProfiles, SavedBeforeARestart_HoldsAfterItFromTheFirstTick) {
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   TickRecord record;
   ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
-  EXPECT_EQ(parameter("lead_in_m"), 0.004);  // no ramp from another value
+  EXPECT_EQ(parameter("lead_in_m"), 0.004);  // it does not ramp from another value
   EXPECT_EQ(ask(orders::LoadProfile{"p-014"}).refusal, Refusal::kArmedAlready);
 }
 
-/// Every key of one patient, each with a value that is not the one at the start.
+/// Every key of a patient's profile, each with a value that differs from the initial one.
 const std::vector<std::pair<const char*, double>> kOfOnePatient = {
     {"line_tolerance_l", 0.008},      {"wall_fade_s", 2.5},
     {"reach_left_m", 0.05},           {"reach_right_m", 0.07},
@@ -173,7 +173,7 @@ const std::vector<std::pair<const char*, double>> kOfOnePatient = {
     {"fingers_close_rad", 2.6},       {"squeeze_threshold_ratio", 0.5},
     {"effort_limit_hand_tip_n", 5.0}, {"effort_limit_arm_n", 8.0}};
 
-TEST_F(StationProfiles, EveryKeyOfAPatient_HoldsAfterARestart) {
+TEST_F(StationProfiles, EveryKeyOfAPatient_AppliesAfterARestart) {
   begin();
   for (const auto& [name, value] : kOfOnePatient) {
     EXPECT_NE(parameter(name), value) << name;
@@ -187,7 +187,7 @@ TEST_F(StationProfiles, EveryKeyOfAPatient_HoldsAfterARestart) {
   station_.reset();
 
   begin();
-  EXPECT_EQ(station_->status().help, Help::kUnsaid);
+  EXPECT_EQ(station_->status().help, Help::kUnspecified);
   const OrderReply loaded = ask(orders::LoadProfile{"p-020"});
   ASSERT_TRUE(loaded.accepted) << loaded.reason;
   EXPECT_EQ(station_->status().help, Help::kNone);
@@ -221,8 +221,9 @@ TEST_F(StationProfiles, EveryKeyOutOfItsRange_IsRefusedByProfileKeyAndRange) {
   EXPECT_EQ(station_->scene()->profile, "mine");
 }
 
-/// The console shows them by these groups: reach with the person's limits, fingers with the hand.
-TEST_F(StationProfiles, WhatIsThePersonsOwn_StandsWithThePersonAndTheHand) {
+/// The console groups parameters by these names: reach belongs to the person's limits, fingers to
+/// the hand.
+TEST_F(StationProfiles, ParametersOfThePerson_AreGroupedUnderPersonAndHand) {
   begin();
   int patient = 0, hand = 0;
   for (const PublishedParameter& p : station_->scene()->parameters) {
@@ -233,7 +234,7 @@ TEST_F(StationProfiles, WhatIsThePersonsOwn_StandsWithThePersonAndTheHand) {
   EXPECT_EQ(hand, 2);
 }
 
-TEST_F(StationProfiles, ForAnotherDeviceOrHand_AreRefusedByNameAndChangeNothing) {
+TEST_F(StationProfiles, ProfileOfAnotherDeviceOrHand_IsRefusedByNameAndChangesNothing) {
   begin();
   ASSERT_TRUE(ask(orders::SaveProfile{"mine"}).accepted);
   const std::string path = folder_ + "/profiles/mine.toml";

@@ -1,6 +1,6 @@
-// Pages as scripts, over WebSocket to a station: what a person has pressed goes on to its last
-// order, as nobody cancels it here, and somewhere in between comes a stop. Nothing renders after it
-// until somebody presses who was shown the stop. WHOLEHAND_FULL tries 1,000 moments.
+// Scripts act as pages and connect to a station over WebSocket. Each script runs to its last order,
+// and a stop comes at a random moment. Nothing may render afterwards until somebody who was shown
+// the stop arms again. WHOLEHAND_FULL tries 1,000 moments.
 #include "station/server/client_words.hpp"
 #include "station/server/fake_program.hpp"
 #include "station/station_bench.hpp"
@@ -17,7 +17,7 @@ namespace fb = wholehand::protocol;
 using replies::Answer;
 using Random = std::mt19937_64;
 
-/// A page: hears and orders, one thing after the other.
+/// A page that sends orders and reads messages in one thread.
 class Page {
  public:
   explicit Page(std::uint16_t port) : port_(port) { connect(); }
@@ -28,25 +28,25 @@ class Page {
     (void)lookUntil([this] { return looked_; });
   }
   void leave() { socket_.reset(); }
-  /// The newest ending that its person is shown.
+  /// Number of the newest ending that the page has shown its person.
   [[nodiscard]] std::uint32_t shown() const { return endings_; }
   [[nodiscard]] fb::RunState runState() const { return run_state_; }
 
-  /// Says it, and hears until it is answered.
-  Answer say(const wire::Bytes& command) {
-    socket_->say(command);
+  /// Sends a command and reads until its answer arrives.
+  Answer send(const wire::Bytes& command) {
+    socket_->send(command);
     Answer answer;
     (void)lookUntil([&] { return answered(answer); });
     return answer;
   }
-  void sayOnly(const wire::Bytes& command) { socket_->say(command); }
-  /// Hears what is said until then; false where it hangs.
+  void sendOnly(const wire::Bytes& command) { socket_->send(command); }
+  /// Reads messages until the condition holds; false if the line closes or the time is over.
   template <class Condition>
   bool lookUntil(Condition&& condition) {
     looked_ = false;
     for (const auto until = Clock::now() + kHang; !condition();) {
-      const auto frame = socket_->hear(100ms);
-      if (frame && frame->opcode == 2) see(replies::message(*frame));
+      const auto frame = socket_->receive(100ms);
+      if (frame && frame->opcode == 2) handle(replies::message(*frame));
       if (Clock::now() > until || (!frame && socket_->closed())) return false;
     }
     return true;
@@ -54,7 +54,7 @@ class Page {
   std::uint32_t nextId() { return ++id_; }
 
  private:
-  void see(const fb::Message& message) {
+  void handle(const fb::Message& message) {
     if (const auto* state = message.payload_as_WorldState()) {
       endings_ = state->endings();
       run_state_ = state->run_state();
@@ -84,72 +84,72 @@ void wait(Random& random, int most_ms) {
   std::this_thread::sleep_for(std::chrono::milliseconds(random() % (most_ms + 1)));
 }
 
-/// Another page may hold them for a moment.
+/// Takes the controls; tries again while another page holds them.
 void take(Page& page) {
   for (int tries = 0; tries < 40; ++tries) {
-    if (page.say(words::takeControls(page.nextId())).accepted) return;
+    if (page.send(words::takeControls(page.nextId())).accepted) return;
     std::this_thread::sleep_for(20ms);
   }
 }
 
-// ---- what a person presses, and what the page makes of it: every script names what was shown then
+// ---- presses of a person and the orders of the page: each script names the ending shown then
 
 void pressStart(Page& page, Random& random) {
   const std::uint32_t seen = page.shown();
   take(page);
-  page.say(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
+  page.send(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
   wait(random, 50);
-  page.say(words::armHavingSeen(seen, page.nextId()));
-  page.say(words::steer(page.nextId(), fb::Steering::Person));
-  page.say(words::action(page.nextId(), fb::Act::Restart));
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::steer(page.nextId(), fb::Steering::Person));
+  page.send(words::action(page.nextId(), fb::Act::Restart));
+  page.send(words::releaseControls(page.nextId()));
 }
 
 void pressLoad(Page& page, Random& random) {
   take(page);
-  page.say(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
+  page.send(words::releaseControls(page.nextId()));
 }
 
 void pressArm(Page& page, Random& random) {
   const std::uint32_t seen = page.shown();
   take(page);
   wait(random, 100);
-  page.say(words::armHavingSeen(seen, page.nextId()));
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::releaseControls(page.nextId()));
 }
 
 void pressPauseAgainAndAgain(Page& page, Random& random) {
   take(page);
   for (int i = 0; i < 12; ++i) {
-    page.say(words::action(page.nextId(), i % 2 == 0 ? fb::Act::Pause : fb::Act::Resume));
+    page.send(words::action(page.nextId(), i % 2 == 0 ? fb::Act::Pause : fb::Act::Resume));
     wait(random, 80);
   }
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::releaseControls(page.nextId()));
 }
 
-/// The line breaks while it loads; what was pressed before goes on over the next one.
+/// The line breaks during the load; the remaining orders of the press go over the next line.
 void pressStartAndReconnect(Page& page, Random& random) {
   const std::uint32_t seen = page.shown();
   take(page);
-  page.sayOnly(words::load(page.nextId(), "", 1, ""));
+  page.sendOnly(words::load(page.nextId(), "", 1, ""));
   wait(random, 400);
   page.leave();
   wait(random, 100);
   page.connect();
   take(page);
-  page.say(words::armHavingSeen(seen, page.nextId()));
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::releaseControls(page.nextId()));
 }
 
-/// A hidden page stands still for a while, in the middle of it.
+/// A hidden page is suspended for a while between its orders.
 void pressStartAndHide(Page& page, Random& random) {
   const std::uint32_t seen = page.shown();
   take(page);
-  page.say(words::load(page.nextId(), "", 1, ""));
+  page.send(words::load(page.nextId(), "", 1, ""));
   wait(random, 1000);
-  page.say(words::armHavingSeen(seen, page.nextId()));
-  page.say(words::releaseControls(page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::releaseControls(page.nextId()));
 }
 
 using Script = void (*)(Page&, Random&);
@@ -164,25 +164,26 @@ class RandomStops : public ServedBar {
     station_->addSink([this](const TickRecord& record) { keep(record); });
     serve();
   }
-  /// The newest session that has pushed. All records of one come before the next one begins.
+  /// Stores the newest session that pushed. All records of a session come before the next begins.
   void keep(const TickRecord& record) {
     if (record.authority > 0.0) pushed_ = station_->status().session;
   }
-  /// A person at a page of their own looks, and presses Start.
+  /// A person at another page sees the state and presses Start until it renders.
   void renders(Page& page) {
     ASSERT_TRUE(page.lookUntil([&] {
       if (page.runState() == fb::RunState::Rendering) return true;
-      page.say(words::takeControls(page.nextId()));
-      const Answer armed = page.say(words::armHavingSeen(page.shown(), page.nextId()));
-      page.say(words::releaseControls(page.nextId()));
+      page.send(words::takeControls(page.nextId()));
+      const Answer armed = page.send(words::armAcknowledging(page.shown(), page.nextId()));
+      page.send(words::releaseControls(page.nextId()));
       return armed.accepted;
     }));
     ASSERT_TRUE(page.lookUntil([&] { return page.runState() == fb::RunState::Rendering; }));
   }
-  /// The game's page or another console, or a game over UDP: what it says reaches the same station.
+  /// Sends an emergency stop over the page's line, or gives a stop to the station directly, as a
+  /// game over UDP would.
   void stop(Page& page, Random& random) {
     if (random() % 2 == 0) {
-      ASSERT_TRUE(page.say(words::emergencyStop(page.nextId())).accepted);
+      ASSERT_TRUE(page.send(words::emergencyStop(page.nextId())).accepted);
     } else {
       ASSERT_TRUE(ask(orders::Stop{}).accepted);
     }
@@ -191,7 +192,7 @@ class RandomStops : public ServedBar {
   std::atomic<std::uint32_t> pushed_{0};
 };
 
-TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWhoSawIt) {
+TEST_F(RandomStops, StopAtARandomMoment_NothingRendersUntilSomebodyWhoSawItArms) {
   const int moments = std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 8;
   auto random = seededRandom(8801);
   open();
@@ -202,7 +203,7 @@ TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWh
     std::vector<std::unique_ptr<Page>> pages;
     std::vector<std::thread> people;
     const std::size_t first = random() % kScripts.size();
-    for (std::size_t who = 0; who < 1 + random() % 2; ++who) {  // one page, or two side by side
+    for (std::size_t who = 0; who < 1 + random() % 2; ++who) {  // one page, or two at the same time
       pages.push_back(std::make_unique<Page>(server_->port()));
       const Script script = who == 0 ? kScripts[first] : kScripts[random() % kScripts.size()];
       people.emplace_back([&page = *pages.back(), script, seed = random()] {
@@ -213,7 +214,7 @@ TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWh
     wait(random, 1500);
     if (station_->status().run_state == RunState::kRendering) ++rendering;
     stop(observer, random);
-    // One that was begun before may push until it is at neutral; no other one ever does.
+    // A session begun before the stop may push until it is at neutral; no later one may push.
     const std::uint32_t newest = station_->status().session;
     for (std::thread& person : people) person.join();
     EXPECT_TRUE(becomes(RunState::kStopped)) << "moment " << moment << ", script " << first;
@@ -225,7 +226,7 @@ TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWh
   figure("stops at random moments", tried, "");
   figure("of them while it rendered", rendering, "");
   Page somebody(server_->port());
-  renders(somebody);  // who was shown the stop may
+  renders(somebody);  // a page that was shown the stop may arm
 }
 
 }  // namespace

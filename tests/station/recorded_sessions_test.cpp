@@ -1,4 +1,4 @@
-// Every session that a person was in has a recording from its first tick; the others leave none.
+// Every session with a person in it has a recording from its first tick; the others leave none.
 #include "record/recording.hpp"
 #include "station/session_files.hpp"
 #include "station/station_bench.hpp"
@@ -10,8 +10,8 @@
 namespace wholehand::test {
 namespace {
 
-/// A session as its ticks show it.
-struct Seen {
+/// Tick counts of one session.
+struct SessionTicks {
   std::uint64_t ticks = 0, by_person = 0;
 };
 
@@ -40,11 +40,11 @@ class Demonstration : public Bar {
   virtual void change(StationConfig& /*config*/) {}
 
   OrderReply steer(Steering by) { return ask(orders::Steer{by}); }
-  /// A page takes the steering as soon as it may.
+  /// Takes the steering for a person as soon as the station accepts it.
   bool joins() {
     return becomes([this] { return steer(Steering::kPerson).accepted; });
   }
-  /// The next session of the program's own accord.
+  /// Waits for a session newer than `since`, which the program begins without an order.
   bool isRenewed(std::uint32_t since) {
     return becomes([&] {
       const LoopStatus status = station_->status();
@@ -59,11 +59,12 @@ class Demonstration : public Bar {
     }
     return names;
   }
-  std::vector<Seen> seen() {
+  std::vector<SessionTicks> seen() {
     const std::lock_guard lock(seen_mutex_);
     return seen_;
   }
-  /// After the end: how many sessions with a person have no recording of all their ticks.
+  /// Number of sessions with a person that have no recording of all their ticks. Call it after the
+  /// end.
   int unrecorded() {
     std::multiset<std::uint64_t> recorded;
     for (const std::string& file : files()) {
@@ -76,7 +77,7 @@ class Demonstration : public Bar {
       recorded.insert((*recording)->size());
     }
     int missing = 0;
-    for (const Seen& session : seen()) {
+    for (const SessionTicks& session : seen()) {
       if (session.by_person == 0) continue;
       const auto found = recorded.find(session.ticks);
       if (found == recorded.end()) {
@@ -89,14 +90,15 @@ class Demonstration : public Bar {
   }
 
   std::atomic<int> ahead_s_{0};
-  /// Records of a person are seen after their session ended only, as on a machine that is late.
+  /// If set, records of a person reach the sink only after their session ended, as on a slow
+  /// machine.
   std::atomic<bool> late_{false};
   std::atomic<bool> waits_{false};
   std::mutex seen_mutex_;
-  std::vector<Seen> seen_;
+  std::vector<SessionTicks> seen_;
 };
 
-TEST_F(Demonstration, ThatSomebodyJoins_IsRecordedFromItsFirstTick) {
+TEST_F(Demonstration, SessionThatSomebodyJoins_IsRecordedFromItsFirstTick) {
   begin();
   EXPECT_NE(station_->scene()->recording, "") << "the screen says that it is recorded";
   ASSERT_TRUE(joins());
@@ -106,7 +108,7 @@ TEST_F(Demonstration, ThatSomebodyJoins_IsRecordedFromItsFirstTick) {
   EXPECT_EQ(unrecorded(), 0);
 }
 
-TEST_F(Demonstration, ThatNobodyJoins_LeavesNothing) {
+TEST_F(Demonstration, SessionThatNobodyJoins_LeavesNoRecording) {
   begin();
   ASSERT_EQ(files().size(), 1U) << "it is recorded all the same";
   const StationOutcome& outcome = quit();
@@ -115,7 +117,7 @@ TEST_F(Demonstration, ThatNobodyJoins_LeavesNothing) {
   EXPECT_EQ(outcome.last->record, "");
 }
 
-TEST_F(Demonstration, ThatNobodyJoins_IsBegunAnewEveryTenMinutes) {
+TEST_F(Demonstration, SessionThatNobodyJoins_IsRenewedEveryTenMinutes) {
   begin();
   const std::uint32_t endings = station_->status().endings;
   for (int i = 0; i < 3; ++i) {
@@ -126,7 +128,8 @@ TEST_F(Demonstration, ThatNobodyJoins_IsBegunAnewEveryTenMinutes) {
     ahead_s_ += 11;
     ASSERT_TRUE(isRenewed(session));
     EXPECT_TRUE(rendersOn());
-    // The name says the second: what begins in the second of the one that was removed has its name.
+    // File names contain the second: a session that begins in the same second as the removed one
+    // takes its name.
     const std::string recording = folder_ + "/recordings/" + station_->scene()->recording;
     EXPECT_EQ(files(), std::vector<std::string>{recording}) << "the recording of nobody is removed";
   }
@@ -135,7 +138,7 @@ TEST_F(Demonstration, ThatNobodyJoins_IsBegunAnewEveryTenMinutes) {
   EXPECT_TRUE(fs::is_empty(folder_ + "/recordings"));
 }
 
-TEST_F(Demonstration, JoinedInTheLastSecond_GoesOn) {
+TEST_F(Demonstration, SessionJoinedJustBeforeItsRenewal_IsNotRenewed) {
   begin();
   ahead_s_ += 599;
   ASSERT_TRUE(joins());
@@ -150,8 +153,8 @@ TEST_F(Demonstration, JoinedInTheLastSecond_GoesOn) {
   EXPECT_EQ(unrecorded(), 0);
 }
 
-// While the old session fades and the new one is built, both are the person's.
-TEST_F(Demonstration, JoinedWhileItIsBegunAnew_SteersTheNextAndLosesNothing) {
+// The person steers both the old session, which fades, and the new one, which is being built.
+TEST_F(Demonstration, PersonJoiningDuringARenewal_SteersTheNextSessionAndBothAreRecorded) {
   begin();
   const std::uint32_t session = station_->status().session;
   ahead_s_ += 601;
@@ -165,7 +168,7 @@ TEST_F(Demonstration, JoinedWhileItIsBegunAnew_SteersTheNextAndLosesNothing) {
   EXPECT_EQ(unrecorded(), 0);
 }
 
-TEST_F(Demonstration, ThatEverybodyLeft_BeginsAnewAndKeepsItsRecording) {
+TEST_F(Demonstration, SessionThatEverybodyLeft_IsRenewedAndKeepsItsRecording) {
   begin();
   ASSERT_TRUE(joins());
   ASSERT_TRUE(rendersOn());
@@ -179,14 +182,14 @@ TEST_F(Demonstration, ThatEverybodyLeft_BeginsAnewAndKeepsItsRecording) {
   EXPECT_EQ(unrecorded(), 0);
 }
 
-// What is seen of a person late is of the session that ends, not of the next one.
-TEST_F(Demonstration, ThatEverybodyLeft_IsNotJoinedByItsLateRecords) {
+// A late record of a person belongs to the session that ends, not to the next one.
+TEST_F(Demonstration, LateRecordsOfAPersonWhoLeft_DoNotCountForTheNextSession) {
   begin();
   ASSERT_TRUE(joins());
   ASSERT_TRUE(rendersOn());
   late_ = true;
   ASSERT_TRUE(becomes([this] { return waits_.load(); }));
-  std::this_thread::sleep_for(50ms);  // more records of the person wait behind it
+  std::this_thread::sleep_for(50ms);  // more records of the person queue up behind it
   ASSERT_TRUE(steer(Steering::kVirtualPatient).accepted);
   const std::uint32_t session = station_->status().session;
   ASSERT_TRUE(ask(orders::Unattended{}).accepted);
@@ -196,11 +199,11 @@ TEST_F(Demonstration, ThatEverybodyLeft_IsNotJoinedByItsLateRecords) {
   EXPECT_EQ(unrecorded(), 0);
 }
 
-// Without an order of the person yet: the console took the controls.
-TEST_F(Demonstration, ControlsThatWereTaken_KeepItsRecording) {
+// The console took the controls; the person has sent no order yet.
+TEST_F(Demonstration, ControlsTaken_KeepTheRecordingAndPreventTheRenewal) {
   begin();
   const std::uint32_t session = station_->status().session;
-  ASSERT_TRUE(ask(orders::Attended{}).accepted);
+  ASSERT_TRUE(ask(orders::UnattendedEnds{}).accepted);
   ahead_s_ += 601;
   std::this_thread::sleep_for(300ms);
   EXPECT_EQ(station_->status().session, session) << kAlways;
@@ -208,13 +211,14 @@ TEST_F(Demonstration, ControlsThatWereTaken_KeepItsRecording) {
   EXPECT_EQ(files().size(), 1U);
 }
 
-// A client that takes the controls while the old session ends, and does nothing, is in the new one.
-TEST_F(Demonstration, ControlsTakenWhileItIsBegunAnew_KeepTheNextRecording) {
+// A client takes the controls while the old session ends and sends nothing; it belongs to the new
+// session.
+TEST_F(Demonstration, ControlsTakenDuringARenewal_KeepTheNextRecording) {
   begin();
   const std::uint32_t session = station_->status().session;
   ahead_s_ += 601;
   ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
-  ASSERT_TRUE(ask(orders::Attended{}).accepted);
+  ASSERT_TRUE(ask(orders::UnattendedEnds{}).accepted);
   ASSERT_TRUE(isRenewed(session));
   ahead_s_ += 601;
   std::this_thread::sleep_for(300ms);
@@ -223,7 +227,7 @@ TEST_F(Demonstration, ControlsTakenWhileItIsBegunAnew_KeepTheNextRecording) {
   EXPECT_GE(files().size(), 1U);
 }
 
-TEST_F(Demonstration, StopWhileItIsBegunAnew_StaysStopped) {
+TEST_F(Demonstration, StopDuringARenewal_StaysStopped) {
   begin();
   ahead_s_ += 601;
   ASSERT_TRUE(becomes([this] { return station_->status().run_state != RunState::kRendering; }));
@@ -235,23 +239,23 @@ TEST_F(Demonstration, StopWhileItIsBegunAnew_StaysStopped) {
   EXPECT_EQ(files().size(), 1U) << "somebody was there";
 }
 
-// The program goes on without a disk, and clients are notified.
+// The program continues without a disk and notifies clients.
 class WithoutAFolder : public Demonstration {
   void change(StationConfig& config) override {
     std::ofstream(folder_ + "/recordings") << "a file where the folder should be";
     config.recordings_folder = folder_ + "/recordings";
   }
 };
-TEST_F(WithoutAFolder, Demonstration_RunsAndSaysThatNothingIsRecorded) {
+TEST_F(WithoutAFolder, Demonstration_RunsAndReportsThatNothingIsRecorded) {
   begin();
-  EXPECT_TRUE(says("what follows is not recorded: " + folder_ + "/recordings: "));
+  EXPECT_TRUE(logContains("what follows is not recorded: " + folder_ + "/recordings: "));
   EXPECT_EQ(station_->scene()->recording, "");
   EXPECT_EQ(station_->status().recording_bytes, 0U);
   EXPECT_TRUE(joins());
 }
 
-// The report of the recording that had the name before is another session's.
-TEST_F(Demonstration, RecordingThatTakesTheNameOfAnother_GetsItsOwnReport) {
+// A cached report of an earlier recording with the same name must not be shown.
+TEST_F(Demonstration, RecordingWithAReusedName_GetsItsOwnReport) {
   StationConfig config = barConfig();
   int made = 0;
   config.make_report = [&made](const std::string& recording, const std::string& folder) {
@@ -273,16 +277,16 @@ TEST_F(Demonstration, RecordingThatTakesTheNameOfAnother_GetsItsOwnReport) {
   EXPECT_EQ(report(), "first");
   EXPECT_EQ(made, 1) << "made once";
   const auto time = fs::last_write_time(path);
-  std::ofstream(folder_ + "/recordings/b") << "other";  // of its size, and of its time
+  std::ofstream(folder_ + "/recordings/b") << "other";  // the same size and the same time
   fs::last_write_time(folder_ + "/recordings/b", time);
   fs::rename(folder_ + "/recordings/b", path);
   EXPECT_EQ(report(), "other") << why;
   EXPECT_EQ(made, 2);
 }
 
-// Who joins when, what is loaded, stopped and armed, and how time passes: drawn. Half of the
-// scripts begin with time alone, in which the program begins anew.
-TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
+// Joins, loads, stops, arms and the passing of time are random. In half of the scripts only time
+// passes at first, so that the program renews the session.
+TEST_F(Demonstration, RandomScripts_LeaveNoSessionOfAPersonUnrecorded) {
   auto random = seededRandom(3501);
   const int scripts = fullCounts() ? 20 : 4;
   for (int script = 0; script < scripts; ++script) {
@@ -299,7 +303,7 @@ TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
       switch (random() % 8) {
         case 0:
         case 1:
-          (void)steer(Steering::kPerson);  // refused where nothing is armed
+          (void)steer(Steering::kPerson);  // refused if nothing is armed
           break;
         case 2:
           (void)steer(Steering::kVirtualPatient);
@@ -321,7 +325,7 @@ TEST_F(Demonstration, DrawnScripts_LeaveNoSessionOfAPersonUnrecorded) {
     quit();
   }
   int persons = 0;
-  for (const Seen& session : seen()) persons += session.by_person > 0 ? 1 : 0;
+  for (const SessionTicks& session : seen()) persons += session.by_person > 0 ? 1 : 0;
   const int missing = unrecorded();
   std::printf("figure: of %zu sessions a person was in %d; without recording: %d\n", seen().size(),
               persons, missing);

@@ -1,5 +1,5 @@
-// The process that makes reports, played by small shell scripts: it is called as
-// `program report RECORDING --out FOLDER`.
+// Small shell scripts replace the process that makes reports. It is called as `program report
+// RECORDING --out FOLDER`.
 #include "station/reports.hpp"
 #include "support/folder.hpp"
 #include "support/watched_main.hpp"
@@ -35,25 +35,26 @@ struct ReportChildTest : testing::Test {
   const Folder folder;
 };
 
-TEST_F(ReportChildTest, LeavesTheDiskToTheRecorderAndSaysWhetherItWasMade) {
+TEST_F(ReportChildTest, Report_RunsWithLowDiskPriorityAndReportsItsOutcome) {
   ReportChild reports(
       script("sleep 0.3; ionice > \"$4/disk\"; nice > \"$4/nice\"; echo $1 $2 > \"$4/words\""));
   const auto made = reports.make("a.h5", folder.path());
   ASSERT_TRUE(made) << format(made.errors());
   EXPECT_EQ(read("disk"), "idle\n");
-  // Somebody waits for it: at 19, a machine with eight busy programs keeps it for minutes.
+  // A user waits for the report: with nice 19, a machine with eight busy programs delays it for
+  // minutes.
   EXPECT_EQ(read("nice"), std::to_string(::getpriority(PRIO_PROCESS, 0)) + "\n");
   EXPECT_EQ(read("words"), "report a.h5\n");
   ReportChild fails(script("exit 2"));
   EXPECT_FALSE(fails.make("a.h5", folder.path()));
-  ReportChild not_whole(script("exit 1"));  // a page that says what it does not show
+  ReportChild not_whole(script("exit 1"));  // exit code 1: the report is made but incomplete
   EXPECT_TRUE(not_whole.make("a.h5", folder.path()));
 }
 
-TEST_F(ReportChildTest, ThatTakesTooLong_IsEnded) {
+TEST_F(ReportChildTest, ReportThatTakesTooLong_IsEnded) {
   seesRealTime();
   std::string id;
-  // Beside busy programs a child of the lowest priority may not even begin within its time.
+  // On a busy machine a child of the lowest priority may not even start within its time.
   for (auto longest = 700ms; id.empty() && longest < 60s; longest *= 4) {
     ReportChild reports(script("echo $$ > \"$4/id\"; exec sleep 120"), longest);
     const auto began = Clock::now();
@@ -68,7 +69,7 @@ TEST_F(ReportChildTest, ThatTakesTooLong_IsEnded) {
   EXPECT_FALSE(fs::exists("/proc/" + id)) << "it is gone, and nobody has to wait for it";
 }
 
-TEST_F(ReportChildTest, UnderWayWhenTheProgramEnds_IsEndedAndNoneIsBegun) {
+TEST_F(ReportChildTest, ReportRunningAtTheProgramsEnd_IsEndedAndNoOtherBegins) {
   ReportChild reports(script("exec sleep 60"));
   const auto began = Clock::now();
   std::thread ending([&] {

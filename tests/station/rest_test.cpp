@@ -1,4 +1,4 @@
-// A rest: a gentle stop that says of itself that nothing else has ended.
+// A rest is a gentle stop; its status says that nothing else has ended the session.
 #include "station/station_bench.hpp"
 
 #include <fstream>
@@ -12,7 +12,7 @@ class RestOfAPlayer : public Bar {
   bool rested() { return station_->status().rested; }
 };
 
-TEST_F(RestOfAPlayer, OfWhatRenders_IsOneUntilItIsArmedAgain) {
+TEST_F(RestOfAPlayer, RestWhileRendering_IsReportedUntilArmedAgain) {
   run(true);
   ASSERT_TRUE(rendersOn());
   EXPECT_FALSE(rested());
@@ -26,7 +26,7 @@ TEST_F(RestOfAPlayer, OfWhatRenders_IsOneUntilItIsArmedAgain) {
   EXPECT_FALSE(rested());
 }
 
-TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
+TEST_F(RestOfAPlayer, RestFollowedByAStop_IsNotReportedAsARest) {
   for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(true);
     ASSERT_TRUE(rendersOn());
@@ -41,7 +41,7 @@ TEST_F(RestOfAPlayer, FollowedByAStop_IsNoneAnyMore) {
   }
 }
 
-TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsOneThatGivesNoRightToArm) {
+TEST_F(RestOfAPlayer, RestBeforeTheFirstArming_IsReportedAsBeforeTheStart) {
   run(false);
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
   EXPECT_EQ(station_->status().run_state, RunState::kStopped);
@@ -58,8 +58,8 @@ TEST_F(RestOfAPlayer, WhileNothingWasEverArmed_IsOneThatGivesNoRightToArm) {
   EXPECT_FALSE(station_->status().rest_before_start);
 }
 
-// The loop stops to load, and would go on.
-TEST_F(RestOfAPlayer, WhileALoadIsUnderWay_IsOneWhereverItComes) {
+// The loop stops for the load and would continue after it.
+TEST_F(RestOfAPlayer, RestAtAnyMomentOfALoad_IsReportedAsARest) {
   run(true);
   ASSERT_TRUE(rendersOn());
   for (const auto after : {0ms, 30ms, 100ms, 200ms, 300ms, 400ms}) {
@@ -74,8 +74,8 @@ TEST_F(RestOfAPlayer, WhileALoadIsUnderWay_IsOneWhereverItComes) {
   }
 }
 
-// The console shows the limit that the next session begins with, not the last one's.
-TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
+// The console shows the limit of the next session, not that of the last one.
+TEST_F(RestOfAPlayer, LimitSetDuringARest_IsShownAndAppliesToTheNextSession) {
   run(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
@@ -101,7 +101,7 @@ class InALevel : public RestOfAPlayer {
   }
 };
 
-/// Squeezing once is the whole of it.
+/// An exercise whose only task is one squeeze.
 class FinishedLevel : public InALevel {
  protected:
   void playToItsEnd() {
@@ -139,13 +139,13 @@ class FinishedLevel : public InALevel {
   std::atomic<int> restarts_{0};
 };
 
-TEST_F(FinishedLevel, WhereNobodySteers_IsPlayedAgain) {
+TEST_F(FinishedLevel, LevelThatNobodySteers_IsPlayedAgain) {
   playToItsEnd();
   EXPECT_TRUE(becomes([&] { return value("done") == 0.0; }));
 }
 
-// Somebody finishes a level, looks at the stars, and walks away.
-TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
+// A person finishes a level, looks at the result and leaves.
+TEST_F(FinishedLevel, LevelOfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
   playToItsEnd();
   ASSERT_TRUE(steer(Steering::kPerson));
   std::this_thread::sleep_for(2 * kRepeatAfter);
@@ -154,8 +154,8 @@ TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
   EXPECT_TRUE(becomes([&] { return value("done") == 0.0; }));
 }
 
-// What a person began anew is not begun again under their hand, nor under the next one.
-TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
+// A level that a person restarted is not restarted again, neither under this person nor the next.
+TEST_F(FinishedLevel, LevelRestartedByAPerson_IsNotRestartedAgain) {
   playToItsEnd();
   ASSERT_TRUE(steer(Steering::kPerson));
   ASSERT_TRUE(ask(orders::Action{Act::kRestart}).accepted);
@@ -167,7 +167,7 @@ TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
 
 class RestInALevel : public InALevel {
  protected:
-  /// Level 2 has two drinks; the virtual patient is in its second one.
+  /// Plays level 2, which has two drinks, until the virtual patient is at the second one.
   void playToTheSecondDrink() {
     StationConfig config = barConfig();
     config.files.level = 2;
@@ -177,7 +177,7 @@ class RestInALevel : public InALevel {
   }
 };
 
-TEST_F(RestInALevel, ArmedAgain_GoesOnWithTheDrinkThatWasBegun) {
+TEST_F(RestInALevel, ArmAfterARest_ContinuesTheDrinkAndAfterAStopRestartsTheLevel) {
   playToTheSecondDrink();
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));

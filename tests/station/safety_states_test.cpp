@@ -1,5 +1,4 @@
-// What people see of the safety states: arming that is refused, stops, faults, and what is
-// reported.
+// The safety states as clients see them: refused arming, stops, faults, and their reports.
 #include "station/station_bench.hpp"
 
 #include <fstream>
@@ -7,7 +6,7 @@
 namespace wholehand::test {
 namespace {
 
-/// The same station without an exercise that plays.
+/// The bar's station with a free scene instead of an exercise.
 class SafetyStates : public Bar {
  protected:
   StationConfig grasping() {
@@ -27,7 +26,7 @@ class SafetyStates : public Bar {
 
 TEST_F(SafetyStates, RehearsalThatFails_RefusesToArmAndChangesNothing) {
   StationConfig config = grasping();
-  config.rehearsal.most_of_period = 1e-6;  // 1 ns
+  config.rehearsal.allowed_period_share = 1e-6;  // 1 ns
   load(config);
   run(false);
   const OrderReply reply = ask(orders::Arm{});
@@ -45,7 +44,7 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
     const SceneBody& body = models.scene.bodies.front();
     AxisPosition inside(models.device.axisCount());
     for (int i = 0; i < 3; ++i) inside[i] = body.pose.translation_m[i];
-    inside[0] -= 0.05;  // the palm's middle is ahead of its base
+    inside[0] -= 0.05;  // the centre of the palm is 5 cm ahead of its base
     return std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, inside}}));
   };
   load(config);
@@ -57,9 +56,9 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
   expectUntouched();
 }
 
-// Nothing moves after the stop, whenever it comes; an order to arm that it overtakes is refused. On
-// a fast machine the rehearsal may have ended before the latest of these stops.
-TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
+// Nothing moves after the stop, whenever it comes; an order to arm that the stop overtakes is
+// refused. On a fast machine the rehearsal may end before the latest of these stops.
+TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesToArmPromptly) {
   load(barConfig());
   run(false);
   int overtaken = 0;
@@ -93,30 +92,30 @@ TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
   EXPECT_EQ(station_->status().session, 1U);
 }
 
-// From the record stream: disarmed, armed, rendering, disarmed, and who asked for it.
-TEST_F(SafetyStates, EmergencyStop_IsReportedAsOne) {
+// The record stream shows disarmed, armed, rendering and disarmed, and who asked for it.
+TEST_F(SafetyStates, EmergencyStop_IsReportedAsEmergencyStop) {
   run(true);
   ASSERT_TRUE(becomes([&] { return station_->status().safety_state == SafetyState::kRendering; }));
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   EXPECT_EQ(station_->status().safety_state, SafetyState::kDisarmed);
   EXPECT_GT(station_->status().fault_ticks[11], 0U) << "Fault::kEmergencyStop";
-  EXPECT_TRUE(says("disarmed -> armed")) << log();
-  EXPECT_TRUE(says("armed -> rendering")) << log();
-  EXPECT_TRUE(says("rendering -> disarmed: emergency stop at")) << log();
+  EXPECT_TRUE(logContains("disarmed -> armed")) << log();
+  EXPECT_TRUE(logContains("armed -> rendering")) << log();
+  EXPECT_TRUE(logContains("rendering -> disarmed: emergency stop at")) << log();
   const StationOutcome& outcome = quit();
   ASSERT_EQ(outcome.last->transitions.size(), 3U);
   EXPECT_EQ(outcome.last->transitions[0].tick, 0U);
   EXPECT_EQ(outcome.last->transitions[2].to, SafetyState::kDisarmed);
   EXPECT_TRUE(any(outcome.last->transitions[2].faults & Fault::kEmergencyStop));
   ASSERT_TRUE(outcome.last->rehearsal.has_value());
-  EXPECT_TRUE(says("rehearsal"));
+  EXPECT_TRUE(logContains("rehearsal"));
 }
 
-TEST_F(SafetyStates, Fault_IsReportedWithItsAxisAndHowMuchAndNothingPushesUntilArmed) {
+TEST_F(SafetyStates, Fault_IsReportedWithAxisAndValueAndNothingPushesUntilArmed) {
   StationConfig config = grasping();
   config.make_player = [](const Models& models) {
-    return std::make_unique<Startled>(models.device.axisCount());
+    return std::make_unique<FastPlayer>(models.device.axisCount());
   };
   load(config);
   run(true);
@@ -125,27 +124,27 @@ TEST_F(SafetyStates, Fault_IsReportedWithItsAxisAndHowMuchAndNothingPushesUntilA
   EXPECT_EQ(status.safety_state, SafetyState::kFaulted);
   EXPECT_TRUE(any(status.latched & Fault::kSpeedLimit));
   EXPECT_EQ(status.fault_axis, 0);
-  EXPECT_EQ(status.fault_limit, 1.5);  // of the device file
+  EXPECT_EQ(status.fault_limit, 1.5);  // the limit in the device file
   EXPECT_GT(status.fault_value, 1.5);
   EXPECT_LT(status.fault_value, 3.0);
-  EXPECT_TRUE(says("rendering -> faulted: speed limit exceeded on x, 1.5")) << log();
+  EXPECT_TRUE(logContains("rendering -> faulted: speed limit exceeded on x, 1.5")) << log();
   const std::uint64_t at_rest = records_;
   std::this_thread::sleep_for(200ms);
   EXPECT_EQ(records_, at_rest) << kAlways << "nothing ticks, nothing pushes";
   expectNeutral();
 
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
-  const LoopStatus anew = station_->status();  // perhaps before its first record
+  const LoopStatus anew = station_->status();  // its first record may not have come yet
   EXPECT_EQ(anew.run_state, RunState::kRendering);
   EXPECT_EQ(anew.latched, Fault::kNone) << "what latched was the session before";
   EXPECT_EQ(anew.fault_axis, -1);
   ASSERT_TRUE(becomes([&] { return station_->status().safety_state != SafetyState::kFaulted; }));
   EXPECT_EQ(station_->status().session, 2U);
-  EXPECT_TRUE(says("faulted -> armed")) << log();
+  EXPECT_TRUE(logContains("faulted -> armed")) << log();
 }
 
-// 3000 boxes in one body: what is loaded is refused, what renders goes on.
-TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
+// A body of 3000 boxes: the new exercise is refused, the running one continues.
+TEST_F(SafetyStates, LoadOfATooHeavyScene_IsRefusedAndTheRunningOneContinues) {
   StationConfig config = grasping();
   config.config_folder = folder_ + "/config";
   fs::create_directories(config.config_folder + "/exercises");
@@ -166,7 +165,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   std::ofstream(config.config_folder + "/exercises/pile.toml")
       << "kind = \"exercise\"\nversion = 1\nexercise = \"free_grasping\"\nname = \"pile\"\n"
          "scene = \"../../pile.toml\"\n";
-  config.rehearsal.most_of_period = 2.0;  // the bodies of free-grasping need a tenth of it
+  config.rehearsal.allowed_period_share = 2.0;  // the bodies of free-grasping need a tenth of this
   load(config);
   run(true);
   ASSERT_TRUE(rendersOn());
@@ -180,7 +179,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   EXPECT_TRUE(rendersOn());
 }
 
-TEST_F(SafetyStates, OrdersThatCannotBe_AreRefused) {
+TEST_F(SafetyStates, ImpossibleOrders_AreRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
   orders::Aim aim{AxisPosition(6)};

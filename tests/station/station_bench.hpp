@@ -1,6 +1,6 @@
 #pragma once
 
-// A station on a thread of its own, asked as clients ask it. In real time.
+// A station that runs in its own thread and gets orders as from clients. In real time.
 #include "station/server/server.hpp"
 #include "support/bar_station.hpp"
 #include "support/figure.hpp"
@@ -23,17 +23,18 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr auto kHang = 300s;  ///< ends what hangs, not what is slow
+constexpr auto kHang = 300s;  ///< bounds a hang; a slow machine stays below it
 
 inline const std::string kRoot = WHOLEHAND_SOURCE_DIR;
 inline const std::vector<orders::Any> kStops{orders::Stop{}, orders::EmergencyStop{}};
-/// The second level of what is loaded.
+/// Loads the second level of the current exercise.
 inline const orders::LoadExercise kLoadLevel2{.level = 2};
 
-/// Wants the hand elsewhere at once, faster than the device allows: 0.7 s after it may.
-class Startled final : public Player {
+/// A player that jumps to another position, faster than the device allows, 0.7 s after `may` is
+/// set.
+class FastPlayer final : public Player {
  public:
-  explicit Startled(int axes, std::shared_ptr<const std::atomic<bool>> may = nullptr)
+  explicit FastPlayer(int axes, std::shared_ptr<const std::atomic<bool>> may = nullptr)
       : rest_(axes), may_(std::move(may)) {}
   [[nodiscard]] AxisPosition start() const override { return rest_; }
   void reset() override { periods_ = 0; }
@@ -41,24 +42,24 @@ class Startled final : public Player {
     q = rest_;
     qd = AxisVelocity(rest_.size());
     if (!may_ || *may_) ++periods_;
-    q[0] = periods_ < 700 ? -0.08 : 0.3;  // 300 N/m on 1.8 kg: 1.5 m/s is passed on the way
+    q[0] = periods_ < 700 ? -0.08 : 0.3;  // 300 N/m on 1.8 kg: exceeds 1.5 m/s
   }
-  void see(const TickRecord&) noexcept override {}
+  void onRecord(const TickRecord&) noexcept override {}
 
  private:
   AxisPosition rest_;
-  std::shared_ptr<const std::atomic<bool>> may_;  ///< none: it may from the start
+  std::shared_ptr<const std::atomic<bool>> may_;  ///< null: set from the start
   int periods_ = 0;
 };
 
-/// With the bar and a folder that vanishes.
+/// Fixture with the bar's station and a temporary folder.
 class Bar : public testing::Test {
  protected:
   /// The bar's station; a test may change it before it is loaded.
   StationConfig barConfig() {
     StationConfig config = barStation();
     config.recordings_folder = folder_ + "/recordings";
-    config.rehearsal.most_of_period = 100.0;  // whatever else this machine does
+    config.rehearsal.allowed_period_share = 100.0;  // passes on a busy machine
     config.log = [this](const std::string& line) {
       const std::lock_guard lock(log_mutex_);
       log_ += line + "\n";
@@ -90,14 +91,14 @@ class Bar : public testing::Test {
       outcome_ = std::move(*outcome);
     });
   }
-  /// Lets the station end; what came of it.
+  /// Ends the station and returns its outcome.
   const StationOutcome& quit() {
     station_->quit();
     thread_.join();
     return outcome_;
   }
-  /// Sooner or later: the log has a thread of its own.
-  [[nodiscard]] bool says(const std::string& part) {
+  /// Waits until the log contains `part`; the log has its own thread.
+  [[nodiscard]] bool logContains(const std::string& part) {
     return becomes([&] { return log().find(part) != std::string::npos; });
   }
   [[nodiscard]] std::string log() {
@@ -115,10 +116,10 @@ class Bar : public testing::Test {
     return answer.get();
   }
   OrderReply ask(orders::Any what) { return ask(of(std::move(what))); }
-  /// As of somebody who has just looked: an order to arm has seen all that has ended.
+  /// An order of a client that has seen the present state: an order to arm names the newest ending.
   [[nodiscard]] Order of(orders::Any what, std::uint32_t claim = 0) const {
     auto* arm = std::get_if<orders::Arm>(&what);
-    if (arm != nullptr && station_) arm->endings_seen = station_->status().endings;
+    if (arm != nullptr && station_) arm->acknowledged_stop = station_->status().endings;
     Order order{std::move(what)};
     order.claim = claim;
     return order;
@@ -140,8 +141,8 @@ class Bar : public testing::Test {
     return becomes([&] { return records_ > before + 100; });
   }
 
-  /// The virtual patient holds a dispenser: the exercise pushes, and there is an effort to take
-  /// away.
+  /// Waits until the virtual patient squeezes a dispenser: the exercise pushes, and there is an
+  /// effort that a stop must remove.
   bool squeezes() {
     TickRecord record;
     return becomes([&] {
@@ -154,14 +155,15 @@ class Bar : public testing::Test {
     for (double e : effort) most = std::max(most, std::abs(e));
     return most;
   }
-  /// Long enough for an arming that must not happen: it takes less than a second.
+  /// Checks that the state is reached and kept for 1.5 s; an unwanted arming would take less than 1
+  /// s.
   void staysAt(RunState state) {
     EXPECT_TRUE(becomes(state));
     std::this_thread::sleep_for(1500ms);
     EXPECT_EQ(station_->status().run_state, state) << kAlways;
     expectNeutral();
   }
-  /// No effort in the last record, if there is one.
+  /// Checks that the last record, if there is one, has no effort.
   void expectNeutral() {
     TickRecord record;
     if (station_->latest(record)) {
@@ -182,7 +184,7 @@ class Bar : public testing::Test {
   std::thread thread_;
 };
 
-/// The same, and pages may connect.
+/// The bar with a server, so that pages can connect.
 class ServedBar : public Bar {
  protected:
   void serve() {
@@ -196,7 +198,7 @@ class ServedBar : public Bar {
     server_.reset();
   }
 
-  ControlsArbiter controls_;
+  ControlHolder controls_;
   std::unique_ptr<Server> server_;
 };
 

@@ -1,4 +1,4 @@
-// The loop as clients see it: armed, commanded, stopped, loaded anew, recorded. In real time.
+// The loop as clients see it: armed, commanded, stopped, reloaded and recorded. In real time.
 #include "record/recording.hpp"
 #include "station/station_bench.hpp"
 
@@ -25,7 +25,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   ASSERT_TRUE(becomes(RunState::kStopped));
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
-  EXPECT_EQ(largest(record.sent), 0.0) << kAlways;  // neutral of this device
+  EXPECT_EQ(largest(record.sent), 0.0) << kAlways;  // the neutral effort of this device
   EXPECT_EQ(record.authority, 0.0) << kAlways;
   const std::uint64_t at_rest = records_;
   std::this_thread::sleep_for(100ms);
@@ -43,12 +43,12 @@ TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   const std::uint64_t asked_at = last_;
   ASSERT_TRUE(becomes(RunState::kStopped));
-  // 80 ms of ramp, and what the stop waited in line.
+  // The ramp takes 80 ms; the rest is the time that the stop waited in the queue.
   EXPECT_LE(last_ - asked_at, 80U + 60U);
   expectNeutral();
 }
 
-TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
+TEST_F(Bar, Parameter_RampsOrIsRefusedWithItsRange) {
   run(true);
   ASSERT_TRUE(rendersOn());
   orders::SetParameter order{"effort_limit_arm_n", 8.0};
@@ -62,7 +62,7 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
     return all.size();
   }();
   ASSERT_LT(index, station_->scene()->parameters.size());
-  // From 20 N, the device's limit, by 18 N/s: the whole range, 2 to 20 N, in a second.
+  // It falls from 20 N, the device's limit, by 18 N/s: the whole range, 2 to 20 N, in 1 s.
   EXPECT_TRUE(becomes([&] { return station_->status().parameters[index] == 8.0; }));
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
@@ -81,14 +81,14 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
   EXPECT_EQ(station_->status().parameters[index], 8.0);
 }
 
-TEST_F(Bar, PersonAims_TheDeviceFollows) {
+TEST_F(Bar, AimOfAPerson_IsFollowedByTheDevice) {
   run(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Steer{Steering::kPerson}).accepted);
   TickRecord record;
   ASSERT_TRUE(station_->latest(record));
   orders::Aim aim{record.q_m, Help::kSome};
-  aim.q[0] = -0.06;  // drawn back: nothing is in the way
+  aim.q[0] = -0.06;  // drawn back, where no body is in the way
   aim.q[2] = 0.03;
   ASSERT_TRUE(ask(aim).accepted);
   EXPECT_TRUE(becomes([&] {
@@ -107,7 +107,7 @@ TEST_F(Bar, PersonAims_TheDeviceFollows) {
   EXPECT_FALSE(ask(aim).accepted);
 }
 
-TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
+TEST_F(Bar, LoadWhileRendering_ContinuesWithTheNewLevel) {
   run(true);
   ASSERT_TRUE(rendersOn());
   orders::LoadExercise order{.exercise = "no-such-exercise"};
@@ -152,7 +152,7 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   const RecordingEntry entry = station_->recordings().front();
   EXPECT_EQ(entry.name, name);
   EXPECT_GT(entry.bytes, 1000U);
-  EXPECT_GT(entry.duration_s, 0.4);  // 100 ticks and the fade of 0.35 s
+  EXPECT_GT(entry.duration_s, 0.4);  // 100 ticks plus the fade of 0.35 s
   auto recording = RecordingReader::open(station_->recordingPath(name));
   ASSERT_TRUE(recording) << format(recording.errors());
   EXPECT_EQ((*recording)->meta().exercise, "cocktail-bar");
@@ -165,7 +165,7 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   }
 }
 
-TEST_F(Bar, HolderSilent_FadesTheExerciseAndNothingElse) {
+TEST_F(Bar, SilentHolder_FadesOnlyTheExercise) {
   run(true);
   ASSERT_TRUE(squeezes());
   TickRecord record;
@@ -173,7 +173,7 @@ TEST_F(Bar, HolderSilent_FadesTheExerciseAndNothingElse) {
   const std::uint64_t asked_at = record.tick;
   ASSERT_TRUE(ask(orders::HolderAlive{false}).accepted);
   ASSERT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
-  EXPECT_LE(record.tick - asked_at, 300U + 60U);  // T_off, and what the order waited
+  EXPECT_LE(record.tick - asked_at, 300U + 60U);  // T_off plus the time that the order waited
   EXPECT_EQ(largest(record.exercise.effort), 0.0);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
   EXPECT_TRUE(rendersOn());
@@ -190,13 +190,13 @@ TEST_F(Bar, StopWhileArming_NothingPushes) {
     EXPECT_NE(station_->status().run_state, RunState::kRendering) << kAlways;
     expectNeutral();
   }
-  ASSERT_TRUE(ask(orders::Arm{}).accepted);  // somebody arms again
+  ASSERT_TRUE(ask(orders::Arm{}).accepted);  // a client arms again
   EXPECT_TRUE(rendersOn());
 }
 
-// A stop that comes while the world is being built: "stopped" is shown at once, and nothing else
-// after it.
-TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
+// After a stop during the building of the world, the station shows "stopped" at once and no other
+// state after it.
+TEST_F(Bar, StopWhileArming_IsShownAtOnceAndKept) {
   run(false);
   for (const orders::Any& stop : kStops) {
     const std::uint32_t session = station_->status().session;
@@ -218,11 +218,11 @@ TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
   EXPECT_TRUE(rendersOn());
 }
 
-TEST_F(Bar, StopThenLoad_StaysStopped) {
+TEST_F(Bar, LoadAfterAStop_StaysStopped) {
   run(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Stop{}).accepted);
-  later(kLoadLevel2);  // within the fade
+  later(kLoadLevel2);  // during the fade
   staysAt(RunState::kStopped);
   EXPECT_EQ(station_->scene()->level, 2);
 }
@@ -233,22 +233,22 @@ TEST_F(Bar, EmergencyStopWhileLoading_StaysStopped) {
   later(kLoadLevel2);
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
   staysAt(RunState::kStopped);
-  later(kLoadLevel2);  // a page that picks a level arms nobody
+  later(kLoadLevel2);  // picking a level does not arm
   staysAt(RunState::kStopped);
 }
 
-TEST_F(Bar, EmergencyStopThenRefusedArm_IsNotForgotten) {
+TEST_F(Bar, EmergencyStopThenArmDuringItsRamp_RendersOnlyInANewSession) {
   run(true);
   ASSERT_TRUE(rendersOn());
   later(orders::EmergencyStop{});
-  later(orders::Arm{});  // still on its way down: refused, or armed by somebody's own wish
+  later(orders::Arm{});  // during the ramp: refused, or armed on purpose
   ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kStopping; }));
   if (station_->status().run_state != RunState::kStopped) return;
   later(kLoadLevel2);
   staysAt(RunState::kStopped);
 }
 
-TEST_F(Bar, LimitThatWasSet_HoldsFromTheFirstTickOfTheNextSession) {
+TEST_F(Bar, LimitSetWhileDisarmed_AppliesFromTheFirstTick) {
   run(false);
   ASSERT_TRUE(ask(orders::SetParameter{"effort_limit_arm_n", 4.0}).accepted)
       << "also before anything is armed";

@@ -1,4 +1,5 @@
-// An order to arm names the ending that its person was shown: after a later one it starts nothing.
+// An order to arm names the newest ending that its person was shown; after a later ending it is
+// refused.
 #include "station/station_bench.hpp"
 
 namespace wholehand::test {
@@ -11,7 +12,7 @@ class StopNotSeen : public Bar {
   static Order load(int level) { return {orders::LoadExercise{.level = level}}; }
 };
 
-TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
+TEST_F(StopNotSeen, ArmThatNamesNoEnding_IsRefusedAndTheAnswerSaysWhatToDo) {
   run(false);
   const OrderReply reply = ask(arm(0));
   EXPECT_FALSE(reply.accepted);
@@ -22,8 +23,8 @@ TEST_F(StopNotSeen, ArmThatNamesNone_IsRefusedWithTheRemedy) {
   EXPECT_TRUE(ask(arm(1)).accepted);
 }
 
-// A person presses Stop before anything renders: the robot is about to start.
-TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore) {
+// A person presses Stop before anything renders, because the robot is about to start.
+TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndRefusesEarlierArms) {
   for (const orders::Any& stop : kStops) {
     if (!thread_.joinable()) run(false);
     const std::uint32_t shown = endings();
@@ -40,8 +41,8 @@ TEST_F(StopNotSeen, StopWhileNothingRenders_IsShownAndUndoesWhatWasPressedBefore
   EXPECT_TRUE(rendersOn());
 }
 
-// The game's Start with another level: load, stop, and only then the arm of that press.
-TEST_F(StopNotSeen, StopBetweenLoadAndArmOfOnePress_StartsNothing) {
+// The game's Start with another level sends a load and an arm; a stop comes between them.
+TEST_F(StopNotSeen, StopBetweenTheLoadAndTheArmOfOnePress_RefusesTheArm) {
   run(false);
   const std::uint32_t shown = endings();
   auto loaded = askLater(load(2));
@@ -52,12 +53,13 @@ TEST_F(StopNotSeen, StopBetweenLoadAndArmOfOnePress_StartsNothing) {
   EXPECT_EQ(records_, 0U) << kAlways;
 }
 
-TEST_F(StopNotSeen, ArmAtEachStop_NamesAnEndingBeforeItAndIsRefused) {
+TEST_F(StopNotSeen, ArmsAfterAStopThatNameAnEarlierEnding_AreRefused) {
   run(true);
   ASSERT_TRUE(rendersOn());
   const std::uint32_t shown = endings();
   ASSERT_TRUE(ask(orders::EmergencyStop{}).accepted);
-  // Until it is at neutral, and then: 237 ms after the stop a click has started the next session.
+  // Checks during the ramp to neutral and after it. Before this rule, a click started a session 237
+  // ms after the stop.
   for (int i = 0; i < 100; ++i) {
     EXPECT_FALSE(ask(arm(shown)).accepted) << kAlways;
     std::this_thread::sleep_for(5ms);
@@ -66,7 +68,7 @@ TEST_F(StopNotSeen, ArmAtEachStop_NamesAnEndingBeforeItAndIsRefused) {
   EXPECT_EQ(station_->status().session, 1U);
 }
 
-TEST_F(StopNotSeen, LoadThatGoesOn_IsNoEndingAndStopDuringItIs) {
+TEST_F(StopNotSeen, LoadWhileRendering_IsNoEndingButAStopDuringItIs) {
   run(true);
   ASSERT_TRUE(rendersOn());
   const std::uint32_t shown = endings();
@@ -82,18 +84,18 @@ TEST_F(StopNotSeen, LoadThatGoesOn_IsNoEndingAndStopDuringItIs) {
   staysAt(RunState::kStopped);
 }
 
-// The station's thread is busy when what renders faults; a load ends that session, and behind it
-// waits an order to arm that was pressed before the fault.
-TEST_F(StopNotSeen, FaultWhileAnArmWaits_UndoesIt) {
+// The station's thread is busy while the running session faults. A load waits, and behind it an
+// order to arm from before the fault.
+TEST_F(StopNotSeen, FaultWhileAnArmWaits_RefusesTheArm) {
   StationConfig config = barConfig();
   config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
   std::promise<void> faulted;
   std::shared_future<void> released = faulted.get_future().share();
   const auto busy = std::make_shared<std::atomic<bool>>(false);
   const auto may = std::make_shared<std::atomic<bool>>(false);
-  config.now = [] { return Clock::time_point(); };  // it waits for no time at all
+  config.now = [] { return Clock::time_point(); };  // no time passes
   config.make_player = [may](const Models& models) {
-    return std::make_unique<Startled>(models.device.axisCount(), may);
+    return std::make_unique<FastPlayer>(models.device.axisCount(), may);
   };
   config.status = [released, busy](RunState, const TickSummary&) {
     *busy = true;

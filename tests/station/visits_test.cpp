@@ -1,4 +1,4 @@
-// Visits of the clinic's records: whose limits hold, and what no order may change while one is
+// Visits of the clinic's records: which limits apply, and which orders are refused while a visit is
 // open.
 #include "record/recording.hpp"
 #include "station_bench.hpp"
@@ -26,7 +26,7 @@ class Visits : public Bar {
   }
   OrderReply open(const orders::OpenVisit& visit) {
     Order order = of(visit);
-    order.may_raise_limits = true;  // the records' process is a therapist
+    order.may_raise_limits = true;  // the clinic's records process acts as a therapist
     return ask(order);
   }
   OrderReply set(const std::string& name, double value) {
@@ -41,7 +41,7 @@ class Visits : public Bar {
     }
     return out;
   }
-  /// What the program began with.
+  /// Parameter values of the exercise file.
   std::map<std::string, double> ofFile() {
     std::map<std::string, double> out;
     for (const PublishedParameter& p : station_->scene()->parameters) out[p.name] = p.initial;
@@ -55,9 +55,9 @@ orders::OpenVisit ofVisit(std::uint64_t visit) {
   return {.visit = visit, .exercise = "cocktail-bar", .hand = "man-p50-right"};
 }
 
-// Three patients in a row is where a therapist fears giving B the limits of A. The expected values
-// are what B's visit names, and the file's elsewhere.
-TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
+// With several patients in a row, patient B must not get the limits of patient A. Expected are the
+// values that B's visit names, and the file's values for the rest.
+TEST_F(Visits, NextPatient_KeepsNoValueOfTheLastPatient) {
   begin();
   const std::string first_hand = station_->scene()->hand.name;
   auto random = seededRandom(4001);
@@ -68,7 +68,8 @@ TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
     visit.exercise = exercises[random() % exercises.size()];
     visit.hand = hands[random() % hands.size()];
     visit.help = static_cast<Help>(random() % kHelps);
-    // Which parameters there are is known when it is open: the same is opened again with values.
+    // The parameters are known only when the visit is open, so it is opened, closed and opened
+    // again with values.
     ASSERT_TRUE(open(visit).accepted);
     ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
     const bool named = station_->scene()->exercise_name == visit.exercise;
@@ -83,7 +84,7 @@ TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
     EXPECT_EQ(station_->status().help, visit.help);
     EXPECT_EQ(station_->scene()->hand.name, visit.hand);
     EXPECT_EQ(station_->scene()->visit.number, visit.visit);
-    // Whatever the therapist sets in it, once it is seen, is gone with it.
+    // Values that the therapist sets during the visit end with it.
     ahead_s_ += 2;
     for (const PublishedParameter& p : station_->scene()->parameters) {
       if (random() % 2 == 0) ASSERT_TRUE(set(p.name, uniform(random, p.lower, p.upper)).accepted);
@@ -91,13 +92,13 @@ TEST_F(Visits, NextPatient_HasNoValueOfTheLast) {
     ASSERT_TRUE(ask(orders::SetHelp{Help::kSome}).accepted);
     ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
     EXPECT_EQ(values(), ofFile());
-    EXPECT_EQ(station_->status().help, Help::kUnsaid);
+    EXPECT_EQ(station_->status().help, Help::kUnspecified);
     EXPECT_EQ(station_->scene()->visit.number, 0U);
     EXPECT_EQ(station_->scene()->hand.name, first_hand);
   }
 }
 
-TEST_F(Visits, NextItem_RaisesNoLimitThatWasLowered) {
+TEST_F(Visits, NextItemOfAVisit_KeepsALoweredLimit) {
   begin();
   orders::OpenVisit visit = ofVisit(7);
   visit.parameters = {{"effort_limit_arm_n", 9.0}, {"effort_limit_hand_tip_n", 4.0}};
@@ -116,8 +117,9 @@ TEST_F(Visits, NextItem_RaisesNoLimitThatWasLowered) {
   EXPECT_EQ(values()["effort_limit_arm_n"], 9.0) << "another visit begins as it says";
 }
 
-// A console that shows the patient before moves a slider when the next visit is open already.
-TEST_F(Visits, LimitRaisedBeforeAnybodySawIt_IsRefused) {
+// A console still shows the earlier patient and moves a slider although the next visit is already
+// open.
+TEST_F(Visits, LimitRaisedBeforeTheVisitWasSeen_IsRefused) {
   begin();
   orders::OpenVisit visit = ofVisit(9);
   visit.parameters = {{"effort_limit_arm_n", 6.0}};
@@ -129,8 +131,8 @@ TEST_F(Visits, LimitRaisedBeforeAnybodySawIt_IsRefused) {
   EXPECT_TRUE(set("effort_limit_arm_n", 15.0).accepted);
 }
 
-// Memory runs out, a file goes away: whatever is thrown.
-TEST_F(Visits, OpeningThatThrows_LeavesNoneOpen) {
+// Opening a visit can throw, as when memory runs out or a file disappears.
+TEST_F(Visits, OpeningThatThrows_LeavesNoVisitOpen) {
   std::atomic<bool> throws{true};
   StationConfig config = barConfig();
   config.visit_hands_folder = folder_ + "/hands";
@@ -154,7 +156,7 @@ TEST_F(Visits, OpeningThatThrows_LeavesNoneOpen) {
   quit();
 }
 
-TEST_F(Visits, WhileOneIsOpen_NothingMakesItAnothers) {
+TEST_F(Visits, OrdersForAnotherPersonDuringAVisit_AreRefused) {
   begin();
   ASSERT_TRUE(open(ofVisit(3)).accepted);
   const auto before = values();
@@ -169,12 +171,12 @@ TEST_F(Visits, WhileOneIsOpen_NothingMakesItAnothers) {
   EXPECT_EQ(station_->scene()->hand.name, "man-p50-right");
 }
 
-TEST_F(Visits, WhatIsRefused_ChangesNothing) {
+TEST_F(Visits, RefusedVisit_ChangesNothing) {
   begin();
   const auto before = values();
-  const auto refuses = [&](const std::function<void(orders::OpenVisit&)>& spoil) {
+  const auto refuses = [&](const std::function<void(orders::OpenVisit&)>& change) {
     orders::OpenVisit visit = ofVisit(5);
-    spoil(visit);
+    change(visit);
     const OrderReply reply = open(visit);
     EXPECT_FALSE(reply.accepted);
     EXPECT_FALSE(reply.reason.empty());
@@ -210,8 +212,8 @@ TEST_F(Visits, WhatIsRefused_ChangesNothing) {
             Refusal::kCannotLoad);
 }
 
-// Hands of 150 to 215 mm, as the records' process writes them.
-TEST_F(Visits, HandOfTheirOwn_IsLoadedFromTheRecordsFolder) {
+// Hand files for hands of 150 to 215 mm, as the clinic's records process writes them.
+TEST_F(Visits, HandFileOfTheVisit_IsLoadedFromTheRecordsFolder) {
   begin();
   std::filesystem::create_directories(folder_ + "/hands");
   std::ifstream shipped(kRoot + "/config/hands/man-p50-right.toml");
@@ -231,7 +233,7 @@ TEST_F(Visits, HandOfTheirOwn_IsLoadedFromTheRecordsFolder) {
   }
 }
 
-TEST_F(Visits, WhileArmed_AreRefusedAndTheRecordingCarriesTheNumbersAlone) {
+TEST_F(Visits, VisitOrdersWhileArmed_AreRefusedAndTheRecordingHoldsOnlyNumbers) {
   begin();
   orders::OpenVisit visit = ofVisit(1'234'567'890'123);
   visit.item = 2;
@@ -256,8 +258,9 @@ TEST_F(Visits, WhileArmed_AreRefusedAndTheRecordingCarriesTheNumbersAlone) {
   EXPECT_EQ((*reader)->meta().profile, "");
 }
 
-// The records' process is gone, or nobody has opened a visit: what is armed then is gentle.
-TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
+// If the records process is gone or no visit is open, the session starts with the clinic's gentle
+// limits.
+TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsApply) {
   StationConfig config = barConfig();
   config.rehearse = false;
   config.visit_hands_folder = folder_ + "/hands";
@@ -282,8 +285,8 @@ TEST_F(Visits, WithoutAnOpenVisit_TheClinicsGentleLimitsHold) {
   EXPECT_EQ(record.effort_limit[0], 6.0);
 }
 
-// The clinic's limit is below what this device's may be lowered to: its own is the greatest.
-TEST_F(Visits, GentleLimitBelowTheRange_IsTheLeastInIt) {
+// The clinic's limit is below the range of this device; the lower end of the range applies.
+TEST_F(Visits, GentleLimitBelowTheRange_IsRaisedToTheLowerEnd) {
   StationConfig config = barConfig();
   config.rehearse = false;
   config.visit_hands_folder = folder_ + "/hands";
@@ -302,25 +305,26 @@ TEST_F(Visits, GentleLimitBelowTheRange_IsTheLeastInIt) {
   EXPECT_EQ(values()["effort_limit_arm_n"], least());
 }
 
-// A hand of any size is rehearsed before somebody is asked to begin, not while they wait.
-TEST_F(Visits, Opening_RehearsesTheHand_ArmingNoMore) {
+// The rehearsal takes place when the visit is opened, so that nobody waits for it when the session
+// is armed.
+TEST_F(Visits, OpenVisit_RehearsesTheHandAndArmingDoesNotRepeatIt) {
   StationConfig config = barConfig();
   config.visit_hands_folder = folder_ + "/hands";
   load(config);
   run(false);
   const OrderReply reply = open(ofVisit(6));
   ASSERT_TRUE(reply.accepted) << reply.reason;
-  EXPECT_TRUE(says("rehearsal "));
+  EXPECT_TRUE(logContains("rehearsal "));
   const std::size_t said = log().rfind("rehearsal ");
   ASSERT_TRUE(ask(orders::Arm{}).accepted);
   ASSERT_TRUE(rendersOn());
   EXPECT_EQ(log().rfind("rehearsal "), said);
 }
 
-TEST_F(Visits, HandWhoseRehearsalFails_BeginsNoVisit) {
+TEST_F(Visits, HandThatFailsItsRehearsal_OpensNoVisit) {
   StationConfig config = barConfig();
   config.visit_hands_folder = folder_ + "/hands";
-  config.rehearsal.most_of_period = 1e-6;  // 1 ns
+  config.rehearsal.allowed_period_share = 1e-6;  // 1 ns
   load(config);
   run(false);
   const auto before = values();
@@ -332,7 +336,7 @@ TEST_F(Visits, HandWhoseRehearsalFails_BeginsNoVisit) {
   EXPECT_EQ(values(), before);
 }
 
-TEST_F(Visits, WithoutAClinic_AreNotHere) {
+TEST_F(Visits, VisitWithoutAClinic_IsRefused) {
   run(false);
   EXPECT_EQ(open(ofVisit(1)).refusal, Refusal::kNotHere);
 }

@@ -1,5 +1,5 @@
-// Orders that wait: to arm, to load, to save. What their client was allowed when it asked must hold
-// in the moment of starting, and they wait for 3 s at most, on a clock that the test moves.
+// Orders to arm, load and save wait in a queue. The rights of the client must still hold when the
+// order is carried out, and an order waits 3 s at most. The test sets the clock.
 #include "station/profiles.hpp"
 #include "station/server/client_words.hpp"
 #include "station/server/fake_program.hpp"
@@ -15,14 +15,14 @@
 namespace wholehand::test {
 namespace {
 
-/// What became of the devices of a station.
+/// Counts the devices that a station opened and holds open.
 struct Devices {
   std::atomic<int> opened{0}, open{0};
-  std::atomic<bool> refuses{false};    ///< to be enabled
+  std::atomic<bool> refuses{false};    ///< if true, enable() fails
   std::function<void()> when_enabled;  ///< in the station's thread
 };
 
-/// Moves nobody, and says whether it is open.
+/// A device that moves no person and counts whether it is open.
 class CountedDevice final : public RestingDevice {
  public:
   CountedDevice(Devices& devices, const AxisPosition& at) : RestingDevice(at), devices_(devices) {}
@@ -50,16 +50,16 @@ class CountedDevice final : public RestingDevice {
 /// A client as the server knows it.
 struct Person {
   std::uint32_t number = 0, claim = 0;
-  std::shared_ptr<Asker> asker = std::make_shared<Asker>();
+  std::shared_ptr<Requester> requester = std::make_shared<Requester>();
   [[nodiscard]] Order asks(Order order) const {
     order.client = number;
     order.claim = claim;
-    order.asker = asker;
+    order.requester = requester;
     return order;
   }
   void takes(std::uint32_t with_claim) {
     claim = with_claim;
-    asker->claim = with_claim;
+    requester->claim = with_claim;
   }
 };
 
@@ -87,9 +87,9 @@ class WaitingOrders : public Bar {
     load(config);
     run(arm_at_once);
   }
-  Person person() { return {++persons_, 0, std::make_shared<Asker>()}; }
+  Person person() { return {++persons_, 0, std::make_shared<Requester>()}; }
 
-  /// The station's thread answers somebody who does not take the answer until release().
+  /// Blocks the station's thread in an answer until release().
   void hold() {
     released_ = std::promise<void>();
     auto reached = std::make_shared<std::promise<void>>();
@@ -123,7 +123,7 @@ class WaitingOrders : public Bar {
 
   Devices devices;
   std::function<void()> when_it_begins, while_it_is_built;  ///< in the station's thread
-  std::string hand_;  ///< file of the first hand; empty: the bar's
+  std::string hand_;  ///< file of the first hand; empty: that of the bar
 
  private:
   std::atomic<std::int64_t> now_ms_{1000};
@@ -131,7 +131,7 @@ class WaitingOrders : public Bar {
   std::promise<void> released_;
 };
 
-/// What happens to an order to arm, drawn; and whether it may start by the law below.
+/// Random events around an order to arm, and whether it may start by the rule below.
 struct Fate {
   bool may = true;
   std::string what;
@@ -139,7 +139,7 @@ struct Fate {
 
 class ArmAmidOthers : public WaitingOrders {
  protected:
-  /// While it waits, while it begins, or while the loop is built.
+  /// Draws events while the order waits, while it begins, or while the loop is built.
   void happens(unsigned percent) {
     const auto chance = [&](unsigned of_100) { return random() % 100 < of_100; };
     const auto ends = [&](bool it, const char* what) {
@@ -147,16 +147,16 @@ class ArmAmidOthers : public WaitingOrders {
       fate.what += what;
     };
     if (chance(percent)) {
-      asks.asker->connected = false;
+      asks.requester->connected = false;
       ends(true, " gone");
     }
     if (chance(percent)) {
-      asks.asker->claim = 0;
+      asks.requester->claim = 0;
       ends(asks.claim != 0, " lost");
     }
     if (chance(percent)) {
       other.takes(++claims);
-      asks.asker->claim = 0;
+      asks.requester->claim = 0;
       EXPECT_TRUE(ask(other.asks(parameter("effort_limit_arm_n", 3.0))).accepted);
       ends(asks.claim != 0, " later holder");
     }
@@ -194,7 +194,7 @@ class ArmAmidOthers : public WaitingOrders {
     passes(static_cast<std::int64_t>(random() % 60'001));
     happens(percent);
   }
-  void judge() {
+  void check() {
     const std::uint64_t before = records_;
     const std::uint32_t session = station_->status().session;
     const int opened = devices.opened;
@@ -228,27 +228,28 @@ class ArmAmidOthers : public WaitingOrders {
   int started = 0;
 };
 
-// Law: an order to arm starts if and only if its client is there, has lost no controls that it
-// asked with, nothing has ended since, nothing that it asked for before was refused while it
-// waited, and it waited for 3 s at most behind others; its own work may take as long as it takes.
-TEST_F(ArmAmidOthers, InRandomInterleavings_StartsForWhoMayAndNobodyElse) {
+// Rule: an order to arm starts if and only if its client is connected, has not lost the controls
+// with which it asked, no ending came after the order, no earlier order of the client was refused
+// while it waited, and it waited behind others for 3 s at most. Its own execution may take any
+// time.
+TEST_F(ArmAmidOthers, ArmInRandomInterleavings_StartsOnlyIfAllowed) {
   begin();
   const int drawn = fullCounts() ? 30000 : cases(200);
   for (int i = 0; i < drawn && !HasFailure(); ++i) {
     SCOPED_TRACE("case " + std::to_string(i));
     drawCase();
-    judge();
+    check();
   }
   figure("orders to arm in random interleavings", drawn, "");
   figure("of them started", started, "");
   figure("longest wait of one that started", 1e-3 * static_cast<double>(longest_ms), "s");
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(started, drawn / 10);
     EXPECT_LT(started, drawn * 9 / 10);
   }
 }
 
-TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
+TEST_F(WaitingOrders, RefusedArm_SaysWhy) {
   begin();
   Person asks = person();
   asks.takes(7);
@@ -262,7 +263,7 @@ TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
   const OrderReply late = armedAfter([&] { passes(12'000); });
   EXPECT_EQ(late.refusal, Refusal::kWaitedTooLong);
   EXPECT_NE(late.reason.find("12.0 s"), std::string::npos) << late.reason;
-  EXPECT_EQ(armedAfter([&] { asks.asker->claim = 8; }).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(armedAfter([&] { asks.requester->claim = 8; }).refusal, Refusal::kNotHolder);
   asks.takes(9);
   EXPECT_EQ(armedAfter([&] { (void)ask(orders::Stop{}); }).refusal, Refusal::kStopCame);
   hold();
@@ -273,8 +274,9 @@ TEST_F(WaitingOrders, ArmRefused_SaysWhy) {
   EXPECT_EQ(devices.opened, 0);
 }
 
-// A load goes on with what rendered by the same law, and else leaves it stopped, or untouched.
-TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
+// A load while rendering continues by the same rule; otherwise it leaves the session stopped or
+// untouched.
+TEST_F(WaitingOrders, LoadWhileRendering_ContinuesOnlyForAnAllowedClient) {
   begin(true);
   ASSERT_TRUE(rendersOn());
   const Person stays = person(), leaves = person();
@@ -283,7 +285,7 @@ TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
   ASSERT_TRUE(rendersOn());
   hold();
   auto loaded = askLater(leaves.asks(level(1)));
-  leaves.asker->connected = false;
+  leaves.requester->connected = false;
   release();
   EXPECT_FALSE(loaded.get().accepted);
   EXPECT_EQ(station_->status().session, 2U) << "what renders is not touched";
@@ -291,7 +293,7 @@ TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
   const std::uint32_t seen = station_->status().endings;
   Person loses = person();
   loses.takes(5);
-  when_it_begins = [&] { loses.asker->claim = 0; };  // what rendered has stopped by then
+  when_it_begins = [&] { loses.requester->claim = 0; };  // the old session has stopped by then
   loaded = askLater(loses.asks(level(1)));
   EXPECT_EQ(loaded.get().refusal, Refusal::kNotHolder);
   when_it_begins = nullptr;
@@ -300,8 +302,9 @@ TEST_F(WaitingOrders, LoadWhileRendering_GoesOnOnlyForWhoMay) {
   EXPECT_EQ(devices.open, 0);
 }
 
-// Even for who may raise it: a person is strapped in, and nobody has pressed Start.
-TEST_F(WaitingOrders, AnotherHandWhileItRenders_RaisesNoLimit) {
+// This also holds for a client that may raise limits: a person is strapped in, and nobody has
+// pressed Start.
+TEST_F(WaitingOrders, LoadOfAnotherHandWhileRendering_RaisesNoLimit) {
   begin(true);
   ASSERT_TRUE(rendersOn());
   const std::vector<const char*> limits = {"effort_limit_arm_n", "effort_limit_hand_tip_n"};
@@ -314,7 +317,7 @@ TEST_F(WaitingOrders, AnotherHandWhileItRenders_RaisesNoLimit) {
   for (const char* name : limits) EXPECT_EQ(value(name), 2.5) << name;
 }
 
-TEST_F(WaitingOrders, SameHandByAnotherPath_IsTheSamePersons) {
+TEST_F(WaitingOrders, SameHandByAnotherPath_KeepsThePersonsSettings) {
   hand_ = kRoot + "/tests/../config/hands/adult-median-right.toml";
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 4.0)).accepted);
@@ -324,8 +327,8 @@ TEST_F(WaitingOrders, SameHandByAnotherPath_IsTheSamePersons) {
   EXPECT_EQ(value("effort_limit_arm_n"), 4.0);
 }
 
-// The screen of who presses Start shows p-1; p-2's order to load waits before it.
-TEST_F(WaitingOrders, ArmBehindAnotherPersons_StartsOnlyForWhoLoadedThem) {
+// The client that presses Start sees p-1; another client's order to load p-2 waits before it.
+TEST_F(WaitingOrders, ArmBehindALoadOfAnotherPerson_StartsOnlyForTheLoadingClient) {
   begin();
   ASSERT_TRUE(ask(of(orders::SaveProfile{"p-2"})).accepted);
   for (const bool same : {false, true}) {
@@ -342,7 +345,7 @@ TEST_F(WaitingOrders, ArmBehindAnotherPersons_StartsOnlyForWhoLoadedThem) {
   }
 }
 
-TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
+TEST_F(WaitingOrders, SaveProfile_WritesTheValuesAtTheTimeOfTheOrder) {
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 8.0)).accepted);
   hold();
@@ -354,11 +357,12 @@ TEST_F(WaitingOrders, SaveProfile_WritesTheValuesOfTheMomentWhenItWasAsked) {
   const auto written = Profiles(folder_ + "/profiles").load("p-1");
   ASSERT_TRUE(written) << format(written.errors());
   EXPECT_EQ(written->parameters.at("effort_limit_arm_n"), 8.0);
-  EXPECT_EQ(written->help, Help::kUnsaid);
+  EXPECT_EQ(written->help, Help::kUnspecified);
 }
 
-// Saved as p-1 while p-2's order to load waits before it: what holds then is p-2's.
-TEST_F(WaitingOrders, SaveProfileBehindAnotherPersons_KeepsTheHandAndClaimsNothing) {
+// The profile is saved as p-1 while an order to load p-2 waits before it; the values of p-2 hold
+// afterwards.
+TEST_F(WaitingOrders, SaveProfileBehindALoadOfAnotherPerson_SavesTheHandAndKeepsTheLoadedProfile) {
   begin();
   ASSERT_TRUE(ask(of(orders::SaveProfile{"p-2"})).accepted);
   ASSERT_TRUE(ask(orders::LoadExercise{.hand = "woman-p05-left"}).accepted);
@@ -372,7 +376,7 @@ TEST_F(WaitingOrders, SaveProfileBehindAnotherPersons_KeepsTheHandAndClaimsNothi
   EXPECT_EQ(station_->scene()->profile, "p-2");
 }
 
-TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
+TEST_F(WaitingOrders, LoadProfile_KeepsValuesThatWereSetAfterTheOrder) {
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 15.0)).accepted);
   ASSERT_TRUE(ask(parameter("effort_limit_hand_tip_n", 5.0)).accepted);
@@ -389,9 +393,9 @@ TEST_F(WaitingOrders, LoadProfile_OverwritesNothingThatWasSetLater) {
   EXPECT_EQ(value("effort_limit_hand_tip_n"), 5.0);
 }
 
-// A console that still shows the patient before moves a slider while the next visit is being
-// opened. Only what lowers the next one's limit stays.
-TEST_F(WaitingOrders, OpenVisit_TakesOverNothingThatWasSetMeanwhileButALowerLimit) {
+// A console still shows the earlier patient and moves a slider while the next visit is being
+// opened. Only a change that lowers the next visit's limit is kept.
+TEST_F(WaitingOrders, OpenVisit_KeepsOfMeanwhileChangesOnlyALowerLimit) {
   begin();
   hold();
   Order open = person().asks(of(orders::OpenVisit{
@@ -408,12 +412,12 @@ TEST_F(WaitingOrders, OpenVisit_TakesOverNothingThatWasSetMeanwhileButALowerLimi
   ASSERT_TRUE(opened.get().accepted);
   EXPECT_EQ(value("effort_limit_arm_n"), 6.0);
   EXPECT_EQ(value("effort_limit_hand_tip_n"), 2.0);
-  EXPECT_EQ(station_->status().help, Help::kUnsaid);
+  EXPECT_EQ(station_->status().help, Help::kUnspecified);
 }
 
-// Nothing of the earlier patient outlives a change of hand, side or person; a limit rises only by
-// the press of somebody who may set it.
-TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
+// No setting of the earlier patient outlives a change of hand, side or person. A limit rises only
+// by an order of a client that may set it.
+TEST_F(WaitingOrders, ChangeOfThePerson_ResetsAllSettings) {
   begin();
   const auto scene = station_->scene();
   auto random = seededRandom(3402);
@@ -434,7 +438,7 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
     change.may_raise_limits = therapist;
     ASSERT_TRUE(ask(person().asks(change)).accepted);
     const auto after = station_->scene()->parameters;
-    EXPECT_EQ(station_->status().help, Help::kUnsaid);
+    EXPECT_EQ(station_->status().help, Help::kUnspecified);
     EXPECT_EQ(station_->scene()->profile, "");
     for (const PublishedParameter& p : after) {
       const bool limit = p.name.starts_with("effort_limit_");
@@ -442,7 +446,7 @@ TEST_F(WaitingOrders, ChangeOfThePerson_SetsEverythingToItsDefault) {
       EXPECT_EQ(value(p.name.c_str()), stays ? set[p.name] : p.initial) << p.name << therapist;
       if (limit && !therapist) set.erase(p.name);
     }
-    if (!therapist) {  // for the next case
+    if (!therapist) {  // restores the hand for the next case
       Order back = of(orders::LoadExercise{.hand = "adult-median-right"});
       back.may_raise_limits = true;
       ASSERT_TRUE(ask(person().asks(back)).accepted);
@@ -457,7 +461,7 @@ TEST_F(WaitingOrders, AnotherExerciseOfTheSamePerson_KeepsTheSettings) {
   EXPECT_EQ(value("effort_limit_arm_n"), 4.0);
 }
 
-TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
+TEST_F(WaitingOrders, RestOfTheEarlierPerson_DoesNotPassToTheNext) {
   begin(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
@@ -469,15 +473,15 @@ TEST_F(WaitingOrders, RestOfTheEarlierPerson_IsNoRestOfTheNext) {
 
 // ---- presses around an arming
 
-/// Pressed at random moments around an arming: while it waits, while it begins, while the loop is
+/// Presses at random moments around an arming: while it waits, while it begins, while the loop is
 /// built and while the device is enabled.
 class PressesAroundAnArming : public WaitingOrders {
  protected:
   enum class Press { kRest, kStop, kEmergencyStop, kArm };
 
-  /// The law, beside the press. A press of Arm starts the device unless any of the others follows.
-  /// A rest is one that may be ended where it cancels an arming or follows a rest; after a stop
-  /// nothing but an arming makes it one.
+  /// Presses and tracks the expected state. A press of Arm starts the device unless another press
+  /// follows. A rest counts as a rest if it cancels an arming or follows a rest; after a stop only
+  /// an arming makes this possible again.
   void press(Press what) {
     pressed_ += "REsA"[static_cast<int>(what)];
     switch (what) {
@@ -510,19 +514,19 @@ class PressesAroundAnArming : public WaitingOrders {
     pressed_ += ' ';
     while (random_() % 3 == 0) press(static_cast<Press>(random_() % kinds));
   }
-  /// From a station at rest, stopped or never armed.
+  /// Draws one case, from a station that rests, is stopped or was never armed.
   void drawCase() {
     pressed_.clear();
     hold();
     press(Press::kArm);
     pressSome(4);
     when_it_begins = while_it_is_built = [this] { pressSome(4); };
-    devices.when_enabled = [this] { pressSome(3); };  // an arm is refused from here on
+    devices.when_enabled = [this] { pressSome(3); };  // an order to arm is refused from here on
     release();
     EXPECT_TRUE(becomes([&] { return unanswered_ == 0; }));
     when_it_begins = while_it_is_built = devices.when_enabled = nullptr;
   }
-  void judge() {
+  void check() {
     if (starts_) {
       EXPECT_TRUE(rendersOn()) << pressed_;
     } else {
@@ -533,7 +537,7 @@ class PressesAroundAnArming : public WaitingOrders {
     }
     EXPECT_FALSE(station_->status().arming) << pressed_;
   }
-  /// For the next case: neutral, by a rest or by a stop.
+  /// Ends the case at neutral, by a rest or a stop.
   void end() {
     if (starts_) press(random_() % 2 == 0 ? Press::kStop : Press::kRest);
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
@@ -543,18 +547,18 @@ class PressesAroundAnArming : public WaitingOrders {
   }
 
   std::mt19937_64 random_ = seededRandom(3407);
-  std::string pressed_;             ///< A arm, R rest, E stop, s emergency stop
-  std::atomic<int> unanswered_{0};  ///< orders to arm
+  std::string pressed_;             ///< A: arm, R: rest, E: stop, s: emergency stop
+  std::atomic<int> unanswered_{0};  ///< orders to arm without an answer
   bool starts_ = false, rests_ = false;
   std::uint64_t before_ = 0;
 };
 
-TEST_F(PressesAroundAnArming, InAnyOrder_StartItOrRestOrStopAsTheLastOnesSay) {
+TEST_F(PressesAroundAnArming, PressesInAnyOrder_HaveTheEffectOfTheLastOnes) {
   begin();
   int rests = 0, starts = 0;
   for (int i = 0; i < cases(100) && !HasFailure(); ++i) {
     drawCase();
-    judge();
+    check();
     rests += rests_ ? 1 : 0;
     starts += starts_ ? 1 : 0;
     end();
@@ -564,8 +568,8 @@ TEST_F(PressesAroundAnArming, InAnyOrder_StartItOrRestOrStopAsTheLastOnesSay) {
   figure("of them started", starts, "");
 }
 
-// The device refuses: who pressed Go on may press it again.
-TEST_F(PressesAroundAnArming, ArmThatFails_LeavesTheRest) {
+// The device refuses; the client that pressed Go on may press it again.
+TEST_F(PressesAroundAnArming, FailedArm_KeepsTheRest) {
   begin(true);
   ASSERT_TRUE(rendersOn());
   ASSERT_TRUE(ask(orders::Rest{}).accepted);
@@ -585,11 +589,12 @@ class ArmOverALine : public ServedBar {
     load(barConfig());
     serve();
   }
-  /// A therapist, who needs no controls, and who is shown how far it is.
-  std::unique_ptr<WebSocket> armsAndSeesTheRehearsal() {
+  /// A therapist arms, which needs no controls, and waits until the progress of the rehearsal is
+  /// shown.
+  std::unique_ptr<WebSocket> armsAndShowsTheRehearsal() {
     auto client =
         std::make_unique<WebSocket>(server_->port(), "", std::string("/ws?role=therapist"));
-    client->say(words::armHavingSeen(station_->status().endings, 1));
+    client->send(words::armAcknowledging(station_->status().endings, 1));
     std::uint32_t rehearsed = 0;
     for (const auto until = Clock::now() + kHang; rehearsed == 0 && Clock::now() < until;) {
       const auto frame = replies::next(*client, replies::fb::Payload::WorldState);
@@ -600,12 +605,12 @@ class ArmOverALine : public ServedBar {
     return client;
   }
 
-  /// Hears states until one is so, and shows that it is alive.
+  /// Reads messages until a state meets the condition; sends heartbeats meanwhile.
   template <class Condition>
   bool sees(WebSocket& client, Condition&& so) {
     for (const auto until = Clock::now() + 20s; Clock::now() < until && !client.closed();) {
-      client.say(words::heartbeat(0));
-      const auto frame = client.hear(50ms);
+      client.send(words::heartbeat(0));
+      const auto frame = client.receive(50ms);
       if (!frame || frame->opcode != 2) continue;
       const auto& message = replies::message(*frame);
       const auto* state = message.payload_as_WorldState();
@@ -616,64 +621,65 @@ class ArmOverALine : public ServedBar {
     }
     return false;
   }
-  /// A player rests while it is being armed, sees it, and goes on.
+  /// A player rests during the arming, sees the rest and arms again.
   void restsAndGoesOn(WebSocket& player, std::uint32_t id) {
     using State = replies::fb::WorldState;
     ASSERT_TRUE(sees(player, [](const State& s) { return s.arming(); }));
-    player.say(words::takeControls(id));
-    player.say(words::rest(id + 1));
+    player.send(words::takeControls(id));
+    player.send(words::rest(id + 1));
     std::uint32_t shown = 0;
     ASSERT_TRUE(sees(player, [&](const State& s) {
       shown = s.endings();
       return s.rested() && !s.arming() && s.run_state() == replies::fb::RunState::Stopped;
     }));
     EXPECT_EQ(records_, 0U) << kAlways << "nothing was rendered";
-    player.say(words::takeControls(id + 2));
-    player.say(words::armHavingSeen(shown, id + 3));
+    player.send(words::takeControls(id + 2));
+    player.send(words::armAcknowledging(shown, id + 3));
     EXPECT_TRUE(sees(player, [](const State& s) {
       return s.run_state() == replies::fb::RunState::Rendering;
     })) << refusals_;
   }
 
-  std::string refusals_;  ///< that were heard
+  std::string refusals_;  ///< reasons of the refusals received
 };
 
-TEST_F(ArmOverALine, OfAPlayerWhoRestsMeanwhile_GoesOnByTheNextPress) {
+TEST_F(ArmOverALine, ArmOfAPlayerWhoRestsMeanwhile_ContinuesByTheNextPress) {
   open();
   WebSocket player(server_->port(), "", std::string("/ws?role=player"));
-  player.say(words::takeControls(1));
-  player.say(words::armHavingSeen(1, 2));
+  player.send(words::takeControls(1));
+  player.send(words::armAcknowledging(1, 2));
   restsAndGoesOn(player, 3);
 }
 
-// A player who is led may not begin, but may end its own rest.
-TEST_F(ArmOverALine, OfATherapistWhosePlayerRestsMeanwhile_GoesOnByThePlayersPress) {
+// A player in the presence of a therapist may not start a session, but may end its own rest.
+TEST_F(ArmOverALine, ArmOfATherapistWhosePlayerRestsMeanwhile_ContinuesByThePlayersPress) {
   open();
   WebSocket player(server_->port(), "", std::string("/ws?role=player"));
-  const auto therapist = armsAndSeesTheRehearsal();
+  const auto therapist = armsAndShowsTheRehearsal();
   restsAndGoesOn(player, 1);
 }
 
-TEST_F(ArmOverALine, ThatEndsDuringTheRehearsal_StartsNothing) {
+TEST_F(ArmOverALine, LineClosedDuringTheRehearsal_StartsNothing) {
   open();
-  armsAndSeesTheRehearsal().reset();
+  armsAndShowsTheRehearsal().reset();
   EXPECT_TRUE(becomes([&] { return station_->status().rehearsed_ticks == 0; }));
   staysAt(RunState::kDisarmed);
   EXPECT_EQ(records_, 0U);
   EXPECT_EQ(station_->status().session, 0U);
 }
 
-TEST_F(ArmOverALine, ThatStays_Starts) {
+TEST_F(ArmOverALine, LineThatStaysOpen_Starts) {
   open();
-  const auto client = armsAndSeesTheRehearsal();
+  const auto client = armsAndShowsTheRehearsal();
   EXPECT_TRUE(replies::answer(*client).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
 // ---- stops in every state
 
-// A game that repeats its stop every 10 ms must not keep everybody from naming the last ending.
-TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
+// A game that repeats its stop every 10 ms must not make the number of endings rise, or nobody
+// could name the newest one.
+TEST_F(WaitingOrders, RepeatedStops_CountOnceUntilSomebodyArms) {
   begin();
   const Person game = person(), other = person();
   for (const orders::Any& stop : kStops) {
@@ -691,15 +697,15 @@ TEST_F(WaitingOrders, StopsThatAreRepeated_CountOnceUntilSomebodyArms) {
   }
 }
 
-// A stop that is pressed again is another one: what was asked before it is void, where it comes
-// later.
-TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
+// A stop that is pressed again is a new ending: an order sent before it and received after it is
+// refused.
+TEST_F(WaitingOrders, StopWithANewNumber_CountsAgain) {
   begin();
   const Person game = person();
   Order pressed = game.asks(of(orders::EmergencyStop{}));
   pressed.id = 7;
   ASSERT_TRUE(ask(pressed).accepted);
-  const Order late = person().asks(of(orders::Arm{}));  // sent now, and long on its way
+  const Order late = person().asks(of(orders::Arm{}));  // sent now, received later
   const std::uint32_t shown = station_->status().endings;
   for (int i = 0; i < 300; ++i) ASSERT_TRUE(ask(pressed).accepted);
   EXPECT_EQ(station_->status().endings, shown);
@@ -709,16 +715,16 @@ TEST_F(WaitingOrders, StopThatIsPressedAgain_CountsAgain) {
   EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
 }
 
-// As of a game that numbers nothing, a second after its last one, and of the program that the
-// station is in, at any time.
-TEST_F(WaitingOrders, StopWithoutANumber_IsAPressOfItsOwn) {
+// A repeated stop without a number is a new press in two cases: from a game one second after its
+// last one, and from the program itself at any time.
+TEST_F(WaitingOrders, StopWithoutANumber_CountsAsANewPress) {
   begin();
   const Person game = person();
   for (const orders::Any& stop : kStops) {
     for (const bool inside : {false, true}) {
       const Order pressed = inside ? of(stop) : game.asks(of(stop));
       ASSERT_TRUE(ask(pressed).accepted);
-      const Order late = person().asks(of(orders::Arm{}));  // sent now, and long on its way
+      const Order late = person().asks(of(orders::Arm{}));  // sent now, received later
       if (!inside) passes(1000);
       ASSERT_TRUE(ask(pressed).accepted);
       EXPECT_EQ(ask(late).refusal, Refusal::kStopNotSeen);
@@ -727,7 +733,7 @@ TEST_F(WaitingOrders, StopWithoutANumber_IsAPressOfItsOwn) {
   }
 }
 
-TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
+TEST_F(WaitingOrders, StopRepeatedWhileAnArmWaits_RefusesTheArmAndCounts) {
   begin();
   const Person game = person();
   ASSERT_TRUE(ask(game.asks(of(orders::Stop{}))).accepted);
@@ -740,13 +746,13 @@ TEST_F(WaitingOrders, StopThatIsRepeatedWhileAnArmWaits_UndoesItAndCounts) {
   EXPECT_EQ(armed.get().refusal, Refusal::kStopCame);
 }
 
-// A game that numbers nothing: every one of its stops is obeyed, and they count as one.
+// A game that sends no command numbers: every stop is obeyed, and all count as one ending.
 TEST_F(WaitingOrders, EmergencyStopsWithId0ByDatagram_AreObeyedAndCountOnce) {
   begin(true);
   ASSERT_TRUE(rendersOn());
   constexpr std::uint64_t kKey = 0x1234;
   constexpr UdpEndpoint kAnyPort{0x7F000001, 0};
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpBridge bridge(*station_, controls);
   (void)orThrow(bridge.start({kAnyPort, kKey}));
   bridge.admitStandalone(controls.newClient());
@@ -757,7 +763,7 @@ TEST_F(WaitingOrders, EmergencyStopsWithId0ByDatagram_AreObeyedAndCountOnce) {
   const std::uint32_t shown = station_->status().endings;
   for (std::uint64_t said = 1; said <= 20; ++said) {
     EXPECT_TRUE(becomes([&] {
-      game.say(words::emergencyStop(0));
+      game.send(words::emergencyStop(0));
       return bridge.counters().stops >= said;
     }));
   }
@@ -766,7 +772,8 @@ TEST_F(WaitingOrders, EmergencyStopsWithId0ByDatagram_AreObeyedAndCountOnce) {
   EXPECT_EQ(station_->status().endings, shown + 2) << "the stop, and the end of the session";
 }
 
-// Law: in every state, of whomever, a stop is accepted and leads to neutral; nothing renders after.
+// Rule: in every state a stop from any client is accepted and leads to neutral; nothing renders
+// after it.
 TEST_F(WaitingOrders, StopInEveryState_LeadsToNeutral) {
   begin();
   auto random = seededRandom(3403);

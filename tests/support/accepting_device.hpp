@@ -6,8 +6,8 @@
 
 namespace wholehand::test {
 
-/// Stands right before a device and keeps the effort that it holds: what it took last, whatever
-/// the loop believes to have sent.
+/// Wraps a device and keeps the effort that it holds: the last accepted one, whatever the loop has
+/// sent.
 class AcceptingDevice final : public HapticDevice {
  public:
   /// @param as_opened the effort that the device holds after open()  @pre device outlives this
@@ -38,7 +38,7 @@ class AcceptingDevice final : public HapticDevice {
   AxisEffort as_opened_, held_;
 };
 
-/// Bit by bit.
+/// True if both are equal bit by bit.
 inline bool same(const AxisEffort& a, const AxisEffort& b) noexcept {
   return a.size() == b.size() &&
          std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;

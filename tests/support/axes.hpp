@@ -2,7 +2,7 @@
 
 namespace wholehand::test {
 
-/// An array over axes (AxisEffort, AxisPosition ...) of these numbers.
+/// An array over axes (AxisEffort, AxisPosition ...) with these values.
 template <class Array, class... Numbers>
 Array of(Numbers... numbers) {
   Array out(sizeof...(numbers));

@@ -8,7 +8,7 @@
 
 namespace wholehand::test {
 
-/// The shipped bar, its hand at rest.
+/// The shipped bar with the hand at rest.
 inline StationConfig barStation() {
   const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config";
   StationConfig c;

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-/// What many tests name.
+/// Constants of many tests.
 namespace wholehand::test {
 
 inline const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";

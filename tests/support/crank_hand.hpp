@@ -4,7 +4,7 @@
 
 namespace wholehand::test {
 
-/// A hand of two links: carried along x, then turned about z at 0.1 m.
+/// A hand of two links: one slides along x, the other turns about z at 0.1 m.
 inline HandModel crankHand() {
   HandModel hand;
   hand.name = "crank";

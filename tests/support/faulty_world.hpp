@@ -6,22 +6,22 @@
 
 namespace wholehand::test {
 
-/// What goes wrong in a world, in one tick (counted by observations since the hand was placed).
+/// A fault of a world in one tick (counted by observations since the hand was placed).
 struct InjectedWorldFault {
   enum class Kind {
-    kNonFiniteState,  ///< a joint is NaN, and the engine says so
+    kNonFiniteState,  ///< a joint is NaN, and the engine reports it
     kSilentNan,       ///< a coordinate of the hand is NaN, and the engine does not notice
     kSilentNanJoint,  ///< a joint is NaN, and the engine does not notice
-    kStepFails,       ///< the engine cannot step, and does not
-    kBodyExplodes,    ///< the first body flies off; a world without any shows one
+    kStepFails,       ///< the engine cannot step and does not
+    kBodyExplodes,    ///< the first body flies off; a world without bodies shows one
     kHandFliesOff     ///< one coordinate of the hand is a hundred times too fast
   };
   Kind kind = Kind::kStepFails;
   int tick = 0;
-  int axis = 0;  ///< of the hand that flies off
+  int axis = 0;  ///< of the hand coordinate that flies off
 };
 
-/// Passes everything on to another world, but for the fault it injects.
+/// Forwards everything to another world except the injected fault.
 class FaultyWorld final : public PhysicsWorld {
  public:
   /// @pre world outlives this
@@ -71,9 +71,9 @@ class FaultyWorld final : public PhysicsWorld {
 
   void selfForces(SelfForces& forces) const noexcept override { world_.selfForces(forces); }
 
-  /// Nothing goes wrong from now on.
+  /// Removes the fault.
   void clear() noexcept { fault_.tick = std::numeric_limits<int>::max(); }
-  /// How often the world behind was stepped since the hand was placed.
+  /// Number of steps of the wrapped world since the hand was placed.
   [[nodiscard]] int steps() const noexcept { return steps_; }
 
  private:

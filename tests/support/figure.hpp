@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-/// What every test may want, whatever it is about.
+/// Helpers for any test.
 namespace wholehand::test {
 
 /// Prints "figure: <name> = <value> <unit>" and keeps it in the test's report.
@@ -21,7 +21,7 @@ inline void figure(const std::string& name, double value, const char* unit) {
   ::testing::Test::RecordProperty(name, text.data());
 }
 
-/// The value, or an exception that says every reason why there is none.
+/// The value, or an exception with every reason why there is none.
 template <class T>
 T orThrow(Expected<T> expected) {
   if (!expected) throw std::runtime_error(format(expected.errors()));

@@ -7,7 +7,7 @@
 
 namespace wholehand::test {
 
-/// A folder that vanishes with the test.
+/// A temporary folder that is removed at the end of the test.
 class Folder {
  public:
   Folder() {

@@ -29,8 +29,8 @@ constinit thread_local LockCalls calls;
 template <class... Arguments>
 class Original {
  public:
-  /// @param version of the symbol, if it has more than one, else null; a machine that never had the
-  /// old one has no such version
+  /// @param version of the symbol if it has more than one, else null; a machine that never had the
+  /// old version does not have that symbol
   constexpr Original(const char* name, const char* version) : name_(name), version_(version) {}
   int operator()(Arguments... arguments) {
     void* found = found_.load(std::memory_order_relaxed);

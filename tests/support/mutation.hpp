@@ -7,8 +7,8 @@
 
 namespace wholehand::test {
 
-/// `text` with one to eight faults of the kinds that files have: flipped bits, bytes set to the
-/// values at which readers trip, pieces cut out, doubled or overwritten by others, a missing end.
+/// `text` with one to eight faults as they occur in files: flipped bits, critical byte values,
+/// parts cut out, doubled or overwritten by others, a missing end.
 template <class Random>
 std::string mutated(std::string text, Random& random) {
   const auto below = [&random](std::size_t n) { return n == 0 ? std::size_t{0} : random() % n; };
@@ -38,7 +38,7 @@ std::string mutated(std::string text, Random& random) {
                     static_cast<char>(kTelling[below(sizeof kTelling)]));
         break;
       default:
-        if (below(4) == 0) text.resize(at);  // seldom: little is left to read then
+        if (below(4) == 0) text.resize(at);  // rarely, since it leaves little to read
     }
   }
   return text;

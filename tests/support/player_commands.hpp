@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-/// What a person says to a player.
+/// Commands of a person to a player.
 namespace wholehand::test {
 
 inline Command steer(Steering who) {

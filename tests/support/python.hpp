@@ -6,7 +6,7 @@
 
 namespace wholehand::test {
 
-/// Runs a script with Debian's Python, which has h5py: what it prints, errors included.
+/// Runs a script with Debian's Python, which has h5py. @return its output, including errors
 inline std::string python(const std::string& script) {
   const std::string command = "/usr/bin/python3 - 2>&1 <<'END'\n" + script + "\nEND\n";
   FILE* pipe = ::popen(command.c_str(), "r");

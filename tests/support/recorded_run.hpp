@@ -1,6 +1,6 @@
 #pragma once
 
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 #include "support/rig_tools.hpp"
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wholehand::test {
 
-/// Records that many ticks of a rig, as fast as they are computed: the file's path.
+/// Records `ticks` ticks of a rig as fast as they are computed. @return the file's path
 inline std::string recordTicks(Rig& rig, std::uint64_t ticks, const std::string& file) {
   RunPlan plan;
   plan.simulated_clock = true;
@@ -19,7 +19,7 @@ inline std::string recordTicks(Rig& rig, std::uint64_t ticks, const std::string&
   return plan.record;
 }
 
-/// A tenth of a second of a resting hand.
+/// Records a tenth of a second of a resting hand.
 inline std::string recordRest(Models models, const std::string& file) {
   const auto rig = orThrow(buildRig(
       std::move(models), Intention::throughWaypoints({{0.0, AxisPosition(6)}}), RigOptions{}));

@@ -4,8 +4,8 @@
 
 namespace wholehand::test {
 
-/// A device that may move a person: it rests at one place and takes every effort. Tests override
-/// what is different.
+/// A device that may move a person. It rests at one place and accepts every effort; tests override
+/// what differs.
 class RestingDevice : public HapticDevice {
  public:
   RestingDevice() = default;

@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-/// Whole rigs for tests: shipped files, scenes made in place, scripted devices, figures to cite.
+/// Whole rigs for tests: shipped files, scenes built by tests, scripted devices, printed figures.
 namespace wholehand::test {
 
 inline ModelFiles shippedFiles(const std::string& device = "lambda-pride",
@@ -40,7 +40,7 @@ inline ModelFiles shippedFiles(const std::string& device = "lambda-pride",
   return files;
 }
 
-/// A shipped exercise in its own scene.
+/// Files of a shipped exercise in its own scene.
 inline ModelFiles exerciseFiles(const std::string& exercise, int level = 1,
                                 const std::string& hand = "adult-median-right",
                                 const std::string& device = "lambda-pride") {
@@ -66,7 +66,7 @@ inline Models load(const ModelFiles& files) {
   return orThrow(loadModels(files));
 }
 
-/// Takes every other axis off the device; the joints they drove are locked.
+/// Removes all other axes from the device; the joints that they drove are locked.
 inline void keepAxes(Models& m, const std::vector<std::string>& names) {
   const auto drop = [&](const auto& axis) {
     return std::find(names.begin(), names.end(), axis.name) == names.end();
@@ -88,7 +88,7 @@ inline SceneBody fixedBox(const Eigen::Vector3d& center_m, const Eigen::Vector3d
   return body;
 }
 
-/// A ball of uniform density; fixed where it has no mass.
+/// A ball of uniform density, fixed if it has no mass.
 inline SceneBody ball(const Eigen::Vector3d& center_m, double radius_m, double mass_kg) {
   SceneBody body;
   body.name = "ball";
@@ -121,13 +121,14 @@ inline double reach(const HandModel& hand, const AxisPosition& q_s, const Eigen:
   return furthest_m;
 }
 
-/// A wall 10 cm thick whose face looks against `along` at `face_m` from the origin.
+/// A wall 10 cm thick whose face is at `face_m` from the origin and faces against `along`.
 inline SceneBody wall(const Eigen::Vector3d& along, double face_m) {
   const Eigen::Vector3d thin = along.cwiseAbs();
   return fixedBox((face_m + 0.05) * along, 0.1 * thin + 1.0 * (Eigen::Vector3d::Ones() - thin));
 }
 
-/// An ideal device that is where a script says at each read (0 when armed), whatever is sent.
+/// An ideal device whose position a script sets at each read (0 at arming), whatever effort is
+/// sent.
 class ScriptedDevice final : public RestingDevice {
  public:
   using Script = std::function<AxisPosition(int read)>;
@@ -136,7 +137,8 @@ class ScriptedDevice final : public RestingDevice {
     read_ = 0;
     return Done{};
   }
-  /// Nobody's hand stands as still as a script.
+  /// Declared as simulated: nobody's hand stands as still as a script, so the watchdog would report
+  /// it.
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     reading.q_m = script_(read_);
@@ -158,7 +160,7 @@ inline std::unique_ptr<Rig> buildScripted(Models models, ScriptedDevice::Script 
   return build(std::move(models), std::make_unique<ScriptedDevice>(std::move(script)), options);
 }
 
-/// Ticks on the simulated clock; the sink may be empty. Returns the last record.
+/// Ticks on the simulated clock; the sink may be empty. @return the last record
 inline std::unique_ptr<TickRecord> runTicks(HapticRenderer& renderer, int ticks,
                                             const std::function<void(const TickRecord&)>& sink = {},
                                             int first_tick = 0) {
@@ -172,7 +174,7 @@ inline std::unique_ptr<TickRecord> runTicks(HapticRenderer& renderer, int ticks,
   return record;
 }
 
-/// From a to b by minimum jerk over `ticks` reads, then b.
+/// Moves from a to b by minimum jerk over `ticks` reads, then holds b.
 inline ScriptedDevice::Script moveAndHold(const AxisPosition& a, const AxisPosition& b, int ticks) {
   return [=](int read) {
     const double u = std::clamp(static_cast<double>(read) / ticks, 0.0, 1.0);
@@ -209,10 +211,10 @@ inline AxisEffort virtualWork(const HandModel& hand, const AxisPosition& q_s,
   return work;
 }
 
-/// The same of what parts of the hand do to each other.
+/// The same for the forces between parts of the hand.
 inline AxisEffort virtualWork(const HandModel& hand, const AxisPosition& q_s,
                               const SelfForces& own) {
-  TickRecord both;  // as contacts with a body, of either side
+  TickRecord both;  // as contacts with a body, on either side
   for (int i = 0; i < own.count; ++i) {
     const SelfForce& touch = own.touches[i];
     for (const int side : {1, -1}) {

@@ -10,17 +10,17 @@
 #include <utility>
 #include <vector>
 
-/// One seed for all that tests draw: ./check picks it anew every time and prints it.
+/// One seed for all random draws of the tests: ./check chooses a new one every time and prints it.
 namespace wholehand::test {
 
-/// WHOLEHAND_SEED; where it is unset always the same one, so that a test run by hand repeats.
+/// WHOLEHAND_SEED; if it is unset, a constant, so that a test run by hand is repeatable.
 inline std::uint64_t seed() {
   const char* text = std::getenv("WHOLEHAND_SEED");
   return text != nullptr ? std::strtoull(text, nullptr, 10) : 20251120U;
 }
 
-/// Draws by the seed, printed so that a failure can be had again. `stream` keeps apart what two
-/// tests draw: it stands for the test, not for the seed.
+/// A generator from the seed, which is printed so that a failure can be repeated. `stream`
+/// separates the draws of different tests: it identifies the test, not the seed.
 template <class Random = std::mt19937_64>
 Random seededRandom(unsigned stream) {
   std::printf("seed: WHOLEHAND_SEED=%llu\n", static_cast<unsigned long long>(seed()));
@@ -32,15 +32,15 @@ inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
 }
 
-/// Of what a test goes through one by one: nine of ten are left out under a sanitizer, which by the
-/// seed. ./check --full judges all of them.
+/// True for nine of ten items of a test under a sanitizer, chosen by the seed. ./check --full tests
+/// all of them.
 inline bool leftOutUnderASanitizer(std::size_t index) {
-  return kFew && (index + seed()) % 10U != 0;
+  return kReducedCounts && (index + seed()) % 10U != 0;
 }
 
-/// All of them; under a sanitizer a tenth, by the seed, and one at least.
+/// All of them; under a sanitizer a tenth by the seed, and at least one.
 template <class T>
-std::vector<T> aTenth(const std::vector<T>& all) {
+std::vector<T> sampleTenth(const std::vector<T>& all) {
   std::vector<T> out;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!leftOutUnderASanitizer(i)) out.push_back(all[i]);
@@ -50,15 +50,14 @@ std::vector<T> aTenth(const std::vector<T>& all) {
 }
 
 /// The numbers first .. last; under a sanitizer one of them, by the seed.
-inline std::vector<int> allOrOne(int first, int last) {
+inline std::vector<int> sampleOne(int first, int last) {
   std::vector<int> all(static_cast<std::size_t>(last - first + 1));
   std::iota(all.begin(), all.end(), first);
-  if (kFew) all = {all[seed() % all.size()]};
+  if (kReducedCounts) all = {all[seed() % all.size()]};
   return all;
 }
 
-/// `count` of the numbers 0 .. size - 1, none of them twice, in random order.
-/// @pre count <= size
+/// `count` of the numbers 0 .. size - 1 without repetition, in random order. @pre count <= size
 template <class Random>
 std::vector<std::size_t> sampleOf(std::size_t size, std::size_t count, Random& random) {
   std::vector<std::size_t> out(size);

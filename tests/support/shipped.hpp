@@ -19,8 +19,8 @@ inline std::vector<std::string> shipped(const std::string& kind) {
   return names;
 }
 
-/// Of every size the right hand or the left one, by the seed: mirror images share all else. All of
-/// them where `all`.
+/// The right or the left hand of every size, by the seed, since mirror images have all else in
+/// common; both if `all`.
 inline std::vector<std::string> shippedHands(std::uint64_t seed, bool all) {
   std::vector<std::string> hands = shipped("hands");
   if (all) return hands;

@@ -4,7 +4,7 @@
 
 namespace wholehand::test {
 
-/// A name as GoogleTest takes it: without hyphens.
+/// A name without hyphens, as GoogleTest requires.
 inline std::string withoutHyphens(std::string name) {
   std::erase(name, '-');
   return name;

@@ -1,4 +1,4 @@
-"""What watched_main.py makes of a failure. Cases run only by name, in a process of their own."""
+"""Judgements of watched_main.py on failures. The cases run only by name, in a separate process."""
 import os
 import pathlib
 import signal
@@ -16,7 +16,7 @@ class Case(unittest.TestCase):
     paced = True
 
     def stall(self):
-        """The last sleeper alone is stopped: a stall that this process need not suffer itself."""
+        """Stops only the last sleeper: a stall that leaves this process alone."""
         sleepers = subprocess.run(["pgrep", "-P", str(os.getpid()), "-f", "select"], capture_output=True, text=True).stdout
         sleeper = int(sleepers.split()[-1])
         os.kill(sleeper, signal.SIGSTOP)

@@ -7,41 +7,41 @@
 
 namespace wholehand::test {
 
-/// A tolerance times WHOLEHAND_TOL_SCALE (1 where unset): 0 shows the true residuals.
+/// A tolerance times WHOLEHAND_TOL_SCALE (1 if unset); 0 shows the true residuals.
 inline double tolerance(double value) {
   const char* scale = std::getenv("WHOLEHAND_TOL_SCALE");
   return scale != nullptr ? value * std::atof(scale) : value;
 }
 
-/// Whether ./check --full runs.
+/// True if ./check --full runs.
 inline bool underFull() {
   static const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   return full;
 }
 
-/// Whether every large count is asked for. A sanitizer has the usual ones in ./check --full.
+/// True if every large count is requested. Under a sanitizer ./check --full uses the usual counts.
 inline bool fullCounts() {
   return underFull() && WHOLEHAND_SANITIZED == 0;
 }
 
-/// Whether a sanitizer runs, and not at the usual counts: ./check judges unit tests so. ./check
-/// --full judges them in a release build, at every large count.
-inline const bool kFew = WHOLEHAND_SANITIZED != 0 && !underFull();
+/// True under a sanitizer with reduced counts, as ./check runs unit tests. ./check --full runs them
+/// in a release build with every large count.
+inline const bool kReducedCounts = WHOLEHAND_SANITIZED != 0 && !underFull();
 
-/// How many random cases to try: thirty times as many where every large count is asked for, a tenth
-/// in ./check.
+/// Number of random cases to try: thirty times as many with full counts, a tenth with
+/// kReducedCounts.
 inline int cases(int sampled) {
-  if (kFew) return std::max(1, sampled / 10);
+  if (kReducedCounts) return std::max(1, sampled / 10);
   return fullCounts() ? 30 * sampled : sampled;
 }
 
-/// The same where a case is there for the memory: damaged files and messages. As many under a
-/// sanitizer.
+/// The same for cases that test memory safety (damaged files and messages), which are not reduced
+/// under a sanitizer.
 inline int damagedCases(int sampled) {
   return underFull() ? 30 * sampled : sampled;
 }
 
-/// Whether enough cases run that how often something was seen says anything.
-inline const bool kCountsTell = !kFew;
+/// True if enough cases run for frequencies to be meaningful.
+inline const bool kStatisticsMeaningful = !kReducedCounts;
 
 }  // namespace wholehand::test

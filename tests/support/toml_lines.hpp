@@ -11,7 +11,7 @@
 
 namespace wholehand::test {
 
-/// A line of a TOML file that gives a key its whole value.
+/// A line of a TOML file with a key and its whole value.
 struct KeyLine {
   std::size_t line = 0;  ///< from 0
   std::string key, value;
@@ -45,8 +45,8 @@ inline std::vector<KeyLine> keyLines(const std::vector<std::string>& lines) {
   return found;
 }
 
-/// The key with values of another type, under another name, and where it is a number, without end
-/// and beyond any range: all of them with WHOLEHAND_FULL=1, else one that is drawn.
+/// Faulty versions of a key: another type, another name, and for a number an infinite and an
+/// out-of-range value. All of them with WHOLEHAND_FULL=1, otherwise one at random.
 inline std::vector<std::string> wrongLines(const KeyLine& good, std::mt19937_64& random) {
   std::vector<std::string> wrong = {good.key + "_x = 1"};
   for (const char* value : {"{ a = 1 }", "nan", "-inf", "-1e30", "1e30", "\"1\""}) {

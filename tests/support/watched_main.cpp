@@ -1,8 +1,8 @@
-// main() of programs with tests in real time. Threads beside them only sleep, one a processor, and
-// one passes a byte over a terminal while a test speaks over one. A test that said seesRealTime()
-// and fails while even one of these was kept waiting is named as not judged, and fails nothing;
-// every other failure does, and so do crashes, reports of sanitizers and hangs. Nothing is tried
-// again.
+// main() of programs with real-time tests. Additional threads only sleep, one per processor; one
+// more passes a byte over a terminal while a test uses a terminal. A test that called
+// seesRealTime() and fails while one of these threads was kept waiting is reported as not judged
+// and fails nothing. Every other failure counts, as do crashes, sanitizer reports and hangs. No
+// test is repeated.
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ double now_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-/// A line of the test's own.
+/// A pseudo-terminal for the test.
 class Terminal {
  public:
   Terminal() : near_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
@@ -48,7 +48,7 @@ class Terminal {
     ::cfmakeraw(&raw);
     ready_ = ::tcsetattr(far_, TCSANOW, &raw) == 0;
   }
-  /// A byte from one end to the other.
+  /// Passes a byte from one end to the other.
   void pass() const {
     char byte = '.';
     if (ready_ && ::write(near_, &byte, 1) == 1) (void)!::read(far_, &byte, 1);
@@ -59,11 +59,11 @@ class Terminal {
   bool ready_ = false;
 };
 
-/// One thread a processor, bound to it, that sleeps a millisecond at a time: a thread that may move
-/// wakes on a processor that is idle, while the test waits for one that is not. Of ordinary
-/// priority, as the threads of clients and servers in the tests are: one of real-time priority
-/// would run where these do not. One more is bound to none and has a terminal. They are never
-/// joined: a child that a test forks has no such threads and may end as it likes.
+/// One thread per processor, bound to it, that sleeps a millisecond at a time. A thread that may
+/// move would wake on an idle processor while the test waits for a busy one. The threads have
+/// ordinary priority, as the clients and servers in the tests do; with real-time priority they
+/// would run where the others do not. One more thread is unbound and has a terminal. The threads
+/// are never joined: a child that a test forks has no such threads and may end in any way.
 class Sleepers {
  public:
   Sleepers() {
@@ -92,7 +92,7 @@ class Sleepers {
       sleeper->longest_ms = 0.0;
     }
   }
-  /// The longest that one was kept waiting since then.
+  /// Longest delay of a sleeper since begin() [ms].
   double longest_ms() {
     double longest_ms = 0.0;
     for (const auto& sleeper : sleepers_) {
@@ -119,7 +119,8 @@ class Sleepers {
       }
       return nullptr;
     }
-    /// Of a sleep that began before the test, only what reaches into the test counts.
+    /// Measures the present sleep; of a sleep that began before the test only the part within the
+    /// test counts.
     void look() {
       const double over_ms = now_ms() - std::max(asleep_ms, begun_ms) - kSleep_ms;
       longest_ms = std::max(longest_ms, over_ms);
@@ -140,7 +141,7 @@ class Sleepers {
   std::vector<std::unique_ptr<Sleeper>> sleepers_;
 };
 
-class Judge final : public testing::EmptyTestEventListener {
+class Verdicts final : public testing::EmptyTestEventListener {
  public:
   void OnTestStart(const testing::TestInfo&) override {
     failure_.clear();
@@ -172,7 +173,7 @@ class Judge final : public testing::EmptyTestEventListener {
                 test.test_suite_name(), test.name(), waited_ms, failure_.c_str());
     std::fflush(stdout);
   }
-  /// Outside of a test nothing is excused.
+  /// Failures outside of tests are never excused.
   void OnTestSuiteEnd(const testing::TestSuite& suite) override {
     failed_ = failed_ || suite.ad_hoc_test_result().Failed();
   }
@@ -181,14 +182,14 @@ class Judge final : public testing::EmptyTestEventListener {
     std::printf("real time: %d judged, %d not judged\n", judged_, not_judged_);
     std::fflush(stdout);
   }
-  /// @param of_gtest what RUN_ALL_TESTS() returned
+  /// @param of_gtest result of RUN_ALL_TESTS()
   [[nodiscard]] int exitCode(int of_gtest) const {
     return of_gtest == 0 || (!failed_ && not_judged_ > 0) ? 0 : 1;
   }
 
  private:
   Sleepers sleepers_;
-  std::string failure_;  ///< the first of the test that runs
+  std::string failure_;  ///< first failure of the running test
   bool excusable_ = true, failed_ = false;
   int judged_ = 0, not_judged_ = 0;
 };
@@ -199,10 +200,10 @@ class Judge final : public testing::EmptyTestEventListener {
 int main(int count, char** arguments) {
   testing::InitGoogleTest(&count, arguments);
   if (testing::GTEST_FLAG(list_tests)) return RUN_ALL_TESTS();
-  // Never destroyed: its thread goes on until the program ends.
-  auto* judge = new wholehand::test::Judge;
-  testing::UnitTest::GetInstance()->listeners().Append(judge);
+  // Never destroyed: its thread continues until the program ends.
+  auto* verdicts = new wholehand::test::Verdicts;
+  testing::UnitTest::GetInstance()->listeners().Append(verdicts);
   const int of_gtest = RUN_ALL_TESTS();
-  testing::UnitTest::GetInstance()->listeners().Release(judge);  // which would delete it at exit
-  return judge->exitCode(of_gtest);
+  testing::UnitTest::GetInstance()->listeners().Release(verdicts);  // it would delete it at exit
+  return verdicts->exitCode(of_gtest);
 }

@@ -2,13 +2,13 @@
 
 #include <atomic>
 
-/// What watched_main.cpp, the main() of programs whose tests see real time, goes by.
+/// Settings of watched_main.cpp, the main() of programs with real-time tests.
 namespace wholehand::test {
 
 inline std::atomic<bool> g_sees_real_time{false};
 
-/// Said by what runs on the real clock, when it begins: a loop, a host, a client that must show
-/// that it is alive. From then on a failure of this test may be the machine's. Failures of other
+/// Called at the start by anything on the real clock: a loop, a host, a client that must show that
+/// it is alive. From then on a failure of this test may be caused by the machine. Failures of other
 /// tests are never excused.
 inline void seesRealTime() {
   g_sees_real_time = true;
@@ -16,20 +16,20 @@ inline void seesRealTime() {
 
 inline std::atomic<bool> g_sees_terminal{false};
 
-/// The same, by what speaks over a terminal: a thread of the kernel carries its bytes, and may wait
-/// where every sleeper wakes in time. One sleeper passes a byte over a terminal each time.
+/// The same for anything that uses a terminal: a kernel thread carries its bytes and may wait
+/// although every sleeper wakes in time. One sleeper passes a byte over a terminal each time.
 inline void seesTerminal() {
   g_sees_terminal = true;
   seesRealTime();
 }
 
-/// Begins the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) << kAlways.
-/// For what holds however late anybody is: limits of effort, nothing sent after a stop.
+/// Start of the message of a failure that no machine excuses: EXPECT_LE(force_n, limit_n) <<
+/// kAlways. For rules that hold however late a thread is: effort limits, no effort after a stop.
 inline constexpr const char* kAlways = "(whatever the machine does) ";
 
-/// A machine that keeps a sleeper waiting for longer has not let the test run. The shortest time
-/// that a test counts is 10 ms (an exchange of two processes), and an idle machine wakes a sleeper
-/// within 2 ms.
+/// A machine that keeps a sleeper waiting longer than this has not let the test run. The shortest
+/// time that a test measures is 10 ms (an exchange between two processes), and an idle machine
+/// wakes a sleeper within 2 ms.
 inline constexpr double kKeptWaiting_ms = 5.0;
 
 }  // namespace wholehand::test

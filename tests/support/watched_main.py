@@ -1,10 +1,10 @@
-"""main() of the tests in Python. A test whose class says `paced = True` sees real time: processes that only sleep
-run beside it, one a processor. One that fails while even one of these was kept waiting is named as not judged, and
-fails nothing; nothing is tried again. `terminal = True`: it speaks over a terminal, whose bytes a thread of the kernel
-carries, which may wait where every sleeper wakes in time; one sleeper passes a byte over a terminal each time. Errors,
-crashes, hangs and failures that say ALWAYS are never excused. As watched_main.cpp.
+"""main() of the tests in Python. A test whose class says `paced = True` sees real time: additional processes only sleep
+while it runs, one per processor. If it fails while one of them was kept waiting, it is reported as not judged and
+fails nothing; no test is repeated. `terminal = True` is for a test over a terminal: a kernel thread carries its bytes
+and may wait although every sleeper wakes in time, so one sleeper passes a byte over a terminal each time. Errors,
+crashes, hangs and failures that contain ALWAYS are never excused. The same as watched_main.cpp.
 
-A test whose name ends in _slow runs where WHOLEHAND_FULL=1, or where it is asked for by its name."""
+A test whose name ends in _slow runs only with WHOLEHAND_FULL=1 or by its name."""
 import os
 import pathlib
 import subprocess
@@ -14,11 +14,12 @@ import unittest
 
 FULL = os.environ.get("WHOLEHAND_FULL") == "1"
 ALWAYS = "(whatever the machine does) "
-KEPT_WAITING_S = 0.005  # watched_main.hpp says why
-HANG_S = 300.0  # ends what hangs, not what is slow
+KEPT_WAITING_S = 0.005  # see watched_main.hpp for the reason
+HANG_S = 300.0  # ends a hang, not a slow test
 
-# Sleeps a millisecond at a time on one processor, since a process that may move wakes on one that is idle; reports at
-# every line how much longer than that it took at most, since the last. Without a processor it passes a byte, too.
+# Sleeps a millisecond at a time on one processor, since a process that may move would wake on an idle one. For every
+# input line it reports by how much the longest sleep since the last report was exceeded. Without a processor argument
+# it also passes a byte over a terminal.
 SLEEPER = """
 import os, pty, select, sys, time, tty
 if sys.argv[1:]:
@@ -43,7 +44,7 @@ while True:
 
 
 class Sleepers:
-    """How long this machine let a process wait that only sleeps."""
+    """Measures how long this machine kept sleeping processes waiting."""
 
     def __init__(self, terminal):
         where = [[str(processor)] for processor in sorted(os.sched_getaffinity(0))] + ([[]] if terminal else [])
@@ -81,7 +82,7 @@ class Judge(unittest.TextTestResult):
             self.judged, self.not_judged = self.judged + (not self.excused), self.not_judged + self.excused
 
     def excuses(self, test, error):
-        """And says so."""
+        """True if the machine excuses the failure; then prints the reason."""
         kind, failure, trace = error
         if not self.sleepers or not issubclass(kind, test.failureException) or ALWAYS in str(failure):
             return False

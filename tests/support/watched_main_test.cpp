@@ -1,4 +1,4 @@
-// What watched_main.cpp makes of a failure: this program runs itself with one test that fails.
+// Judgements of watched_main.cpp on failures: this program runs itself with one failing test.
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace wholehand::test {
 namespace {
 
-/// Stops this whole process for 50 ms, the sleeper with it; a child continues it.
+/// Stops this whole process, including the sleepers, for 50 ms; a child process continues it.
 void standStill() {
   seesRealTime();
   const pid_t stopped = ::getpid();
@@ -79,10 +79,10 @@ Ran ranItself(const std::string& filter) {
 struct Case {
   const char* test;
   bool fails;
-  const char* says;
+  const char* expected;
 };
 
-TEST(WatchedMain, FailedTest_IsExcusedByAStallOnly) {
+TEST(WatchedMain, FailedTest_IsExcusedOnlyByAStall) {
   const std::array<Case, 5> cases{{
       {"FailsAtOnce", true, "real time: 1 judged, 0 not judged"},
       {"FailsAfterAStall", false, "real time: 0 judged, 1 not judged"},
@@ -94,11 +94,11 @@ TEST(WatchedMain, FailedTest_IsExcusedByAStallOnly) {
     const Ran ran = ranItself(std::string("WatchedMainCase.DISABLED_") + c.test);
     ASSERT_TRUE(WIFEXITED(ran.status)) << ran.said;
     EXPECT_EQ(WEXITSTATUS(ran.status) != 0, c.fails) << c.test << "\n" << ran.said;
-    EXPECT_NE(ran.said.find(c.says), std::string::npos) << c.test << "\n" << ran.said;
+    EXPECT_NE(ran.said.find(c.expected), std::string::npos) << c.test << "\n" << ran.said;
   }
 }
 
-TEST(WatchedMain, TestThatIsNotJudged_IsNamedOnOneLineWithTheReason) {
+TEST(WatchedMain, TestNotJudged_IsNamedOnOneLineWithTheReason) {
   const Ran ran = ranItself("WatchedMainCase.DISABLED_FailsAfterAStall");
   const std::size_t at = ran.said.find(
       "not judged: WatchedMainCase.DISABLED_FailsAfterAStall: this machine kept a sleeper waiting "
@@ -113,7 +113,7 @@ TEST(WatchedMain, Crash_IsNeverExcused) {
   EXPECT_TRUE(!WIFEXITED(ran.status) || WEXITSTATUS(ran.status) != 0);
 }
 
-TEST(WatchedMain, OneOfTwoExcused_TheOtherStillFails) {
+TEST(WatchedMain, OneOfTwoExcused_StillFailsForTheOther) {
   const Ran ran =
       ranItself("WatchedMainCase.DISABLED_Fails*At*:WatchedMainCase.DISABLED_Fails*Stall");
   ASSERT_TRUE(WIFEXITED(ran.status));

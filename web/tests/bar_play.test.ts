@@ -1,4 +1,4 @@
-// What the game says of the bar, at one moment each.
+// The game's texts for the bar, each at one moment.
 import { expect, test } from 'vitest';
 import { barOf, Stage } from '../src/exercises/cocktail_bar/bar';
 import { BarPlay, filledPercent } from '../src/exercises/cocktail_bar/play';
@@ -6,7 +6,7 @@ import { ExerciseValues } from '../src/exercises/values';
 import { SceneT } from '../src/protocol';
 import { moment, playOfSunset, sceneOfSunset } from './sunset';
 
-test('Bar_OfAnotherExerciseOrBrokenText_IsNone', () => {
+test('Bar_OfAnotherExerciseOrInvalidJson_IsUndefined', () => {
   const scene = new SceneT();
   for (const json of ['', '{', '{"kind":"free_grasping"}', 'null', '{"kind":"cocktail_bar"}']) {
     scene.exerciseJson = json;
@@ -14,26 +14,26 @@ test('Bar_OfAnotherExerciseOrBrokenText_IsNone', () => {
   }
 });
 
-test('Value_OfAnUnknownOrNotFiniteValue_IsWhatTheCallerSays', () => {
+test('ExerciseValues_UnknownOrNonFiniteValue_ReturnsDefault', () => {
   const values = new ExerciseValues(sceneOfSunset().valueNames);
   expect(values.get(moment({}), 'no_such_value', 7)).toBe(7);
   expect(new ExerciseValues(['layer_l/1', 'stage']).get({ values: [0.02, 3] }, 'stage')).toBe(3);
   expect(values.get(moment({ flow_l_s: NaN }), 'flow_l_s', 3)).toBe(3);
 });
 
-test.each([[0, 'none'], [3.9, 'soft'], [4, 'right'], [8, 'right'], [8.1, 'strong']] as const)('Meter_At%fN_SaysWord_%s', (squeeze_n, zone) => {
+test.each([[0, 'none'], [3.9, 'soft'], [4, 'right'], [8, 'right'], [8.1, 'strong']] as const)('SqueezeMeter_At%fN_IsInZone_%s', (squeeze_n, zone) => {
   const meter = playOfSunset().meter(moment({ stage: Stage.Squeeze, squeeze_n }));
   expect(meter.zone).toBe(zone);
-  // The mark's place: newtons over the end of the meter, 20 N.
+  // Position of the mark: force divided by the meter's range of 20 N.
   expect(meter.value).toBeCloseTo(squeeze_n / 20, 12);
   expect([meter.low, meter.high, meter.shown]).toEqual([0.2, 0.4, true]);
 });
 
-test('Meter_BeyondItsEnd_StaysAtTheEnd', () => {
+test('SqueezeMeter_BeyondItsRange_StaysAtTheEnd', () => {
   expect(playOfSunset().meter(moment({ stage: Stage.Pour, squeeze_n: 55 })).value).toBe(1);
 });
 
-test('Recipe_InTheSecondStep_HasOneDoneAndOneNow', () => {
+test('RecipeCard_InTheSecondStep_HasOneDoneAndOneCurrentRow', () => {
   const recipe = playOfSunset().card(moment({ stage: Stage.Pour, poured_l: 0.0124 }))!;
   expect([recipe.title, recipe.count]).toEqual(['Sunset', 'Drink 2 of 2']);
   expect(recipe.steps).toMatchObject([
@@ -42,61 +42,61 @@ test('Recipe_InTheSecondStep_HasOneDoneAndOneNow', () => {
   ]);
 });
 
-test('Recipe_OfADoneDrink_HasEveryRowDone', () => {
+test('RecipeCard_OfADoneDrink_HasOnlyDoneRows', () => {
   const recipe = playOfSunset().card(moment({ stage: Stage.DrinkDone, 'layer_l/1': 0.021 }))!;
   expect(recipe.steps.map((step) => [step.is, step.done])).toEqual([['done', 30], ['done', 21]]);
 });
 
-test('Instruction_NamesOneThingToDo', () => {
-  const say = (values: Record<string, number>) => playOfSunset().prompt(moment(values), false).title;
-  expect(say({ stage: Stage.Reach })).toBe('Reach for the cherry');
-  expect(say({ stage: Stage.Squeeze })).toBe('Squeeze gently');
-  expect(say({ stage: Stage.Pour, flow_l_s: 0.004, over_glass: 0 })).toBe('Not over the glass');
-  expect(say({ stage: Stage.Breathe })).toBe('Let go a little');
-  expect(say({ stage: Stage.LetGo })).toBe('Let go');
-  expect(say({ stage: Stage.DrawBack })).toBe('Draw your hand back');
+test('Prompt_InEachStage_NamesOneAction', () => {
+  const titleAt = (values: Record<string, number>) => playOfSunset().prompt(moment(values), false).title;
+  expect(titleAt({ stage: Stage.Reach })).toBe('Reach for the cherry');
+  expect(titleAt({ stage: Stage.Squeeze })).toBe('Squeeze gently');
+  expect(titleAt({ stage: Stage.Pour, flow_l_s: 0.004, over_glass: 0 })).toBe('Not over the glass');
+  expect(titleAt({ stage: Stage.Breathe })).toBe('Let go a little');
+  expect(titleAt({ stage: Stage.LetGo })).toBe('Let go');
+  expect(titleAt({ stage: Stage.DrawBack })).toBe('Draw your hand back');
 });
 
-test('Instruction_ForTheWrongBottle_SpeaksOnlyWhenItIsSqueezed', () => {
+test('Prompt_AtTheWrongBottle_WarnsOnlyWhileItIsSqueezed', () => {
   const wrong = { stage: Stage.Reach, engaged_dispenser: 0 };
-  const said = (squeeze_n: number) => {
+  const promptAt = (squeeze_n: number) => {
     const state = moment({ ...wrong, squeeze_n });
     return playOfSunset(state).prompt(state, false);
   };
-  expect(said(0.5).title).toBe('Reach for the cherry');
-  expect(said(3)).toMatchObject({ title: 'That is the lemon', urgent: true });
+  expect(promptAt(0.5).title).toBe('Reach for the cherry');
+  expect(promptAt(3)).toMatchObject({ title: 'That is the lemon', urgent: true });
 });
 
-test('CallOut_InWholeMillilitres_WhileThereIsSomethingToFill', () => {
+test('GoalText_WhileFilling_ShowsWholeMillilitres', () => {
   expect(playOfSunset().goal(moment({ stage: Stage.Pour, poured_l: 0.01249 }))?.amount).toBe('12 of 20 ml');
   expect(playOfSunset().goal(moment({ stage: Stage.Reach }))).toBeNull();
 });
 
-/** 60 states a second of a bottle that loses `flow_l_s`, or takes in as much air. */
+/** Two seconds of states at 60 Hz of a bottle that loses `flow_l_s`, or takes in as much air. */
 function poured(flow_l_s: number, long_s: number, pressed_l: (t_s: number) => number = () => 0): ReturnType<typeof moment>[] {
   return Array.from({ length: Math.round(60 * long_s) + 1 }, (_, i) => moment({ stage: Stage.Pour, flow_l_s, pressed_l: pressed_l(i / 60), poured_l: 0.006 }, { sentMonotonicNs: BigInt(Math.round(1e9 * (i / 60))) }));
 }
 
-test('CallOut_WhileItPours_SaysHowFastInWholeMillilitresASecond', () => {
-  const said = (...states: ReturnType<typeof moment>[]) => playOfSunset(...states).goal(states.at(-1)!);
-  expect(said(...poured(0.0052, 2))).toEqual({ amount: '6 of 20 ml', more: '5 ml/s' });
-  expect(said(...poured(0.0052, 2), ...poured(0, 2).map((state) => Object.assign(state, { sentMonotonicNs: state.sentMonotonicNs + 3_000_000_000n })))?.more).toBe('Fill to here');
-  // A single state that jumps does not make the figure jump: 9 against 5 ml/s for 17 ms.
-  expect(said(...poured(0.0052, 2), moment({ stage: Stage.Pour, flow_l_s: 0.009 }, { sentMonotonicNs: 2_016_000_000n }))?.more).toBe('5 ml/s');
+test('GoalText_WhilePouring_ShowsFlowInWholeMillilitresPerSecond', () => {
+  const promptAt = (...states: ReturnType<typeof moment>[]) => playOfSunset(...states).goal(states.at(-1)!);
+  expect(promptAt(...poured(0.0052, 2))).toEqual({ amount: '6 of 20 ml', more: '5 ml/s' });
+  expect(promptAt(...poured(0.0052, 2), ...poured(0, 2).map((state) => Object.assign(state, { sentMonotonicNs: state.sentMonotonicNs + 3_000_000_000n })))?.more).toBe('Fill to here');
+  // A single outlier state does not change the shown flow: 9 instead of 5 ml/s for 17 ms.
+  expect(promptAt(...poured(0.0052, 2), moment({ stage: Stage.Pour, flow_l_s: 0.009 }, { sentMonotonicNs: 2_016_000_000n }))?.more).toBe('5 ml/s');
 });
 
-test('Flow_WhileTheShellComesBack_HasAir', () => {
+test('Flow_WhileTheShellReturns_ReportsAir', () => {
   const air = (rate_l_s: number) => { const states = poured(0, 0.5, (t_s) => 0.01 + rate_l_s * t_s); return playOfSunset(...states).flow(states.at(-1)!).air; };
   expect(air(-0.01)).toBeCloseTo(0.5, 6);   // 10 of 20 ml/s
   expect(air(0.01)).toBe(0);
 });
 
-test('Meter_OfABottleThatIsPressedIn_SaysEnough', () => {
+test('SqueezeMeter_OfASpentBottle_ShowsEnough', () => {
   expect(playOfSunset().meter(moment({ stage: Stage.Breathe, squeeze_n: 6 }))).toMatchObject({ shown: true, zone: 'stop' });
-  expect(playOfSunset().todo(moment({ stage: Stage.Breathe }))).toBe('ease 1 1');   // hints come
+  expect(playOfSunset().todo(moment({ stage: Stage.Breathe }))).toBe('ease 1 1');   // hints are shown
 });
 
-test('FilledPercent_IsOneMinusTheMissedPart', () => {
+test('FilledPercent_IsOneMinusTheMissedShare', () => {
   const sunset = barOf(sceneOfSunset())!.drinks[1];
   expect(filledPercent(sunset, [0.03, 0.02])).toBe(100);
   // 1 ml too much and 2 ml too little of 50 ml: 1 - 3/50.
@@ -104,19 +104,19 @@ test('FilledPercent_IsOneMinusTheMissedPart', () => {
   expect(filledPercent(sunset, [])).toBe(0);
 });
 
-test('Praise_CountsOnlyWhatWasSpiltInThisDrink', () => {
+test('Praise_CountsOnlyLiquidSpiltInThisDrink', () => {
   const begun = moment({ step: 0, spilt_l: 0.005, 'layer_l/0': 0 });
   const praise = playOfSunset(begun).praise(moment({ stage: Stage.DrinkDone, drinks: 3, 'layer_l/1': 0.02, spilt_l: 0.0071, stars: 3, drink_time_s: 71.6 }), true)!;
   expect(praise).toMatchObject({ lead: 'Your Sunset is ready.', stars: 3, levelDone: false });
   expect(praise.figures.map(({ shown }) => shown)).toEqual(['99 %', '2 ml', '1:12']);
 });
 
-test('Praise_OfTheLastDrink_IsThatOfTheLevel', () => {
+test('Praise_OfTheLastDrink_IsForTheLevel', () => {
   expect(playOfSunset().praise(moment({ stage: Stage.DrinkDone, drink: 1, drinks: 2 }), true)!.levelDone).toBe(true);
   expect(playOfSunset().praise(moment({ stage: Stage.DrinkDone, drink: 0, drinks: 2 }), true)!.levelDone).toBe(false);
 });
 
-test('the meter says stop past the line, and is grey at a bottle that is not asked for', () => {
+test('SqueezeMeter_PastTheLine_ShowsStop_AndIsGreyAtAWrongBottle', () => {
   const squeezed = { squeeze_n: 25, squeeze_low_n: 20, squeeze_high_n: 30, squeeze_full_n: 50, target_dispenser: 0, engaged_dispenser: 0, poured_l: 0.01, asked_l: 0.04 };
   const zone = (values: Record<string, number>): string => playOfSunset().meter(moment({ ...squeezed, ...values })).zone;
   expect(zone({ stage: Stage.Pour })).toBe('right');
@@ -126,17 +126,17 @@ test('the meter says stop past the line, and is grey at a bottle that is not ask
   expect(zone({ stage: Stage.Reach, engaged_dispenser: 1 })).toBe('wrong');
 });
 
-test('a wrong bottle that was squeezed is said until it is left; one that is passed by never', () => {
+test('Prompt_AfterAWrongBottleWasSqueezed_WarnsUntilItIsLeft_ButNotWhenPassingBy', () => {
   const at = (engaged_dispenser: number, squeeze_n: number) => moment({ stage: Stage.Reach, target_dispenser: 0, engaged_dispenser, squeeze_n, squeeze_low_n: 20 });
-  const said = (...states: ReturnType<typeof at>[]) => playOfSunset(...states).prompt(states.at(-1)!, false).title;
-  expect(said(at(1, 0))).toBe('Reach for the lemon');
-  expect(said(at(1, 10))).toBe('That is the cherry');
-  expect(said(at(1, 10), at(1, 0))).toBe('That is the cherry');
-  expect(said(at(1, 10), at(-1, 0))).toBe('Reach for the lemon');
-  expect(said(at(1, 10), at(0, 30))).toBe('Reach for the lemon');
+  const promptAt = (...states: ReturnType<typeof at>[]) => playOfSunset(...states).prompt(states.at(-1)!, false).title;
+  expect(promptAt(at(1, 0))).toBe('Reach for the lemon');
+  expect(promptAt(at(1, 10))).toBe('That is the cherry');
+  expect(promptAt(at(1, 10), at(1, 0))).toBe('That is the cherry');
+  expect(promptAt(at(1, 10), at(-1, 0))).toBe('Reach for the lemon');
+  expect(promptAt(at(1, 10), at(0, 30))).toBe('Reach for the lemon');
 });
 
-test('Praise_AfterANewSceneOfTheSameBar_SaysWhatItSaidBefore', () => {
+test('Praise_AfterANewSceneOfTheSameBar_IsUnchanged', () => {
   const begun = moment({ step: 0, spilt_l: 0.005 });
   const before = playOfSunset(begun), scene = sceneOfSunset(), done = moment({ stage: Stage.DrinkDone, spilt_l: 0.007 });
   const after = new BarPlay(barOf(scene)!, scene, before);

@@ -1,4 +1,4 @@
-// Where the row of dispensers is in the picture: clear of the recipe and of the strip (game.css), on every
+// The position of the dispensers in the picture: they overlap neither the recipe nor the strip (game.css), on every
 // screen, for either hand.
 import { PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
@@ -8,13 +8,13 @@ import { COUNTER, WALL } from '../src/scene/stage';
 import { outlineOf } from '../src/exercises/cocktail_bar/outline';
 import type { Bar } from '../src/exercises/cocktail_bar/bar';
 
-/** The bar of config/scenes/cocktail-bar.toml: dispensers 128 mm apart, from the right; the row slides by as much as three of them. */
+/** The bar of config/scenes/cocktail-bar.toml: dispensers 128 mm apart, counted from the right; the row slides by up to three distances. */
 const COUNTER_M = -0.253, RAIL_M = 0.128, ROW_M = 0.119, FIRST_M = -0.023, APART_M = 0.128;
 const row = (count: number) => Array.from({ length: count }, (_, i) => ({ name: `d${i}`, y: FIRST_M + APART_M * i }));
 const bar = (count: number, side: number, slid = 0) => ({ row_y_m: [side * (FIRST_M - slid * APART_M), side * FIRST_M], dispensers: row(count).map(({ name }) => ({ body: name })), glass: { radius_m: 0.03 }, counter_z_m: COUNTER_M, rail_z_m: RAIL_M }) as unknown as Bar;
 const bodies = (count: number, side: number) => row(count).map(({ name, y }) => ({ name, positionM: { x: ROW_M, y: side * y, z: 0.004 } }));
 
-/** What is free of cards at 1280 × 800 and 740 wide: of game.css, in its unit u. */
+/** The area free of cards at 1280 × 800 and at a width of 740, in the unit u of game.css. */
 function free(width: number, height: number) {
   if (width / height <= 1.1) { const u = width / 740; return { left: 0, right: width, top: 256 * u, bottom: height - Math.max(190 * u, 112 * u + 78) }; }
   const u = Math.min(width / 1280, height / 800);
@@ -47,7 +47,7 @@ describe('the row of dispensers', () => {
     }
   }
 
-  it('of one is where it is designed to be: its card beside it, as large as it can be seen', () => {
+  it('of one dispenser is in its designed place: beside the card, as large as possible', () => {
     const { outline } = drawn(1, true, 1280, 800);
     const middle = outline.reduce((sum, p) => sum + p.x, 0) / outline.length;
     expect(middle).toBeGreaterThan(640);
@@ -56,16 +56,16 @@ describe('the row of dispensers', () => {
 });
 
 describe('a left hand', () => {
-  it('has the mirror image of a right hand over the middle of what is free', () => {
+  it('gives the mirror image of a right hand\'s picture about the middle of the free part', () => {
     const left = drawn(2, false, 800, 1280), right = drawn(2, true, 800, 1280);
     const width = (all: { x: number }[]) => Math.max(...all.map((p) => p.x)) - Math.min(...all.map((p) => p.x));
     expect(width(left.outline)).toBeCloseTo(width(right.outline), 9);
     const ahead = (way: ReturnType<typeof drawn>) => way.pixel(new Vector3(0, 0, -0.4)).x - way.pixel(new Vector3(0, 0, 0)).x;
-    expect(ahead(left)).toBeCloseTo(-ahead(right), 9);   // what goes away from the person goes the other way in the picture
+    expect(ahead(left)).toBeCloseTo(-ahead(right), 9);   // the direction away from the person is mirrored in the picture
   });
 });
 
-/** A point of the room, which stands where the row is and faces the picture (stage.ts). */
+/** A point of the room, which is placed at the row and faces the camera (stage.ts). */
 const ofRoom = (right: boolean, x: number, y: number, z: number) =>
   new Vector3(x, y, z).applyAxisAngle(new Vector3(0, 1, 0), turnOf(right)).add(new Vector3(0, COUNTER_M, -ROW_M));
 
@@ -74,9 +74,9 @@ const SCREENS = [[1280, 800], [1920, 1080], [1024, 768], [768, 1024], [390, 844]
 describe.each([true, false])('the room, right hand %s', (right) => {
   it.each(SCREENS)('has a level horizon at %i × %i', (width, height) => {
     const { pixel, camera } = drawn(4, right, width, height, 3);
-    const edge = [-1, 0, 1].map((x) => pixel(ofRoom(right, x, 0, WALL.front_z)).y);   // where wall and counter meet
+    const edge = [-1, 0, 1].map((x) => pixel(ofRoom(right, x, 0, WALL.front_z)).y);   // the edge between wall and counter
     expect(Math.max(...edge) - Math.min(...edge)).toBeLessThan(0.5);
-    const far = [-1, 0, 1].map((x) => pixel(camera.position.clone().add(new Vector3(x * 1e4, 0, -2e4))).y);   // the true one, at eye height
+    const far = [-1, 0, 1].map((x) => pixel(camera.position.clone().add(new Vector3(x * 1e4, 0, -2e4))).y);   // the true horizon, at eye height
     expect(Math.max(...far) - Math.min(...far)).toBeLessThan(0.5);
   });
 
@@ -88,7 +88,7 @@ describe.each([true, false])('the room, right hand %s', (right) => {
       expect(left.x).toBeLessThanOrEqual(0);
       expect(rightmost.x).toBeGreaterThanOrEqual(width);
       expect(left.y).toBeLessThanOrEqual(0);
-      // The strip covers what is below; the counter's near edge and its dark front reach there.
+      // The strip covers the lower part; the counter's near edge and its dark front may extend there.
       const front = [-1, 1].map((x) => pixel(ofRoom(right, x * WALL.width_m / 2, -COUNTER.front_m, COUNTER.edge_z)));
       const near = [-1, 1].map((x) => pixel(ofRoom(right, x * WALL.width_m / 2, 0, COUNTER.edge_z)));
       const bottom = free(width, height).bottom;
@@ -106,7 +106,7 @@ describe('the guest', () => {
         const { camera } = drawn(count, right, width, height, count - 1);
         const bottles = bodies(count, right ? 1 : -1).map(({ positionM: p }) => new Vector3(-p.y, p.z, -p.x));
         const across = freeAcross(camera, right, bottles, true), card_px = 524 * unitOf(width, height);
-        // The card is on the left of a right hand's picture, on the right of a left hand's.
+        // The card is on the left of a right hand's picture, and on the right of a left hand's.
         if (width / height > 1.1) expect(right ? across * width : (1 - across) * width).toBeGreaterThanOrEqual(card_px);
         const px = bottles.map((p) => p.clone().project(camera).x * 0.5 + 0.5);
         expect(Math.min(...px.map((x) => Math.abs(x - across)))).toBeGreaterThan(0.03);

@@ -1,9 +1,9 @@
-// What the clinic's page keeps, asks and shows, against records in memory.
+// The clinic's page against records in memory: stored data, requests and display.
 import { readdirSync, readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { ClinicApi, Refused, Silent } from '../src/clinic/api';
+import { ClinicApi, RefusalError, NoAnswerError } from '../src/clinic/api';
 import { Clinic, NAMES_FOR_MS } from '../src/clinic/clinic';
-import { drawnCurve } from '../src/clinic/curves';
+import { curvePoints } from '../src/clinic/curves';
 import { Drafts } from '../src/clinic/drafts';
 import { besideLast } from '../src/clinic/end_screen';
 import { de } from '../src/clinic/i18n/de';
@@ -18,7 +18,7 @@ import { hashOf, routeOf, type Route } from '../src/clinic/routes';
 import { trialWords } from '../src/clinic/words';
 import { FakeClinic } from './clinic_fake';
 
-class Kept {
+class MemoryStorage {
   readonly all = new Map<string, string>();
   getItem = (key: string): string | null => this.all.get(key) ?? null;
   setItem = (key: string, text: string): void => { this.all.set(key, text); };
@@ -28,7 +28,7 @@ class Kept {
 }
 
 let fake: FakeClinic;
-let local: Kept, session: Kept;
+let local: MemoryStorage, session: MemoryStorage;
 let now_ms: number;
 
 beforeEach(() => {
@@ -36,11 +36,11 @@ beforeEach(() => {
   fake.clinic = 'open';
   fake.phrase = 'correct horse';
   fake.tiles = [{ id: 1, name: 'A. Keller', colour: '#0B6B58', pin: '1234' }, { id: 2, name: 'B. Rossi', colour: '#1F5FC4', pin: '4321' }];
-  [local, session, now_ms] = [new Kept(), new Kept(), 0];
+  [local, session, now_ms] = [new MemoryStorage(), new MemoryStorage(), 0];
 });
 afterEach(() => { vi.useRealTimers(); });
 
-/** A page that is open, with an account that has signed in. */
+/** An open page with an account that has signed in. */
 async function page(signed = true): Promise<Clinic> {
   const kept = local;
   const clinic = new Clinic('127.0.0.1', () => session, () => kept, () => now_ms, fake.fetch);
@@ -49,8 +49,8 @@ async function page(signed = true): Promise<Clinic> {
   return clinic;
 }
 
-describe('who may see names', () => {
-  it('is asked in this order: first start, pass phrase, tile, then names', async () => {
+describe('the clinic page', () => {
+  it('shows its gates in this order: first start, pass phrase, account tile, names', async () => {
     fake.clinic = 'new';
     const clinic = await page(false);
     expect(clinic.stage).toBe('new');
@@ -62,13 +62,13 @@ describe('who may see names', () => {
     expect(clinic.stage).toBe('locked');
   });
 
-  it('says that the station keeps no records', async () => {
+  it('reports a station without records', async () => {
     const clinic = new Clinic('127.0.0.1', () => session, () => local, () => now_ms, fake.fetch);
     await clinic.look(async () => new Response('', { status: 404 }));
     expect(clinic.stage).toBe('without');
   });
 
-  it('loses them after five minutes without input, and not the visit', async () => {
+  it('hides names after five minutes without input, and keeps the visit', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     fake.open(maria.id, 'right', maria.plan);
@@ -91,7 +91,7 @@ describe('who may see names', () => {
     expect([clinic.stage, clinic.visitPatient?.name]).toEqual(['in', 'Maria Huber']);
   });
 
-  it('loses them where the records hide by themselves', async () => {
+  it('hides names when the records hide them', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     fake.open(maria.id, 'right', maria.plan);
     const clinic = await page();
@@ -100,20 +100,20 @@ describe('who may see names', () => {
     expect([clinic.stage, clinic.visitPatient]).toEqual(['hidden', null]);
   });
 
-  it('stays signed in over a reload, and keeps nothing in the address', async () => {
+  it('stays signed in after a reload, and stores nothing in the address', async () => {
     await page();
     expect((await page(false)).stage).toBe('in');
     expect([...session.all.keys()].sort()).toEqual(['wholehand.clinic.account', 'wholehand.clinic.key', 'wholehand.clinic.token']);
   });
 
-  it('says how many tries are left', async () => {
+  it('shows the number of remaining tries', async () => {
     const clinic = await page(false);
     await expect(clinic.api.send('POST', '/api/sign_in', { account: 1, pin: '9999' })).rejects.toMatchObject({ code: 'wrong_pin', more: { tries_left: 4 } });
   });
 });
 
-describe('one intent', () => {
-  it('has one key: a double press opens one visit', async () => {
+describe('an idempotency key', () => {
+  it('is one for a double press, which opens one visit', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const { api } = await page();
     const begin = () => api.send<Visit>('POST', `/api/patients/${maria.id}/visits`, { side: 'right', plan: maria.plan });
@@ -122,7 +122,7 @@ describe('one intent', () => {
     expect(fake.visits).toHaveLength(1);
   });
 
-  it('keeps its key over a lost answer', async () => {
+  it('is kept after a lost answer', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const token = fake.signIn().token;
     let lost = true;
@@ -134,31 +134,31 @@ describe('one intent', () => {
     });
     api.token = token;
     const begin = () => api.send<Visit>('POST', `/api/patients/${maria.id}/visits`, { side: 'right', plan: maria.plan });
-    await expect(begin()).rejects.toBeInstanceOf(Silent);
+    await expect(begin()).rejects.toBeInstanceOf(NoAnswerError);
     expect((await begin()).id).toBe(fake.visits[0].id);
     expect(fake.visits).toHaveLength(1);
   });
 
-  it('gets a new key once it was refused', async () => {
+  it('is replaced after a refusal', async () => {
     const { api } = await page();
     fake.instead = { path: /accounts/, answer: { status: 503, body: { refused: 'busy', why: 'busy' } } };
     const add = () => api.send('POST', '/api/accounts', { name: 'C', colour: '#0B6B58', pin: '1111' });
-    await expect(add()).rejects.toBeInstanceOf(Refused);
+    await expect(add()).rejects.toBeInstanceOf(RefusalError);
     fake.instead = undefined;
     await add();
     expect(fake.tiles).toHaveLength(3);
   });
 });
 
-/** The texts of one account, as a tab that is opened anew finds them. */
+/** The drafts of one account, as a newly opened tab finds them. */
 async function draftsOf(account: number, key = fake.signIn(account).browser_key): Promise<Drafts> {
   const kept = local, drafts = new Drafts(() => kept);
   await drafts.open(account, key);
   return drafts;
 }
 
-describe('what is typed', () => {
-  it('is kept for the same account and patient only', async () => {
+describe('typed text', () => {
+  it('is stored for the same account and patient only', async () => {
     const drafts = await draftsOf(1);
     drafts.set('note', 12, 'of Maria');
     await drafts.settled();
@@ -169,7 +169,7 @@ describe('what is typed', () => {
     expect(again.get('note', 12)).toBeUndefined();
   });
 
-  it('cannot be read in the browser, nor by another account’s key', async () => {
+  it('cannot be read in the browser, nor with another account’s key', async () => {
     const drafts = await draftsOf(1);
     drafts.set('note', 12, 'of Maria');
     await drafts.settled();
@@ -179,7 +179,7 @@ describe('what is typed', () => {
     expect((await draftsOf(1)).get('note', 12)).toBe('of Maria');
   });
 
-  it('is kept by the page where the browser keeps nothing, or the key is not known yet', async () => {
+  it('stays in the page if the browser stores nothing, or the key is not known yet', async () => {
     const denied = (): never => { throw new Error('denied'); };
     const drafts = new Drafts(denied);
     await drafts.open(1, fake.signIn(1).browser_key);
@@ -195,7 +195,7 @@ describe('what is typed', () => {
     expect((await draftsOf(1)).get('note', 12)).toBe('of Maria');
   });
 
-  it('is saved a second after the last key, once, and then as the same note', async () => {
+  it('is saved once, a second after the last key, and later under the same note number', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const { outbox, drafts } = await page();
     vi.useFakeTimers();
@@ -215,7 +215,7 @@ describe('what is typed', () => {
     expect([keeper.text, drafts.get('note', maria.id), outbox.waiting]).toEqual(['', undefined, 0]);
   });
 
-  it('outlives records that are gone and a killed tab, and comes once', async () => {
+  it('survives absent records and a killed tab, and is saved once', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     fake.gone = true;
@@ -225,7 +225,7 @@ describe('what is typed', () => {
     expect([keeper.state, keeper.text, fake.notes.length]).toEqual(['waits', 'Asks for more', 0]);
     keeper.close();
     await clinic.drafts.settled();
-    // The tab was killed. Another one knows nothing until somebody signs in; then the note is sent, though nobody opens its patient.
+    // The tab was killed. Another tab knows nothing until somebody signs in; then the note is sent, although nobody opens its patient.
     session.all.clear();
     fake.gone = false;
     const again = await page(false);
@@ -241,8 +241,8 @@ describe('what is typed', () => {
   });
 });
 
-describe('marks and pain', () => {
-  it('wait for records that are gone, over a reload', async () => {
+describe('marks and pain values', () => {
+  it('wait for absent records, also after a reload', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     const visit = fake.open(maria.id, 'right', maria.plan);
@@ -260,7 +260,7 @@ describe('marks and pain', () => {
     expect(visit.pain_before).toBe(0);
   });
 
-  it('are not held up by a note that only the PIN lets through', async () => {
+  it('are not blocked by a note that needs the PIN', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     const visit = fake.open(maria.id, 'right', maria.plan);
@@ -272,9 +272,9 @@ describe('marks and pain', () => {
     await vi.waitFor(() => expect(fake.notes.map(({ text }) => text)).toContain('Calls'));
   });
 
-  it('are given back where the records will never take them', async () => {
+  it('are reported when the records will never accept them', async () => {
     const drafts = await draftsOf(1);
-    const outbox = new Outbox({ send: () => Promise.reject(new Refused(404, 'not_found', 'gone')) }, drafts);
+    const outbox = new Outbox({ send: () => Promise.reject(new RefusalError(404, 'not_found', 'gone')) }, drafts);
     const refused = vi.fn();
     outbox.onRefused = refused;
     await outbox.add('/api/visits/1/notes', { kind: 'next', text: 'Level 2', at_us: 1 });
@@ -282,25 +282,25 @@ describe('marks and pain', () => {
     expect(refused.mock.calls[0][0].body.text).toBe('Level 2');
   });
 
-  it('know that 0 is an answer and "not asked" another one', () => {
+  it('distinguish 0 from "not asked"', () => {
     expect([painWords(0), painWords(null), painWords(undefined), painWords(10)]).toEqual(['0', 'not asked', 'not asked', '10']);
   });
 });
 
 describe('curves', () => {
-  it('are not drawn from one point, nor from none', () => {
-    for (const points of [[], [[1, 3]], [[1, 3], [2, NaN]]] as [number, number][][]) expect(drawnCurve({ name: 'score', points })).toBeUndefined();
+  it('are not drawn from fewer than two points', () => {
+    for (const points of [[], [[1, 3]], [[1, 3], [2, NaN]]] as [number, number][][]) expect(curvePoints({ name: 'score', points })).toBeUndefined();
   });
 
-  it('go from the first visit to the last, in order of time', () => {
-    const drawn = drawnCurve({ name: 'score', points: [[200, 10], [100, 20], [300, 20]] })!;
+  it('are drawn from the first visit to the last, in order of time', () => {
+    const drawn = curvePoints({ name: 'score', points: [[200, 10], [100, 20], [300, 20]] })!;
     expect(drawn.dots.map(([x]) => x)).toEqual([...drawn.dots.map(([x]) => x)].sort((a, b) => a - b));
     expect(drawn.dots[0][1]).toBe(drawn.dots[2][1]);
     expect(drawn.dots[1][1]).toBeGreaterThan(drawn.dots[0][1]);
   });
 
-  it('stay within their picture where all values are equal, or zero', () => {
-    for (const value of [0, 5, -2]) for (const [x, y] of drawnCurve({ name: 'score', points: [[1, value], [1, value]] })!.dots) expect([Number.isFinite(x), y >= 0 && y <= 132]).toEqual([true, true]);
+  it('stay inside their picture if all values are equal, or zero', () => {
+    for (const value of [0, 5, -2]) for (const [x, y] of curvePoints({ name: 'score', points: [[1, value], [1, value]] })!.dots) expect([Number.isFinite(x), y >= 0 && y <= 132]).toEqual([true, true]);
   });
 });
 
@@ -312,7 +312,7 @@ describe('a visit', () => {
     return opened;
   };
 
-  it('is compared with the last one in the same exercise and level', () => {
+  it('is compared with the last one of the same exercise and level', () => {
     const [before, now] = [visit(), visit()];
     fake.trial(before, 1, 30);
     expect(besideLast(now.trials[0], before).map(({ before: other }) => other?.value)).toEqual([60, 2.4, 30]);
@@ -320,7 +320,7 @@ describe('a visit', () => {
     expect(besideLast(now.trials[0], undefined)[0].before).toBeUndefined();
   });
 
-  it('says of a trial whose recording is not whole that it was measured of a part', () => {
+  it('reports that an incomplete recording was measured in part', () => {
     const [trial] = visit().trials;
     expect(trialWords(trial)).not.toContain(en.patient.partly);
     expect(trialWords({ ...trial, why: 'the recording is not whole' })).toContain(en.patient.partly);
@@ -337,14 +337,14 @@ describe('a visit', () => {
     expect([isOpen(opened), isOpen({ ...opened, ended_us: 5 })]).toEqual([true, false]);
   });
 
-  it('is found again by a page that is opened meanwhile', async () => {
+  it('is found again by a page that is opened later', async () => {
     const opened = visit();
     expect((await page()).visit?.id).toBe(opened.id);
   });
 });
 
 describe('sessions without a patient', () => {
-  it('become a visit of one, together', async () => {
+  it('become one visit of a patient together', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const { api } = await page();
     fake.sessions = [7, 8].map((id) => ({ id, recording: `${id}.h5`, began_us: 1e15 + id, duration_s: 300, side: 'right', exercise: 'squeeze-to-level', level: 1, active_s: 200, helped_share: 0, results: [], state: 'measured' }));
@@ -356,7 +356,7 @@ describe('sessions without a patient', () => {
 });
 
 describe('without records', () => {
-  it('the gentle limits are known to a tab that is opened anew', async () => {
+  it('a new tab knows the gentle limits', async () => {
     await page();
     session.all.clear();
     fake.gone = true;
@@ -365,21 +365,21 @@ describe('without records', () => {
   });
 });
 
-describe('two consoles on one patient', () => {
-  it('the second one is shown both texts, and may save hers', async () => {
+describe('two consoles with one patient', () => {
+  it('show both versions to the second one, which may save its own', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const { api } = await page();
     const opened = await api.get<Patient>(`/api/patients/${maria.id}`);
     await api.send('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'theirs' });
-    const refused = await api.send<Patient>('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'mine' }).catch((problem: Refused) => problem);
+    const refused = await api.send<Patient>('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'mine' }).catch((problem: RefusalError) => problem);
     expect(refused).toMatchObject({ status: 409, code: 'changed' });
-    const now = (refused as Refused).more.now as Patient;
+    const now = (refused as RefusalError).more.now as Patient;
     expect(differing({ ...opened, warnings: 'mine' }, now)).toEqual(['warnings']);
     const saved = await api.send<Patient>('PUT', `/api/patients/${maria.id}`, { ...opened, warnings: 'mine', version: now.version });
     expect(saved.warnings).toBe('mine');
   });
 
-  it('a code that another patient has is refused at its field', async () => {
+  it('refuse a code of another patient, with the error at its field', async () => {
     fake.add({ name: 'Maria Huber', code: 'P-7' });
     const { api } = await page();
     await expect(api.send('POST', '/api/patients', { name: 'B', code: 'P-7', born: '' })).rejects.toMatchObject({ code: 'code_exists', field: 'code' });
@@ -387,7 +387,7 @@ describe('two consoles on one patient', () => {
 });
 
 describe('records that do not answer', () => {
-  it('are said with their time, the page keeps what it has, and they come back by themselves', async () => {
+  it('are reported with the time, the page keeps its data, and they reconnect automatically', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     const clinic = await page();
     fake.open(maria.id, 'right', maria.plan);
@@ -400,14 +400,14 @@ describe('records that do not answer', () => {
     expect([clinic.silentSince, clinic.cameBack]).toEqual([undefined, true]);
   });
 
-  it('that were started again need the pass phrase; the visit stays', async () => {
+  it('need the pass phrase after a restart; the visit stays', async () => {
     const maria = fake.add({ name: 'Maria Huber' });
     fake.open(maria.id, 'right', maria.plan);
     const clinic = await page();
     fake.clinic = 'locked';
     await clinic.look(fake.fetch);
     expect([clinic.stage, clinic.visit !== null, clinic.visitPatient]).toEqual(['locked', true, null]);
-    // What is marked meanwhile is kept under the same account.
+    // Marks are kept under the same account meanwhile.
     await clinic.outbox.add(`/api/visits/${clinic.visit!.id}/notes`, { kind: 'spasm', text: '', at_us: 1 });
     expect(clinic.outbox.waiting).toBe(1);
     await clinic.api.send('POST', '/api/unlock', { recovery_code: fake.code });
@@ -417,12 +417,12 @@ describe('records that do not answer', () => {
 });
 
 describe('addresses', () => {
-  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'alone' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('carry numbers only: $at', (route) => {
+  it.each<Route>([{ at: 'patients' }, { at: 'new' }, { at: 'settings' }, { at: 'alone' }, { at: 'patient', patient: 7 }, { at: 'edit', patient: 7 }, { at: 'progress', patient: 7 }, { at: 'summary', patient: 7, visit: 9 }, { at: 'visit', visit: 9 }, { at: 'end', visit: 9 }])('contain numbers only: $at', (route) => {
     expect(routeOf(hashOf(route))).toEqual(route);
     expect(hashOf(route)).toMatch(/^#\/[a-z]+(\/\d+)?(\/[a-z]+)?(\/\d+)?$/);
   });
 
-  it('that name something else lead to the list', () => {
+  it('without a known screen lead to the list', () => {
     for (const hash of ['', '#', '#/patient/Maria', '#/patient/0', '#/visit/-1', '#/patient/1e3', '#/<b>']) expect(routeOf(hash)).toEqual({ at: 'patients' });
   });
 });
@@ -431,13 +431,13 @@ describe('texts', () => {
   const flat = (of: unknown, path = ''): [string, string][] => (typeof of === 'string' ? [[path, of]] : Object.entries(of as object).flatMap(([key, value]) => flat(value, `${path}.${key}`)));
   const places = (words: string): string[] => (words.match(/\{\w+\}/g) ?? []).sort();
 
-  it.each([['fr', fr], ['de', de]] as const)('of %s have the keys and places of English', (_name, other) => {
+  it.each([['fr', fr], ['de', de]] as const)('in %s have the keys and placeholders of English', (_name, other) => {
     const there = new Map(flat(other));
     expect([...there.keys()].sort()).toEqual(flat(en).map(([key]) => key).sort());
     for (const [key, words] of flat(en)) expect(places(there.get(key)!), key).toEqual(places(words));
   });
 
-  it('call every result as the panel of its exercise does', () => {
+  it('name every result like the panel of its exercise', () => {
     const folder = new URL('../../config/exercises/', import.meta.url);
     const results = readdirSync(folder).flatMap((file) => readFileSync(new URL(file, folder), 'utf8').split('[[panel.values]]').slice(1)).filter((value) => /^result = true/m.test(value.split(/^\[/m)[0]));
     expect(results.length).toBeGreaterThan(3);
@@ -447,7 +447,7 @@ describe('texts', () => {
     }
   });
 
-  it('say every code of a refusal', () => {
+  it('cover every code of a refusal', () => {
     const codes = ['locked', 'not_signed_in', 'hidden', 'wrong_pin', 'too_many_tries', 'wrong_phrase', 'not_found', 'code_exists', 'changed', 'visit_open', 'station', 'station_silent', 'no_recording', 'database', 'busy'];
     for (const texts of [en, fr, de]) expect(Object.keys(texts.refusals).sort()).toEqual([...codes].sort());
   });

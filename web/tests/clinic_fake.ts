@@ -1,4 +1,4 @@
-// The records' process in memory, as pages see it: HTTP in, HTTP out. Nothing is encrypted, nothing is measured.
+// An in-memory substitute for the records process with the same HTTP interface. It encrypts and measures nothing.
 import type { Item, LooseSession, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
 
 export interface Answer { readonly status: number; readonly body: unknown }
@@ -6,7 +6,7 @@ type Body = Readonly<Record<string, unknown>>;
 type Row = PatientText & { id: number; version: number };
 type Writable<T> = { -readonly [Key in keyof T]: T[Key] };
 
-/** 64 digits, of its own for each account. */
+/** A key of 64 hexadecimal digits, different for each account. */
 const browserKey = (account: number): string => account.toString(16).padStart(64, '0');
 const refuse = (status: number, refused: string, why: string, more: Body = {}): Answer => ({ status, body: { refused, why, ...more } });
 const ok = (body: unknown): Answer => ({ status: 200, body });
@@ -28,9 +28,9 @@ export class FakeClinic {
   phrase = '';
   readonly code = 'TRAY-7KQM-WOLF-29XD-MINT';
   hidden = false;
-  /** Nothing answers. */
+  /** true: no request is answered. */
   gone = false;
-  /** What the next questions of that path get instead, as a refusal. */
+  /** A refusal that replaces the answers of the next requests with that path. */
   instead: { path: RegExp; answer: Answer } | undefined;
   patients: Row[] = [];
   visits: Writable<Visit>[] = [];
@@ -46,7 +46,7 @@ export class FakeClinic {
 
   constructor(private readonly now_us: () => number = () => Date.now() * 1000) {}
 
-  /** As fetch() has it. */
+  /** Has the signature of fetch(). */
   fetch = async (url: string, init: RequestInit = {}): Promise<Response> => {
     const { pathname, search } = new URL(url, 'http://127.0.0.1');
     if (pathname === '/api/clinic') return new Response('{"port":9}', { status: 200 });
@@ -220,7 +220,7 @@ export class FakeClinic {
     return wrong ?? ok(this.whole(row));
   }
 
-  /** A note of known number replaces its text. */
+  /** A note with a known number replaces the earlier text. */
   private note(body: Body, visit: Visit | undefined, id: number): Answer {
     const { kind = 'text', text = '', at_us = this.now_us() } = body;
     const patient = visit ? visit.patient ?? 0 : Number(body.patient);

@@ -1,4 +1,4 @@
-// States of meters and limits can be distinguished by who sees no red or no green: by words, and by lightness.
+// States of meters and limits are distinguishable without red-green vision: by words, and by lightness.
 // Simulation: Machado, Oliveira and Fernandes 2009, severity 1, in linear RGB. Contrast: WCAG 2.2.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
@@ -32,7 +32,7 @@ function contrast(a: string, b: string, sight: string): number {
 const read = (path: string) => readFileSync(new URL(path, import.meta.url), 'utf8');
 const game = read('../src/game/game.css'), tokens = read('../src/shared/tokens.css'), consoleCss = read('../src/console/console.css');
 
-/** The first colour that a pattern's group finds; #FFF is written out. */
+/** The first colour that the pattern's group captures; #FFF is expanded. */
 function colour(css: string, pattern: RegExp): string {
   const hex = css.match(pattern)?.[1] ?? '';
   expect(hex, String(pattern)).toMatch(/^#([0-9A-F]{3}|[0-9A-F]{6})$/i);
@@ -45,26 +45,26 @@ const ZONE = colour(game, /\.meter \.zone \{[^}]*background: (#\w+)/);
 const ZONE_EDGE = colour(game, /\.meter \.zone \{[^}]*box-shadow: 0 0 0 2px (#\w+)/);
 const MARK = colour(game, /\.meter \.mark \{[^}]*background: (#\w+)/);
 
-it('the simulation leaves grey grey, and makes red and green of one lightness alike', () => {
+it('the simulation keeps grey, and maps red and green of one lightness to similar colours', () => {
   for (const sight of Object.keys(SIGHT)) for (const part of seen('#808080', sight)) expect(part).toBeCloseTo(linear('#808080')[0], 5);
   const apart = (sight: string) => Math.hypot(...seen('#C04040', sight).map((part, i) => part - seen('#5E7A2E', sight)[i]));
   expect(apart('deuteranopia')).toBeLessThan(0.4 * apart('usual'));
 });
 
 describe.each(Object.keys(SIGHT))('with %s sight', (sight) => {
-  it('the squeeze meter\'s band, its edge and the mark stand out', () => {
+  it('the band of the squeeze meter, its edge and the mark have contrast', () => {
     expect(contrast(MARK, ZONE, sight)).toBeGreaterThanOrEqual(3);
     expect(contrast(MARK, TRACK, sight)).toBeGreaterThanOrEqual(3);
     expect(contrast(ZONE_EDGE, TRACK, sight)).toBeGreaterThanOrEqual(3);
     expect(contrast(TRACK, BAR, sight)).toBeLessThan(contrast(ZONE_EDGE, BAR, sight));
   });
 
-  it('the meter\'s words can be read', () => {
+  it('the words of the meter are readable', () => {
     const words = [/\.meter b \{ color: (#\w+)/, /\.meter b\[data-zone=right\] \{ color: (#\w+)/, /\.meter b:is\(\[data-zone=strong\][^{]*\{ color: (#\w+)/, /\.meter b\[data-zone=stop\] \{ color: (#\w+)/];
     for (const pattern of words) expect(contrast(colour(game, pattern), BAR, sight), String(pattern)).toBeGreaterThanOrEqual(4.5);
   });
 
-  it.each([['light', ':root {'], ['dark', '[data-theme=dark] {']])('the console\'s limits stand out, %s', (_theme, start) => {
+  it.each([['light', ':root {'], ['dark', '[data-theme=dark] {']])('the limits of the console have contrast, %s', (_theme, start) => {
     const block = consoleCss.slice(consoleCss.indexOf(start), consoleCss.indexOf('}', consoleCss.indexOf(start)));
     const of = (name: string) => colour(block, new RegExp(`--${name}: (#\\w+)`));
     for (const bar of ['ink-2', 'warn', 'bad']) expect(contrast(of(bar), of('line'), sight), bar).toBeGreaterThanOrEqual(3);
@@ -72,20 +72,20 @@ describe.each(Object.keys(SIGHT))('with %s sight', (sight) => {
   });
 });
 
-describe('by more than colour', () => {
-  it.each([['en', en], ['fr', fr], ['de', de]])('every zone of the meter has a word of its own, %s', (_language, texts) => {
+describe('information that does not depend on colour', () => {
+  it.each([['en', en], ['fr', fr], ['de', de]])('every zone of the meter has its own word, %s', (_language, texts) => {
     for (const zones of [['none', 'soft', 'right', 'strong', 'stop', 'wrong'], ['low', 'right', 'high']] as const) {
       const words = zones.map((zone) => (texts as Record<string, string>)[`game.zone.${zone}`]);
       expect(new Set(words).size).toBe(zones.length);
     }
   });
 
-  it.each([['en', consoleEn], ['fr', consoleFr], ['de', consoleDe]])('every state of the console has a word of its own, %s', (_language, texts) => {
+  it.each([['en', consoleEn], ['fr', consoleFr], ['de', consoleDe]])('every state of the console has its own word, %s', (_language, texts) => {
     const words = Object.values(texts.states);
     expect(new Set(words).size).toBe(words.length);
   });
 
-  it('a force at its limit has a sign, and what is to be poured now a bar beside it', () => {
+  it('a force at its limit has a sign, and the current step of the recipe a bar beside it', () => {
     expect(consoleCss).toMatch(/\.lim:has\(\.tr\.over\) \.num::before \{ content: "▲ "/);
     expect(game).toMatch(/\.row\.now \{[^}]*inset calc\(8 \* var\(--u\)\) 0 var\(--ink\)/);
   });

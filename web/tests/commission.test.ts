@@ -1,4 +1,4 @@
-// The page of a commissioning: what it shows of what the program says, and every way of letting go of the button.
+// The page of a commissioning: its display of the program's messages, and every way of releasing the hold button.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { de } from '../src/commission/i18n/de';
 import { en } from '../src/commission/i18n/en';
@@ -7,43 +7,43 @@ import { HoldButton } from '../src/commission/hold_button';
 import { numbers, repeatable, stepNow, taskOf, typedNumber } from '../src/commission/view';
 import { Connection } from '../src/net/connection';
 import type { Hands } from '../src/net/holding';
-import { Answer, Asked, CommissioningStepT, CommissioningT, ControlsT, HoldToMove, MotionKind, MotionState, Order, Payload, ReplyT, Role, StepState } from '../src/protocol';
-import { TestLine } from './test_line';
+import { Answer, QuestionKind, CommissioningStepT, CommissioningT, ControlsT, HoldToMove, MotionKind, MotionState, Order, Payload, ReplyT, Role, StepState } from '../src/protocol';
+import { TestConnection } from './test_connection';
 import { testTexts } from './texts';
 
-const hands = (heldByYou: boolean, held = heldByYou, role = Role.Therapist): Hands => ({ heldByYou, held, role, holder: Role.Unsaid, led: true });
+const hands = (heldByYou: boolean, held = heldByYou, role = Role.Therapist): Hands => ({ heldByYou, held, role, holder: Role.Unspecified, led: true });
 const steps = (...states: StepState[]): CommissioningStepT[] => ['identify', 'home', 'signs'].map((name, i) => new CommissioningStepT(name, states[i] ?? StepState.Waiting));
 
-function said(change: Partial<CommissioningT>): CommissioningT {
+function commissioning(change: Partial<CommissioningT>): CommissioningT {
   return Object.assign(new CommissioningT('rail', 'handled', 'H-1', '1', 'A', steps(StepState.UnderWay)), { motionState: MotionState.Over }, change);
 }
 
 describe('the task', () => {
-  const task = (change: Partial<CommissioningT>, who = hands(true)): string => taskOf(said(change), 'open', who, false);
+  const task = (change: Partial<CommissioningT>, who = hands(true)): string => taskOf(commissioning(change), 'open', who, false);
   it.each([
-    [Asked.ThisDevice, 'yes-no'], [Asked.NobodyAttached, 'yes-no'], [Asked.PushAway, 'done'], [Asked.EmergencyStop, 'done'],
-    [Asked.Travel, 'number'], [Asked.KnownForce, 'number'], [Asked.NextStep, 'next'],
+    [QuestionKind.ThisDevice, 'yes-no'], [QuestionKind.NobodyAttached, 'yes-no'], [QuestionKind.PushAway, 'done'], [QuestionKind.EmergencyStop, 'done'],
+    [QuestionKind.Travel, 'number'], [QuestionKind.KnownForce, 'number'], [QuestionKind.NextStep, 'next'],
   ])('of question %i is %s', (asked, wanted) => { expect(task({ asked })).toBe(wanted); });
 
-  it('is to hold while a motion awaits the key or moves, and between the moves of one step', () => {
+  it('is to hold the button while a motion waits for it or moves, and between the moves of one step', () => {
     expect(task({ motionState: MotionState.AwaitsKey })).toBe('hold');
     expect(task({ motionState: MotionState.Moves })).toBe('hold');
     expect(task({ steps: steps(StepState.Done, StepState.Done, StepState.UnderWay) })).toBe('hold');
     expect(task({})).toBe('wait');
   });
 
-  it('is only the leader\'s: others watch, and nothing is led without a press', () => {
-    expect(task({ asked: Asked.NobodyAttached }, hands(false, true))).toBe('watch');
+  it('is offered only to the leader; other pages watch, and leading needs a press', () => {
+    expect(task({ asked: QuestionKind.NobodyAttached }, hands(false, true))).toBe('watch');
     expect(task({ motionState: MotionState.AwaitsKey }, hands(false, false))).toBe('lead');
     expect(task({}, hands(false, false, Role.Watcher))).toBe('watch');
     expect(taskOf(null, 'open', hands(false), false)).toBe('connecting');
     expect(taskOf(null, 'open', hands(false), true)).toBe('elsewhere');
-    expect(taskOf(said({}), 'lost', hands(true), false)).toBe('lost');
-    expect(taskOf(said({ passport: 'mine.toml' }), 'lost', hands(false), false)).toBe('finished');
+    expect(taskOf(commissioning({}), 'lost', hands(true), false)).toBe('lost');
+    expect(taskOf(commissioning({ passport: 'mine.toml' }), 'lost', hands(false), false)).toBe('finished');
   });
 
-  it('offers to repeat only what has everything before it', () => {
-    const c = said({ steps: steps(StepState.Done, StepState.Failed, StepState.Done) });
+  it('offers to repeat a step only after all earlier ones are done', () => {
+    const c = commissioning({ steps: steps(StepState.Done, StepState.Failed, StepState.Done) });
     expect(repeatable(c)).toEqual(['identify']);
     expect(stepNow(c)).toBe(1);
   });
@@ -61,7 +61,7 @@ it('TypedNumber_WithCommaOrUnit_IsReadOrRefused', () => {
   expect(['0.122 m', '0', '-1', '', '1,000,0'].map(typedNumber)).toEqual(['', '', '', '', '']);
 });
 
-describe('the held button', () => {
+describe('the hold button', () => {
   class FakeElement extends EventTarget { setPointerCapture(): void { /* nothing is drawn here */ } }
   class FakeDocument extends EventTarget { hidden = false; }
   let element: FakeElement, page: FakeDocument, surroundings: EventTarget, button: HoldButton, allowed: boolean;
@@ -73,7 +73,7 @@ describe('the held button', () => {
     [element, page, surroundings, allowed, sent] = [new FakeElement(), new FakeDocument(), new EventTarget(), true, []];
     presses = 0;
     button = new HoldButton(element as never, { window: surroundings, document: page }, {
-      nextPress: () => ++presses, send: (press, held) => sent.push([press, held]), changed: () => { /* looked at by `held` */ }, allowed: () => allowed,
+      nextPress: () => ++presses, send: (press, held) => sent.push([press, held]), changed: () => { /* checked by `held` */ }, allowed: () => allowed,
     });
   });
   afterEach(() => { button.close(); vi.useRealTimers(); });
@@ -82,7 +82,7 @@ describe('the held button', () => {
   const pointer = (name: string, more: object = {}): void => { element.dispatchEvent(event(name, { pointerId: 3, button: 0, isPrimary: true, ...more })); };
   const key = (name: string, more: object = {}): void => { element.dispatchEvent(event(name, { code: 'Space', repeat: false, ...more })); };
 
-  it('beats every 40 ms for as long as it is held', () => {
+  it('sends a heartbeat every 40 ms while it is held', () => {
     pointer('pointerdown');
     vi.advanceTimersByTime(1000);
     expect(sent).toHaveLength(26);
@@ -101,7 +101,7 @@ describe('the held button', () => {
     ['a lost line or lead', () => { allowed = false; vi.advanceTimersByTime(50); }],
     ['a question or a stop', () => button.end()],
     ['a page that hung for 200 ms', () => { vi.setSystemTime(Date.now() + 200); vi.spyOn(performance, 'now').mockReturnValue(performance.now() + 200); vi.advanceTimersByTime(50); vi.restoreAllMocks(); }],
-  ])('is let go by %s, once, and stays so', (_name, lose) => {
+  ])('is released once by %s, and stays released', (_name, lose) => {
     pointer('pointerdown');
     vi.advanceTimersByTime(100);
     lose();
@@ -115,7 +115,7 @@ describe('the held button', () => {
     expect(sent.at(-1), 'a new press has a new number').toEqual([2, true]);
   });
 
-  it('is held by a key until that key comes up, whatever it repeats', () => {
+  it('is held by a key until that key is released, whatever keys repeat', () => {
     key('keydown');
     key('keydown', { repeat: true });
     key('keyup', { code: 'KeyA' });
@@ -139,23 +139,23 @@ describe('the held button', () => {
   });
 });
 
-describe('what is said to the program', () => {
-  it('names the question that is answered, and the press that is held', async () => {
+describe('messages to the program', () => {
+  it('contain the number of the question that is answered, and of the press that is held', async () => {
     vi.useFakeTimers();
-    const line = new TestLine();
-    const connection = new Connection({ url: 'ws://nowhere/ws', open: () => line });
-    line.welcome();
-    line.say(Payload.Controls, new ControlsT(true, true, Role.Therapist, Role.Therapist, true));
-    line.say(Payload.Commissioning, said({ question: 7, asked: Asked.Travel, unit: 'm', motion: MotionKind.Push }));
+    const socket = new TestConnection();
+    const connection = new Connection({ url: 'ws://nowhere/ws', open: () => socket });
+    socket.welcome();
+    socket.sendMessage(Payload.Controls, new ControlsT(true, true, Role.Therapist, Role.Therapist, true));
+    socket.sendMessage(Payload.Commissioning, commissioning({ question: 7, asked: QuestionKind.Travel, unit: 'm', motion: MotionKind.Push }));
     expect(connection.commissioning?.question).toBe(7);
     const answered = connection.answer(7, '0.122');
-    const { id, table } = line.sent.find(({ order }) => order === Order.Answer)!;
+    const { id, table } = socket.sent.find(({ order }) => order === Order.Answer)!;
     const answer = table.order(new Answer()) as Answer;
     expect([answer.question(), answer.text()]).toEqual([7, '0.122']);
-    line.say(Payload.Reply, new ReplyT(id, true, ''));
+    socket.sendMessage(Payload.Reply, new ReplyT(id, true, ''));
     expect((await answered).accepted).toBe(true);
     void connection.holdToMove(3, true);
-    const hold = line.sent.find(({ order }) => order === Order.HoldToMove)!.table.order(new HoldToMove()) as HoldToMove;
+    const hold = socket.sent.find(({ order }) => order === Order.HoldToMove)!.table.order(new HoldToMove()) as HoldToMove;
     expect([hold.press(), hold.held()]).toEqual([3, true]);
     connection.close();
     vi.useRealTimers();
@@ -164,7 +164,7 @@ describe('what is said to the program', () => {
 
 describe('the texts', () => {
   testTexts(en, de, fr);
-  it('have a word for every motion and step state of the schema', () => {
+  it('exist for every motion and step state of the schema', () => {
     const count = (of: object): number => Object.keys(of).length / 2;
     expect(en.motion).toHaveLength(count(MotionKind));
     expect(en.states).toHaveLength(count(StepState));

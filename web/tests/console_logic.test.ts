@@ -2,7 +2,7 @@ import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { asWords, bytes, duration, fixed, grouped } from '../src/shared/format';
 import { deviceLines, type ReportedDevice } from '../src/console/device_status';
-import { History, shownUnits, WINDOW_S } from '../src/console/history';
+import { History, displayUnits, WINDOW_S } from '../src/console/history';
 import { de } from '../src/console/i18n/de';
 import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
@@ -18,14 +18,14 @@ import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
 import { AxisT, EventT, ReleaseReason, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
 
-describe('numbers for people', () => {
-  it('have a true minus and no minus zero', () => {
+describe('formatted numbers', () => {
+  it('have a true minus sign and no minus zero', () => {
     expect(fixed(-5.34, 1)).toBe('−5.3');
     expect(fixed(-0.04, 1)).toBe('0.0');
     expect(fixed(Number.NaN, 1)).toBe('–');
   });
 
-  it('durations, sizes, groups', () => {
+  it('include durations, sizes and grouped digits', () => {
     expect(duration(161.9)).toBe('2:41');
     expect(duration(3761)).toBe('1:02:41');
     expect(bytes(18_400_000)).toBe('18 MB');
@@ -34,21 +34,21 @@ describe('numbers for people', () => {
     expect(grouped(999)).toBe('999');
   });
 
-  it('names of files become words', () => {
+  it('file names become words', () => {
     expect(asWords('adult-median_right')).toBe('Adult median right');
   });
 });
 
 describe('the levels to choose from', () => {
-  it('are those of the loaded exercise, and the first one alone of another, which may have no more', () => {
+  it('are those of the loaded exercise, and only the first one of another exercise', () => {
     expect(levelsOf('a', { exercise: 'a', levels: 4 })).toEqual([1, 2, 3, 4]);
     expect(levelsOf('b', { exercise: 'a', levels: 4 })).toEqual([1]);
     expect(levelsOf('', { exercise: '', levels: 0 })).toEqual([1]);
   });
 });
 
-describe('the ring of samples', () => {
-  it('gives the latest samples, oldest first, through many turns', () => {
+describe('the sample window', () => {
+  it('returns the latest samples, oldest first, after wrapping around many times', () => {
     const ring = new SampleWindow(2, 4);
     for (let k = 1; k <= 11; k += 1) {
       ring.push([k, 10 * k]);
@@ -78,7 +78,7 @@ function state(tick: number, more: Partial<WorldStateT> = {}): WorldStateT {
 }
 
 describe('the history', () => {
-  it('shows forces at the tip, millimetres and degrees', () => {
+  it('converts to forces at the tip, millimetres and degrees', () => {
     const history = new History(AXES);
     // 0.4 Nm over a lever arm of 0.08 m are 5 N.
     history.add(state(1, { sent: [3, -0.4], qM: [0.02, Math.PI / 2], phi: [0, 1], alpha: 0.25 }));
@@ -90,18 +90,18 @@ describe('the history', () => {
     expect(history.samples.latest(history.alphaColumn)).toBe(0.25);
   });
 
-  it('a rotation without a tip stays a torque', () => {
-    expect(shownUnits(new AxisT('roll', 'rad', -1, 1, 2, 0, 5)).effortUnit).toBe('Nm');
+  it('keeps a rotation without a lever arm as a torque', () => {
+    expect(displayUnits(new AxisT('roll', 'rad', -1, 1, 2, 0, 5)).effortUnit).toBe('Nm');
   });
 
-  it('the same tick twice is one sample', () => {
+  it('stores the same tick once', () => {
     const history = new History(AXES);
     expect(history.add(state(5))).toBe(true);
     expect(history.add(state(5))).toBe(false);
     expect(history.samples.length).toBe(1);
   });
 
-  it('time runs on when a new session begins at zero', () => {
+  it('continues its time when a new session begins at zero', () => {
     const history = new History(AXES);
     history.add(state(5000));
     history.add(state(5100));
@@ -110,7 +110,7 @@ describe('the history', () => {
     expect(history.now_s).toBeCloseTo(before_s + 0.6, 9);
   });
 
-  it('neither missed messages nor a new session look like speed', () => {
+  it('computes no speed across missed messages or a new session', () => {
     const history = new History(AXES);
     for (let k = 0; k < 10; k += 1) history.add(state(1000 + 17 * k));
     for (let k = 0; k < 10; k += 1) history.add(state(4000 + 17 * k, { qM: [0.08, 0] }));
@@ -118,7 +118,7 @@ describe('the history', () => {
     expect(history.peakSpeed([0])).toBe(0);
   });
 
-  it('peaks are those of the last ten seconds only', () => {
+  it('has peaks of the last ten seconds only', () => {
     const history = new History(AXES);
     history.add(state(0, { sent: [-9, 0] }));
     for (let tick = 100; tick <= 9900; tick += 100) history.add(state(tick, { sent: [2, 0] }));
@@ -128,31 +128,31 @@ describe('the history', () => {
     expect(WINDOW_S).toBe(10);
   });
 
-  it('speed: 10 mm in 50 ms are 0.2 m/s', () => {
+  it('computes the speed: 10 mm in 50 ms are 0.2 m/s', () => {
     const history = new History(AXES);
     for (let k = 0; k <= 30; k += 1) history.add(state(1000 + k * 10, { qM: [k * 0.002, 0] }));
     expect(history.peakSpeed([0])).toBeCloseTo(0.2, 6);
   });
 
-  it('a state without positions is no position: no speed, no peak, no line', () => {
+  it('treats a state without positions as unknown: no speed, no peak, no line', () => {
     const history = new History(AXES);
-    history.add(state(1, { sent: [], qM: [], qS: [], phi: [] }));  // as the first ones of an arming
+    history.add(state(1, { sent: [], qM: [], qS: [], phi: [] }));  // like the first states while arming
     for (let k = 1; k < 10; k += 1) history.add(state(1 + 17 * k, { qM: [0.08, 0] }));
     expect(history.peakSpeed([0])).toBe(0);
     expect(history.samples.column(history.column('device', 0))[0]).toBeNaN();
     expect(history.peak('effort', 0)).toBe(0);
   });
 
-  it('the two ends of a lost line are not joined', () => {
+  it('does not join the data before and after a lost connection', () => {
     const history = new History(AXES);
     history.add(state(1000, { qM: [0.01, 0] }));
     history.add(state(4000, { qM: [0.05, 0] }));
     expect([...history.samples.column(history.column('device', 0))]).toEqual([10, NaN, 50]);
-    history.add(state(4200, { qM: [0.05, 0] }));  // a slow moment is no loss
+    history.add(state(4200, { qM: [0.05, 0] }));  // a late state is not a loss
     expect(history.samples.length).toBe(4);
   });
 
-  it('knows where a tick lies on its clock', () => {
+  it('converts a tick to its clock', () => {
     const history = new History(AXES);
     history.add(state(1000));
     history.add(state(1500));
@@ -161,18 +161,18 @@ describe('the history', () => {
 });
 
 describe('scales', () => {
-  it('steps are 1, 2 or 5 times a power of ten', () => {
+  it('have steps of 1, 2 or 5 times a power of ten', () => {
     expect(niceStep(10, 5)).toBe(2);
     expect(niceStep(11, 5)).toBe(5);
     expect(niceStep(0.09, 10)).toBeCloseTo(0.01, 12);
   });
 
-  it('ticks lie inside the range, with a true zero', () => {
+  it('have ticks inside the range, with a true zero', () => {
     expect(ticksIn(-9, 5, 4)).toEqual([-8, -4, 0, 4]);
     expect(Object.is(ticksIn(-1, 1, 1)[1], 0)).toBe(true);
   });
 
-  it('a range grows at once and shrinks only after two calm seconds', () => {
+  it('grow at once, and shrink only after two calm seconds', () => {
     const range = new CalmRange(4, true);
     range.follow(-1, 1, 0);
     expect(range.follow(-1, 17, 1)).toBe(true);
@@ -182,7 +182,7 @@ describe('scales', () => {
     expect(range.upper).toBeLessThan(10);
   });
 
-  it('a flat line has room around it', () => {
+  it('leave room around a constant line', () => {
     const range = new CalmRange(4, true);
     range.follow(0, 0, 0);
     expect(range.lower).toBeLessThan(-1);
@@ -190,27 +190,27 @@ describe('scales', () => {
   });
 });
 
-describe('time per tick', () => {
+describe('the time per tick', () => {
   const times = { ticks: 200_000, p50_us: 155, p99_us: 260, p999_us: 402, max_us: 874 };
 
-  it('the tail follows from what quantiles mean', () => {
+  it('has a tail that follows from the definition of quantiles', () => {
     expect(tail(times)).toEqual([
       { time_us: 0, count: 200_000 }, { time_us: 155, count: 100_000 }, { time_us: 260, count: 2000 },
       { time_us: 402, count: 200 }, { time_us: 874, count: 1 },
     ]);
   });
 
-  it('a run of 500 ticks says nothing of one in a thousand', () => {
+  it('has no point for one in a thousand in a run of 500 ticks', () => {
     expect(tail({ ...times, ticks: 500 }).map((point) => point.count)).toEqual([500, 250, 5, 1]);
     expect(tail({ ...times, ticks: 0 })).toEqual([]);
   });
 
-  it('the axis ends after the deadline, or after the slowest tick', () => {
+  it('has an axis that ends after the deadline, or after the slowest tick', () => {
     expect(timeEnd(1000, 874)).toBeCloseTo(1100, 9);
     expect(timeEnd(1000, 2000)).toBeCloseTo(2100, 9);
   });
 
-  it('a hundred times as many is the same height more', () => {
+  it('has a logarithmic axis: a factor of 100 is a constant height', () => {
     const step = logHeight(10_000, 1e6) - logHeight(100, 1e6);
     expect(logHeight(1e6, 1e6) - logHeight(10_000, 1e6)).toBeCloseTo(step, 12);
     expect(logHeight(0, 1e6)).toBe(0);
@@ -221,114 +221,114 @@ describe('time per tick', () => {
 describe('parameters', () => {
   const lead = viewOf(new ParameterT('lead_in_m', ParameterGroup.Exercise, 'm', 0.001, Math.fround(0.01), 0.004, 0.002), {});
 
-  it('metres are shown as millimetres, with the range rounded to what was meant', () => {
+  it('show metres as millimetres, with rounded ranges', () => {
     expect(lead).toMatchObject({ unit: 'mm', lower: 1, upper: 10, factor: 1000, label: 'Lead in m' });
   });
 
-  it('typed numbers take comma or point and become SI; others are refused', () => {
+  it('accept typed numbers with comma or point, converted to SI, and refuse others', () => {
     expect(parsed('4,5', lead)).toBeCloseTo(0.0045, 12);
     expect(parsed(' 4.5 ', lead)).toBeCloseTo(0.0045, 12);
     for (const wrong of ['', 'four', '0.5', '11', '1e999', 'NaN']) expect(parsed(wrong, lead)).toBeUndefined();
   });
 
-  it('decimals follow the range: 1 to 10 N in steps of 0.1, 0.05 to 1 s in steps of 0.01', () => {
+  it('have decimals by their range: 1 to 10 N in steps of 0.1, 0.05 to 1 s in steps of 0.01', () => {
     const newton = viewOf(new ParameterT('a', 0, 'N', 1, 10, 5, 1), {});
     expect([newton.step, newton.decimals]).toEqual([0.1, 1]);
     const second = viewOf(new ParameterT('b', 0, 's', 0.05, 1, 0.3, 1), {});
     expect([second.step, second.decimals]).toEqual([0.01, 2]);
   });
 
-  it('a ramp is shown until it arrives; a refusal puts the value back', () => {
+  it('show a ramp until it arrives; a refusal restores the value', () => {
     const target = new ParameterTarget(1.4);
     target.ask(1.6, 0);
-    target.see(1.5, 200);
+    target.onState(1.5, 200);
     expect([target.target, target.shown, target.now]).toEqual([1.6, 1.6, 1.5]);
-    target.see(Math.fround(1.6), 400);
+    target.onState(Math.fround(1.6), 400);
     expect(target.target).toBeUndefined();
     target.ask(9, 500);
     target.refuse();
     expect(target.shown).toBe(Math.fround(1.6));
   });
 
-  it('what was asked for is dropped when the value goes elsewhere, as another console asked', () => {
+  it('drop a request when the value moves away, as another console requested', () => {
     const target = new ParameterTarget(8);
     target.ask(2, 0);
-    target.see(7.5, 200);
+    target.onState(7.5, 200);
     expect(target.target).toBe(2);
-    for (let k = 1; k <= 5; k += 1) target.see(7.5 + 0.3 * k, 200 + 200 * k);  // up to 9 N
+    for (let k = 1; k <= 5; k += 1) target.onState(7.5 + 0.3 * k, 200 + 200 * k);  // up to 9 N
     expect([target.target, target.shown]).toEqual([undefined, 9]);
   });
 
-  it('what was asked for is dropped when the value stands still short of it', () => {
+  it('drop a request when the value stands still short of it', () => {
     const target = new ParameterTarget(8);
     target.ask(2, 0);
-    target.see(7, 200);
-    target.see(7, 1600);
+    target.onState(7, 200);
+    target.onState(7, 1600);
     expect(target.target).toBe(2);
-    target.see(7, 1800);
+    target.onState(7, 1800);
     expect([target.target, target.shown]).toEqual([undefined, 7]);
   });
 
-  it('an earlier ramp may run on for a moment before the newer value arrives', () => {
+  it('tolerate an earlier ramp for a moment before the newer value arrives', () => {
     const target = new ParameterTarget(5);
     target.ask(2, 0);
-    target.see(5.1, 100);
+    target.onState(5.1, 100);
     expect(target.target).toBe(2);
-    target.see(4.9, 200);
+    target.onState(4.9, 200);
     expect(target.target).toBe(2);
   });
 
-  it('a slider can be put back to what the program began with, though its steps pass it by', () => {
-    // squeeze_threshold_ratio: 1 in 0.25 to 2, in steps of 0.02 from 0.25: 0.99 and 1.01 are the nearest places.
+  it('let a slider return to the initial value, although its steps do not contain it', () => {
+    // squeeze_threshold_ratio: 1 in 0.25 to 2, in steps of 0.02 from 0.25: 0.99 and 1.01 are the nearest values.
     const squeeze = viewOf(new ParameterT('squeeze_threshold_ratio', 2, '1', 0.25, 2, 1, 0.5), {});
     expect([squeeze.lower, squeeze.step]).toEqual([0.25, 0.02]);
     expect([0.97, 0.99, 1.01, 1.03].map((at) => meantBySlider(at, 1, squeeze.step))).toEqual([0.97, 1, 1, 1.03]);
   });
 });
 
-describe('what a real device says', () => {
+describe('the status of a real device', () => {
   const device: ReportedDevice = {
     enabled: true, homed: true, silenced: false, temperatureKnown: true, temperatureC: 41.4,
     sampleAgeS: 0.0012, hosted: true, hostAgeS: 2.34, letGo: ReleaseReason.None,
   };
 
-  it('is nothing where the device is simulated', () => {
+  it('is undefined for a simulated device', () => {
     expect(deviceLines(null, en)).toBeUndefined();
     expect(deviceLines(new WorldStateT().device, en)).toBeUndefined();
   });
 
-  it('is its state, its temperature and how old its sample and its host are', () => {
+  it('has its state, its temperature and the ages of its sample and its host', () => {
     expect(deviceLines(device, en)).toEqual({ state: 'Enabled, homed', figures: 'Temperature 41 °C · sample 1 ms · host 2.3 s', letGo: '' });
     const plain = { ...device, enabled: false, homed: false, temperatureKnown: false, sampleAgeS: -1, hosted: false };
     expect(deviceLines(plain, en)).toEqual({ state: 'Not enabled, not homed', figures: 'Temperature not known · sample none yet', letGo: '' });
   });
 
-  it('says why the host let go, in every language, for every reason of the schema', () => {
+  it('has a release reason in every language, for every reason of the schema', () => {
     const reasons = Object.values(ReleaseReason).filter((value): value is ReleaseReason => typeof value === 'number' && value !== ReleaseReason.None);
-    expect(reasons.length).toBe(6);   // ReleaseReason of the schema, but for None
+    expect(reasons.length).toBe(6);   // all of ReleaseReason in the schema except None
     for (const texts of [en, de, fr]) {
-      const said = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
-      expect(new Set(said).size).toBe(reasons.length);
-      for (const line of said) expect(line).not.toMatch(/[{}]/);
+      const lines = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
+      expect(new Set(lines).size).toBe(reasons.length);
+      for (const line of lines) expect(line).not.toMatch(/[{}]/);
     }
     expect(deviceLines({ ...device, letGo: ReleaseReason.LoopSilent }, de)?.letGo).toBe('Der Host hat losgelassen: 20 ms lang kein neuer Befehl');
   });
 });
 
-describe('what the state means', () => {
+describe('the meaning of the state', () => {
   const names = ['device read failed', 'device write failed', 'effort limited', 'stop requested', 'something new'];
 
-  it('faults are named by their bits, unknown ones in the program’s words', () => {
+  it('names faults by their bits, unknown ones in the program’s words', () => {
     expect(faultWords(0b10101, names)).toEqual(['the device gave no position', 'effort held at its limit', 'something new']);
     expect(faultWords(0, names)).toEqual([]);
   });
 
-  it('a fault says its cause, without the stop that followed it', () => {
+  it('shows the cause of a fault, without the stop that followed it', () => {
     const status = statusOf('open', { runState: RunState.Faulted, latchedFaults: 0b1001 }, false, names, en);
     expect(status).toMatchObject({ name: 'faulted', step: 3, bad: true, cause: 'Cause: the device gave no position' });
   });
 
-  it('a limit that was exceeded is named with its axis, how much, and what to do', () => {
+  it('names an exceeded limit with its axis, the excess, and the advice', () => {
     const names = ['speed limit exceeded', 'workspace left', 'encoder stuck', 'stop requested'];
     const axes = [{ name: 'x', unit: 'm' }, { name: 'finger_flexion', unit: 'rad' }];
     const faulted = { runState: RunState.Faulted, faults: 0, safetyState: SafetyState.Faulted };
@@ -344,7 +344,7 @@ describe('what the state means', () => {
     expect(statusOf('open', stuck, false, names, fr, axes)).toMatchObject({ excess: 'Doigts' });
   });
 
-  it('every shipped hand and patient has a name in every language', () => {
+  it('has a name for every shipped hand and patient in every language', () => {
     const shipped = (folder: string): string[] => readdirSync(new URL(`../../config/${folder}/`, import.meta.url)).map((file) => file.replace('.toml', '')).sort();
     for (const texts of [en, de, fr]) {
       expect(Object.keys(texts.hands).sort()).toEqual(shipped('hands'));
@@ -352,7 +352,7 @@ describe('what the state means', () => {
     }
   });
 
-  it('every fault that stops has advice in every language', () => {
+  it('has advice for every stopping fault in every language', () => {
     const stopping = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
       'physics step failed', 'singular reduced inertia', 'speed limit exceeded', 'workspace left', 'encoder jumped', 'encoder stuck',
       'late ticks in a row', 'gap too long', 'bodies exploded'];  // kStopping of src/loop/core/fault.hpp
@@ -363,7 +363,7 @@ describe('what the state means', () => {
     }
   });
 
-  it('an emergency stop is called one, and the effort that is blended in is said', () => {
+  it('distinguishes an emergency stop, and shows the effort while it is blended in', () => {
     const names = ['stop requested', 'emergency stop'];
     const stopped = { runState: RunState.Stopped, latchedFaults: 0, faults: 0b11 };
     expect(statusOf('open', stopped, false, names, en).cause).toBe(en.safety.emergency);
@@ -374,19 +374,19 @@ describe('what the state means', () => {
     expect(statusOf('open', { runState: RunState.Disarmed, latchedFaults: 0, rehearsedTicks: 1234 }, false, names, en)).toMatchObject({ name: 'disarmed', cause: en.safety.rehearsing, did: '1234 ticks so far. It starts when all are fast enough.' });
   });
 
-  it('without a connection nothing of the state is believed', () => {
+  it('is unknown without a connection', () => {
     expect(statusOf('lost', { runState: RunState.Rendering, latchedFaults: 0 }, false, names, en).name).toBe('lost');
     expect(statusOf('connecting', null, false, names, en).step).toBeUndefined();
   });
 
-  it('a pause is a kind of rendering, and of nothing else', () => {
+  it('shows a pause only while rendering', () => {
     expect(statusOf('open', { runState: RunState.Rendering, latchedFaults: 0 }, true, names, en)).toMatchObject({ name: 'paused', step: 1 });
     expect(statusOf('open', { runState: RunState.Stopped, latchedFaults: 0 }, true, names, en).name).toBe('stopped');
   });
 });
 
 describe('marks', () => {
-  it('events become the phases ① to ④, the same moment only once', () => {
+  it('number the phases of a grasp ① to ④, once for each moment', () => {
     const marks = new Marks();
     const names = ['touched', 'engaged', 'spilt'];
     const event = (type: number, tick: number): EventT => new EventT(BigInt(tick), type, 0, 0);
@@ -396,7 +396,7 @@ describe('marks', () => {
     expect(marks.list.length).toBe(2);
   });
 
-  it('leaving Rendering is marked once', () => {
+  it('contain the end of rendering once', () => {
     const marks = new Marks();
     for (const [run, t] of [[RunState.Rendering, 0], [RunState.Faulted, 1], [RunState.Faulted, 2]] as const) marks.addRunState(run, t, en);
     expect(marks.list).toMatchObject([{ time_s: 1, label: 'fault', bad: true }]);
@@ -408,7 +408,7 @@ describe('texts', () => {
   const flat = (value: object, at = ''): [string, string][] => Object.entries(value).flatMap(([key, inner]) =>
     typeof inner === 'string' ? [[`${at}${key}`, inner]] : flat(inner as object, `${at}${key}.`)) as [string, string][];
 
-  it.each([['German', de], ['French', fr]])('%s says everything that English says, with the same gaps', (_name, other) => {
+  it.each([['German', de], ['French', fr]])('in %s have the keys and placeholders of English', (_name, other) => {
     const english = flat(en);
     const theirs = new Map(flat(other));
     expect([...theirs.keys()]).toEqual(english.map(([key]) => key));
@@ -418,15 +418,15 @@ describe('texts', () => {
     }
   });
 
-  it('German is spelt the Swiss way', () => {
+  it('in German use Swiss spelling', () => {
     expect(JSON.stringify(de)).not.toContain('ß');
   });
 });
 
-describe('what was saved', () => {
+describe('recordings that have ended', () => {
   const entry = { name: '20261122-081500-p-014-cocktail-bar-level-1.h5', title: 'cocktail-bar, level 1', duration_s: 63, bytes: 11_000_000, report: '/r' };
 
-  it('is reported once, when the recording that was being written is in the list', () => {
+  it('are reported once, when they appear in the list', () => {
     const watch = new SavedWatch();
     expect(watch.take('')).toBe(false);
     expect(watch.take(entry.name)).toBe(false);
@@ -437,32 +437,32 @@ describe('what was saved', () => {
     expect(watch.found([entry])).toEqual([]);
   });
 
-  it('is reported where the next recording begins at once', () => {
+  it('are reported even if the next recording begins at once', () => {
     const watch = new SavedWatch();
     watch.take(entry.name);
     expect(watch.take('next.h5')).toBe(true);
     expect(watch.found([entry])).toEqual([entry]);
   });
 
-  it('an older recording that a page finds is no news', () => {
+  it('are not reported if they ended before the page was opened', () => {
     expect(new SavedWatch().found([entry])).toEqual([]);
   });
 
-  it('its figures are those that the file has', () => {
+  it('are listed with the figures of the file', () => {
     expect(figuresOf(entry)).toContain(duration(63));
     expect(figuresOf(entry)).toContain(bytes(11_000_000));
     expect(figuresOf({ name: 'a.h5' })).toBe('');
-    // The length of one that is being written is not known: the file says 0 s until it is closed.
+    // The length of a file that is being written is unknown: the file states 0 s until it is closed.
     expect(figuresOf({ name: 'a.h5', duration_s: 0, being_written: true, bytes: 1000 })).not.toContain(duration(0));
   });
 
-  it('of many the newest are shown at first, and whatever is being written or was chosen', () => {
+  it('are limited to the newest at first, plus those being written or chosen', () => {
     const many = Array.from({ length: 1000 }, (_, k) => ({ name: `${k}.h5`, being_written: k === 900 }));
     expect(shownOf(many, ['500.h5'], false).map(({ name }) => name)).toEqual(['0.h5', '1.h5', '2.h5', '3.h5', '4.h5', '5.h5', '500.h5', '900.h5']);
     expect(shownOf(many, [], true)).toEqual(many);
   });
 
-  it('of one that is still written says so, and offers neither report nor file', () => {
+  it('offer neither report nor download while they are still written', () => {
     const growing = { name: 'a.h5', bytes: 11_000_000, being_written: true, report: '/api/recordings/a.h5/report/' };
     expect(figuresOf(growing)).toBe(`${en.recordings.beingWritten}, ${bytes(11_000_000)}`);
     expect(offered(growing)).toEqual({ report: false, download: false });
@@ -474,14 +474,14 @@ describe('what was saved', () => {
 describe('limits of axes', () => {
   // config/devices/lambda-pride.toml: fingers 10 N at the tip; circumduction 0.6 Nm over 0.08 m, 7.5 N.
   const axis = (name: string, effortLimit: number): AxisT => Object.assign(new AxisT(), { name, unit: 'rad', leverArmM: 0.08, effortLimit });
-  it.each([[undefined, [10, 7.5]], [8, [8, 7.5]], [5, [5, 5]]])('are their own, or what is set where that is less: %s', (set, limits) => {
+  it.each([[undefined, [10, 7.5]], [8, [8, 7.5]], [5, [5, 5]]])('are the lower one of the device\'s and the set limit: %s', (set, limits) => {
     const all = [axis('finger_flexion', 0.8), axis('thumb_circumduction', 0.6)];
     expect(all.map((one) => Number(limitOfAxis(one, (name) => (name === 'effort_limit_hand_tip_n' ? set : undefined)).toFixed(9)))).toEqual(limits);
   });
 });
 
-describe('who plays', () => {
-  it('is the code of the open profile, else the virtual patient, said to be one; of a device nobody knows', () => {
+describe('the name of the player', () => {
+  it('is the code of the open profile, else that of the virtual patient; a real device without a profile has none', () => {
     expect([personWords('P-014', 'relaxed-adult', true), personWords('', 'relaxed-adult', true), personWords('', 'relaxed-adult', false)])
       .toEqual(['P-014', 'Virtual patient: Relaxed adult', '']);
     expect([sessionWords({ profile: 'P-014', title: 'cocktail-bar, level 1 of 4', name: 'a.h5' }), sessionWords({ name: 'a.h5' })]).toEqual(['P-014: Cocktail bar, Level 1', 'a.h5']);

@@ -1,4 +1,4 @@
-// Praise that is true: only what was measured is said.
+// Praise is given only for measured facts.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { EffortMeter, effortText, farthestStep, gripWord } from '../src/exercises/cocktail_bar/effort';
 import { Memory } from '../src/game/memory';
@@ -11,7 +11,7 @@ const NAMES = ['flow_l_s', 'engaged_dispenser', 'target_dispenser', 'squeeze_n',
 const values = new ExerciseValues(NAMES);
 const state = (flow: number, engaged: number, squeeze_n: number) => ({ values: [flow, engaged, 1, squeeze_n, 1, 2] }) as unknown as WorldStateT;
 
-/** Pours for so long at 60 states a second. */
+/** Pours for this time at 60 states a second. */
 function poured(long_s: number, squeeze: (t_s: number) => number, engaged = 1, flow = 0.01) {
   const meter = new EffortMeter();
   for (let i = 0; i <= 60 * long_s; i++) meter.look(values, state(flow, engaged, squeeze(i / 60)), i / 60);
@@ -23,23 +23,23 @@ const one: BarDrink = { name: 'lemonade', steps: [step('lemon', 0.04)] };
 const two: BarDrink = { name: 'blush', steps: [step('lemon', 0.04), step('cherry', 0.03)] };
 
 describe('the grip', () => {
-  it('that is the same all the time is steady and just right', () => {
+  it('that is constant is steady and just right', () => {
     expect(poured(5, () => 1.5)).toEqual({ steady: true, rightShare: 1 });
   });
 
-  it('that swings is steady up to a quarter of its mean: a sine deviates by its amplitude over the root of two', () => {
+  it('that swings is steady up to a quarter of its mean: the standard deviation of a sine is its amplitude over √2', () => {
     const swing = (share: number) => poured(10, (t_s) => 1.5 * (1 + share * Math.SQRT2 * Math.sin(2 * Math.PI * t_s)))?.steady;
     expect(swing(0.24)).toBe(true);
     expect(swing(0.26)).toBe(false);
   });
 
-  it('is not spoken of when little was poured, from another bottle, or without flow', () => {
+  it('is not mentioned after little pouring, from another bottle, or without flow', () => {
     expect(poured(0.5, () => 1.5)).toBeNull();
     expect(poured(5, () => 1.5, 0)).toBeNull();
     expect(poured(5, () => 1.5, 1, 0)).toBeNull();
   });
 
-  it('is not praised where the page squeezed, nor where it was neither steady nor right', () => {
+  it('is not praised if the page squeezed, or if it was neither steady nor right', () => {
     expect(gripWord({ steady: true, rightShare: 1 }, false)).toBe('');
     expect(gripWord({ steady: false, rightShare: 0.3 }, true)).toBe('');
     expect(gripWord({ steady: false, rightShare: 0.8 }, true)).toBe('right');
@@ -47,8 +47,8 @@ describe('the grip', () => {
   });
 });
 
-describe('what is said of the amounts', () => {
-  it('is the step that is farthest off, in millilitres', () => {
+describe('the text on the amounts', () => {
+  it('names the step that is farthest off, in millilitres', () => {
     expect(farthestStep(two, [0.042, 0.024])).toEqual({ liquid: 'cherry', off_ml: -6 });
     expect(effortText(one, [0.046], 'steady')).toBe('6 ml too much, the grip was steady.');
     expect(effortText(two, [0.042, 0.024], '')).toBe('Cherry: 6 ml too little.');
@@ -64,7 +64,7 @@ describe('stars', () => {
   });
   afterEach(() => { vi.unstubAllGlobals(); });
 
-  it('are each patient\'s own', () => {
+  it('are stored for each patient', () => {
     addStars('anna', 3);
     addStars('anna', 2);
     addStars('', 1);

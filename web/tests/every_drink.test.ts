@@ -1,15 +1,15 @@
-// A drink by every way of playing with full help, by a person who does only what the screen says, on the simulated
-// clock. WHOLEHAND_FULL=1: both hands, every level of both bars, and four screens for who points.
+// A drink by every input method with full help, by a person who does only what the screen says, on the simulated
+// clock. WHOLEHAND_FULL=1: both hands, every level of both bars, and four screens for pointing methods.
 import { afterEach, expect, it, vi } from 'vitest';
 import { Stage } from '../src/exercises/cocktail_bar/bar';
 import { Player } from './player';
 import { LOOK_S, SteeredHand } from './steered_hand';
-import { DESKTOP, Picture, waysOf, type Played, type Screen } from './ways';
+import { DESKTOP, Picture, waysOf, type PlayingWay, type Screen } from './ways';
 
 const FULL = process.env.WHOLEHAND_FULL === '1';
-/** A drink with full help takes no longer. */
+/** Time limit of a drink with full help. */
 const DRINK_S = 60;
-/** A person presses when it has been said for this long, and lets go again. */
+/** A person presses after the instruction was shown for this long, and releases the button again. */
 const PRESS_FROM_S = 1;
 const PRESS_TO_S = 1.2;
 
@@ -20,8 +20,8 @@ const FREE_LEVELS: readonly [string, number][] = [['cocktail-bar-free', 1], ['co
 const PLACES: readonly Place[] = !FULL ? [{ side: 'right', exercise: 'cocktail-bar', level: 1, screen: DESKTOP }]
   : ['right', 'left'].flatMap((side) => [...LEVELS, ...FREE_LEVELS].flatMap(([exercise, level]) => SCREENS.map((screen) => ({ side, exercise, level, screen }))));
 
-/** Plays from the beginning until a drink is done; how long that took [s]. */
-async function drink(hand: SteeredHand, picture: Picture, way: Played): Promise<number> {
+/** Plays from the beginning until a drink is done; returns its duration [s]. */
+async function drink(hand: SteeredHand, picture: Picture, way: PlayingWay): Promise<number> {
   const player = new Player(hand, 'full');
   way.enable?.();
   let t = 0, reaching_s = 0, down = false;
@@ -41,7 +41,7 @@ async function drink(hand: SteeredHand, picture: Picture, way: Played): Promise<
 const open: SteeredHand[] = [];
 afterEach(() => { for (const hand of open.splice(0)) hand.stop(); vi.unstubAllGlobals(); });
 
-it.each(PLACES)('every way mixes a drink: $side hand, $exercise level $level, $screen.width × $screen.height', async ({ side, exercise, level, screen }) => {
+it.each(PLACES)('every input method mixes a drink: $side hand, $exercise level $level, $screen.width × $screen.height', async ({ side, exercise, level, screen }) => {
   const hand = await SteeredHand.start(level, exercise, `adult-median-${side}`);
   open.push(hand);
   const picture = new Picture(hand, screen), took: string[] = [], failed: string[] = [];

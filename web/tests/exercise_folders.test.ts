@@ -1,4 +1,4 @@
-// What an exercise is called by stands in its folder: game, input, scene, console, replay and report know the interface alone.
+// Names of an exercise occur only in its folder: game, input, scene, console, replay and report use only the interface.
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
 import { resolve } from 'node:path';
@@ -6,13 +6,13 @@ import { expect, it } from 'vitest';
 
 const WEB = resolve(__dirname, '..');
 
-/** Words of src/exercises/cocktail_bar, in code, comments and texts of the three languages. */
+/** Words of src/exercises/cocktail_bar in code, comments and texts of the three languages. */
 const WORDS = /recipe|rezept|recette|bottle|flasche|bouteille|cocktail|\bglass(es)?\b|\bverre\b|drink|getränk|boisson|dispenser|liquid|lemon|cherry|juice|\bguest|\bpour(s|ed|ing|_)?\b|spil[lt]/i;
 const NAMES = /\bbar_|_bar\b|\bbar\??: (Paced|Scene)/;
-/** The place itself, in sentences; "the address bar" is another one. */
+/** The place "bar" in sentences; "the address bar" is different. */
 const PLACE = /\b(the|die|der|zur|le|du|au|un) bar\b/i;
 
-/** Files that may name them, and why. */
+/** Files that may contain them, with the reason. */
 const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
   [/^src\/exercises\/(index|info|exercise_view)\.ts$/, /from '\.\/cocktail_bar\//, 'they join the folders: imports alone'],
   [/^src\/net\/fake_(program|recordings)\.ts$/, /./, 'the stand-in program, of development and tests, plays the bar'],
@@ -21,10 +21,10 @@ const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
   [/^src\/charts\/i18n\//, /exercise\.|chart\.|figure\./, 'words of the charts that the program draws of the bar'],
 ];
 
-/** "pour" is a word of French texts. */
+/** "pour" is a word in French texts. */
 const isFrench = (file: string): boolean => file.endsWith('/fr.ts');
 
-it('no file outside of its folder names what is the bar\'s', () => {
+it('no file outside the bar\'s folder contains names of the bar', () => {
   const files = execFileSync('git', ['ls-files', 'src', '*.html'], { cwd: WEB, encoding: 'utf8' }).split('\n')
     .filter((file) => /\.(ts|css|html)$/.test(file) && !file.startsWith('tests/') && !file.startsWith('src/exercises/cocktail_bar/'));
   expect(files.length).toBeGreaterThan(100);

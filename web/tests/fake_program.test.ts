@@ -8,9 +8,9 @@ import { Steering } from '../src/protocol';
 beforeEach(() => { vi.useFakeTimers(); });
 afterEach(() => { vi.useRealTimers(); });
 
-test('StandIn_AState_HasAValueForEveryNameOfItsScene', async () => {
+test('StandIn_State_HasAValueForEveryNameOfItsScene', async () => {
   const program = new FakeProgram(new URLSearchParams('level=4'));
-  const connection = new Connection({ url: 'ws://nowhere/ws', open: () => program.line() });
+  const connection = new Connection({ url: 'ws://nowhere/ws', open: () => program.connect() });
   await vi.advanceTimersByTimeAsync(100);
   const { scene, latestState: state } = connection;
   expect(state!.values).toHaveLength(scene!.valueNames.length);
@@ -23,11 +23,11 @@ test('StandIn_AState_HasAValueForEveryNameOfItsScene', async () => {
   connection.close();
 });
 
-test.each([1, 2, 3, 4])('StandIn_ItsVirtualPatientOnLevel%i_EndsTheLevel', (level) => {
+test.each([1, 2, 3, 4])('StandIn_VirtualPatientOnLevel%i_FinishesTheLevel', (level) => {
   const bar = new FakeBar(level);
   let seconds = 0;
   for (; bar.stage !== Stage.LevelDone && seconds < 400; seconds += 1 / 60) bar.advance(1 / 60, true, true);
   expect(bar.stage).toBe(Stage.LevelDone);
-  // What left the dispensers is in the glass or spilt: of the last drink here.
+  // The poured liquid is in the glass or spilt: here for the last drink.
   expect(bar.spilt_l).toBeLessThan(0.01);
 });

@@ -17,20 +17,20 @@ test('Quantile_IsTheNearestRank', () => {
   expect(quantile([], 0.5)).toBeNaN();
 });
 
-test('ClockOffset_AgesCountFromTheFastestMessage', () => {
+test('ClockOffset_Ages_AreRelativeToTheFastestMessage', () => {
   const clock = new ClockOffset(3);
-  // Ways of 5, 2 and 9 ms, clocks 1000 ms apart.
-  clock.heard(0, 1005);
-  clock.heard(10, 1012);
-  clock.heard(20, 1029);
+  // Delays of 5, 2 and 9 ms, clocks 1000 ms apart.
+  clock.addSample(0, 1005);
+  clock.addSample(10, 1012);
+  clock.addSample(20, 1029);
   expect(clock.age_ms(20, 1030)).toBe(8);
-  // The fastest one leaves the window: the next fastest counts.
-  clock.heard(30, 1035);
-  clock.heard(40, 1046);
+  // The fastest message leaves the window: the next fastest one counts.
+  clock.addSample(30, 1035);
+  clock.addSample(40, 1046);
   expect(clock.age_ms(40, 1046)).toBe(1);
 });
 
-test('FrameStats_At50FramesASecond_SaysSo', () => {
+test('FrameStats_At50FramesPerSecond_Reports50', () => {
   const stats = new FrameStats();
   for (let i = 0; i < 200; i++) stats.add(20 * i, i % 10 === 0 ? 6 : 2, i);
   const report = stats.report('low');
@@ -40,7 +40,7 @@ test('FrameStats_At50FramesASecond_SaysSo', () => {
   expect([report.quality, report.frames]).toEqual(['low', 200]);
 });
 
-test('FrameStats_SlowerThanOneFrameASecond_StillHasARate', () => {
+test('FrameStats_BelowOneFramePerSecond_ReportsARate', () => {
   const stats = new FrameStats();
   stats.add(0, 1, 0);
   stats.add(4000, 1, 0);

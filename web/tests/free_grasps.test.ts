@@ -1,4 +1,4 @@
-// Free grasping: what counts as held, and what is proposed next.
+// Free grasping: detection of held objects, and the object that is proposed next.
 import { describe, expect, it } from 'vitest';
 import { ShapeType, type SceneT } from '../src/protocol';
 import { Grasps, HOLD_S, isHeld, type News } from '../src/exercises/free_grasping/grasps';
@@ -9,15 +9,15 @@ const touch = (capsule: number, body: number, y: number) => ({ capsule, body, fo
 const pinch = (body: number): Touches => [touch(3, body, 1), touch(9, body, -1)];
 const TICK_S = 1 / 60;
 
-/** Looks for so long; the news that came. */
+/** Sends the contacts for this long; returns the reported news. */
 function look(grasps: Grasps, contacts: Touches, from_s: number, for_s: number): News[] {
   const news: News[] = [];
   for (let t = from_s; t <= from_s + for_s; t += TICK_S) news.push(grasps.look(contacts, t));
   return news.filter((one) => one !== undefined);
 }
 
-describe('a thing', () => {
-  it('is held from two sides, and not by a push, by one part of the hand, or by next to nothing', () => {
+describe('an object', () => {
+  it('is held between two sides, and not by a push, by one part of the hand, or by a weak touch', () => {
     expect(isHeld(pinch(0), 0)).toBe(true);
     expect(isHeld(pinch(0), 1)).toBe(false);
     expect(isHeld([touch(3, 0, 1), touch(9, 0, 2)], 0)).toBe(false);
@@ -25,7 +25,7 @@ describe('a thing', () => {
     expect(isHeld([touch(3, 0, 0.01), touch(9, 0, -0.01)], 0)).toBe(false);
   });
 
-  it('counts once it was held for long enough at a stretch', () => {
+  it('counts after it was held for long enough without interruption', () => {
     const grasps = new Grasps([0, 1]);
     expect(look(grasps, pinch(1), 0, 0.7 * HOLD_S)).toEqual([]);
     expect(look(grasps, [], 0.75, 0.2)).toEqual([]);
@@ -34,14 +34,14 @@ describe('a thing', () => {
     expect(grasps.held).toEqual([false, true]);
   });
 
-  it('does not count for a time that was not watched', () => {
+  it('does not count for a time without states', () => {
     const grasps = new Grasps([0]);
     for (const now_s of [0, 5, 10]) expect(grasps.look(pinch(0), now_s)).toBeUndefined();
   });
 });
 
-describe('what is proposed', () => {
-  it('is what is in the hand, then the first that was not held, then nothing', () => {
+describe('the proposed object', () => {
+  it('is the one in the hand, then the first that was not held, then none', () => {
     const grasps = new Grasps([4, 5]);
     expect(grasps.proposed).toBe(0);
     look(grasps, pinch(5), 0, 0.2);
@@ -55,17 +55,17 @@ describe('what is proposed', () => {
   });
 });
 
-describe('the things', () => {
+describe('the objects', () => {
   const body = (type: ShapeType, lengthM: number, fixed = false) => ({ name: `${type} ${lengthM}`, fixed, color: '#3B6FD1', shapes: [{ type, radiusM: 0.03, lengthM }] });
   const scene = (json: string, ...bodies: object[]) => ({ exerciseJson: json, bodies }) as unknown as SceneT;
   const KIND = '{"kind":"free_grasping"}';
 
-  it('are known by their shapes', () => {
+  it('are identified by their shapes', () => {
     const found = thingsOf(scene(KIND, body(ShapeType.Box, 0), body(ShapeType.Cylinder, 0.12), body(ShapeType.Sphere, 0), body(ShapeType.Cylinder, 0.02)));
     expect(found?.map(({ kind }) => kind)).toEqual(['cube', 'cylinder', 'sphere', 'disk']);
   });
 
-  it('are none on a table, in another exercise, or where two look alike', () => {
+  it('are none on a table, in another exercise, or if two have the same shape', () => {
     expect(thingsOf(scene(KIND, body(ShapeType.Box, 0), body(ShapeType.Box, 1, true)))).toBeUndefined();
     expect(thingsOf(scene(KIND, body(ShapeType.Sphere, 0), body(ShapeType.Sphere, 1)))).toBeUndefined();
     expect(thingsOf(scene('{"kind":"squeeze_to_level"}', body(ShapeType.Box, 0)))).toBeUndefined();

@@ -9,7 +9,7 @@ const set = (id: number, ...pieces: ShapeT[]) => new GameShapesT(id, null, piece
 const message = (bodies: GameBodyT[], shapes: GameShapesT[] = []) => new GameBodiesT(1, bodies, shapes);
 
 describe('bodies of a game', () => {
-  it('keep the shapes that came before, as long as a body has them', () => {
+  it('keep their shapes as long as a body uses them', () => {
     const list = new GameBodyList();
     list.take(message([new GameBodyT(3, 1, 7, SlotState.Ghost)], [set(7, ball(0.03))]));
     expect(list.bodies[0]).toMatchObject({ slot: 3, generation: 1, ghost: true });
@@ -18,30 +18,30 @@ describe('bodies of a game', () => {
     expect(list.bodies.map(({ ghost, shapes }) => [ghost, shapes.length])).toEqual([[false, 1], [false, 1]]);
     list.take(message([]));
     expect(list.bodies).toEqual([]);
-    list.take(message([new GameBodyT(3, 3, 7, SlotState.Solid)]));   // not sent again: nothing to draw
+    list.take(message([new GameBodyT(3, 3, 7, SlotState.Solid)]));   // its shape is no longer sent, so nothing is drawn
     expect(list.bodies[0]!.shapes).toEqual([]);
   });
 });
 
-describe('bodies beyond the slots', () => {
+describe('bodies without a slot', () => {
   const pose = new PoseT(new Vec3T(1, 2, 3), new QuatXyzwT(0, 0, 0, 1));
   const registered = (number: number, where: Whereabouts, slot = -1) => new RegisteredBodyT(number, 1, 7, slot, where, pose);
-  const tell = (list: GameBodyList, bodies: GameBodyT[], changed: RegisteredBodyT[], shapes: GameShapesT[] = []) =>
+  const apply = (list: GameBodyList, bodies: GameBodyT[], changed: RegisteredBodyT[], shapes: GameShapesT[] = []) =>
     list.take(new GameBodiesT(1, bodies, shapes, changed));
 
-  it('stand where they are said to, and are drawn once while they have a slot', () => {
+  it('are drawn at their reported pose, and once while they have a slot', () => {
     const list = new GameBodyList();
-    tell(list, [], [registered(1000, Whereabouts.OutOfReach), registered(1001, Whereabouts.LeftOut)], [set(7, ball(0.03))]);
+    apply(list, [], [registered(1000, Whereabouts.OutOfReach), registered(1001, Whereabouts.LeftOut)], [set(7, ball(0.03))]);
     expect(list.bodies.map(({ slot, pose: at, shapes }) => [slot, at?.positionM?.x, shapes.length])).toEqual([[1000, 1, 1], [1001, 1, 1]]);
-    tell(list, [], [registered(1000, Whereabouts.InSlot, 4)]);   // the loop has not got it yet
+    apply(list, [], [registered(1000, Whereabouts.InSlot, 4)]);   // the loop has not got it yet
     expect(list.bodies.map(({ slot }) => slot)).toEqual([1000, 1001]);
-    tell(list, [new GameBodyT(4, 9, 7, SlotState.Solid)], []);
+    apply(list, [new GameBodyT(4, 9, 7, SlotState.Solid)], []);
     expect(list.bodies.map(({ slot, pose: at }) => [slot, at === undefined])).toEqual([[4, true], [1001, false]]);
-    tell(list, [], [registered(1000, Whereabouts.Gone), registered(1001, Whereabouts.Gone)]);
+    apply(list, [], [registered(1000, Whereabouts.Gone), registered(1001, Whereabouts.Gone)]);
     expect(list.bodies).toEqual([]);
   });
 
-  it('are where they are said to be without a state, and follow', () => {
+  it('follow their reported pose without a state', () => {
     const view = new GameBodiesView('low');
     const shapes = [ball(0.03)];
     view.take([{ slot: 1000, generation: 1, ghost: false, shapes, pose }]);
@@ -55,13 +55,13 @@ describe('bodies beyond the slots', () => {
   });
 });
 
-describe('the picture of bodies of a game', () => {
+describe('the view of a game\'s bodies', () => {
   const body = (slot: number, ghost = false, generation = 1): GameBodyShown => ({ slot, generation, ghost, shapes });
   const shapes = [ball(0.03), ball(0.02)];
   const poseAt = (z: number) => new PoseT(new Vec3T(0.1, 0.2, z), new QuatXyzwT(0, 0, 0, 1));
   const materialOf = (group: Group) => (group.children[0] as Mesh).material as Material;
 
-  it('draws every body where its slot is, and no empty slot', () => {
+  it('draws every body at its slot\'s pose, and no empty slot', () => {
     const view = new GameBodiesView('low');
     view.take([body(1)]);
     expect(view.root.children).toHaveLength(1);
@@ -77,7 +77,7 @@ describe('the picture of bodies of a game', () => {
     expect(view.root.children).toHaveLength(0);
   });
 
-  it('shows a ghost through, and builds only what changed', () => {
+  it('draws ghosts transparent, and rebuilds only what changed', () => {
     const view = new GameBodiesView('low');
     view.take([body(0, true), body(1)]);
     const [ghost, stays] = view.root.children as Group[];

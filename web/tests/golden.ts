@@ -1,4 +1,4 @@
-// The pages read and write golden messages (tests/golden/run.py): node golden.js JOB.json ANSWER.json.
+// Reads and writes golden messages with the pages' code (tests/golden/run.py): node golden.js JOB.json ANSWER.json.
 import { readFileSync, writeFileSync } from 'node:fs';
 import * as flatbuffers from 'flatbuffers';
 import { encodeCommand, type AnyOrder } from '../src/net/orders';
@@ -18,7 +18,7 @@ const job = JSON.parse(readFileSync(process.argv[2], 'utf8')) as Job;
 const layout = job.layout.objects;
 const PAYLOADS = { state: 'WorldState', scene: 'Scene', events: 'Events', welcome: 'Welcome', controls: 'Controls', commissioning: 'Commissioning', reply: 'Reply', bodies: 'GameBodies' } as const;
 
-/** As flatc names a field. */
+/** The name that flatc generates for a field. */
 const camel = (name: string): string => name.replace(/_(\w)/g, (_, letter: string) => letter.toUpperCase());
 
 function bits(kind: string, value: number | bigint): string {
@@ -34,11 +34,11 @@ function element(kind: string, of: string | undefined, value: unknown): unknown 
   return ['f32', 'f64', 'i64', 'u64'].includes(kind) ? bits(kind, value as number | bigint) : value;
 }
 
-/** An unpacked table, as the page has it, in canonical form. */
+/** An unpacked table of the pages in canonical form. */
 function form(name: string, table: object): Form {
   const result: Form = {};
   for (const field of layout[name].fields) {
-    if (field.kind === 'utype' || field.kind === 'union') continue;  // of commands, which a page only writes
+    if (field.kind === 'utype' || field.kind === 'union') continue;  // unions occur only in commands, which a page only writes
     const value = (table as Form)[camel(field.name)];
     if (value === undefined) throw new Error(`${name}.${field.name} is not unpacked`);
     if (value === null || value === '' || (Array.isArray(value) && value.length === 0)) continue;
@@ -50,7 +50,7 @@ function form(name: string, table: object): Form {
 }
 
 function read(bytes: Uint8Array): Form {
-  // Of its very size, as a frame of a WebSocket is.
+  // A buffer of exactly the message's size, like a frame of a WebSocket.
   const message = readMessage(Uint8Array.from(bytes).buffer);
   if (message.is === 'foreign') return { refused: 'version' };
   if (message.is === 'unreadable') return { refused: '' };
@@ -69,7 +69,7 @@ function orderOf(bytes: Uint8Array): protocol.Order {
   return (protocol.Message.getRootAsMessage(new flatbuffers.ByteBuffer(bytes)).payload(new protocol.Command()) as protocol.Command).orderType();
 }
 
-/** Null where the pages do not give such an order. */
+/** Null for an order that the pages do not have. */
 function write(entry: Job['write'][number]): string | null {
   const make = (protocol as unknown as Record<string, new () => AnyOrder>)[`${entry.order}T`];
   const order = new make();
@@ -92,7 +92,7 @@ function timedRead(bytes: Uint8Array): Form {
   } catch (error) {
     return { escaped: String(error) };  // the runner counts it
   } finally {
-    const { user, system } = process.cpuUsage(began);  // [us]: no pause of the machine counts
+    const { user, system } = process.cpuUsage(began);  // [us], without the time of other processes
     longest_ms = Math.max(longest_ms, 1e-3 * (user + system));
   }
 }

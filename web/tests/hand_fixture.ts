@@ -1,4 +1,4 @@
-// The hands of fixtures/hands.json, moved by their own joints: postures for the tests of the skin.
+// The hands of fixtures/hands.json with forward kinematics: postures for the tests of the skin.
 
 import { readFileSync } from 'node:fs';
 import type { SceneT } from '../src/protocol';
@@ -56,7 +56,7 @@ export function posture(base: Vec, fingers: number, circumduction: number, thumb
   return [...base, fingers * DEGREE, circumduction * DEGREE, thumb * DEGREE];
 }
 
-/** The whole of what fingers and thumb can do, on a grid; corners included. */
+/** The whole range of fingers and thumb, on a grid with its corners. */
 export function allPostures(): number[][] {
   const out: number[][] = [];
   for (const fingers of [0, 30, 65, 100, 131, 155, 180])
@@ -65,7 +65,7 @@ export function allPostures(): number[][] {
   return out;
 }
 
-/** What of a scene the skin looks at. */
+/** The part of a scene that the skin uses. */
 export function fixtureScene(hand: FixtureHand): Pick<SceneT, 'capsules' | 'rightHand'> {
   const v = (p: Vec) => ({ x: p[0], y: p[1], z: p[2] });
   return {

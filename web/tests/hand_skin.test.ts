@@ -12,10 +12,10 @@ const MM = 1e-3;
 const REST = posture([0, 0, 0], 90, 45, 30);
 /** Grid spacing of high and of low quality. */
 const STEPS_M = [SKIN_STEP_M.high, SKIN_STEP_M.low];
-// How far a triangle's middle may be off: in low quality a pixel, which is 1 mm at the row (848 of them show a metre).
+// Largest error of a triangle's middle: in low quality a pixel, which is 1 mm at the row (848 pixels show a metre).
 const MIDDLES_M: Readonly<Record<number, number>> = { [SKIN_STEP_M.high]: 0.75 * MM, [SKIN_STEP_M.low]: 1.0 * MM };
 
-// A tenth of the postures, by the seed; WHOLEHAND_FULL=1: all.
+// A tenth of the postures, chosen by the seed; WHOLEHAND_FULL=1: all.
 const SEED = Number(process.env.WHOLEHAND_SEED ?? 1 + Math.floor(Math.random() * 1e6));
 const SLICES = process.env.WHOLEHAND_FULL === '1' ? 1 : 10;
 
@@ -26,7 +26,7 @@ const built = (hand: (typeof HANDS)[number], step: number) => {
   return made.get(name)!;
 };
 
-/** Lets vitest hear from its worker between long computations. */
+/** Returns to the event loop, so that vitest can communicate with its worker between long computations. */
 const breath = () => new Promise((done) => setTimeout(done));
 
 /** Volume inside a closed mesh, from its signed tetrahedra. */
@@ -41,8 +41,8 @@ function volume(mesh: SkinMesh, slot: number): number {
 }
 
 describe('kinematics of the fixture', () => {
-  it.each(HANDS)('$name moves as the program moves it', (hand) => {
-    // Expected: link poses of the program's own ArticulatedBody, exported beside the hand.
+  it.each(HANDS)('of $name agree with the program\'s', (hand) => {
+    // Expected: link poses of the program's own ArticulatedBody, exported with the hand.
     for (const check of hand.checks) {
       const poses = forwardKinematics(hand, check.q);
       check.links.forEach((expected, i) => {
@@ -54,21 +54,21 @@ describe('kinematics of the fixture', () => {
   });
 });
 
-describe('field', () => {
+describe('the distance field', () => {
   const capsule = { name: '', part: 1, link: 0, a: [0, 0, 0], b: [0.03, 0, 0], radius: 0.01, skinA: 0.01, skinB: 0.01, shading: 1e-3 } as const;
 
-  it('of one capsule is the distance to its axis less its radius', () => {
+  it('of one capsule is the distance to its axis minus its radius', () => {
     expect(colliderField([capsule], 0.015, 0.02, 0)).toBeCloseTo(0.01, 12);
     expect(colliderField([capsule], -0.03, 0.04, 0)).toBeCloseTo(0.04, 12);   // 3-4-5
     expect(colliderField([capsule], 0.015, 0, 0)).toBeCloseTo(-0.01, 12);
   });
 
-  it('smooth minimum leaves a quarter of its width between equals, and nothing apart', () => {
+  it('with the smooth minimum is lower by a quarter of its width between equal values, and unchanged apart', () => {
     expect(smoothMin(1, 1, 0.4)).toBeCloseTo(0.9, 12);
     expect(smoothMin(1, 1.4, 0.4)).toBe(1);
   });
 
-  it('of the skin never leaves the colliders by more than its reach, wherever it is zero', () => {
+  it('of the skin is zero only within its reach of the colliders', () => {
     const { shape } = built(HANDS[0], 4 * MM);
     const palm = shape.capsules.filter((c) => c.link === shape.palmLink);
     let seed = 1;
@@ -100,7 +100,7 @@ describe('skin', () => {
       for (const d of [figures.centres, figures.posedCentres]) expect(d.p995).toBeLessThanOrEqual(MIDDLES_M[step]);
     }, 60_000);
 
-  it('of every link is closed: each edge has two triangles, one each way', () => {
+  it('of every link is closed: each edge has two triangles, one in each direction', () => {
     const { mesh } = built(HANDS[0], 1.5 * MM);
     const edges = new Map<string, number>();
     for (let t = 0; t < mesh.triangles.length; t += 3)
@@ -112,44 +112,44 @@ describe('skin', () => {
     expect([...edges.values()].filter((n) => n !== 0)).toEqual([]);
   });
 
-  it('of a fingertip holds the volume of its capsule, outward', () => {
+  it('of a fingertip has the volume of its capsule, and faces outward', () => {
     const { shape, mesh } = built(HANDS[0], 1.5 * MM);
     const slot = shape.links.findIndex((l) => shape.capsules.some((c) => c.link === l && c.name === 'index_distal'));
     const c = shape.capsules.find((k) => k.name === 'index_distal')!;
     const l = Math.hypot(c.b[0] - c.a[0], c.b[1] - c.a[1], c.b[2] - c.a[2]);
-    // Between the capsules of the smallest and the largest radius that the skin may take; closed form.
+    // Bounds: capsules with the smallest and the largest radius that the skin may have, in closed form.
     const capsuleVolume = (r: number) => Math.PI * r * r * l + 4 / 3 * Math.PI * r ** 3;
     expect(volume(mesh, slot)).toBeGreaterThan(capsuleVolume(c.radius - 0.5 * MM));
     expect(volume(mesh, slot)).toBeLessThan(capsuleVolume(c.radius + 0.5 * MM));
   });
 
-  it('is meshed quickly enough not to hold up the page', () => {
+  it('is meshed fast enough not to block the page', () => {
     made.clear();
     const start = process.cpuUsage();
     built(HANDS[0], 1.5 * MM);
-    const took_ms = process.cpuUsage(start).user / 1000;   // of this process: a busy machine lets it wait
+    const took_ms = process.cpuUsage(start).user / 1000;   // of this process: waiting on a busy machine does not count
     console.log(`figure: meshing a hand at 1.5 mm: ${took_ms.toFixed(0)} ms of the processor`);
     expect(took_ms).toBeLessThan(3000);
   });
 });
 
-describe('skin made beside the page', () => {
+describe('a skin made in a worker', () => {
   afterEach(() => { vi.unstubAllGlobals(); });
   const order = (hand: (typeof HANDS)[number]) => {
     const rest = forwardKinematics(hand, REST);
     return [handShape(fixtureScene(hand), rest), rest, 4 * MM] as const;
   };
 
-  /** toEqual would look at every number for seconds. */
+  /** toEqual would compare every number, which takes seconds. */
   const bytes = (mesh: SkinMesh) => Object.values(mesh).map(({ buffer }) => createHash('sha256').update(new Uint8Array(buffer as ArrayBuffer)).digest('hex'));
 
-  it('is what skinMesh makes, of a worker that is asked once for a hand', async () => {
+  it('equals that of skinMesh, and is made once for a hand', async () => {
     const asked: SkinOrder[] = [];
     let ended = 0;
     vi.stubGlobal('Worker', class {
       onmessage: (message: { data: SkinMesh }) => void = () => {};
       postMessage(wanted: SkinOrder): void {
-        const copy = structuredClone(wanted);   // as a message is
+        const copy = structuredClone(wanted);   // like a message
         asked.push(copy);
         setTimeout(() => this.onmessage({ data: skinMesh(copy.shape, copy.poses, copy.step) }));
       }
@@ -161,7 +161,7 @@ describe('skin made beside the page', () => {
     expect([asked.length, ended]).toEqual([1, 1]);
   });
 
-  it('is made by the page itself where no worker can be had', async () => {
+  it('is made by the page if no worker is available', async () => {
     vi.stubGlobal('Worker', undefined);
     expect(bytes(await madeSkin(...order(HANDS[1])))).toEqual(bytes(skinMesh(...order(HANDS[1]))));
   });

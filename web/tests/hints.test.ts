@@ -1,8 +1,8 @@
-// Hints rise after 6, 12 and 20 s of nothing done (issue 13), and fall when something is.
+// Hints rise after 6, 12 and 20 s without action (issue 13), and reset after an action.
 import { expect, it } from 'vitest';
 import { Hints, type HintLevel } from '../src/game/hints';
 
-it('Hints_WhileNothingIsDone_RiseAfterSixTwelveAndTwentySeconds', () => {
+it('Hints_WithoutAction_RiseAfterSixTwelveAndTwentySeconds', () => {
   const hints = new Hints();
   const at: Record<number, HintLevel> = {};
   for (let t = 0; t <= 200; t += 1) at[t / 10] = hints.look('reach 0 0', t === 0 ? 0 : 0.1);
@@ -12,7 +12,7 @@ it('Hints_WhileNothingIsDone_RiseAfterSixTwelveAndTwentySeconds', () => {
   expect(hints.look('reach 0 0', 0.1)).toBe(0);
 });
 
-it('Hints_OfAnotherTask_BeginAnew', () => {
+it('Hints_ForAnotherTask_StartAgain', () => {
   const hints = new Hints();
   hints.look('reach 0 0', 0);
   expect(hints.look('reach 0 0', 30)).toBe(3);

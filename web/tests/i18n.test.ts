@@ -25,7 +25,7 @@ const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
 test.each([
   ['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['fr, of the bar', barFr, barEn], ['de, of free grasping', graspDe, graspEn],
   ['fr, of free grasping', graspFr, graspEn], ['de, of the levels', levelDe, levelEn], ['fr, of the levels', levelFr, levelEn], ['de, of the kitchen', kitchenDe, kitchenEn], ['fr, of the kitchen', kitchenFr, kitchenEn],
-])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts, english) => {
+])('Texts_In_%s_HaveTheKeysAndPlaceholdersOfEnglish', (_name, texts, english) => {
   expect(Object.keys(texts).sort()).toEqual(Object.keys(english).sort());
   for (const [key, value] of Object.entries(english)) {
     const translated = (texts as Record<string, string>)[key];
@@ -34,9 +34,9 @@ test.each([
   }
 });
 
-test('Texts_InGerman_AreSpeltTheSwissWay', () => {
+test('Texts_InGerman_UseSwissSpelling', () => {
   for (const [key, value] of Object.entries({ ...de, ...barDe })) expect(value, key).not.toContain('ß');
-  // Of every page.
+  // The texts of every page.
   const src = new URL('../src/', import.meta.url);
   const files = readdirSync(src, { recursive: true, encoding: 'utf8' }).filter((name) => name.endsWith('i18n/de.ts'));
   expect(files.length).toBeGreaterThan(6);
@@ -63,13 +63,13 @@ test('Texts_HaveAWordForEveryFaultOfTheProgram', () => {
   expect(names.filter((name) => !(name in en))).toEqual([]);
 });
 
-test('Language_FromWishes_IsTheFirstThatWeHave', () => {
+test('Language_FromWishes_IsTheFirstAvailable', () => {
   expect(chooseLanguage([null, 'it-CH', 'fr-CH', 'de'])).toBe('fr');
   expect(chooseLanguage(['DE-ch'])).toBe('de');
   expect(chooseLanguage(['ja', undefined])).toBe('en');
 });
 
-test('Fill_APlaceWithoutValue_StaysVisible', () => {
+test('Fill_PlaceholderWithoutValue_StaysVisible', () => {
   expect(fill('{a} of {b} ml', { a: 12 })).toBe('12 of {b} ml');
 });
 
@@ -81,8 +81,8 @@ test('Texts_NameEveryLiquidAndDrinkOfTheShippedExercises', () => {
   expect(names.filter((name) => !(name in barEn))).toEqual([]);
 });
 
-// WCAG 2.5.3: who speaks to the page says what stands on a button.
-test.each([consoleEn, consoleFr, consoleDe].map((t) => t.recordings))('accessible names of a recording hold the words that are seen ($download)', (t) => {
+// WCAG 2.5.3: speech users say the visible text of a button.
+test.each([consoleEn, consoleFr, consoleDe].map((t) => t.recordings))('accessible names of a recording contain the visible words ($download)', (t) => {
   expect(fill(t.downloadOf, { name: 'A' })).toContain(t.download);
   expect(fill(t.reportOf, { name: 'A' })).toContain(t.report);
   expect(fill(t.replayOf, { name: 'A' })).toContain(t.replay);

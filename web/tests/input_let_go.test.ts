@@ -1,4 +1,4 @@
-// Whatever takes the input away opens the hand, and what nobody holds asks for nothing.
+// Every loss of the input opens the hand, and unheld inputs request nothing.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { AimModel } from '../src/input/aim_model';
 import { Controls } from '../src/input/controls';
@@ -29,10 +29,10 @@ class Picture extends EventTarget {
 }
 const event = (type: string, more: object = {}): Event => Object.assign(new Event(type), { buttons: 1, button: 0, isPrimary: true, pointerId: 1, clientX: 500, clientY: 300, ...more });
 
-describe('controls that are taken away', () => {
+describe('loss of the input', () => {
   let tellScene: (reported: SceneT) => void;
-  /** A person who has closed the hand with Space; the axes of the robot. */
-  function closing(): { controls: Controls; aims: number[][]; tell: (name: string) => void; state: WorldStateT; connection: { controls: { heldByYou: boolean } } } {
+  /** A person who has closed the hand with Space; the axes are the robot's. */
+  function closing(): { controls: Controls; aims: number[][]; emit: (name: string) => void; state: WorldStateT; connection: { controls: { heldByYou: boolean } } } {
     vi.useFakeTimers();
     vi.stubGlobal('Element', class {});
     vi.stubGlobal('navigator', {});
@@ -60,31 +60,31 @@ describe('controls that are taken away', () => {
     vi.advanceTimersByTime(2500);
     expect(aims.at(-1)![1]).toBeGreaterThan(2.5);
     tellScene = (reported) => listeners.get('scene')?.(reported);
-    return { controls, aims, tell: (name) => listeners.get(name)?.(undefined), state, connection };
+    return { controls, aims, emit: (name) => listeners.get(name)?.(undefined), state, connection };
   }
-  /** Half bent or less, and the thumb straight: nothing is squeezed. */
+  /** Fingers at most half bent, and the thumb straight: nothing is squeezed. */
   function expectOpen(aim: readonly number[]): void {
     expect(aim[1]).toBeLessThanOrEqual(postureOf('finger_flexion', 0) + 1e-9);
     expect(aim[2]).toBe(0);
   }
 
-  it('by a card over the play: the hand opens at once', () => {
+  it('by a card over the play opens the hand at once', () => {
     const { controls, aims } = closing();
     controls.disable();
     expectOpen(aims.at(-1)!);
     const before = aims.length;
     vi.advanceTimersByTime(1000);
-    expect(aims).toHaveLength(before);  // asked for once: the program keeps the last aim
+    expect(aims).toHaveLength(before);  // requested once: the program keeps the last aim
   });
 
-  it('by a page that is left: the hand opens before it is silent', () => {
-    const { controls, aims, tell } = closing();
-    tell('leaving');
+  it('by leaving the page opens the hand before the page is silent', () => {
+    const { controls, aims, emit } = closing();
+    emit('leaving');
     expectOpen(aims.at(-1)!);
     controls.disable();
   });
 
-  it('by another window: the hand opens in its own time', () => {
+  it('by another window opens the hand at its usual rate', () => {
     const { controls, aims } = closing();
     WINDOW.dispatchEvent(new Event('blur'));
     vi.advanceTimersByTime(1000);
@@ -92,7 +92,7 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  it('but not by a profile that a therapist saves, which tells the same scene anew', () => {
+  it('does not happen when a therapist saves a profile, which sends the same scene again', () => {
     const { controls, aims, connection } = closing();
     const { scene } = connection as unknown as { scene: SceneT };
     const before = aims.length;
@@ -103,7 +103,7 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  it('asks for nothing on a real device, whose hand is the person\'s own', () => {
+  it('sends nothing on a real device, whose hand is the person\'s own', () => {
     const { controls, aims, state, connection } = closing();
     state.intention = [];
     state.steering = Steering.VirtualPatient;
@@ -114,9 +114,9 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  it('by a camera or a pad that is gone: the hand opens at once, and nothing is asked for any more', () => {
+  it('by a camera or a pad that is gone opens the hand at once, and sends no more requests', () => {
     const { controls, aims } = closing();
-    // As Webcam and GamepadWay do it.
+    // The calls of Webcam and GamepadWay.
     for (const way of (controls as unknown as { ways: { claimed_s: number }[] }).ways) way.claimed_s = -Infinity;
     vi.advanceTimersByTime(20);
     expectOpen(aims.at(-1)!);
@@ -126,7 +126,7 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  it('by the program: a key that is still held does not take them again', () => {
+  it('by the program is not undone by a key that is still held', () => {
     const { controls, aims, connection } = closing();
     connection.controls = { heldByYou: false };
     const before = aims.length;
@@ -136,8 +136,8 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  // That it draws back, too: steered_hand.test.ts; here is no bottle.
-  it('by nobody: a hand that is taken over in a grip opens before the person touches anything', () => {
+  // The withdrawal is tested in steered_hand.test.ts; there is no bottle here.
+  it('is not needed for a hand that is taken over in a grip: it opens before the first input', () => {
     const { controls, aims, state } = closing();
     controls.disable();
     state.qM = state.intention = [0.05, 2.5, 1];
@@ -151,7 +151,7 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
-  it('but open a hand that nobody closed to where it was', () => {
+  it('keeps an open hand that nobody closed in its posture', () => {
     const model = new AimModel([{ name: 'finger_flexion', lower: 0, upper: Math.PI }]);
     model.begin([postureOf('finger_flexion', 0)]);
     model.step(restingWish(), { device: [1], grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, target: -1, letGo: false, touches: [] }, 0.016);
@@ -161,19 +161,19 @@ describe('controls that are taken away', () => {
   });
 });
 
-describe('a game pad', () => {
+describe('a gamepad', () => {
   const pad = (axes: number[], more: Partial<PadReading> = {}, trigger = 0): PadReading & { index: number } => ({
     mapping: 'standard', index: 0, axes, buttons: Array.from({ length: 17 }, (_, i) => ({ value: i === 7 ? trigger : 0, pressed: false })), ...more,
   });
 
-  it('without the standard mapping asks for nothing: its axes may be pedals that rest at -1', () => {
+  it('without the standard mapping is ignored: its axes may be pedals that rest at -1', () => {
     expect(wishOfPad(pad([-1, -1, -1, -1], { mapping: '' }))).toBeUndefined();
     const watch = new PadWatch();
     expect(watch.look([pad([0, 0, 0, 0], { mapping: '' })]).wish).toBeUndefined();
     expect(watch.look([pad([-1, -1, -1, -1], { mapping: '' })])).toEqual({ wish: undefined, claims: false });
   });
 
-  it('counts once it was seen at rest: a stick that never is steers nothing', () => {
+  it('counts only after it was seen at rest, so that a defective stick does not steer', () => {
     const worn = new PadWatch();
     for (let i = 0; i < 100; i += 1) expect(worn.look([pad([0.4, 0, 0, 0])])).toEqual({ wish: undefined, claims: false });
     const good = new PadWatch();
@@ -181,7 +181,7 @@ describe('a game pad', () => {
     expect(good.look([null, pad([0, -1, 0, 0])]).wish?.velocity.x).toBe(0.15);
   });
 
-  it('claims the steering when it changes, and not while it is stuck', () => {
+  it('claims the steering when it changes, but not while it is stuck', () => {
     const watch = new PadWatch();
     watch.look([pad([0, 0, 0, 0])]);
     expect(watch.look([pad([0, -1, 0, 0])]).claims).toBe(true);
@@ -190,7 +190,7 @@ describe('a game pad', () => {
     expect(watch.look([pad([0, 0, 0, 0], {}, 0.8)]).claims).toBe(true);
   });
 
-  it('that is held when the input is taken away has to be let go of first', () => {
+  it('that is held when the input is lost must be released first', () => {
     const watch = new PadWatch();
     watch.look([pad([0, 0, 0, 0])]);
     expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish?.squeeze).toBe(1);
@@ -201,8 +201,8 @@ describe('a game pad', () => {
   });
 });
 
-describe('a press that came and went between two looks of a slow page', () => {
-  it('is one, by key, mouse and finger; what somebody took back is none', () => {
+describe('a press that began and ended between two looks of a slow page', () => {
+  it('counts for key, mouse and finger, unless it was cancelled', () => {
     vi.stubGlobal('Element', class {});
     const keys = new Keys();
     keys.enable();
@@ -231,7 +231,7 @@ describe('a press that came and went between two looks of a slow page', () => {
 });
 
 describe('a mouse', () => {
-  it.each(['pointercancel', 'lostpointercapture', 'blur', 'contextmenu'])('that is taken away by %s does not squeeze on', (type) => {
+  it.each(['pointercancel', 'lostpointercapture', 'blur', 'contextmenu'])('stops squeezing after %s', (type) => {
     const picture = new Picture();
     const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
     mouse.enable();
@@ -242,7 +242,7 @@ describe('a mouse', () => {
     mouse.disable();
   });
 
-  it('whose button was released without an event does not squeeze on', () => {
+  it('stops squeezing if its button was released without an event', () => {
     const picture = new Picture();
     const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
     mouse.enable();
@@ -259,16 +259,16 @@ describe('a finger', () => {
   function touched(): { picture: Picture; touch: Touch } {
     const picture = new Picture();
     const touch = new Touch(picture as unknown as HTMLElement, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }));
-    Object.assign(touch, { buttons: { remove: () => {} } });  // they need a document
+    Object.assign(touch, { buttons: { remove: () => {} } });  // the buttons need a document
     touch.enable();
     return { picture, touch };
   }
-  it('gets buttons only while they are needed: they cover a part of the picture', () => {
+  it('shows buttons only while they are needed, since they cover a part of the picture', () => {
     const picture = new Picture();
     let needed = false, made = 0, removed = 0;
     const touch = new Touch(picture as unknown as HTMLElement, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), () => 2, () => true, () => needed);
     const buttons = { remove: () => { removed += 1; } };
-    Object.assign(touch, { showButtons: () => { made += 1; Object.assign(touch, { buttons }); } });  // they need a document
+    Object.assign(touch, { showButtons: () => { made += 1; Object.assign(touch, { buttons }); } });  // the buttons need a document
     touch.enable();
     const seen: (readonly number[])[] = [];
     for (const now of [false, true, false]) {
@@ -284,7 +284,7 @@ describe('a finger', () => {
   const pen = { pointerType: 'pen', pointerId: 9 };
   const finger = (pointerId: number, isPrimary: boolean): object => ({ pointerType: 'touch', pointerId, isPrimary });
 
-  it('after a pen that hovered drags, and does not squeeze', () => {
+  it('after a hovering pen drags, and does not squeeze', () => {
     const { picture, touch } = touched();
     picture.dispatchEvent(event('pointermove', { ...pen, buttons: 0 }));
     picture.dispatchEvent(event('pointerdown', finger(1, true)));
@@ -293,7 +293,7 @@ describe('a finger', () => {
     touch.disable();
   });
 
-  it('or the side of a hand beside a pen that drags does not squeeze; a second finger does', () => {
+  it('or the side of a hand beside a dragging pen does not squeeze; a second finger does', () => {
     const { picture, touch } = touched();
     picture.dispatchEvent(event('pointerdown', pen));
     picture.dispatchEvent(event('pointerdown', finger(1, true)));
@@ -308,7 +308,7 @@ describe('a finger', () => {
     touch.disable();
   });
 
-  it('whose end was not reported is forgotten with the next first finger', () => {
+  it('without an end event is forgotten with the next first finger', () => {
     const { picture, touch } = touched();
     picture.dispatchEvent(event('pointerdown', finger(1, true)));
     picture.dispatchEvent(event('pointerdown', finger(2, true)));
@@ -318,7 +318,7 @@ describe('a finger', () => {
 });
 
 describe('a camera', () => {
-  it('that is unplugged, muted or stands still gives no new pictures', () => {
+  it('that is unplugged, muted or frozen gives no new pictures', () => {
     class Stream { track = { readyState: 'live', muted: false }; getVideoTracks(): object[] { return [this.track]; } }
     vi.stubGlobal('MediaStream', Stream);
     const stream = new Stream();

@@ -12,7 +12,7 @@ import { de } from '../src/input/i18n/de';
 import { fr } from '../src/input/i18n/fr';
 
 describe('keys', () => {
-  it('x goes away from the person, y left, z up', () => {
+  it('move x away from the person, y left, z up', () => {
     const wish = wishOfMoves(new Set(['away', 'left', 'up', 'squeeze'] as const));
     expect(Math.sign(wish.velocity.x)).toBe(1);
     expect(Math.sign(wish.velocity.y)).toBe(1);
@@ -20,7 +20,7 @@ describe('keys', () => {
     expect(wish.squeeze).toBe(true);
   });
 
-  it('opposite keys cancel each other', () => {
+  it('cancel each other in opposite directions', () => {
     expect(wishOfMoves(new Set(['left', 'right'] as const)).velocity.y).toBe(0);
   });
 });
@@ -28,20 +28,20 @@ describe('keys', () => {
 describe('mouse', () => {
   const box = { left: 100, top: 50, width: 1000, height: 600 };
 
-  it('the middle of the picture is the middle of the workspace', () => {
+  it('maps the middle of the picture to the middle of the workspace', () => {
     const at = placeOfPointer(600, 350, box);
     expect(at.y).toBeCloseTo(0, 12);
     expect(at.z).toBeCloseTo(0, 12);
   });
 
-  it('left in the picture is left (y positive), up is up; 350 px are the whole half range', () => {
+  it('maps left in the picture to positive y and up to z; 350 px are half the range', () => {
     expect(placeOfPointer(250, 350, box).y).toBeCloseTo(1, 12);
     expect(placeOfPointer(775, 350, box).y).toBeCloseTo(-0.5, 12);
     expect(placeOfPointer(600, 140, box).z).toBeCloseTo(1, 12);
     expect(placeOfPointer(-500, 350, box).y).toBe(1);
   });
 
-  it('scrolling up goes away; a line is 33 px', () => {
+  it('moves away when scrolling up; a line counts as 33 px', () => {
     expect(depthAfterWheel(0, -100, 0)).toBeCloseTo(0.12, 12);
     expect(depthAfterWheel(0, 3, 1)).toBeCloseTo(-0.1188, 12);
     expect(depthAfterWheel(0.95, -300, 0)).toBe(1);
@@ -49,15 +49,15 @@ describe('mouse', () => {
 });
 
 describe('touch', () => {
-  it('dragging up goes away, dragging left goes left', () => {
-    // 180 px of a 600 px side with 60 % of it in play: the whole half range.
+  it('moves away when dragged up, and left when dragged left', () => {
+    // 180 px of a 600 px side with 60 % of it in use: the whole half range.
     const drag = new Drag(1, 300, 300, { x: 0, y: 0 });
     drag.moveTo(210, 255, 600);
     expect(drag.place.x).toBeCloseTo(0.25, 12);
     expect(drag.place.y).toBeCloseTo(0.5, 12);
   });
 
-  it('beyond the end of the range nothing is owed: coming back moves at once', () => {
+  it('keeps no excess beyond the end of the range: moving back has an effect at once', () => {
     const drag = new Drag(1, 300, 300, { x: 0, y: 0 });
     drag.moveTo(300, 900, 600);
     expect(drag.place.x).toBe(-1);
@@ -65,7 +65,7 @@ describe('touch', () => {
     expect(drag.place.x).toBeCloseTo(-0.9, 12);
   });
 
-  it('goes on from where the help took the hand', () => {
+  it('continues from where the help moved the hand', () => {
     const drag = new Drag(1, 300, 300, { x: 0, y: -1 });
     drag.overruled({ y: 0.2 });
     drag.moveTo(255, 300, 600);  // 45 of 180 px to the left
@@ -73,37 +73,37 @@ describe('touch', () => {
   });
 });
 
-describe('game pad', () => {
+describe('gamepad', () => {
   const rest = Array.from({ length: 17 }, () => ({ value: 0, pressed: false }));
 
-  it('a stick near its middle asks for nothing; half of what is left over asks for a quarter', () => {
+  it('has a dead zone and a quadratic stick: half of the remaining range gives a quarter', () => {
     expect(stick(0.14)).toBe(0);
     expect(stick(-0.575)).toBeCloseTo(-0.25, 12);  // (0.575 - 0.15) / 0.85 = 0.5, squared
     expect(stick(1)).toBe(1);
   });
 
-  it('nothing moved is no wish', () => {
+  it('gives no wish at rest', () => {
     expect(wishOfPad({ mapping: 'standard', axes: [0, 0, 0, 0], buttons: rest })).toBeUndefined();
   });
 
-  it('left stick up goes away, to the left goes left, right stick up lifts', () => {
+  it('moves away and left with the left stick, and lifts with the right stick', () => {
     const wish = wishOfPad({ mapping: 'standard', axes: [-1, -1, 0, -1], buttons: rest });
     expect(wish?.velocity).toEqual({ x: 0.15, y: 0.15, z: 0.15 });
   });
 
-  it('a trigger squeezes as far as it is pulled', () => {
+  it('squeezes as far as its trigger is pulled', () => {
     const buttons = rest.map((button, i) => (i === 7 ? { value: 0.6, pressed: true } : button));
     expect(wishOfPad({ mapping: 'standard', axes: [0, 0, 0, 0], buttons })?.squeeze).toBe(0.6);
   });
 });
 
 describe('one-euro filter', () => {
-  it('weight of a sample: 1 Hz cut-off at 60 Hz is 0.0948', () => {
+  it('has the weight 0.0948 at a cut-off of 1 Hz and 60 Hz', () => {
     // tau = 1/(2 pi) = 0.159155 s, T = 1/60: 1 / (1 + 9.5493) = 0.094793
     expect(lowPassWeight(1, 1 / 60)).toBeCloseTo(0.094793, 6);
   });
 
-  it('with beta 0 it is a first-order low-pass', () => {
+  it('with beta 0 is a first-order low-pass', () => {
     const filter = new OneEuroFilter({ minCutoff_hz: 1, beta: 0, speedCutoff_hz: 1 });
     filter.filter(0, 0);
     const weight = lowPassWeight(1, 0.1);
@@ -111,7 +111,7 @@ describe('one-euro filter', () => {
     expect(filter.filter(1, 0.2)).toBeCloseTo(1 - (1 - weight) ** 2, 12);
   });
 
-  it('follows a fast hand more closely than a slow one', () => {
+  it('follows a fast hand with less delay than a slow one', () => {
     const lagAfter = (step: number): number => {
       const filter = new OneEuroFilter({ minCutoff_hz: 1, beta: 3, speedCutoff_hz: 1 });
       for (let k = 0; k < 60; k += 1) filter.filter(k * step, k / 60);
@@ -120,7 +120,7 @@ describe('one-euro filter', () => {
     expect(lagAfter(0.05)).toBeLessThan(lagAfter(0.001) / 2);
   });
 
-  it('a value that is no number, or a clock that stands still, changes nothing', () => {
+  it('ignores a value that is not a number, and a clock that stands still', () => {
     const filter = new OneEuroFilter({ minCutoff_hz: 1, beta: 0, speedCutoff_hz: 1 });
     filter.filter(2, 1);
     expect(filter.filter(Number.NaN, 1.1)).toBe(2);
@@ -129,7 +129,7 @@ describe('one-euro filter', () => {
 });
 
 describe('webcam', () => {
-  /** A hand in a plane: palm down from the wrist, every finger joint bent by `angle`. */
+  /** A planar hand: palm down from the wrist, every finger joint bent by `angle`. */
   function hand(angle: number, scale = 1, dx = 0): Landmark[] {
     const points: Landmark[] = [{ x: 0.5 + dx, y: 0.8, z: 0 }];
     for (let digit = 0; digit < 5; digit += 1) {
@@ -144,47 +144,47 @@ describe('webcam', () => {
     return points;
   }
 
-  it('a right angle bends by pi/2, a straight chain by 0', () => {
+  it('measures a bend of pi/2 at a right angle, and 0 in a straight chain', () => {
     const p = (x: number, y: number): Landmark => ({ x, y, z: 0 });
     expect(bend(p(0, 0), p(1, 0), p(1, 1))).toBeCloseTo(Math.PI / 2, 12);
     expect(bend(p(0, 0), p(1, 0), p(2, 0))).toBe(0);
   });
 
-  it('three joints bent by 40 degrees each are 120 degrees of finger flexion', () => {
+  it('sums three joints of 40 degrees each to 120 degrees of finger flexion', () => {
     const reading = readHand(hand((40 * Math.PI) / 180), hand((40 * Math.PI) / 180), 4 / 3)!;
     expect(reading.fingers_rad).toBeCloseTo((120 * Math.PI) / 180, 6);
     expect(curl(reading)).toBeCloseTo((2.0944 - 0.9) / 2.5, 4);
   });
 
-  it('a flat hand is open, a fist is closed', () => {
+  it('reads a flat hand as open, and a fist as closed', () => {
     expect(curl(readHand(hand(0), hand(0), 1)!)).toBe(0);
     expect(curl(readHand(hand(1.3), hand(1.3), 1)!)).toBe(1);
   });
 
-  it('to the left of the person is to the right of the picture, and y positive', () => {
+  it('maps the picture\'s right to the person\'s left, with positive y', () => {
     const reading = readHand(hand(0, 1, 0.15), hand(0), 1)!;
     expect(reading.palmX).toBeCloseTo(0.65, 9);
     expect(place(reading, reading.palmSize).y).toBeCloseTo(0.5, 9);
   });
 
-  it('a hand that looks 1.6 times as large is as far away from the person as it goes', () => {
+  it('maps a hand that appears 1.6 times as large to the farthest position from the person', () => {
     const rest = readHand(hand(0), hand(0), 1)!;
     expect(place(rest, rest.palmSize).x).toBe(0);
     expect(place({ ...rest, palmSize: 1.6 * rest.palmSize }, rest.palmSize).x).toBeCloseTo(1, 9);
     expect(place({ ...rest, palmSize: rest.palmSize / 1.6 }, rest.palmSize).x).toBeCloseTo(-1, 9);
   });
 
-  it('the first picture is the middle of the depth', () => {
+  it('takes the first picture as the middle of the depth', () => {
     const follower = new HandFollower();
     const reading = readHand(hand(0), hand(0), 1)!;
     expect(follower.follow(reading, 0).place.x).toBe(0);
   });
 
-  it('too few points are no hand', () => {
+  it('sees no hand with too few points', () => {
     expect(readHand([], [], 1)).toBeUndefined();
   });
 
-  it('says refused, absent or busy by what the browser threw', () => {
+  it('distinguishes refused, absent and busy cameras by the browser\'s error', () => {
     const named = (name: string): Error => Object.assign(new Error(), { name });
     expect(problemOf(named('NotAllowedError'))).toBe('refused');
     expect(problemOf(named('NotFoundError'))).toBe('absent');
@@ -192,8 +192,8 @@ describe('webcam', () => {
   });
 });
 
-describe('which way is in use', () => {
-  it('is the one used last; none when none was', () => {
+describe('the present input method', () => {
+  it('is the one used last; none if none was used', () => {
     expect(latestOf([{ claimed_s: -Infinity }])).toBeUndefined();
     const keys = { claimed_s: 3 };
     const mouse = { claimed_s: 5 };
@@ -206,7 +206,7 @@ describe('texts', () => {
     typeof value === 'string' ? value.length > 0
       : Object.fromEntries(Object.entries(value as object).map(([k, v]) => [k, shape(v)]));
 
-  it('German and French say as much as English, with nothing empty', () => {
+  it('in German and French are complete, with nothing empty', () => {
     for (const other of [de, fr]) {
       expect(Object.keys(other.help)).toEqual(Object.keys(en.help));
       for (const way of Object.keys(en.help) as (keyof typeof en.help)[]) {
@@ -218,7 +218,7 @@ describe('texts', () => {
     }
   });
 
-  it('German is spelt the Swiss way', () => {
+  it('in German use Swiss spelling', () => {
     expect(JSON.stringify(de)).not.toContain('ß');
   });
 });

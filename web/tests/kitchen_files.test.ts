@@ -1,4 +1,4 @@
-// The shipped tasks of the kitchen, as files: console, report and replay show what their panels name.
+// The files of the shipped kitchen tasks: console, report and replay show the values of their panels.
 import { readdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
 import { describe, expect, it } from 'vitest';
@@ -7,10 +7,10 @@ const FOLDER = resolve(__dirname, '../../config/exercises');
 const TASKS = readdirSync(FOLDER).map((name) => ({ name, toml: readFileSync(join(FOLDER, name), 'utf8') })).filter(({ toml }) => /^exercise = "kitchen"/m.test(toml));
 const tablesOf = (toml: string, name: string): string[] => toml.split(/^\[/m).filter((table) => table.startsWith(`[${name}]]`));
 
-it('there are as many as the manual says', () => { expect(TASKS.length).toBeGreaterThanOrEqual(6); });
+it('there are as many as the manual states', () => { expect(TASKS.length).toBeGreaterThanOrEqual(6); });
 
 describe.each(TASKS)('$name', ({ toml }) => {
-  it('has words for every step and for the end, in three languages', () => {
+  it('has texts for every step and for the end, in three languages', () => {
     const words = tablesOf(toml, 'panel.instructions');
     expect(words).toHaveLength(tablesOf(toml, 'steps').length + 1);
     for (const table of words) for (const language of ['en', 'fr', 'de']) expect(table).toMatch(new RegExp(`^${language} = ".+"`, 'm'));

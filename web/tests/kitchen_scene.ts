@@ -1,4 +1,4 @@
-// A made-up scene of the kitchen for tests and pictures: a drawer with a vertical bar, or a door with one.
+// A synthetic kitchen scene for tests and pictures: a drawer with a vertical bar, or a door with one.
 import { BodyT, PanelT, PanelValueT, PoseT, QuatXyzwT, SceneT, ShapeT, ShapeType, Vec3T, WordsT, WorldStateT } from '../src/protocol';
 
 type Triple = readonly [number, number, number];
@@ -17,9 +17,9 @@ const FIXED: readonly { name: string; size: Triple; at: Triple; color: string }[
 
 export const VALUES = ['instruction', 'step', 'steps', 'score', 'done', 'paused', 'joint_q', 'goal_low', 'goal_high', 'handle_n', 'squeeze_n', 'held_s', 'time_s'];
 
-/** Where the bar's middle is while the front is shut. */
+/** Position of the bar's middle while the front is shut. */
 const SHUT: Triple = [0.1, 0.03, 0.004];
-/** Fronts and boards, as config/scenes/drawer.toml has them: the first body is what is moved. */
+/** Fronts and boards like those of config/scenes/drawer.toml: the first body is the movable one. */
 export const DRAWER = {
   kind: 'kitchen', task: 'drawer',
   steps: [
@@ -28,14 +28,14 @@ export const DRAWER = {
   ],
   things: [{ body: 0, joint: { type: 'slide', axis: [-1, 0, 0], point_m: [0, 0, 0], least: 0, most: 0.12 } }],
 };
-/** Its hinge is 0.12 m to the right of the bar, and 0.06 m behind it. It turns towards the person and to the right. */
+/** The hinge is 0.12 m to the right of the bar, and 0.06 m behind it. The door turns towards the person and to the right. */
 export const HINGE = { x: 0.16, y: -0.09 } as const;
 export const DOOR = {
   ...DRAWER, task: 'door', steps: DRAWER.steps.map((step) => ('to' in step && step.to ? { ...step, to: 0.9 } : step)),
   things: [{ body: 0, joint: { type: 'hinge', axis: [0, 0, 1], point_m: [HINGE.x, HINGE.y, 0], least: 0, most: 1.05 } }],
 };
 
-/** The same front, free, is put to the left; and it is pressed. */
+/** The same front without a joint: it is put to the left, and pressed. */
 export const PUT = {
   ...DRAWER, task: 'put', steps: [{ verb: 'put', body: 0, center_m: [0.06, 0.28, 0.02], half_size_m: [0.08, 0.18, 0.09] }, { verb: 'press', body: 0, force_n: 4, for_s: 1 }, { verb: 'let_go', body: 0 }], things: [{ body: 0 }],
 };
@@ -60,7 +60,7 @@ export function kitchenScene(task: object = DRAWER, right = true): SceneT {
   return scene;
 }
 
-/** The state at a step, with the joint at q. */
+/** The state in a step, with the joint at q. */
 export function kitchenState(now: Readonly<Record<string, number>>, task: object = DRAWER): WorldStateT {
   const state = new WorldStateT(), q = now.joint_q ?? 0, [x, y, z] = SHUT, dx = x - HINGE.x, dy = y - HINGE.y;
   state.values = VALUES.map((name) => now[name] ?? 0);

@@ -1,5 +1,5 @@
 // All bands of squeezing to a level with full help, by one button, on the simulated clock: a person who presses when the
-// screen asks to take hold, and does nothing else.
+// screen asks for a grip, and does nothing else.
 import { expect, it } from 'vitest';
 import { targetsOf } from '../src/exercises';
 import { Instruction } from '../src/exercises/squeeze_to_level/grip';
@@ -9,7 +9,7 @@ import { restingWish } from '../src/input/wish';
 import { ShapeType } from '../src/protocol';
 import { LOOK_S, SteeredHand } from './steered_hand';
 
-/** Three bands, each reached, held for 2 s and left: as long as three drinks' steps with full help. */
+/** Time limit for three bands, each reached, held for 2 s and left: as long as three steps of drinks with full help. */
 const ALL_S = 90;
 
 it.each(['right', 'left'])('three presses hold all bands, %s hand', async (side) => {
@@ -24,7 +24,7 @@ it.each(['right', 'left'])('three presses hold all bands, %s hand', async (side)
       asked_s = hand.value('instruction') === Instruction.Reach && !model.onItsWay && model.squeeze === 0 ? asked_s + LOOK_S : 0;
       const down = asked_s > 1 && asked_s < 1.2;
       if (down && asked_s < 1 + 1.5 * LOOK_S) presses += 1;
-      await hand.aim([...model.step({ ...restingWish(), squeeze: down }, seen.see(hand.state), LOOK_S)], t === 0);
+      await hand.aim([...model.step({ ...restingWish(), squeeze: down }, seen.onState(hand.state), LOOK_S)], t === 0);
       expect(hand.now.faults, 'faults that stopped the loop').toBe(0);
       if (hand.value('bands_done') === 0) most_n = Math.max(most_n, hand.value('squeeze_n'));
     }

@@ -1,4 +1,4 @@
-// The balloon of squeezing to a level: where it is, and what it asks for.
+// The balloon of squeezing to a level: its position, and its cue.
 import { describe, expect, it } from 'vitest';
 import type { SceneT } from '../src/protocol';
 import { ShapeType } from '../src/protocol';
@@ -23,7 +23,7 @@ describe('the cue', () => {
     expect(flight({ instruction, bands: 3 }).cue).toBe(cue);
   });
 
-  it('has a band only while one is to be held', () => {
+  it('has a band only while one must be held', () => {
     const goal = { goal_low_n: 1.2, goal_high_n: 2.2, bands: 3 };
     expect(flight({ ...goal, instruction: Instruction.More }).band).toEqual({ low: heightOf(1.2), high: heightOf(2.2) });
     expect(flight({ ...goal, instruction: Instruction.LetGo }).band).toBeNull();
@@ -43,18 +43,18 @@ describe('the balloon', () => {
     expect([heightOf(-1), heightOf(0), heightOf(1e3)]).toEqual([0, 0, 1]);
   });
 
-  // The area of the flame is as the flow.
-  it('burns as high as what flows out, and not while air flows back', () => {
+  // The area of the flame is proportional to the flow.
+  it('burns with the flow out of the grip, and not while air returns', () => {
     expect([-1, 0, 0.5, 2, 9].map((flow_ml_s) => flight({ flow_ml_s }).flame)).toEqual([0, 0, 0.5, 1, 1]);
   });
 
-  it('fills the band with the time that was held', () => {
+  it('fills the band with the held time', () => {
     expect(flight({ held_s: 0.5 }).held).toBe(0.25);
     expect(flight({ held_s: 9 }).held).toBe(1);
   });
 });
 
-it('the other balloons rise one after the other, without a jump, and stay', () => {
+it('and the other balloons rise one after the other without a jump, and stay', () => {
   expect([risen(0, 0.4), risen(0.4, 0.4), risen(Infinity, 0.4)]).toEqual([0, 0, 1]);
   for (let t = 0; t < 4; t += 1 / 60) expect(risen(t + 1 / 60, 0.4) - risen(t, 0.4)).toBeLessThan(0.02);
 });
@@ -69,7 +69,7 @@ describe('the grip', () => {
     expect(found).toEqual({ body: 1, radius_m: 0.025, height_m: 0.2, counter: 0 });
   });
 
-  it('is none in another exercise, or without one', () => {
+  it('is undefined in another exercise, or without a cylinder', () => {
     for (const json of ['', '{', 'null', '{"kind":"free_grasping"}']) expect(gripOf(scene(json, body('grip', ShapeType.Cylinder)))).toBeUndefined();
     expect(gripOf(scene(KIND, body('grip', ShapeType.Cylinder, false)))).toBeUndefined();
     expect(gripOf(null)).toBeUndefined();

@@ -1,4 +1,4 @@
-// How far the skin that is drawn is from the colliders that touch, over many postures.
+// Distance between the drawn skin and the colliders, over many postures.
 
 import { capsuleDistance, colliderField } from '../src/hand/field';
 import { SKIN_REACH_M, type HandCapsule, type HandShape } from '../src/hand/shape';
@@ -8,20 +8,20 @@ import { length, mix, sub, toWorld, type Vec } from '../src/hand/vector';
 export interface Distances {
   readonly outside: number;   // largest distance outside the colliders [m]
   readonly inside: number;    // largest distance inside them [m]
-  readonly p995: number;      // of the distance either way [m]
-  readonly count: number;     // of points looked at
+  readonly p995: number;      // 99.5th percentile of the absolute distance [m]
+  readonly count: number;     // number of measured points
 }
 
 export interface SkinDistances {
-  /** To the colliders of the vertex's own link: the same in every posture. */
+  /** Distances to the colliders of the vertex's own link: the same in every posture. */
   readonly vertices: Distances;
-  readonly centres: Distances;      // of triangles
-  /** To all colliders of the posed hand, of all points that can be seen. */
+  readonly centres: Distances;      // centres of triangles
+  /** Distances to all colliders of the posed hand, of all visible points. */
   readonly posedVertices: Distances;
   readonly posedCentres: Distances;
 }
 
-class Tally {
+class DistanceStatistics {
   private readonly all: number[] = [];
   private out = 0;
   private in = 0;
@@ -48,12 +48,12 @@ function points(mesh: SkinMesh): { vertices: { p: Vec; slot: number }[]; centres
   return { vertices, centres };
 }
 
-/** The colliders of a posture, in the world. */
+/** The colliders in a posture, in the world. */
 function posedColliders(shape: HandShape, poses: ArrayLike<number>): HandCapsule[] {
   return shape.capsules.map((c) => ({ ...c, a: toWorld(poses, c.link, c.a), b: toWorld(poses, c.link, c.b) }));
 }
 
-/** Those that a point of the link's skin may be nearest to, or hidden in: its own and what overlaps them. */
+/** The colliders that may be nearest to a point of the link's skin, or hide it: its own and overlapping ones. */
 function collidersNear(colliders: readonly HandCapsule[], link: number): HandCapsule[] {
   const reach_m = 2e-3, middle = (c: HandCapsule) => mix(c.a, c.b, 0.5), size = (c: HandCapsule) => length(sub(c.b, c.a)) / 2 + c.radius;
   const own = colliders.filter((c) => c.link === link);
@@ -61,8 +61,8 @@ function collidersNear(colliders: readonly HandCapsule[], link: number): HandCap
 }
 
 /**
- * Distance of a point of the world to the union of all colliders. Undefined where another link's
- * skin hides the point: that skin is nowhere more than SKIN_REACH_M inside its own colliders.
+ * Distance of a point of the world to the union of all colliders. Undefined if another link's
+ * skin hides the point: that skin is at most SKIN_REACH_M inside its own colliders.
  */
 function posedDistance(colliders: readonly HandCapsule[], link: number, p: Vec): number | undefined {
   let nearest = Infinity;
@@ -78,20 +78,20 @@ export function measureSkin(shape: HandShape, mesh: SkinMesh, postures: readonly
   const { vertices, centres } = points(mesh);
   const own = shape.links.map((link) => shape.capsules.filter((c) => c.link === link));
   const still = (list: typeof vertices) => {
-    const tally = new Tally();
-    for (const { p, slot } of list) tally.add(colliderField(own[slot], p[0], p[1], p[2]));
-    return tally.result();
+    const statistics = new DistanceStatistics();
+    for (const { p, slot } of list) statistics.add(colliderField(own[slot], p[0], p[1], p[2]));
+    return statistics.result();
   };
   const posed = (list: typeof vertices) => {
-    const tally = new Tally();
+    const statistics = new DistanceStatistics();
     for (const poses of postures) {
       const colliders = posedColliders(shape, poses), near = shape.links.map((link) => collidersNear(colliders, link));
       for (const { p, slot } of list) {
         const d = posedDistance(near[slot], shape.links[slot], toWorld(poses, shape.links[slot], p));
-        if (d !== undefined) tally.add(d);
+        if (d !== undefined) statistics.add(d);
       }
     }
-    return tally.result();
+    return statistics.result();
   };
   return { vertices: still(vertices), centres: still(centres), posedVertices: posed(vertices), posedCentres: posed(centres) };
 }

@@ -1,4 +1,4 @@
-// Scenes that no exercise draws: hand and things to grasp are in the picture, on every screen.
+// Scenes that no exercise draws: the hand and the graspable bodies are inside the picture, on every screen.
 import { PerspectiveCamera } from 'three';
 import { describe, expect, it } from 'vitest';
 import { DEFAULT_PLACE, placeCamera } from '../src/scene/camera';
@@ -8,7 +8,7 @@ import { outlineOfScene } from '../src/scene/outline';
 const at = (x: number, y: number, z: number) => ({ positionM: { x, y, z } });
 const shape = (more: object) => ({ radiusM: 0, lengthM: 0, halfExtentsM: null, inBody: null, pointsM: [], ...more });
 
-/** config/scenes/free-grasping.toml, and a table under it. */
+/** config/scenes/free-grasping.toml with a table under it. */
 const SCENE = {
   capsules: [{ link: 0 }, { link: 1 }, { link: 1 }],
   bodies: [
@@ -26,7 +26,7 @@ describe('a scene that no exercise draws', () => {
         const camera = new PerspectiveCamera(), seen = outlineOfScene(SCENE, STATE);
         placeCamera(camera, view, DEFAULT_PLACE, seen, width, height);
         camera.updateMatrixWorld(true);
-        // A box's corner, a ball's top, a finger: worked out by hand from the scene.
+        // A box's corner, a ball's top, a finger: computed by hand from the scene.
         for (const p of [{ x: 0.145, y: -0.075, z: 0.215 }, { x: 0.12, y: 0.02, z: 0.22 }, { x: 0.14, y: 0.04, z: 0.04 }]) {
           const v = toThree(p).project(camera);
           expect(Math.abs(v.x)).toBeLessThan(1);
@@ -36,7 +36,7 @@ describe('a scene that no exercise draws', () => {
     }
   }
 
-  it('does not shrink for a table, and is nothing before its first state', () => {
+  it('does not shrink for a table, and is empty before its first state', () => {
     expect(outlineOfScene(SCENE, undefined)).toEqual([]);
     expect(Math.max(...outlineOfScene(SCENE, STATE).map((p) => Math.abs(p.y)))).toBeLessThan(0.25);
   });

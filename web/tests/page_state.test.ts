@@ -16,7 +16,7 @@ test.each([
   expect(pageState(playing, play, moment({ stage }))).toBe(expected);
 });
 
-test('PageState_TheMostSeriousComesFirst', () => {
+test('PageState_WithSeveralConditions_IsTheMostSevere', () => {
   const state = moment({ stage: Stage.Pour });
   const problem = { theirs: 2, ours: 1 };
   expect(pageState({ ...playing, problem, status: 'lost' }, play, state)).toBe('version');
@@ -24,7 +24,7 @@ test('PageState_TheMostSeriousComesFirst', () => {
   expect(pageState({ ...playing, status: 'lost' }, play, moment({}, { runState: RunState.Stopped }))).toBe('lost');
   for (const runState of [RunState.Stopping, RunState.Stopped, RunState.Faulted])
     expect(pageState({ ...playing, wish: 'undecided' }, play, moment({}, { runState }))).toBe('stopped');
-  // A level that we load stops the run for a moment: that is no stop to speak of.
+  // A level that this page loads stops the run for a moment, which is not shown as a stop.
   expect(pageState({ ...playing, loading: true }, play, moment({}, { runState: RunState.Stopping }))).toBe('loading');
   expect(pageState({ ...playing, wish: 'undecided' }, play, state)).toBe('welcome');
   expect(pageState({ ...playing, resting: 'between' }, play, state)).toBe('rest');
@@ -35,7 +35,7 @@ test('PageState_TheMostSeriousComesFirst', () => {
   expect(pageState({ ...playing, unseen: 'lost', wish: 'watch' }, play, state)).toBe('watching');
 });
 
-test('PageState_WhenThePageLostTheControls_SaysSoUntilTheyAreTakenAnew', () => {
+test('PageState_AfterTheControlsWereLost_ShowsTheLossUntilTheyAreTakenAgain', () => {
   const lost: Situation = { ...playing, loss: 'left', held: { heldByYou: false, held: false } };
   const state = moment({ stage: Stage.Pour });
   expect(pageState(lost, play, state)).toBe('left');
@@ -50,7 +50,7 @@ test('PageState_WithoutTheControlsOrWhileTheProgramSteers_IsWatching', () => {
   expect(pageState({ ...playing, held: { heldByYou: false, held: true } }, play, state)).toBe('watching');
   expect(pageState(playing, play, moment({}, { steering: Steering.VirtualPatient }))).toBe('watching');
   expect(pageState({ ...playing, wish: 'watch' }, play, state)).toBe('watching');
-  // On a real device it is the person's hand that steers, whatever the program says of virtual patients.
+  // On a real device the person's hand steers, whatever the program reports on virtual patients.
   expect(pageState(playing, play, moment({ stage: Stage.Pour }, { steering: Steering.VirtualPatient, intention: [] }))).toBe('hold');
 });
 
@@ -60,27 +60,27 @@ test('Cause_OfAFault_IsTheFaultAndNotTheStop', () => {
   expect(causeOf(sceneOfSunset(), moment({}, { runState: RunState.Stopped, latchedFaults: 0b100 }))).toBe('');
 });
 
-test('Cue_PointsFromTheHandToTheTarget_AndNotWhenTheHandIsThere', () => {
+test('Cue_PointsFromTheHandToTheTarget_AndIsHiddenAtTheTarget', () => {
   const target = { x_px: 600, y_px: 300 };
-  // The hand is to the right of the target (y points left): the chevrons stand right of it and point left.
+  // The hand is to the right of the target (y points left): the chevrons are to the right of it and point left.
   expect(cueTowards(-0.1, 0.064, true, target, 1)).toEqual({ at: { x_px: 666, y_px: 300 }, left: true });
   expect(cueTowards(0.1, -0.064, true, target, 2)).toEqual({ at: { x_px: 468, y_px: 300 }, left: false });
   expect(cueTowards(0.023, 0.064, true, target, 1)).toBeNull();
-  // A left hand is the mirror image.
+  // A left hand has the mirror image.
   expect(cueTowards(0.1, -0.064, false, target, 1)).toEqual({ at: { x_px: 534, y_px: 300 }, left: false });
   expect(cueTowards(-0.023, -0.064, false, target, 1)).toBeNull();
 });
 
-test('TakeOver_OfAClosedHand_OpensItWhereItIs', () => {
+test('TakeOver_OfAClosedHand_OpensItInPlace', () => {
   const axes = ['x', 'y', 'z', 'finger_flexion', 'thumb_circumduction', 'thumb_flexion'].map((name) => ({ name }));
   const [x, y, z, fingers, , thumb] = openedHand(axes, [0.07, -0.04, 0.01, 2.2, 0.36, 0.3]);
   expect([x, y, z]).toEqual([0.07, -0.04, 0.01]);
-  // Open is 65 degrees of the fingers and none of the thumb: in front of a target without touching it.
+  // Open: 65 degrees of the fingers and none of the thumb, which touches no target in front of the hand.
   expect(fingers).toBeCloseTo(65 * Math.PI / 180, 12);
   expect(thumb).toBe(0);
 });
 
-test('PageState_OfARestThatThisPageAskedFor_IsRestUntilAnythingElseEnds', () => {
+test('PageState_AfterARestOfThisPage_IsRestUntilAnotherStop', () => {
   const off: Situation = { ...playing, resting: 'off' };
   const at = (runState: RunState, rested: boolean): string => pageState(off, play, moment({}, { runState, rested }));
   expect(at(RunState.Rendering, false), 'at once, before the program has answered').toBe('rest');

@@ -1,19 +1,19 @@
-// A person who plays the program's own hand through the pages' aim, on the simulated clock.
+// A simulated person who plays the program's hand through the pages' aim, on the simulated clock.
 import { expect } from 'vitest';
 import { AimModel } from '../src/input/aim_model';
 import type { Help, Wish } from '../src/input/wish';
 import { LOOK_S, type SteeredHand } from './steered_hand';
 
-/** A hand at the bar that is aimed, look by look. */
+/** A hand at the bar that follows aims, step by step. */
 export type PlayedHand = Pick<SteeredHand, 'axes' | 'scene' | 'state' | 'perceiver' | 'now' | 'aim' | 'value' | 'bodyOf'>;
 
-/** An open hand that presses more than this is held, and longer than that is too long. */
+/** An open hand that presses with more than this counts as held; a longer time than this is a failure. */
 export const HELD_N = 1.5;
 export const HELD_S = 3;
-/** A hand is open, and the meter's low-pass through, this long after nobody squeezes any more. */
+/** A hand is open, and the meter's low-pass has settled, this long after the last squeeze. */
 const OPENED_S = 1.5;
 
-/** Plays on for a time; what an open hand bears, and for how long at most, is looked at all along. */
+/** Plays for a time; the force on an open hand, and its duration, are checked all the time. */
 export class Player<H extends PlayedHand = PlayedHand> {
   longest_s = 0;
   private held_s = 0;
@@ -27,7 +27,7 @@ export class Player<H extends PlayedHand = PlayedHand> {
 
   async look(wish: Wish, restart = false): Promise<void> {
     const { hand, model } = this;
-    await hand.aim([...model.step(wish, hand.perceiver.see(hand.state), LOOK_S)], restart);
+    await hand.aim([...model.step(wish, hand.perceiver.onState(hand.state), LOOK_S)], restart);
     expect(hand.now.faults, 'faults that stopped the loop').toBe(0);
     this.open_s = model.squeeze === 0 ? this.open_s + LOOK_S : 0;
     if (this.open_s > OPENED_S) expect(hand.value('flow_l_s'), 'an open hand pours').toBe(0);

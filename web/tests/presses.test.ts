@@ -1,6 +1,6 @@
-// Start, after watching and after a stop: who goes on with what was begun.
+// Start, after watching and after a stop: it depends on the person whether the exercise continues.
 import { readFileSync } from 'node:fs';
-import { tellHowUsed } from '../src/shared/a11y';
+import { markInputMethod } from '../src/shared/a11y';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Presses } from '../src/game/presses';
 import type { Memory } from '../src/game/memory';
@@ -16,7 +16,7 @@ const YES: Answer = { accepted: true, reason: '' };
 beforeEach(() => { vi.useFakeTimers(); });
 afterEach(() => { vi.useRealTimers(); });
 
-/** A program that renders, and obeys at once. */
+/** A program that renders, and executes orders at once. */
 function playing() {
   const acts: Act[] = [];
   let leave = (): void => {};
@@ -38,27 +38,27 @@ function playing() {
   return { presses, memory, connection, controls, start, leave: () => leave() };
 }
 
-test('Start_OfANewPerson_BeginsAnew', async () => {
+test('Start_ByANewPerson_RestartsTheExercise', async () => {
   const { memory, start } = playing();
   expect(await start()).toBe(Act.Restart);
   expect(memory.wish).toBe('play');
 });
 
-test('Start_AfterWatching_BeginsAnew', async () => {
+test('Start_AfterWatching_RestartsTheExercise', async () => {
   const { presses, start } = playing();
   await presses.watch();
   expect(await start()).toBe(Act.Restart);
 });
 
-test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
+test('Start_ByTheEarlierPlayer_ContinuesTheExercise', async () => {
   const { memory, start } = playing();
   await start();
-  memory.wish = 'watch';   // as a lost line leaves it
+  memory.wish = 'watch';   // as after a lost connection
   expect(await start()).toBe(Act.Resume);
 });
 
-/** Whoever rests before the device is on goes on as a player, not as one who watches. */
-test('Rest_WhileStartIsOnItsWay_IsThatOfAPlayer', async () => {
+/** A person who rests before the device is on continues as a player, not as a watcher. */
+test('Rest_WhileStartIsUnderWay_CountsAsAPlayersRest', async () => {
   const { presses, memory, connection } = playing();
   const resting = Object.assign(memory as unknown as Memory, { situation: () => ({ wish: 'undecided' }), beginRest: () => {}, playedBeforeRest: false });
   Object.assign(connection, { rest: async () => YES, takeControls: () => new Promise<Answer>(() => {}) });
@@ -69,7 +69,7 @@ test('Rest_WhileStartIsOnItsWay_IsThatOfAPlayer', async () => {
   expect(resting.playedBeforeRest).toBe(true);
 });
 
-test('Leaving_WhileTheCameraStarts_StopsIt_AndAPressAfterAStopSaysWhyNothingBegan', async () => {
+test('Leaving_WhileTheCameraStarts_StopsIt_AndAPressAfterAStopReportsWhyNothingBegan', async () => {
   const { memory, controls, connection, start, leave } = playing();
   leave();
   expect(controls.stopped).toBe(0);
@@ -81,9 +81,9 @@ test('Leaving_WhileTheCameraStarts_StopsIt_AndAPressAfterAStopSaysWhyNothingBega
   expect([memory.wish, memory.notice]).toEqual(['undecided', en['refusal.StopNotSeen']]);
 });
 
-test('the frame around the picture is for keys: a page that was clicked last says so, and one that was typed into takes it back', () => {
+test('the focus frame around the picture is shown for keys: a click hides it, and a typed key shows it again', () => {
   const page = Object.assign(new EventTarget(), { documentElement: { dataset: {} as Record<string, string> } });
-  tellHowUsed(page as unknown as Document);
+  markInputMethod(page as unknown as Document);
   const after = (type: string): string | undefined => { page.dispatchEvent(new Event(type)); return page.documentElement.dataset.used; };
   expect([page.documentElement.dataset.used, after('pointerdown'), after('keydown')]).toEqual([undefined, 'pointer', 'keys']);
   const css = readFileSync(new URL('../src/game/game.css', import.meta.url), 'utf8');

@@ -1,4 +1,4 @@
-// Whether the running session is recorded, as the pages show it.
+// The pages' display of whether the running session is recorded.
 import { expect, test } from 'vitest';
 import { RunState } from '../src/protocol';
 import { isRecorded } from '../src/shared/recorded';
@@ -13,7 +13,7 @@ test.each([
   expect(isRecorded({ recording }, { runState, recordingBytes })).toBe(expected);
 });
 
-test('without a scene or a state', () => {
+test('is undefined without a scene or a state', () => {
   expect(isRecorded(null, null)).toBeUndefined();
   expect(isRecorded(null, { runState: RunState.Rendering, recordingBytes: 0n })).toBe(false);
 });

@@ -1,4 +1,4 @@
-// Bodies of a game in a replay: the picture gets, row by row, what the live pages got.
+// Bodies of a game in a replay: for each row the picture shows the same bodies as the live pages.
 import { describe, expect, it, vi } from 'vitest';
 import { FakeRecordings } from '../src/net/fake_recordings';
 import { BodyBudgetT, GameBodiesT, GameBodyT, GameShapesT, ShapeT, ShapeType, SlotState } from '../src/protocol';
@@ -29,7 +29,7 @@ async function sideOf(fake: FakeRecordings): Promise<ReplaySide> {
 }
 
 describe('bodies of a game in a recording', () => {
-  it('are there from their row to their last, as ghosts until they are solid', async () => {
+  it('exist from their first row to their last, as ghosts until they are solid', async () => {
     const side = await sideOf(recording());
     const at = async (row: number) => {
       await vi.waitFor(() => { side.seek(row / 1000, WINDOW, false, 1); expect(side.shown).toBe(row); });
@@ -45,19 +45,19 @@ describe('bodies of a game in a recording', () => {
     side.close();
   });
 
-  it('are not asked for where the scene takes none', async () => {
+  it('are not requested if the scene has none', async () => {
     const fake = recording(false);
     const side = await sideOf(fake);
     expect(fake.asked.some((address) => address.includes('/bodies'))).toBe(false);
     side.close();
   });
 
-  it('reach the picture once for every change, before the state is drawn', () => {
+  it('are sent to the picture once for every change, before the state is drawn', () => {
     const calls: string[] = [];
     const side = { hasScene: true, bodies: BodiesHistory.prototype.at.call(new BodiesHistory(), 0) };
     const column = Object.create(Column.prototype) as Column;
     const view = { setView: () => undefined, draw: () => calls.push('draw') };
-    Object.assign(column, { side, view, settling: { begin: () => undefined } });
+    Object.assign(column, { side, view, redraw: { begin: () => undefined } });
     column.setView({ setBodies: (bodies: unknown[]) => calls.push(`bodies ${bodies.length}`) } as never);
     column.drawState(0, true);
     column.drawState(1, true);
@@ -66,7 +66,7 @@ describe('bodies of a game in a recording', () => {
     expect(calls).toEqual(['bodies 0', 'draw', 'draw', 'bodies 1', 'draw']);
   });
 
-  it('as damaged bytes are a problem', () => {
+  it('throw a Problem for damaged bytes', () => {
     const whole = new Uint8Array([1, 0, 0, 0, 200, 0, 0, 0, 1, 2]);
     for (const length of [3, 7, 10]) {
       expect(() => BodiesHistory.read(whole.slice(0, length).buffer)).toThrow();

@@ -1,4 +1,4 @@
-// What the replay reads from the program, against the contract of src/replay/replay_question.hpp.
+// The replay's data from the program, by the contract of src/replay/replay_question.hpp.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { FakeRecordings, framed } from '../src/net/fake_recordings';
 import { readAbout } from '../src/replay/about';
@@ -21,8 +21,8 @@ const kindOf = (read: () => unknown): ProblemKind | 'none' => {
 };
 const sourceOf = (fake: FakeRecordings, name = 'a.h5'): RecordingSource => new RecordingSource(name, '', (address) => fake.answer(address));
 
-describe('what the program says of a recording', () => {
-  it('is taken as it is reported; what is missing is unknown and not false', () => {
+describe('the description of a recording', () => {
+  it('is read as reported; missing fields are unknown and not false', () => {
     expect(readAbout(ABOUT)).toMatchObject({ ticks: 10, whole: true, picture: true, still_written: false, title: '', result: [], unreadable_from_s: undefined });
     expect(readAbout({ ...ABOUT, whole: false, unreadable_from_s: 4, result: [{ label: 'Score', value: 87, unit: '' }, 'x'] }))
       .toMatchObject({ whole: false, unreadable_from_s: 4, result: [{ label: 'Score', value: '87', unit: '' }] });
@@ -31,7 +31,7 @@ describe('what the program says of a recording', () => {
   it.each([null, [], 'x', {}, { ...ABOUT, period_s: 0 }, { ...ABOUT, ticks: 1.5 }, { ...ABOUT, ticks: -1 }, { ...ABOUT, to_s: -1 }, { ...ABOUT, from_s: 'NaN' }])(
     'is refused where nothing can be shown of it: %j', (json) => { expect(kindOf(() => readAbout(json))).toBe('nonsense'); });
 
-  it('is cut where a text is endless', () => { expect(readAbout({ ...ABOUT, title: 'x'.repeat(10_000) }).title).toHaveLength(2000); });
+  it('has texts of limited length', () => { expect(readAbout({ ...ABOUT, title: 'x'.repeat(10_000) }).title).toHaveLength(2000); });
 
   it.each([[404, 'unknown'], [401, 'denied'], [403, 'denied'], [422, 'unreadable'], [400, 'unreadable'], [500, 'gone'], [503, 'gone'], [429, 'gone']] as const)(
     'as HTTP %i is a problem: %s', async (status, kind) => {
@@ -41,14 +41,14 @@ describe('what the program says of a recording', () => {
       if (status === 422) expect(problem.text).toBe('of version 9');
     });
 
-  it('that does not come, or comes as a page, is a problem too', async () => {
+  it('is a Problem if it does not come, or comes as an HTML page', async () => {
     const away = new RecordingSource('a', '', () => Promise.reject(new TypeError('failed')));
     expect(asProblem(await away.about().catch((thrown: unknown) => thrown)).kind).toBe('gone');
     const page = new RecordingSource('a', '', async () => new Response('<!doctype html>'));
     expect(asProblem(await page.about().catch((thrown: unknown) => thrown)).kind).toBe('nonsense');
   });
 
-  it('is asked for by name and token, whatever is in them', async () => {
+  it('is requested with encoded name and token', async () => {
     const asked: string[] = [];
     const source = new RecordingSource('a/../b?c&d.h5', 'x&y', async (address) => { asked.push(address); return Response.json(ABOUT); });
     await source.about();
@@ -60,7 +60,7 @@ describe('the bytes of series and states', () => {
   const header = { from_s: 0, to_s: 1, columns: 2, channels: [{ name: 'q_m', axis: 0 }, { name: 'alpha' }], events: [{ time_s: 0.5, type: 3, index: 0, value: 1 }],
     gaps: [{ from_s: 0.1, to_s: 0.2, ticks: 99 }], marks: [{ time_s: 0.7, kind: 'fault', text: 'x', axis: 'y' }, { time_s: 0.8, kind: 'of tomorrow' }] };
 
-  it('are low and high of each channel in turn', () => {
+  it('contain low and high of each channel in turn', () => {
     const piece = readPiece(framed(header, Float32Array.of(1, 2, 3, 4, 5, 6, 7, NaN)));
     expect([...piece.channels.get(channelKey('q_m', 0))!.low]).toEqual([1, 2]);
     expect([...piece.channels.get(channelKey('q_m', 0))!.high]).toEqual([3, 4]);
@@ -69,13 +69,13 @@ describe('the bytes of series and states', () => {
     expect(piece.gaps).toEqual([{ from_s: 0.1, to_s: 0.2, ticks: 99 }]);
   });
 
-  it('that are cut anywhere, or no header at all, are refused and never read beyond their end', () => {
+  it('that are truncated anywhere, or have no header, are refused without reading beyond their end', () => {
     const whole = framed(header, new Float32Array(8));
     for (let length = 0; length < whole.byteLength; length += 1) expect(kindOf(() => readPiece(whole.slice(0, length))), `${length}`).toBe('nonsense');
     expect(kindOf(() => readPiece(framed({ ...header, columns: 1e9 }, new Float32Array(8))))).toBe('nonsense');
   });
 
-  it('of states are cut into messages, and a cut one is refused', async () => {
+  it('of states are split into messages, and truncated ones are refused', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '1' }));
     const answer = await (await fake.answer('/api/recordings/a/replay/states?tick=100&count=3&step=7')).arrayBuffer();
     expect(splitStates(answer).map((message) => readState(message).tick)).toEqual([100n, 107n, 114n]);
@@ -86,15 +86,15 @@ describe('the bytes of series and states', () => {
 });
 
 describe('rows and times', () => {
-  it('of an even file are the tick over the period', () => {
+  it('of a file without gaps follow from the tick and the period', () => {
     const map = new TimeMap({ from_s: 2, period_s: 0.001 }, 5000);
     expect([map.rowAt(2), map.rowAt(2.0004), map.rowAt(3.2345), map.rowAt(1), map.rowAt(99)]).toEqual([0, 0, 1235, 0, 4999]);
   });
 
-  it('lead back and forth over ticks that are missing: no row is skipped, none is met twice', () => {
+  it('map to each other over missing ticks: every row is found exactly once', () => {
     const map = new TimeMap({ from_s: 0, period_s: 0.001 }, 1000);
-    // From the first tick that is missing to the first row after it.
-    // Rows 0 .. 99 are ticks 0 .. 99, rows 100 .. 299 ticks 150 .. 349, the rest ticks 350 + 7 and on.
+    // From the first missing tick to the first row after it.
+    // Rows 0 .. 99 are ticks 0 .. 99, rows 100 .. 299 ticks 150 .. 349, the others ticks 350 + 7 and later.
     map.setGaps([{ from_s: 0.1, to_s: 0.15, ticks: 50 }, { from_s: 0.35, to_s: 0.357, ticks: 7 }]);
     const tick = (row: number): number => row + (row >= 100 ? 50 : 0) + (row >= 300 ? 7 : 0);
     for (let row = 0; row < 1000; row += 1) {
@@ -105,9 +105,9 @@ describe('rows and times', () => {
   });
 });
 
-it('a row that the series reported is right though the loop was late before it', () => {
+it('are exact at a row that the series reported, although the loop was late before it', () => {
   const map = new TimeMap({ from_s: 0, period_s: 0.001 }, 1000);
-  // Ten ticks were passed over somewhere in the first half second: nothing says where.
+  // Ten ticks were skipped in the first half second at an unknown time.
   map.addAnchor(490, 0.4995);
   for (const row of [490, 491, 700]) {
     expect(map.timeAt(row)).toBeCloseTo((row + 10) / 1000, 9);
@@ -117,7 +117,7 @@ it('a row that the series reported is right though the loop was late before it',
 });
 
 describe('pieces of series', () => {
-  it.each([[3600, 800], [60, 500], [0.3, 500], [28_800, 800]])('of %d s lie side by side, none longer than a request may be', (length_s, columns) => {
+  it.each([[3600, 800], [60, 500], [0.3, 500], [28_800, 800]])('of %d s are adjacent, none longer than a request may be', (length_s, columns) => {
     const levels = new SeriesLevels(5, 5 + length_s, 0.001);
     const slots = levels.slots(levels.levelFor(length_s, columns), { from_s: 5, to_s: 5 + length_s });
     expect(slots[0].from_s).toBeCloseTo(5 - 0.0005, 9);
@@ -130,7 +130,7 @@ describe('pieces of series', () => {
     });
   });
 
-  it('have columns that are no wider than a pixel, and never narrower than a tick', () => {
+  it('have columns that are at most a pixel wide, and at least a tick', () => {
     const levels = new SeriesLevels(0, 3600, 0.001);
     for (const span_s of [0.02, 0.6, 7, 61, 800]) {
       const width_s = levels.width_s(levels.levelFor(span_s, 500));
@@ -143,7 +143,7 @@ describe('pieces of series', () => {
     from_s, to_s: from_s + low.length * width_s, columns: low.length, channels: new Map([['x/0', { low: Float32Array.from(low), high: Float32Array.from(high) }]]),
     events: [], gaps: [], unreadable: [], first_tick: 0, marks: [], truncated: false, bytes: 100 });
 
-  it('are drawn with the extremes of every column, and nothing where there is nothing', () => {
+  it('are drawn with the extremes of every column, and without invented values', () => {
     const piece = pieceOf(0, [1, NaN, -5], [2, NaN, 9], 0.1);
     const samples = new WindowSamples([{ piece, from: 0, to: 3, width_s: 0.1 }], [], 0.001);
     expect([...samples.values('x/0', 10)]).toEqual([10, 20, -50, 90]);
@@ -151,7 +151,7 @@ describe('pieces of series', () => {
     expect([...samples.times].every((time_s, i, all) => i === 0 || time_s >= all[i - 1])).toBe(true);
   });
 
-  it('have a hole where ticks are missing, and where nothing has come yet', () => {
+  it('have a gap where ticks are missing, and where nothing is loaded yet', () => {
     const [a, b] = [pieceOf(0, [1, 2], [1, 2], 0.001), pieceOf(0.01, [3, 4], [3, 4], 0.001)];
     const runs = [a, b].map((piece) => ({ piece, from: 0, to: 2, width_s: 0.001 }));
     expect([...new WindowSamples(runs, [], 0.001).values('x/0', 1)]).toEqual([1, 2, NaN, 3, 4]);
@@ -160,11 +160,11 @@ describe('pieces of series', () => {
   });
 });
 
-describe('what is loaded', () => {
+describe('the loader', () => {
   beforeEach(() => { vi.useFakeTimers(); });
   afterEach(() => { vi.useRealTimers(); });
 
-  it('is what is wanted now, not what was wanted before', async () => {
+  it('loads the present keys, not the earlier ones', async () => {
     const asked: string[] = [];
     const open = new Map<string, (value: string) => void>();
     const loader = new Loader<string>((key) => { asked.push(key); return new Promise((done) => open.set(key, done)); }, () => {}, () => {});
@@ -175,7 +175,7 @@ describe('what is loaded', () => {
     expect(asked).toEqual(['a', 'b', 'd']);
   });
 
-  it('is asked for again while the program is away, and not where it says no', async () => {
+  it('repeats requests while the program is absent, and not after a refusal', async () => {
     let away = true;
     const reported: (string | undefined)[] = [];
     const taken: string[] = [];
@@ -199,7 +199,7 @@ describe('what is loaded', () => {
     expect(asked).toBe(4);
   });
 
-  it('is kept up to a size, the last used longest', () => {
+  it('keeps values up to a size, the last used longest', () => {
     const cache = new BoundedCache<string>(10);
     cache.put('a', 'A', 4);
     cache.put('b', 'B', 4);
@@ -214,7 +214,7 @@ describe('what is loaded', () => {
 describe('states', () => {
   const settled = async (): Promise<void> => { for (let i = 0; i < 50; i += 1) await new Promise((resolve) => setTimeout(resolve, 0)); };
 
-  it('near a time are shown at once, the exact one when it comes, equal to what the program sent', async () => {
+  it('near a time are shown at once, the exact one when it comes, equal to the program\'s', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '4' }));
     const states = new StateStore(sourceOf(fake), fake.rows, () => {}, (problem) => { if (problem) throw problem; });
     expect(states.nearest(1234)).toBeUndefined();
@@ -226,12 +226,12 @@ describe('states', () => {
     expect([state.tick, state.timeS]).toEqual([1234n, sent.timeS]);
     expect(state.qM).toEqual([...Float32Array.from(sent.qM)]);
     expect(state.links.length).toBe(sent.links.length);
-    // 1100 lies in no block of single rows that came; the nearest at a step of 16 is 1104.
+    // 1100 is in no loaded block of single rows; the nearest at a step of 16 is 1104.
     expect(states.nearest(1100)).toBe(1104);
     states.close();
   });
 
-  it('are asked for in blocks of at most 256, none twice, and never beyond the end', async () => {
+  it('are requested in blocks of at most 256, each once, and never beyond the end', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '1' }));
     const states = new StateStore(sourceOf(fake), fake.rows, () => {}, () => {});
     for (let row = 0; row < 1000; row += 50) {
@@ -249,7 +249,7 @@ describe('states', () => {
     states.close();
   });
 
-  it('of a file that has grown are read again where it ended', async () => {
+  it('of a file that has grown are read again at its former end', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '1' }));
     const states = new StateStore(sourceOf(fake), 990, () => {}, () => {});
     states.wantAround(989, 4);
@@ -261,7 +261,7 @@ describe('states', () => {
     states.close();
   });
 
-  it('that were under way while the file grew are asked for again, and only then', async () => {
+  it('that were under way while the file grew are requested again, and only then', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '1' }));
     const waiting: (() => void)[] = [];
     const source = new RecordingSource('a', '', (address) => new Promise((done) => { waiting.push(() => { void fake.answer(address).then(done); }); }));
@@ -285,7 +285,7 @@ describe('states', () => {
 });
 
 describe('series of a recording', () => {
-  it('of an hour come piece by piece, each of at most a minute, what is looked at first', async () => {
+  it('of an hour come piece by piece, each of at most a minute, the visible window first', async () => {
     const asked: URLSearchParams[] = [];
     const open: (() => void)[] = [];
     const source = new RecordingSource('a', '', (address) => new Promise((done) => {
@@ -332,7 +332,7 @@ describe('series of a recording', () => {
     series.close();
   });
 
-  it('are drawn from the coarse ones until the fine have come, without an overlap', async () => {
+  it('are drawn from coarse pieces until the fine ones come, without an overlap', async () => {
     const fake = new FakeRecordings(new URLSearchParams({ length: '30' }));
     let block = false;
     const source = new RecordingSource('a', '', (address) => (block ? new Promise<Response>(() => {}) : fake.answer(address)));

@@ -1,4 +1,4 @@
-// The page of a replay: where it is in time, what it shows of two recordings, what it says.
+// The page of a replay: its time, its display of two recordings, its texts.
 import { describe, expect, it, vi } from 'vitest';
 import { en as consoleEn } from '../src/console/i18n/en';
 import { replayUrl } from '../src/console/recordings';
@@ -11,7 +11,7 @@ import { en } from '../src/replay/i18n/en';
 import { fr } from '../src/replay/i18n/fr';
 import { isBad, lastAt, Moments, plotMark, rowsAround, wordsOf, type Names } from '../src/replay/moments';
 import { lineOfFailed, linesOfSecond, linesOf } from '../src/replay/notices';
-import { openSides } from '../src/replay/opened';
+import { openRecordings } from '../src/replay/open_recordings';
 import { allAxes } from '../src/replay/plots';
 import { Player } from '../src/replay/player';
 import { RecordingSource } from '../src/replay/recording_source';
@@ -22,12 +22,12 @@ import { fill } from '../src/shared/i18n';
 import { testTexts } from './texts';
 
 describe('time', () => {
-  it('is written as a clock, with as many decimals as asked for', () => {
+  it('is formatted as a clock, with the requested decimals', () => {
     expect([clockTime(83.4567, 3), clockTime(0, 1), clockTime(3725.25, 0), clockTime(59.9999, 3), clockTime(-0.5, 1), clockTime(NaN, 3)])
       .toEqual(['1:23.457', '0:00.0', '1:02:05', '1:00.000', '−0:00.5', '–']);
   });
 
-  it.each([[0, 3600, '0:00', 600], [0, 0.02, '0:00.000', 0.005], [12, 22, '0:12', 2]])('of an axis from %d to %d s has round steps', (from_s, to_s, first, step_s) => {
+  it.each([[0, 3600, '0:00', 600], [0, 0.02, '0:00.000', 0.005], [12, 22, '0:12', 2]])('on an axis from %d to %d s has round steps', (from_s, to_s, first, step_s) => {
     const ticks = clockTicks({ from_s, to_s }, 7);
     expect(ticks.length).toBeLessThanOrEqual(8);
     expect(ticks[0].name).toBe(first);
@@ -35,7 +35,7 @@ describe('time', () => {
     expect(new Set(ticks.map(({ name }) => name)).size, 'no two have the same name').toBe(ticks.length);
   });
 
-  it.each([[0.1, 0.1], [0.5, 0.5], [1, 1], [2, 2]])('goes by at %d times its speed and stops at the end', (speed, after_s) => {
+  it.each([[0.1, 0.1], [0.5, 0.5], [1, 1], [2, 2]])('passes at %d times its speed and stops at the end', (speed, after_s) => {
     const player = new Player({ from_s: 0, to_s: 5 });
     player.speed = speed;
     player.toggle();
@@ -47,7 +47,7 @@ describe('time', () => {
     expect([player.time_s, player.playing], 'from the beginning again').toEqual([0, true]);
   });
 
-  it('does not leap after the page slept, and never leaves the recording', () => {
+  it('does not jump after the page was suspended, and never leaves the recording', () => {
     const player = new Player({ from_s: 2, to_s: 5 });
     player.toggle();
     player.advance(60);
@@ -58,14 +58,14 @@ describe('time', () => {
 });
 
 describe('the window', () => {
-  it('keeps the time under the hand where it is', () => {
+  it('keeps the time under the pointer in place while zooming', () => {
     const zoom = new Zoom({ from_s: 0, to_s: 100 }, 0.02);
     zoom.scale(25, 0.1);
     expect(zoom.window).toEqual({ from_s: 22.5, to_s: 32.5 });
     expect((25 - zoom.window.from_s) / 10).toBeCloseTo(0.25, 9);
   });
 
-  it('is never outside the recording, and never shorter than some ticks', () => {
+  it('is never outside the recording, and never shorter than a minimum of ticks', () => {
     const zoom = new Zoom({ from_s: 0, to_s: 100 }, 0.02);
     zoom.set({ from_s: 50, to_s: 50 });
     expect(zoom.window.to_s - zoom.window.from_s).toBeCloseTo(0.02, 9);
@@ -77,7 +77,7 @@ describe('the window', () => {
     expect([zoom.window, zoom.shows]).toEqual([{ from_s: 0, to_s: 100 }, 'all']);
   });
 
-  it('follows what plays, and grows with a recording that is seen as a whole', () => {
+  it('follows playback, and grows with a recording that is shown as a whole', () => {
     const zoom = new Zoom({ from_s: 0, to_s: 100 }, 0.02);
     zoom.set({ from_s: 0, to_s: 10 });
     expect([zoom.follow(5), zoom.follow(10.1)]).toEqual([false, true]);
@@ -90,13 +90,13 @@ describe('the window', () => {
   });
 });
 
-it('the console leads to a recording, or to two, whatever they are called', () => {
+it('the console links to one recording, or to two, with encoded names', () => {
   expect(replayUrl(['a&b #1.h5'], '')).toBe('/replay?recording=a%26b%20%231.h5');
   expect(new URLSearchParams(replayUrl(['يد.h5', '<b>.h5'], 'x&y').slice('/replay?'.length)).toString())
     .toBe(new URLSearchParams({ recording: 'يد.h5', beside: '<b>.h5', token: 'x&y' }).toString());
 });
 
-it('every key does what the page says of it', () => {
+it('every key has the effect that the page describes', () => {
   const done: string[] = [];
   const hands = new Proxy({}, { get: (_target, name) => (...args: unknown[]) => done.push(`${String(name)} ${args.join()}`.trim()) }) as unknown as TransportHands;
   const press = (key: string, shiftKey = false): void => keyOrder({ key, shiftKey }, 100, hands)?.();
@@ -105,11 +105,11 @@ it('every key does what the page says of it', () => {
   expect(done).toEqual(['toggle', 'step -1', 'step 1', 'home', 'end', 'mark -1', 'mark 1', 'scale 0.5', 'scale 2', 'all', 'step 100']);
 });
 
-describe('what happened', () => {
+describe('moments of a recording', () => {
   const names: Names = { eventNames: ['touched', 'new_thing'], ownWords: () => '' };
   const event = (time_s: number, type: number) => ({ time_s, type, index: 0, value: 0 });
 
-  it('is kept once, in order, though it comes with two pieces', () => {
+  it('are kept once and sorted, although they come with two pieces', () => {
     const moments = new Moments();
     const piece = { events: [event(3, 0), event(1, 1)], gaps: [{ from_s: 2, to_s: 2.1, ticks: 100 }], marks: [{ time_s: 4, kind: 'fault' as const, text: 'speed limit exceeded', axis: 'x' }] };
     moments.add(piece);
@@ -120,7 +120,7 @@ describe('what happened', () => {
     expect(moments.within({ from_s: 2, to_s: 3 })).toHaveLength(2);
   });
 
-  it('has words: of faults with their axis, of gaps with their ticks, of events that nobody knows by name', () => {
+  it('have texts: faults with their axis, gaps with their ticks, and unknown events', () => {
     const moments = new Moments();
     moments.add({ events: [event(1, 0), event(2, 1), event(2.5, 9)], gaps: [{ from_s: 3, to_s: 4, ticks: 1234 }], marks: [{ time_s: 5, kind: 'fault', text: 'speed limit exceeded, of tomorrow', axis: 'x' }, { time_s: 6, kind: 'armed', text: '', axis: '' }] });
     expect(moments.list.map((moment) => wordsOf(moment, names, en, consoleEn))).toEqual(
@@ -130,15 +130,15 @@ describe('what happened', () => {
   });
 });
 
-describe('the list of marks', () => {
+describe('the list of moments', () => {
   const moments = [1, 2, 2, 5].map((time_s) => ({ time_s }));
 
-  it('marks the last that was at the play head', () => {
+  it('marks the last one at the play head', () => {
     expect([0.5, 1, 1.999, 2, 4.9, 5, 99, NaN].map((time_s) => lastAt(moments, time_s))).toEqual([undefined, 0, 0, 2, 2, 3, 3, undefined]);
     expect(lastAt([], 3)).toBeUndefined();
   });
 
-  it('shows the rows around it, and others only when it leaves them', () => {
+  it('shows the rows around it, and scrolls only when it leaves them', () => {
     expect(rowsAround(50, 49, 200, 0), 'all of them').toBe(0);
     expect([rowsAround(1000, undefined, 200, 0), rowsAround(1000, 199, 200, 0), rowsAround(1000, 200, 200, 0)]).toEqual([0, 0, 100]);
     expect([rowsAround(1000, 299, 200, 100), rowsAround(1000, 999, 200, 100), rowsAround(1000, 3, 200, 800)]).toEqual([100, 800, 0]);
@@ -152,21 +152,21 @@ describe('two recordings of which one cannot be shown', () => {
     return new RecordingSource(name, '', (address) => fake.answer(address));
   };
 
-  it.each([[['a.h5', 'unknown'], 'unknown'], [['unknown', 'a.h5'], 'unknown']])('%j: the other is', async (names, missing) => {
-    const { sides, failed } = await openSides(names.map((name) => sourceOf(name)));
+  it.each([[['a.h5', 'unknown'], 'unknown'], [['unknown', 'a.h5'], 'unknown']])('%j: the other one is shown', async (names, missing) => {
+    const { sides, failed } = await openRecordings(names.map((name) => sourceOf(name)));
     expect(sides.map(({ source }) => source.name)).toEqual(['a.h5']);
     expect(failed.map(({ name, problem }) => [name, problem.kind])).toEqual([[missing, 'unknown']]);
     for (const side of sides) side.close();
   });
 
-  it('say which one it is, and why', async () => {
-    const { sides, failed } = await openSides([sourceOf('a.h5'), sourceOf('<b>b.h5', { newer: '' })]);
+  it('report which one it is, and why', async () => {
+    const { sides, failed } = await openRecordings([sourceOf('a.h5'), sourceOf('<b>b.h5', { newer: '' })]);
     expect(lineOfFailed(failed[0])).toMatchObject({ kind: 'bad', act: 'reload', text: expect.stringMatching(/^<b>b\.h5 .*cannot be opened.*newer program/) as string });
     for (const side of sides) side.close();
   });
 
-  it('both open where both can be, in the order of their names', async () => {
-    const { sides, failed } = await openSides([sourceOf('a.h5'), sourceOf('b.h5')]);
+  it('both open if both can be shown, in the order of their names', async () => {
+    const { sides, failed } = await openRecordings([sourceOf('a.h5'), sourceOf('b.h5')]);
     expect([sides.map(({ source }) => source.name), failed]).toEqual([['a.h5', 'b.h5'], []]);
     for (const side of sides) side.close();
   });
@@ -176,7 +176,7 @@ describe('two recordings of different devices', () => {
   const axis = (name: string, unit = 'm'): AxisT => new AxisT(name, unit, -1, 1, 10, unit === 'rad' ? 0.05 : 0, 1);
   const scenes = [{ axes: [axis('x'), axis('finger_flexion', 'rad')], valueNames: ['score'] }, { axes: [axis('finger_flexion', 'rad'), axis('yaw', 'rad')], valueNames: ['squeeze_n', 'score'] }];
 
-  it('share their axes by name; what one lacks is empty', () => {
+  it('share their axes by name; a missing one is empty', () => {
     expect(allAxes(scenes.map((scene) => ({ scene }) as unknown as ReplaySide)).map(({ name }) => String(name))).toEqual(['x', 'finger_flexion', 'yaw']);
     const keys = (name: string) => scenes.map((scene) => channelOf({ of: 'q_m', name }, scene)?.key);
     expect([keys('x'), keys('finger_flexion'), keys('yaw')]).toEqual([['q_m/0', undefined], ['q_m/1', 'q_m/0'], [undefined, 'q_m/1']]);
@@ -191,7 +191,7 @@ describe('two recordings of different devices', () => {
     expect(linesOfSecond(side(0), side(0))).toEqual([]);
   });
 
-  it('are shown in the units that people read', () => {
+  it('are shown in display units', () => {
     expect(channelOf({ of: 'q_m', name: 'x' }, scenes[0])?.factor).toBe(1000);
     expect(channelOf({ of: 'sent', name: 'finger_flexion' }, scenes[0])?.factor).toBeCloseTo(1 / 0.05, 9);
     expect(channelOf({ of: 'phi', name: 'finger_flexion' }, scenes[0])?.factor).toBe(1);
@@ -203,7 +203,7 @@ describe('two recordings of different devices', () => {
   });
 });
 
-describe('a recording that is opened', () => {
+describe('an opened recording', () => {
   const open = async (options: Record<string, string>): Promise<{ side: ReplaySide; fake: FakeRecordings }> => {
     const fake = new FakeRecordings(new URLSearchParams(options));
     return { side: await ReplaySide.open(new RecordingSource('a', '', (address) => fake.answer(address))), fake };
@@ -213,7 +213,7 @@ describe('a recording that is opened', () => {
     expect(until()).toBe(true);
   };
 
-  it('shows the row of its time, and the value of every column at it', async () => {
+  it('shows the row of its time, and the value of every column there', async () => {
     const { side, fake } = await open({ length: '2' });
     side.setColumns(new ColumnList(), side.scene.axes.map(({ name }) => String(name)));
     side.seek(1.5, side.span, false, 1);
@@ -233,7 +233,7 @@ describe('a recording that is opened', () => {
     side.close();
   });
 
-  it('without a scene still has its plots, and says why there is no picture', async () => {
+  it('without a scene has its plots, and explains the missing picture', async () => {
     const { side, fake } = await open({ length: '2', nopicture: '' });
     expect(side.hasScene).toBe(false);
     await settled(() => side.series.progress === 1);
@@ -241,11 +241,11 @@ describe('a recording that is opened', () => {
     side.close();
   });
 
-  it('that is a newer version is refused with the program’s words', async () => {
+  it('of a newer version is refused with the program’s words', async () => {
     await expect(open({ newer: '' })).rejects.toMatchObject({ kind: 'unreadable', text: expect.stringContaining('newer program') as string });
   });
 
-  it('that is still being written grows when it is read on', async () => {
+  it('that is still being written grows when it is read again', async () => {
     const { side } = await open({ length: '2', written: '' });
     const before = side.span.to_s;
     side.grow(await side.source.about());
@@ -254,7 +254,7 @@ describe('a recording that is opened', () => {
     side.close();
   });
 
-  it('whose end cannot be read says from when on', async () => {
+  it('whose end cannot be read states the time from which it is unreadable', async () => {
     const { side } = await open({ length: '10', damaged: '' });
     expect(side.about.whole).toBe(false);
     expect(linesOf(side)).toContainEqual({ kind: 'warn', text: fill(en.notices.damaged, { time: '0:09.000' }) });
@@ -263,7 +263,7 @@ describe('a recording that is opened', () => {
     for (const each of [side, whole.side]) each.close();
   });
 
-  it('keeps what was read while the program is away, and goes on when it is back', async () => {
+  it('keeps loaded data while the program is absent, and continues when it is back', async () => {
     vi.useFakeTimers();
     let away = false;
     const fake = new FakeRecordings(new URLSearchParams({ length: '2' }));
@@ -291,5 +291,5 @@ describe('a recording that is opened', () => {
 describe('the texts', () => {
   testTexts(en, de, fr);
 
-  it('name a report as the button does (WCAG 2.5.3)', () => { for (const t of [en, de, fr]) expect(t.reportOf).toContain(t.report); });
+  it('name a report like its button (WCAG 2.5.3)', () => { for (const t of [en, de, fr]) expect(t.reportOf).toContain(t.report); });
 });

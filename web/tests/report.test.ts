@@ -1,4 +1,4 @@
-// The data of a report: what the page reads of it, and what it says of the therapy.
+// The data of a report: parsing, and texts on the therapy.
 import { deflateSync } from 'node:zlib';
 import { describe, expect, it, vi } from 'vitest';
 import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
@@ -20,12 +20,12 @@ import { labelOf } from '../src/exercises/panel';
 import { BodyBudgetT, GameBodiesT, GameBodyT, GameShapesT, PanelT, PanelValueT, SceneT, ShapeT, ShapeType, SlotState, WordsT } from '../src/protocol';
 import { setLanguage } from '../src/shared/i18n';
 import { signWords } from '../src/report/sheet';
-import { GivenHelp, Mover, readReport, type Whose } from '../src/report/report_data';
-import { sharePercent, whatHappened, whoseWords } from '../src/report/therapy';
+import { GivenHelp, Mover, readReport, type Attribution } from '../src/report/report_data';
+import { sharePercent, marksByKind, whoseWords } from '../src/report/therapy';
 
 const packed = (bytes: Uint8Array): string => Buffer.from(deflateSync(bytes)).toString('base64');
 
-/** As src/replay/recording_report.cpp writes it, of the stand-in's recording. */
+/** The data that src/replay/recording_report.cpp writes, from the stand-in's recording. */
 async function carried(options = '', changes: Record<string, unknown> = {}, fake = new FakeRecordings(new URLSearchParams(`length=6&${options}`))): Promise<Json> {
   const ask = async (what: string): Promise<Response> => fake.answer(`/api/recordings/a.h5/replay/${what}`);
   const rows = [0, 100, 200, 300, fake.rows - 1];
@@ -62,20 +62,20 @@ const kindOf = async (data: Json): Promise<string> => readReport(data).then(() =
 describe('the data in a page', () => {
   const page = (text: string | null): Document => ({ querySelector: () => (text === null ? null : { textContent: text }) }) as unknown as Document;
 
-  it('is an object; a template has none; a file that was cut is recognised', () => {
+  it('is an object; a template has none; a truncated file is recognized', () => {
     expect(pageData(page('{"page":"report"}'))).toEqual({ page: 'report' });
     for (const text of ['"wholehand-page-data"', '[]', 'null']) expect(pageData(page(text))).toBeNull();
     for (const text of ['{"page":"rep', '', null]) expect(() => pageData(page(text))).toThrow(SyntaxError);
   });
 
-  it('holds bytes as packBytes() packs them', async () => {
+  it('contains bytes as packed by packBytes()', async () => {
     // python3 -c "import zlib, base64; print(base64.b64encode(zlib.compress(b'wholehand', 9)))", as in page_file_test.cpp
     expect(new TextDecoder().decode(await unpackBytes('eNorz8jPSc1IzEsBABMFA7s='))).toBe('wholehand');
   });
 });
 
 describe('a report', () => {
-  it('is the recording that the program answered from', async () => {
+  it('contains the recording like the program\'s answers', async () => {
     const data = await readReport(await carried());
     const fake = new FakeRecordings(new URLSearchParams('length=6'));
     expect(data.about).toMatchObject({ name: 'a.h5', ticks: 6000, exercise: 'cocktail-bar' });
@@ -83,7 +83,7 @@ describe('a report', () => {
     expect([data.states.length, data.series.columns, data.therapy.limits[0]]).toEqual([5, 300, [[0, 20]]]);
   });
 
-  it('shows the nearest state that it holds, and says which', async () => {
+  it('shows the nearest available state, and states its time', async () => {
     const fake = new FakeRecordings(new URLSearchParams('length=6'));
     const side = await ReplaySide.open(new EmbeddedRecording(await readReport(await carried())));
     expect(side.seek(0.13, { from_s: 0, to_s: 6 }, false, 1)).toBe(true);
@@ -95,7 +95,7 @@ describe('a report', () => {
     expect(side.series.overview()).toHaveLength(1);
   });
 
-  it('has bodies of a game at the states that it shows', async () => {
+  it('has bodies of a game at its states', async () => {
     const fake = new FakeRecordings(new URLSearchParams('length=6'));
     const ball = new GameShapesT(7, null, [new ShapeT(ShapeType.Sphere, null, 0.03)]);
     fake.scene.budget = new BodyBudgetT(64, 24);
@@ -119,46 +119,46 @@ describe('a report', () => {
     ['with states of other rows', { states: { rows: [1], messages: packed(new Uint8Array(0)) } }], ['with bodies of a game that are cut', { bodies: packed(new Uint8Array([1, 0, 0, 0, 9])) }], ['with a scene that is none', { scene: packed(new Uint8Array(40)) }],
   ])('%s is refused', async (_what, changes) => { expect(await kindOf(await carried('', changes))).toBe('nonsense'); });
 
-  it('whose figures are missing has none, and is shown', async () => {
+  it('without figures is shown without them', async () => {
     const data = await readReport(await carried('', { therapy: undefined, engineering: 'x' }));
     expect([data.therapy.bodies, data.engineering.faults, data.engineering.times.counts]).toEqual([[], [], []]);
   });
 });
 
-describe('states that a page holds', () => {
+describe('states in a page', () => {
   const states = new EmbeddedStates([0, 10, 20, 35], [new Uint8Array(0), new Uint8Array(0), new Uint8Array(0), new Uint8Array(0)]);
 
-  it.each([[-5, 0], [4, 0], [5, 0], [6, 10], [27, 20], [28, 35], [1000, 35]])('at row %d the nearest is %d', (row, nearest) => { expect(states.existing(row)).toBe(nearest); });
+  it.each([[-5, 0], [4, 0], [5, 0], [6, 10], [27, 20], [28, 35], [1000, 35]])('have for row %d the nearest one %d', (row, nearest) => { expect(states.existing(row)).toBe(nearest); });
   it('are stepped through one by one, to the ends', () => {
     expect([states.stepped(10, 1), states.stepped(10, -1), states.stepped(35, 1), states.stepped(0, -100)]).toEqual([20, 0, 35, 0]);
   });
 });
 
 describe('the therapy', () => {
-  const whose = (by: Mover, share: number, help: GivenHelp, persons = share === 1): Whose => ({ by, share, help, persons });
+  const whose = (by: Mover, share: number, help: GivenHelp, persons = share === 1): Attribution => ({ by, share, help, persons });
 
-  it('says whose a part is, and with how much help', () => {
+  it('states whose a part is, and with how much help', () => {
     vi.stubGlobal('document', { documentElement: {} });
     setLanguage('en');
     expect([
-      whose(Mover.Person, 1, GivenHelp.Full), whose(Mover.Person, 1, GivenHelp.None), whose(Mover.Person, 1, GivenHelp.Unsaid),
-      whose(Mover.VirtualPatient, 0, GivenHelp.Unsaid), whose(Mover.Motion, 0, GivenHelp.Unsaid), whose(Mover.Person, 0.634, GivenHelp.Full),
+      whose(Mover.Person, 1, GivenHelp.Full), whose(Mover.Person, 1, GivenHelp.None), whose(Mover.Person, 1, GivenHelp.Unspecified),
+      whose(Mover.VirtualPatient, 0, GivenHelp.Unspecified), whose(Mover.Motion, 0, GivenHelp.Unspecified), whose(Mover.Person, 0.634, GivenHelp.Full),
     ].map(whoseWords)).toEqual(['with full help', 'without help', 'the person’s', 'shown by the virtual patient', 'shown by a replayed motion', 'shared, 63.4 % the person’s']);
     vi.unstubAllGlobals();
   });
 
-  it('never calls a share the whole while a tick is missing in it', () => {
+  it('never shows a share as 100 % while a tick is missing in it', () => {
     expect([1, 0.9999999, 0.5, 0].map(sharePercent)).toEqual(['100.0', '99.9', '50.0', '0.0']);
   });
 
-  it('counts what the person did, and nothing else', async () => {
+  it('counts only the person\'s actions', async () => {
     const figures = figuresOf(await readReport(await carried()));
     expect(figures.map(({ key, shown, unit }) => [key, shown, unit])).toEqual([
       ['drinks', '1', ''], ['levels', '0', ''], ['result/poured_total_l', '41', 'ml'], ['result/score', '–', ''], ['reach', '2.5', 's'], ['grip', '2.5', 'N'], ['steadiness', '10', '%'], ['stars', '★ 3', 'of 3'],
     ]);
   });
 
-  it('lists each drink with what was poured for its steps, the person’s first', () => {
+  it('lists each drink with the poured amounts of its steps, the person’s first', () => {
     const exercise_json = JSON.stringify({ kind: 'cocktail_bar', dispensers: [], drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
     const part = { index: 0, steps: [[0, 0.039], [1, 0.02]] as const };
     expect(drinkOf(part, barOf({ exerciseJson: exercise_json }))).toEqual({
@@ -170,22 +170,22 @@ describe('the therapy', () => {
     expect(rows.map((cells) => cells.slice(3))).toEqual([['91', '5', 'person'], ['97', '0.9', 'other']]);
   });
 
-  it('lists every stop, fault and loss of the controls, and that there was none', () => {
+  it('lists every stop, fault and loss of the controls, and their absence', () => {
     const mark = (kind: 'stop' | 'fault' | 'controls_lost' | 'armed') => ({ time_s: 1, kind, text: '', axis: '' });
-    const happened = whatHappened({ marks: [mark('armed'), mark('stop'), mark('fault'), mark('fault'), mark('controls_lost')] });
+    const happened = marksByKind({ marks: [mark('armed'), mark('stop'), mark('fault'), mark('fault'), mark('controls_lost')] });
     expect(happened.map(({ kind, marks }) => [kind, marks.length])).toEqual([['stop', 1], ['emergency_stop', 0], ['fault', 2], ['controls_lost', 1]]);
   });
 });
 
 describe('charts', () => {
-  it('hold all values, and what they are asked to hold', () => {
+  it('contain all values, and the required minimum range', () => {
     const line = { name: '', color: '', values: [2, NaN, 4] };
     const [low, high] = rangeOf([line], [0, 1]);
     expect([low, high > 4, high < 5]).toEqual([0, true, true]);
     expect(rangeOf([{ ...line, values: [NaN] }])).toEqual([0, 1]);
   });
 
-  it('draw a limit as steps: what held until a change, and what held from it on', () => {
+  it('draw a limit as steps at each change', () => {
     const limit = [[0, 20], [2, 8]] as const;
     const times = stepTimes([limit, [[0, 5]]], 10);
     expect(times).toEqual([0, 2, 2, 10]);
@@ -194,7 +194,7 @@ describe('charts', () => {
 });
 
 describe('a result', () => {
-  it('is called as the exercise calls it in the page’s language, in report and replay', () => {
+  it('has the name of its exercise in the page’s language, in report and replay', () => {
     const scene = Object.assign(new SceneT(), { panel: Object.assign(new PanelT(), { values: [Object.assign(new PanelValueT(), { name: 'held_s', label: Object.assign(new WordsT(), { en: 'Held', de: 'Gehalten', fr: 'Tenu' }) })] }) });
     vi.stubGlobal('document', { documentElement: {} });
     setLanguage('fr');
@@ -206,7 +206,7 @@ describe('a result', () => {
 });
 
 describe('signs in the charts', () => {
-  it('are explained on the sheet, those that are there and no others', () => {
+  it('are explained on the sheet, exactly those that are shown', () => {
     const words = signWords(['②', '①', '②', 'stop', ''].map((label) => ({ label })));
     expect(words).toBe('① the hand touches an object; ② grasped, the wall fades in.');
     expect(signWords([{ label: '③' }])).toMatch(/^③ \S/);   // the exercise's own
@@ -214,11 +214,11 @@ describe('signs in the charts', () => {
   });
 });
 
-describe('its words', () => {
+describe('the texts of the report', () => {
   const keys = (texts: object, path = ''): string[] => Object.entries(texts).flatMap(([key, value]) => (typeof value === 'object' ? keys(value as object, `${path}${key}.`) : [`${path}${key}`]));
   const places = (texts: object): string[] => Object.values(texts).flatMap((value) => (typeof value === 'object' ? places(value as object) : [(String(value).match(/\{\w+\}/g) ?? []).sort().join()]));
 
-  it.each([['German', de], ['French', fr]])('are all there in %s, with the same places for values', (_name, texts) => {
+  it.each([['German', de], ['French', fr]])('are complete in %s, with the same placeholders', (_name, texts) => {
     expect(keys(texts)).toEqual(keys(en));
     expect(places(texts)).toEqual(places(en));
   });
@@ -227,7 +227,7 @@ describe('its words', () => {
 describe('the session before', () => {
   const figure = (key: string, value: number, better?: 'more' | 'less', shown = String(value)): Figure => ({ key, value, shown, unit: '', words: '', better, of: key === 'grip' ? 'grip' : 'exercise' });
 
-  it('is read with its own figures, and no further back', async () => {
+  it('is read with its own figures, without earlier sessions', async () => {
     const before = await carried('', { scene: undefined, before: await carried() });
     const data = await readReport(await carried('', { before }));
     expect(data.before?.about.name).toBe('a.h5');
@@ -236,7 +236,7 @@ describe('the session before', () => {
     expect((await readReport(await carried())).before).toBeUndefined();
   });
 
-  it('says what became better, what worse, and what is shown alike', () => {
+  it('shows better, worse and equal figures', () => {
     const became = (now: Figure, ...before: Figure[]): string | undefined => comparedWith(now, before, [])?.became;
     expect(became(figure('drinks', 3, 'more'), figure('drinks', 2, 'more'))).toBe('better');
     expect(became(figure('reach', 3, 'less'), figure('reach', 2, 'less'))).toBe('worse');
@@ -245,14 +245,14 @@ describe('the session before', () => {
     expect(became(figure('reach', 1, 'less'), figure('grip', 1))).toBeUndefined();
   });
 
-  it('is marked where it was another patient, hand, device, exercise or level', async () => {
+  it('is marked for another patient, hand, device, exercise or level', async () => {
     const { about } = await readReport(await carried());
     const other = (changes: Partial<typeof about>): string[] => differencesBetween(about, { ...about, ...changes });
     expect([other({}), other({ patient: 'x', hand: 'y' }), other({ exercise: 'z' }), other({ level: about.level + 1 }), other({ exercise: 'z', level: 0 })])
       .toEqual([[], ['patient', 'hand'], ['exercise'], ['exercise'], ['exercise']]);
   });
 
-  it('compares what was measured alike: results of one exercise, the grip of one hand at one device, and nobody with somebody else', () => {
+  it('compares only comparable figures: results of one exercise, the grip of one hand at one device, and one patient', () => {
     const [score, grip] = [figure('result/score', 90, 'more'), figure('grip', 3, 'more')];
     const became = (...differences: Parameters<typeof comparedWith>[2]): (string | undefined)[] =>
       [score, grip].map((now) => comparedWith(now, [figure('result/score', 80), figure('grip', 2)], differences)?.became);
@@ -264,7 +264,7 @@ describe('the session before', () => {
     expect(became('exercise', 'device')).toEqual([undefined, undefined]);
   });
 
-  it('leaves no figure of another exercise beside one of this', async () => {
+  it('shows no figure of another exercise beside one of this', async () => {
     const data = await readReport(await carried('', { before: await carried() }));
     expect(compareWithBefore(data).figures.map(({ compared }) => compared?.became)).toEqual(Array(8).fill('same'));
     const other = { ...data, before: { ...data.before!, about: { ...data.about, exercise: 'squeeze-to-level' } } };
@@ -272,7 +272,7 @@ describe('the session before', () => {
     expect(compareWithBefore(other).figures.filter(({ of, compared }) => of === 'exercise' && compared)).toEqual([]);
   });
 
-  it('knows which axes only one device has', () => {
+  it('names the axes that only one device has', () => {
     const axes = (...names: string[]): { name: string }[] => names.map((name) => ({ name }));
     expect(axesOfOne(axes('x', 'y'), axes('y', 'yaw'))).toEqual(['x', 'yaw']);
     expect(axesOfOne(axes('x'), axes('x'))).toEqual([]);
@@ -280,7 +280,7 @@ describe('the session before', () => {
 });
 
 describe('titles of recordings', () => {
-  it('of an exercise are put in words, all others as they are', () => {
+  it('of an exercise are translated, all others unchanged', () => {
     expect(titleWords('cocktail-bar, level 1 of 4', 'f.h5')).toBe('Cocktail bar, Level 1');
     expect(titleWords('squeeze-to-level, level 2', 'f.h5')).toBe('Squeeze to a level, Level 2');
     expect(titleWords('my-exercise, level 1', 'f.h5')).toBe('My exercise, Level 1');

@@ -1,4 +1,4 @@
-// Asks the graphics card where it puts the skin's vertices, and how far that is from the colliders:
+// Reads the positions of the skin's vertices back from the graphics card, and compares them with the colliders:
 // the shader's own source, run with transform feedback. Part of scene_page (?check).
 
 import { capsuleDistance } from '../src/hand/field';

@@ -1,7 +1,7 @@
-// A page with nothing but the scene, for pictures and measurements: "npm run dev", then
+// A page with only the scene, for pictures and measurements: "npm run dev", then
 //   /tests/scene_page.html?at=pour&level=3&quality=high&tone=honey&ghost&colliders&plain&check
 // Options of the stand-in program (src/net/fake_program.ts) work too. window.scene is the scene,
-// window.ready counts frames, window.check says where the graphics card puts the skin.
+// window.ready counts frames, window.check has the skin's positions on the graphics card.
 
 import type { PerspectiveCamera } from 'three';
 import '../src/shared/tokens.css';
@@ -12,7 +12,7 @@ import { checkOnCard } from './scene_gpu_check';
 import { SceneView } from '../src/scene/scene_view';
 import type { Quality } from '../src/scene/quality';
 
-// dump=ADDRESS, with step=: a scene and its states as JSON ({ scene, states }), as the console has them (window.wholehandNow).
+// dump=ADDRESS, with step=: a scene and its states as JSON ({ scene, states }), like window.wholehandNow of the console.
 const options = new URLSearchParams(location.search);
 const program = new FakeProgram(options) as unknown as { advance(dt: number): void; scene(): SceneT; state(): WorldStateT };
 const quality = (options.get('quality') ?? 'high') as Quality;
@@ -21,7 +21,7 @@ await document.fonts.load('700 40px "Atkinson Hyperlegible Next Variable"');
 const scene = new SceneView(document.getElementById('scene') as HTMLCanvasElement, {
   quality, tone: options.get('tone') ?? 'honey', view: options.get('view') === 'console' ? 'console' : 'game' });
 const reported = program.scene();
-// kitchen=drawer, door or put, with step= and q=: a made-up task of the kitchen round the stand-in's hand.
+// kitchen=drawer, door or put, with step= and q=: a synthetic kitchen task around the stand-in's hand.
 const task = { drawer: DRAWER, door: DOOR, put: PUT }[options.get('kitchen') ?? ''];
 if (task) {
   const { exerciseJson, bodies, valueNames } = kitchenScene(task), take = program.state.bind(program);
@@ -40,7 +40,7 @@ if (options.has('plain')) reported.exerciseJson = '';
 scene.setScene(reported);
 scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders') });
 
-if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how much larger
+if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and the magnification
   const [x, y, more] = options.get('zoom')!.split(',').map(Number);
   const place = scene.resize.bind(scene), { camera } = scene as unknown as { camera: PerspectiveCamera };
   scene.resize = () => {
@@ -64,7 +64,7 @@ const frame = (now_ms: number) => {
     scene.setState(program.state());
   }
   last_ms = now_ms;
-  // A still picture needs time too: what is low-passed comes to rest.
+  // A still picture also needs time, until low-passed values have settled.
   clock_ms = still ? clock_ms + 200 : now_ms;
   scene.render(clock_ms);
   if (scene.whole) page.ready += 1;

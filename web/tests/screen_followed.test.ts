@@ -1,5 +1,5 @@
-// A person who reads the strip and does what it says, with keys, and nothing else: on the simulated clock, against the
-// program's own hand and bar, at a page of 60 frames a second and at one that draws three.
+// A simulated person who reads the strip and follows it with keys only, on the simulated clock, against the
+// program's hand and bar, at a page of 60 frames per second and at one of three.
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { cueTowards } from '../src/game/cues';
 import { Hints, type HintLevel } from '../src/game/hints';
@@ -9,7 +9,7 @@ import { en as bar } from '../src/exercises/cocktail_bar/i18n/en';
 import { BarPlay } from '../src/exercises/cocktail_bar/play';
 import type { GraspTargets } from '../src/exercises/exercise';
 import type { PageState } from '../src/game/page_state';
-import { besideOf, playWords } from '../src/game/words';
+import { palmOffsetOf, playWords } from '../src/game/words';
 import { AimModel } from '../src/input/aim_model';
 import { Keys } from '../src/input/keys';
 import type { Help } from '../src/input/wish';
@@ -19,12 +19,12 @@ import { LOOK_S, SteeredHand } from './steered_hand';
 
 /** Issue 13: a drink by a script that does only what the screen says. */
 const DRINK_S = 90;
-/** From what is said to what is done, and how long a press is [s]. */
+/** Reaction time, and duration of a press [s]. */
 const REACTS_S = 0.4;
 const PRESS_S = 0.15;
-/** Who has pressed as it was said presses again when it is still said so much later [s]. */
+/** A person who has pressed as instructed presses again when the same instruction is still shown after this time [s]. */
 const AGAIN_S = 6;
-/** The page's own: how long after a move of the aim somebody is still at it [s], and what a move is. */
+/** Like the page: the person counts as active for this long after a move of the aim [s], and the smallest move. */
 const MOVING_S = 0.5;
 const MOVES = 0.01;
 
@@ -40,7 +40,7 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-/** What is on the screen of a page, drawn every `frame_looks` looks of the clock. */
+/** The screen of a page, drawn every `frame_looks` steps of the clock. */
 class Page {
   title = '';
   more = '';
@@ -68,25 +68,25 @@ class Page {
   frame(dt_s: number): void {
     const { hand: { state, perceiver }, model, play, targets, scene, now } = this;
     const before = [...model.aim];
-    model.advance(this.keys.wish(), perceiver.see(state), dt_s);
+    model.advance(this.keys.wish(), perceiver.onState(state), dt_s);
     this.still_s = model.aim.some((q, i) => Math.abs(q - before[i]!) > MOVES * dt_s) ? 0 : this.still_s + dt_s;
     play.follow(state);
     const palm = scene.capsules[0]!.link;
     const hint = this.hints.look(model.onItsWay || this.still_s < MOVING_S ? '' : play.todo(state), Math.min(0.25, dt_s));
     if (hint === 3 && this.hint < 3) model.show();
     this.hint = hint;
-    const said = playWords(play, state, {
-      now, help: this.help, hint, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: besideOf(targets, true, state, palm),
+    const prompt = playWords(play, state, {
+      now, help: this.help, hint, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: palmOffsetOf(targets, true, state, palm),
     });
-    this.title = said.title;
-    this.more = said.more;
+    this.title = prompt.title;
+    this.more = prompt.more;
     const bottle = state.bodies[this.hand.bodyOf(this.hand.value('target_dispenser'))]?.positionM;
     const cue = now === 'reach' && bottle ? cueTowards(state.links[palm]!.positionM!.y, bottle.y, true, { x_px: 0, y_px: 0 }, 1) : null;
     this.sign = cue ? (cue.left ? 'left' : 'right') : '';
   }
 }
 
-/** Which keys the words on the screen ask for: held, or `press`ed once; "a little" is a `nudge`. */
+/** The keys that the text on the screen asks for: held, or `press`ed once; "a little" is a `nudge`. */
 function askedBy({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
   if (title === bar.letGo || title === bar.drawBack || title.startsWith(bar.wrong.replace('{x}', ''))) return { hold: 'ArrowDown' };
   if ([en['hint.press'], en['hint.again']].includes(more as never)) return { press: 'Space' };
@@ -100,12 +100,12 @@ function askedBy({ title, more, sign }: Page): { hold?: string; press?: string; 
   return {};
 }
 
-/** How long a drink takes, and what was read. */
+/** The duration of a drink, and the texts that were read. */
 async function drink(help: Help, frame_looks: number): Promise<{ took_s: number; stars: number; log: string[] }> {
   const hand = await SteeredHand.start(1);
   open.push(hand);
   const page = new Page(hand, help);
-  const tell = (type: 'keydown' | 'keyup', code: string): void => { WINDOW.dispatchEvent(Object.assign(new Event(type), { code })); };
+  const dispatch = (type: 'keydown' | 'keyup', code: string): void => { WINDOW.dispatchEvent(Object.assign(new Event(type), { code })); };
   const log: string[] = [];
   let held = '', pressed = '', read = '', read_s = 0, pressed_s = -Infinity, t = 0;
   for (let look = 0; t < DRINK_S && page.now !== 'success'; look += 1, t += LOOK_S) {
@@ -117,31 +117,31 @@ async function drink(help: Help, frame_looks: number): Promise<{ took_s: number;
       log.push(`${t.toFixed(1)} s: ${words} (${hand.now.q_m.slice(0, 2).map((v) => v.toFixed(3)).join(' ')})`);
     }
     if (pressed && t - pressed_s >= PRESS_S) {
-      tell('keyup', pressed);
+      dispatch('keyup', pressed);
       pressed = '';
     }
     if (t - read_s < REACTS_S) continue;
     const { hold = '', press = '', nudge = '' } = askedBy(page);
     if (hold !== held) {
-      if (held) tell('keyup', held);
-      if (hold) tell('keydown', hold);
+      if (held) dispatch('keyup', held);
+      if (hold) dispatch('keydown', hold);
       held = hold;
     }
     const due = press ? read_s > pressed_s || t - pressed_s > AGAIN_S : t - pressed_s > PRESS_S + REACTS_S;
     if ((press || nudge) && !pressed && due) {
       pressed = press || nudge;
       pressed_s = t;
-      tell('keydown', pressed);
+      dispatch('keydown', pressed);
     }
   }
   page.keys.disable();
   return { took_s: t, stars: hand.value('stars'), log };
 }
 
-/** A page that draws slowly is looked at later: so much of a drink's time, and no more. */
+/** A page that draws slowly is read later: the time limit grows by this share of a drink's time. */
 const SLOWER = 1.5;
 
-it.each([['full', [1, 20]], ['some', [4]], ['none', [1, 12]]] as const)('who does only what the screen says finishes a drink, however slowly the page draws: help %s', async (help, pages) => {
+it.each([['full', [1, 20]], ['some', [4]], ['none', [1, 12]]] as const)('a person who does only what the screen says finishes a drink, however slowly the page draws: help %s', async (help, pages) => {
   const took_s: number[] = [];
   for (const frame_looks of pages) {
     const made = await drink(help, frame_looks);

@@ -1,4 +1,4 @@
-// What a person sees of the glass once a drink is done.
+// The picture of the glass after a drink is done.
 import { describe, expect, it } from 'vitest';
 import { servingAt, ServingClock } from '../src/exercises/cocktail_bar/serving';
 
@@ -11,7 +11,7 @@ describe('a done drink', () => {
     const poses = seen.map(({ pose }) => pose).filter((pose, i, all) => pose !== all[i - 1]);
     expect(poses).toEqual(['waits', 'drinks', 'thanks']);
     for (const { pose, toMiddle, seen: share, empty } of seen) {
-      if (pose === 'drinks') expect([toMiddle, share]).toEqual([1, 0]);   // the guest has it
+      if (pose === 'drinks') expect([toMiddle, share]).toEqual([1, 0]);   // the guest holds it
       if (pose === 'thanks') expect(empty).toBe(true);
     }
     expect(seen.at(-1)).toMatchObject({ pose: 'thanks', away: 1, seen: 0 });
@@ -21,7 +21,7 @@ describe('a done drink', () => {
     const clock = new ServingClock();
     const all = Array.from({ length: 9 * 60 }, (_, i) => clock.look(i < 6 * 60, false, TICK_S, false));
     for (let i = 1; i < all.length; i++) {
-      if (all[i].seen === 0 || all[i - 1].seen === 0) continue;   // nothing is seen to jump
+      if (all[i].seen === 0 || all[i - 1].seen === 0) continue;   // invisible jumps are allowed
       expect(Math.abs(all[i].toMiddle - all[i - 1].toMiddle)).toBeLessThan(0.05);
       expect(Math.abs(all[i].away - all[i - 1].away)).toBeLessThan(0.05);
     }
@@ -30,7 +30,7 @@ describe('a done drink', () => {
 });
 
 describe('the next drink', () => {
-  it('has its glass where the program has it as soon as the hand is at a bottle', () => {
+  it('has its glass at the program\'s place as soon as the hand is at a bottle', () => {
     const clock = new ServingClock();
     for (let i = 0; i < 360; i++) clock.look(true, false, TICK_S, false);
     expect(clock.look(false, false, TICK_S, false).away).toBeGreaterThan(0.9);
@@ -40,14 +40,14 @@ describe('the next drink', () => {
 });
 
 describe('with reduced motion', () => {
-  it('the glass fades and never slides while it is seen', () => {
+  it('the glass fades and never slides while it is visible', () => {
     const clock = new ServingClock();
     const all = Array.from({ length: 9 * 60 }, (_, i) => clock.look(i < 6 * 60, false, TICK_S, true));
     for (let i = 1; i < all.length; i++) {
       expect(all[i].away).toBe(0);
       expect(Math.abs(all[i].seen - all[i - 1].seen)).toBeLessThan(0.1);
       expect(all[i].toMiddle).toBe(0);
-      if (all[i].pose === 'drinks') expect(all[i].seen).toBeLessThan(0.01);   // the guest has it
+      if (all[i].pose === 'drinks') expect(all[i].seen).toBeLessThan(0.01);   // the guest holds it
     }
     expect(all.map(({ pose }) => pose)).toEqual(expect.arrayContaining(['waits', 'drinks', 'thanks']));
   });

@@ -1,10 +1,10 @@
-// Sound is an extra: without a device, or where the browser refuses it, nothing throws and the game goes on.
+// Sound is optional: without a device, or if the browser refuses it, nothing throws and the game continues.
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { Sound } from '../src/game/sound';
 
 afterEach(() => { vi.unstubAllGlobals(); });
 
-/** Everything that a game asks of it. */
+/** All calls of a game. */
 function playAll(): void {
   const sound = new Sound();
   sound.unlock();
@@ -25,26 +25,26 @@ const node = (): object => {
 };
 
 describe('sound', () => {
-  it('is silent where the browser has none', () => {
+  it('is silent if the browser has no audio', () => {
     vi.stubGlobal('AudioContext', undefined);
     expect(playAll).not.toThrow();
   });
 
-  it('is silent where there is no device', () => {
+  it('is silent without an audio device', () => {
     vi.stubGlobal('AudioContext', class { constructor() { throw new DOMException('no output device', 'NotSupportedError'); } });
     expect(playAll).not.toThrow();
   });
 
-  it('is silent where the device is gone in the middle', () => {
+  it('is silent after the device is lost', () => {
     vi.stubGlobal('AudioContext', class { currentTime = 0; sampleRate = 48_000; destination = {}; createGain = node; createBuffer(): never { throw new Error('device lost'); } close = () => Promise.resolve(); });
     expect(playAll).not.toThrow();
   });
 
-  it('goes on where the browser refuses to resume it', async () => {
+  it('continues if the browser refuses to resume it', async () => {
     const unhandled: unknown[] = [];
     const heard = (reason: unknown): void => { unhandled.push(reason); };
     process.on('unhandledRejection', heard);
-    class Refusing {
+    class RefusingAudioContext {
       state = 'suspended';
       currentTime = 0;
       sampleRate = 8;
@@ -56,14 +56,14 @@ describe('sound', () => {
       createBuffer(): object { return { getChannelData: () => new Float32Array(16) }; }
       resume(): Promise<void> { return Promise.reject(new DOMException('not allowed', 'NotAllowedError')); }
     }
-    vi.stubGlobal('AudioContext', Refusing);
+    vi.stubGlobal('AudioContext', RefusingAudioContext);
     expect(playAll).not.toThrow();
     await new Promise((done) => setTimeout(done, 10));
     process.off('unhandledRejection', heard);
     expect(unhandled).toEqual([]);
   });
 
-  /** Plays on a device that counts: how loud the gurgle was last, and how many drops were heard. */
+  /** Plays on a fake device; returns the last volume of the gurgle, and the number of drops. */
   function heard(play: (sound: Sound) => void): { gurgle: number; drops: number } {
     let gains: { value: number }[] = [], begun = 0;
     const gain = (): object => { const value = { ...param(), value: 0, setTargetAtTime(to: number) { value.value = to; } }; gains.push(value); return { ...node(), gain: value }; };
@@ -78,17 +78,17 @@ describe('sound', () => {
     const sound = new Sound();
     sound.unlock();
     const silent = begun;
-    gains = gains.slice(2, 3);   // after the whole and the stream: the gurgle
+    gains = gains.slice(2, 3);   // after the master and the stream: the gurgle
     play(sound);
     return { gurgle: gains[0]!.value, drops: begun - silent };
   }
 
-  it('gurgles while air comes back, and not after it', () => {
+  it('gurgles while air returns, and not after it', () => {
     expect(heard((sound) => sound.gurgle(0.5)).gurgle).toBeGreaterThan(0);
     expect(heard((sound) => { sound.gurgle(0.5); sound.gurgle(0); }).gurgle).toBe(0);
   });
 
-  it('ends a stream in drops, once; warm air has none, and nothing is heard where sounds are off', () => {
+  it('ends a stream in drops, once; warm air has none, and sounds that are off are silent', () => {
     const ends = (sound: Sound): void => { for (const rate of [0, 0.5, 0.5, 0.01, 0, 0]) sound.flow(rate, 0.5); };
     expect(heard(ends).drops).toBe(3);
     expect(heard((sound) => { for (const rate of [0, 0.5, 0]) sound.flow(rate, 0.5, 'air'); }).drops).toBe(0);

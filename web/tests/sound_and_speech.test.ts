@@ -1,4 +1,4 @@
-// Music that a person turns on, and words that a voice of this machine says, without either being there.
+// Music and local speech, with and without support by the machine.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { barTones, BAR_S } from '../src/game/music';
 import { MUSIC_VOLUMES, Sound } from '../src/game/sound';
@@ -14,7 +14,7 @@ beforeEach(() => {
 });
 afterEach(() => { vi.useRealTimers(); vi.unstubAllGlobals(); });
 
-/** As much of an AudioContext as the sounds need: counts what is begun. */
+/** The part of an AudioContext that the sounds use; it counts started sources. */
 function audioContext() {
   const begun: number[] = [], levels: number[] = [];
   const param = () => ({ value: 0, setValueAtTime() {}, linearRampToValueAtTime() {}, exponentialRampToValueAtTime() {}, setTargetAtTime(value: number) { levels.push(value); } });
@@ -28,12 +28,12 @@ function audioContext() {
 }
 
 describe('music', () => {
-  it('is off until the person turns it on, and stays as they left it', () => {
+  it('is off until the person turns it on, and its setting is kept', () => {
     const { Context, begun } = audioContext();
     vi.stubGlobal('AudioContext', Context);
     const sound = new Sound();
     sound.unlock();
-    expect(begun.length).toBe(2);   // what flows, and what makes air gurgle: both silent
+    expect(begun.length).toBe(2);   // the flow noise and the gurgle, both silent
     sound.setMusic('soft');
     expect(begun.length).toBeGreaterThan(1);
     expect(new Sound().musicVolume).toBe('soft');
@@ -52,7 +52,7 @@ describe('music', () => {
     expect(Math.max(...levels)).toBeLessThan(0.16);
   });
 
-  it('is of the C major scale, in a calm range', () => {
+  it('is in the C major scale, in a calm range', () => {
     const scale = [0, 2, 4, 5, 7, 9, 11];   // semitones over C
     for (const { tone_hz, at_s } of Array.from({ length: 8 }, (_, bar) => barTones(bar)).flat()) {
       const semitones = 12 * Math.log2(tone_hz / 261.6256);
@@ -64,7 +64,7 @@ describe('music', () => {
     }
   });
 
-  it('without a sound device is a setting without effect, and throws nothing', () => {
+  it('without an audio device is a setting without effect, and throws nothing', () => {
     vi.stubGlobal('AudioContext', class { constructor() { throw new Error('no device'); } });
     const sound = new Sound();
     expect(() => { sound.setMusic('loud'); sound.chime('line'); sound.flow(0.8, 0.5); sound.toggle(); }).not.toThrow();
@@ -75,27 +75,27 @@ describe('music', () => {
 const voice = (lang: string, localService = true, isDefault = false) => ({ lang, localService, default: isDefault, name: lang, voiceURI: lang }) as SpeechSynthesisVoice;
 
 describe('a voice', () => {
-  it('is one of the page\'s language that is on this machine, of the person\'s country first', () => {
+  it('is a local one of the page\'s language, preferably of the person\'s country', () => {
     const voices = [voice('en-US'), voice('de-DE', true, true), voice('de-CH'), voice('fr-FR', false)];
     expect(voiceOf(voices, 'de', ['de-CH'])?.lang).toBe('de-CH');
     expect(voiceOf(voices, 'de', ['en-GB'])?.lang).toBe('de-DE');
-    expect(voiceOf(voices, 'fr', ['fr-CH'])).toBeNull();   // a server would hear what is said
+    expect(voiceOf(voices, 'fr', ['fr-CH'])).toBeNull();   // a server voice would send the text away
   });
 
-  it('that is missing is known, and nothing is thrown', () => {
+  it('that is missing is detected, and nothing is thrown', () => {
     for (const synthesis of [undefined, { getVoices: () => [], cancel() {}, speak() { throw new Error('spoke'); }, addEventListener() {} }]) {
       vi.stubGlobal('speechSynthesis', synthesis);
       const speech = new Speech(() => {});
       expect(speech.on).toBe(false);
       speech.toggle();
       expect(speech.hasVoice).toBe(false);
-      expect(() => { speech.tell('Reach', '', 0); speech.tell('Reach', '', 1000); speech.toggle(); }).not.toThrow();
+      expect(() => { speech.onInstruction('Reach', '', 0); speech.onInstruction('Reach', '', 1000); speech.toggle(); }).not.toThrow();
     }
   });
 });
 
-describe('what is said', () => {
-  it('is what stands, once, and of a hint only the hint', () => {
+describe('spoken text', () => {
+  it('is text that was shown for a while, once, and only the new part of a hint', () => {
     const announcer = new Announcer();
     expect(announcer.look('Reach for the lemon', 'Move to the bright sign', 0)).toBe('');
     expect(announcer.look('Squeeze gently', '', 100)).toBe('');

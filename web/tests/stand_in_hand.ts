@@ -1,4 +1,4 @@
-// The pages' own stand-in for the bar, aimed like the program's hand: no program is needed.
+// The pages' stand-in for the bar, aimed like the program's hand: no program is needed.
 import { targetsOf } from '../src/exercises';
 import { AXES, FakeBar } from '../src/exercises/cocktail_bar/fake_bar';
 import { describeBar, fillBar } from '../src/exercises/cocktail_bar/fake_messages';
@@ -7,7 +7,7 @@ import { HAND, type Triple } from '../src/net/fake_hand';
 import { pose, vec } from '../src/net/fake_shapes';
 import { AxisT, CapsuleT, SceneT, WorldStateT } from '../src/protocol';
 import type { PlayedHand } from './player';
-import { LOOK_S, type Seen } from './steered_hand';
+import { LOOK_S, type RigSnapshot } from './steered_hand';
 
 export class StandInHand implements PlayedHand {
   readonly axes = AXES;
@@ -15,7 +15,7 @@ export class StandInHand implements PlayedHand {
   readonly perceiver: Perceiver;
   readonly bar: FakeBar;
   state!: WorldStateT;
-  now!: Seen;
+  now!: RigSnapshot;
 
   constructor(level: number) {
     const { scene } = this, bar = this.bar = new FakeBar(level);
@@ -27,7 +27,7 @@ export class StandInHand implements PlayedHand {
     this.look();
   }
 
-  /** A look later, with the hand aimed there. */
+  /** Advances one step with the given aim. */
   async aim(q: readonly number[], restart = false): Promise<void> {
     const { bar } = this;
     if (restart) bar.restart();

@@ -1,5 +1,5 @@
-// The pages' aim against the program's own hand and bar, on the simulated clock.
-// WHOLEHAND_FULL=1: 10,000 random aims; WHOLEHAND_ROUNDS: a slice of them. WHOLEHAND_SEED repeats a run.
+// The pages' aim with the program's hand and bar, on the simulated clock.
+// WHOLEHAND_FULL=1: 10,000 random aims; WHOLEHAND_ROUNDS: a part of them. WHOLEHAND_SEED repeats a run.
 import { PerspectiveCamera } from 'three';
 import { afterEach, expect, it } from 'vitest';
 import { AimModel } from '../src/input/aim_model';
@@ -12,7 +12,7 @@ import { HELD_S, HELD_N, Player } from './player';
 import { LOOK_S, SteeredHand } from './steered_hand';
 
 const FULL = process.env.WHOLEHAND_FULL === '1';
-/** A slice of the full count, so that several can run beside each other: rounds of 25 aims, or of 10 grips. */
+/** A part of the full count, so that several can run in parallel: rounds of 25 aims, or of 10 grips. */
 const ROUNDS = process.env.WHOLEHAND_ROUNDS ? Number(process.env.WHOLEHAND_ROUNDS) : undefined;
 const SEED = Number(process.env.WHOLEHAND_SEED ?? 1 + Math.floor(Math.random() * 1e6));
 const [WIDTH_PX, HEIGHT_PX] = [1280, 800];
@@ -33,7 +33,7 @@ const [leftCamera, rightCamera] = [false, true].map((right) => {
   return camera;
 }) as [PerspectiveCamera, PerspectiveCamera];
 
-/** What a cursor at a point of the picture asks for, through the camera that draws it. */
+/** The wish of a cursor at a point of the picture, through its camera. */
 function pointed(hand: SteeredHand, across: number, down: number): Pick<Wish, 'place' | 'pointed'> {
   const at = pointInRow(hand.scene.rightHand ? rightCamera : leftCamera, -0.119, across, down)!;
   const palm = hand.perceiver.palmAt(hand.state, at)!;
@@ -49,7 +49,7 @@ async function start(level: number, file = 'adult-median-right'): Promise<Steere
   return hand;
 }
 
-it(`random aims of mouse and touch never hold an open hand against anything (seed ${SEED})`, async () => {
+it(`random aims of mouse and touch never press an open hand against anything (seed ${SEED})`, async () => {
   const held: string[] = [];
   let longest_s = 0;
   const rounds = ROUNDS ?? (FULL ? 400 : 2), aims = FULL || ROUNDS ? 25 : 8;
@@ -88,7 +88,7 @@ it(`random aims of mouse and touch never hold an open hand against anything (see
   expect(held).toEqual([]);
 }, FULL || ROUNDS ? 3e7 : 120_000);
 
-it(`what the task asks for is gripped, whatever is pointed at and pressed (seed ${SEED})`, async () => {
+it(`the task's target is gripped, whatever is pointed at and pressed (seed ${SEED})`, async () => {
   const draw = random(SEED + 1), between = (a: number, b: number): number => a + (b - a) * draw();
   const rounds = ROUNDS ?? (FULL ? 200 : 2), grips = FULL || ROUNDS ? 10 : 2;
   let gripped = 0, tried = 0, slowest_s = 0;
@@ -96,10 +96,10 @@ it(`what the task asks for is gripped, whatever is pointed at and pressed (seed 
     const level = 2 + (round % 3);
     const hand = await start(level);
     for (let k = 0; k < grips; k += 1) {
-      // The level begins anew, with an open hand: what pours goes on, whatever is pressed.
+      // The level restarts with an open hand: a flow from before would continue, whatever is pressed.
       const player = new Player(hand, 'full');
       for (let s = 0; s < 2; s += LOOK_S) await player.look(restingWish(), s === 0);
-      // Somewhere else first, as a hand comes from somewhere; then anywhere.
+      // First to another place, so that the hand comes from a random direction; then to a random place.
       const elsewhere = { ...restingWish(), ...pointed(hand, draw(), draw()) };
       for (let t = 0; t < between(0, 1.5); t += LOOK_S) await player.look(elsewhere);
       const at = { ...restingWish(), ...pointed(hand, draw(), draw()) };
@@ -123,11 +123,11 @@ it(`an open or half-open hand that leans on a bottle pours nothing (seed ${SEED}
   const hand = await start(1);
   const model = new AimModel(hand.axes, { help: 'full' });
   model.begin(hand.now.q_m);
-  // To the bottle, without a squeeze: a cursor that stays on it.
+  // Moves to the bottle without a squeeze: the cursor stays on it.
   const there = { ...restingWish(), pointed: 0 };
-  for (let t = 0; t < 5; t += LOOK_S) await hand.aim([...model.step(there, hand.perceiver.see(hand.state), LOOK_S)]);
+  for (let t = 0; t < 5; t += LOOK_S) await hand.aim([...model.step(there, hand.perceiver.onState(hand.state), LOOK_S)]);
   expect(hand.value('engaged_dispenser')).toBe(0);
-  const grip = hand.perceiver.see(hand.state).grips[0]!;
+  const grip = hand.perceiver.onState(hand.state).grips[0]!;
   let touched = 0;
   for (let k = 0; k < (FULL ? 1000 : 8); k += 1) {
     // Half-open at most: fingers that meet the bottle close at about 105 degrees.
@@ -149,7 +149,7 @@ it.each(['one button', 'a cursor on another bottle'])('%s, tapped, mixes a whole
     const now = hand.value('stage');
     since_s = now === stage ? since_s + LOOK_S : 0;
     stage = now;
-    // A person presses half a second after "Reach for" is said, once.
+    // A person presses once, half a second after "Reach for" is shown.
     const other = way === 'one button' ? undefined : 1 - hand.value('target_dispenser');
     await player.look({ ...restingWish(), pointed: other, squeeze: now === 0 && since_s > 0.5 && since_s < 0.7 });
   }
@@ -159,7 +159,7 @@ it.each(['one button', 'a cursor on another bottle'])('%s, tapped, mixes a whole
   expect(hand.value('stars')).toBe(3);
 }, 120_000);
 
-it('a hand that is handed over in somebody else’s grip opens and draws back before anything else', async () => {
+it('a hand that is taken over in somebody else’s grip opens and draws back first', async () => {
   const hand = await start(1);
   const holding = new Player(hand, 'full');
   for (let t = 0; t < 6 && !(hand.value('flow_l_s') > 0); t += LOOK_S) await holding.look({ ...restingWish(), squeeze: true });

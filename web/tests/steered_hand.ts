@@ -1,4 +1,4 @@
-// The program's own hand and bar on the simulated clock, for tests: tests/experiments/steered_hand.cpp.
+// The program's hand and bar on the simulated clock, for tests: tests/experiments/steered_hand.cpp.
 import { spawn, type ChildProcessWithoutNullStreams } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
@@ -8,14 +8,14 @@ import { Perceiver } from '../src/input/perceiver';
 import type { AimAxis } from '../src/input/aim_model';
 import { HandPart, type SceneT, type WorldStateT } from '../src/protocol';
 
-/** From one look to the next [s]. */
+/** Time between two looks [s]. */
 export const LOOK_S = 0.016;
 const FILE = resolve(process.env.WHOLEHAND_STEERED_HAND ?? resolve(__dirname, '../../build/release/steered_hand'));
 
-interface Reported { right_hand: boolean; palm_link: number; axes: AimAxis[]; bodies: string[]; values: string[]; exercise: string }
+interface SceneReport { right_hand: boolean; palm_link: number; axes: AimAxis[]; bodies: string[]; values: string[]; exercise: string }
 type Vec = [number, number, number];
-export interface Seen {
-  /** That stopped the loop. */
+export interface RigSnapshot {
+  /** Faults that stopped the loop. */
   q_m: number[]; q_s: number[]; palm: Vec; faults: number;
   bodies: Vec[]; turns_xyzw: [number, number, number, number][]; contacts: [body: number, capsule: number, force_n: Vec][]; values: number[];
 }
@@ -27,22 +27,22 @@ export class SteeredHand {
   scene!: SceneT;
   state!: WorldStateT;
   perceiver!: Perceiver;
-  now!: Seen;
-  private reported!: Reported;
+  now!: RigSnapshot;
+  private reported!: SceneReport;
   private readonly lines: string[] = [];
-  private heard: (() => void) | undefined;
+  private onLine: (() => void) | undefined;
   private ended = '';
 
   private constructor(private readonly program: ChildProcessWithoutNullStreams) {
-    createInterface({ input: program.stdout }).on('line', (line) => { this.lines.push(line); this.heard?.(); });
+    createInterface({ input: program.stdout }).on('line', (line) => { this.lines.push(line); this.onLine?.(); });
     program.stderr.on('data', (words) => { this.ended += String(words); });
-    program.on('close', () => { this.ended ||= 'it ended'; this.heard?.(); });
+    program.on('close', () => { this.ended ||= 'it ended'; this.onLine?.(); });
   }
 
   static async start(level: number, exercise = 'cocktail-bar', hand = 'adult-median-right'): Promise<SteeredHand> {
     if (!existsSync(FILE)) throw new Error(`${FILE} is not there: ninja -C build/release steered_hand`);
     const out = new SteeredHand(spawn(FILE, [exercise, String(level), hand]));
-    const reported = out.reported = JSON.parse(await out.line()) as Reported;
+    const reported = out.reported = JSON.parse(await out.line()) as SceneReport;
     out.axes = reported.axes;
     out.scene = {
       axes: reported.axes, bodies: reported.bodies.map((name) => ({ name, shapes: [] })), valueNames: reported.values, exerciseJson: reported.exercise,
@@ -53,7 +53,7 @@ export class SteeredHand {
     return out;
   }
 
-  /** A look later, with the hand aimed there. */
+  /** Advances one look with the given aim. */
   async aim(q: readonly number[], restart = false): Promise<void> {
     this.program.stdin.write(`${q.join(' ')}${restart ? ' restart' : ''}\n`);
     this.take(await this.line());
@@ -69,7 +69,7 @@ export class SteeredHand {
   stop(): void { this.program.kill(); }
 
   private take(line: string): void {
-    const now = this.now = JSON.parse(line) as Seen;
+    const now = this.now = JSON.parse(line) as RigSnapshot;
     const links: unknown[] = [];
     links[this.reported.palm_link] = { positionM: xyz(now.palm) };
     this.state = {
@@ -81,7 +81,7 @@ export class SteeredHand {
   private async line(): Promise<string> {
     while (this.lines.length === 0) {
       if (this.ended) throw new Error(`steered_hand: ${this.ended}`);
-      await new Promise<void>((go) => { this.heard = go; });
+      await new Promise<void>((go) => { this.onLine = go; });
     }
     return this.lines.shift()!;
   }

@@ -1,31 +1,31 @@
-// A stop is sent once the line lives, and a page says what it does not know, however few turns it has.
+// A stop is sent once the connection is open, and a page reports missing confirmations, even with few turns of the event loop.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { Connection } from '../src/net/connection';
 import { FreshButtons } from '../src/shared/fresh_buttons';
 import { Order, Payload, ReplyT, WorldStateT } from '../src/protocol';
-import { TestLine } from './test_line';
+import { TestConnection } from './test_connection';
 import { TurnClock } from './turn_clock';
 
-/** How long the main thread is busy a turn [ms]. */
+/** Busy time of the main thread per turn [ms]. */
 const TURNS_MS = [50, 120, 300, 600, 601, 1000, 2000];
 
 let clock: TurnClock;
-let lines: TestLine[];
+let sockets: TestConnection[];
 let connection: Connection;
 
 beforeEach(() => {
   clock = new TurnClock();
-  lines = [];
-  connection = new Connection({ url: 'ws://nowhere/ws', open: () => { const line = new TestLine(); lines.push(line); return line; } });
-  lines[0].welcome();
+  sockets = [];
+  connection = new Connection({ url: 'ws://nowhere/ws', open: () => { const socket = new TestConnection(); sockets.push(socket); return socket; } });
+  sockets[0].welcome();
 });
 afterEach(() => { connection.close(); vi.unstubAllGlobals(); });
 
-const last = (): TestLine => lines[lines.length - 1];
+const last = (): TestConnection => sockets[sockets.length - 1];
 const stops = (): number[] => last().sent.filter(({ order }) => order === Order.EmergencyStop).map(({ id }) => id);
 
 describe.each(TURNS_MS)('a page whose every turn takes %i ms', (turn_ms) => {
-  it('says in its first turn after 300 ms that a mute program has not confirmed a stop', async () => {
+  it('reports in its first turn after 300 ms that a silent program has not confirmed a stop', async () => {
     await clock.turn(turn_ms);
     void connection.emergencyStop();
     expect(stops(), 'sent at once').toHaveLength(1);
@@ -34,60 +34,60 @@ describe.each(TURNS_MS)('a page whose every turn takes %i ms', (turn_ms) => {
     expect(took_ms, 'the turn in which 300 ms are over').toBeLessThan(300 + 50 + turn_ms);
   });
 
-  it('says that the line is lost, one turn after 3 s of silence at the latest', async () => {
-    last().say(Payload.WorldState, new WorldStateT());
+  it('reports the lost connection at the latest one turn after 3 s of silence', async () => {
+    last().sendMessage(Payload.WorldState, new WorldStateT());
     const took_ms = await clock.until(() => connection.status === 'lost', turn_ms, 20_000);
     expect(took_ms).toBeGreaterThan(3000);
     expect(took_ms).toBeLessThanOrEqual(3000 + 2 * turn_ms + 50);
   });
 
-  it('keeps a line whose program is heard in every turn', async () => {
+  it('keeps a connection whose program sends in every turn', async () => {
     for (let i = 0; i < 20; i += 1) {
       await clock.turn(turn_ms);
-      last().say(Payload.WorldState, new WorldStateT());
+      last().sendMessage(Payload.WorldState, new WorldStateT());
     }
-    expect([connection.status, lines.length]).toEqual(['open', 1]);
+    expect([connection.status, sockets.length]).toEqual(['open', 1]);
   });
 
-  it('sends a stop that was pressed without a line as soon as there is one, and takes the alarm back with the answer', async () => {
-    last().breaks();
+  it('sends a stop that was pressed without a connection once there is one, and ends the alarm with the answer', async () => {
+    last().disconnect();
     let confirmed = false;
     void connection.emergencyStop().then(() => { confirmed = true; });
-    await clock.until(() => connection.stopUnconfirmed && lines.length > 1, turn_ms, 20_000);
+    await clock.until(() => connection.stopUnconfirmed && sockets.length > 1, turn_ms, 20_000);
     expect(connection.stopUnconfirmed).toBe(true);
     expect(stops(), 'the line does not live yet').toHaveLength(0);
     last().welcome();
     await clock.settle();
     expect(stops(), 'in the turn in which it is welcome').toHaveLength(1);
-    last().say(Payload.Reply, new ReplyT(stops()[0], true, ''));
+    last().sendMessage(Payload.Reply, new ReplyT(stops()[0], true, ''));
     await clock.settle();
     expect([connection.stopUnconfirmed, confirmed]).toEqual([false, true]);
   });
 });
 
-it('a hidden tab repeats a stop with the messages that it hears, not with its timers', async () => {
+it('a hidden tab repeats a stop with each received message, not with its timers', async () => {
   clock.hidden = true;
   await clock.turn(1000);
   void connection.emergencyStop();
   for (let i = 0; i < 50; i += 1) {
     await clock.turn(16);
-    last().say(Payload.WorldState, new WorldStateT());
+    last().sendMessage(Payload.WorldState, new WorldStateT());
   }
-  // 800 ms: at once, and every 300 ms with the next message of 16 ms; the timers fired not at all.
+  // In 800 ms: at once, and every 300 ms with the next message of 16 ms; no timer fired.
   expect(stops()).toHaveLength(3);
 });
 
-it('a hidden tab sends a stop in the moment in which the next line lives', async () => {
+it('a hidden tab sends a stop as soon as the next connection opens', async () => {
   clock.hidden = true;
-  last().breaks();
+  last().disconnect();
   void connection.emergencyStop();
-  await clock.until(() => lines.length > 1, 16, 5000);
+  await clock.until(() => sockets.length > 1, 16, 5000);
   last().welcome();
   await clock.settle();
   expect(stops()).toHaveLength(1);
 });
 
-describe('buttons that have just come', () => {
+describe('buttons that have just appeared', () => {
   class Part extends EventTarget { dataset: Record<string, string> = {}; }
   let part: Part, fresh: FreshButtons, acted: string[];
   beforeEach(() => {
@@ -98,7 +98,7 @@ describe('buttons that have just come', () => {
   const on = (type: string, more: object = {}): void => { part.dispatchEvent(Object.assign(new Event(type, { cancelable: true }), more)); };
   const press = (): void => { on('pointerdown'); on('click', { detail: 1 }); };
 
-  it('are deaf for 700 ms, so that a double click answers once', async () => {
+  it('ignore presses for 700 ms, so that a double click answers once', async () => {
     await clock.turn(1000);
     press();
     expect(acted).toEqual(['pointerdown', 'click']);
@@ -117,7 +117,7 @@ describe('buttons that have just come', () => {
     expect(acted).toHaveLength(4);
   });
 
-  it('hear no press that began before they could be seen, and no key that is still down', async () => {
+  it('ignore a press that began before they were visible, and a key that is still down', async () => {
     on('pointerdown');
     on('keydown', { code: 'Enter' });
     fresh.changed();
@@ -131,10 +131,10 @@ describe('buttons that have just come', () => {
     expect(acted).toHaveLength(3);
   });
 
-  it('hear no Space, which squeezes, while it is held or was just pressed', async () => {
+  it('ignore Space, which squeezes, while it is held or was just pressed', async () => {
     fresh.changed();
     for (let i = 0; i < 5; i += 1) {
-      await clock.turn(600);   // later than 700 ms from the first
+      await clock.turn(600);   // later than 700 ms after the first
       on('keydown', { code: 'Space' });
       on('keydown', { code: 'Space', repeat: true });
       await clock.turn(300);
@@ -146,14 +146,14 @@ describe('buttons that have just come', () => {
     expect(acted).toEqual(['keydown']);
   });
 
-  it('let a key go that was held, whatever is new', () => {
+  it('let a held key be released at any time', () => {
     part.addEventListener('keyup', ({ type }) => acted.push(type));
     fresh.changed();
     on('keyup', { code: 'Space' });
     expect(acted).toEqual(['keyup']);
   });
 
-  it('leave typing alone', () => {
+  it('do not affect typing', () => {
     fresh.changed();
     on('keydown', { code: 'Digit1' });
     expect(acted).toEqual(['keydown']);

@@ -1,4 +1,4 @@
-// A squeeze bottle gives a few millilitres, then the hand opens, air comes back, and it squeezes again.
+// A squeeze bottle gives a few millilitres per stroke; then the hand opens, air returns, and it squeezes again.
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { targetsOf } from '../src/exercises';
 import type { GraspTargets } from '../src/exercises/exercise';
@@ -9,17 +9,17 @@ import { Player } from './player';
 import { StandInHand } from './stand_in_hand';
 import { LOOK_S } from './steered_hand';
 import { moment, sceneOfSunset } from './sunset';
-import { DESKTOP, Picture, waysOf, type Played } from './ways';
+import { DESKTOP, Picture, waysOf, type PlayingWay } from './ways';
 
-/** Air comes back in less than this; a step of some strokes takes no longer than that [s]. */
+/** Time limits for the return of air, and for a step of several strokes [s]. */
 const AIR_S = 1.5;
 const STEP_S = 25;
 
-/** How a step went. */
-interface Filled { poured_ml: number; spilt_ml: number; strokes: number; lost: number; longest_s: number; done: boolean }
+/** The result of a step. */
+interface FillResult { poured_ml: number; spilt_ml: number; strokes: number; lost: number; longest_s: number; done: boolean }
 
-/** Plays the first step of a level until it is done. @param wish what the person asks for @param after every look */
-async function fill(hand: StandInHand, help: Help, wish: (t_s: number) => Wish, after: (player: Player) => void = () => {}): Promise<Filled> {
+/** Plays the first step of a level until it is done. @param wish the person's wish @param after called after every look */
+async function fill(hand: StandInHand, help: Help, wish: (t_s: number) => Wish, after: (player: Player) => void = () => {}): Promise<FillResult> {
   const player = new Player(hand, help), begun: number[] = [];
   let t = 0, poured_l = 0, was = -1, lost = 0, longest_s = 0, since_s = 0;
   const isDone = (): boolean => t > 0.1 && (hand.value('step') > 0 || hand.value('stage') === Stage.DrinkDone || hand.value('stage') === Stage.LevelDone);
@@ -42,8 +42,8 @@ const step_ml = (hand: StandInHand): { asked: number; tolerance: number } => {
   return { asked: 1000 * amount_l, tolerance: 1000 * tolerance_l };
 };
 
-/** A person who presses once, when "reach" is said, and lets go again. */
-function onePress(way: Played, picture: Picture): (t_s: number) => Wish {
+/** A person who presses once, when "reach" is shown, and releases. */
+function onePress(way: PlayingWay, picture: Picture): (t_s: number) => Wish {
   let down = false;
   return (t_s) => {
     const presses = t_s > 1 && t_s < 1.2;
@@ -53,11 +53,11 @@ function onePress(way: Played, picture: Picture): (t_s: number) => Wish {
   };
 }
 
-/** A person who steers with keys: into the lane, in, round the bottle; squeezes, lets go and leaves as the screen says. */
+/** A person who steers with keys: into the lane, in, around the bottle; squeezes, lets go and leaves as the screen says. */
 function byHand(hand: StandInHand, squeeze: () => Wish['squeeze']): () => Wish {
   const towards = (gap_m: number): number => Math.max(-0.1, Math.min(0.1, 4 * gap_m));
   return () => {
-    const [x = 0, y = 0, z = 0] = hand.now.q_m, { grips, beside, target } = hand.perceiver.see(hand.state), grip = grips[target]!, lane_y = laneOf(grip, beside);
+    const [x = 0, y = 0, z = 0] = hand.now.q_m, { grips, beside, target } = hand.perceiver.onState(hand.state), grip = grips[target]!, lane_y = laneOf(grip, beside);
     const stage = hand.value('stage');
     if (stage === Stage.LetGo || stage >= Stage.DrinkDone && stage !== Stage.Breathe) {
       const open = hand.value('squeeze_n') === 0;
@@ -71,7 +71,7 @@ function byHand(hand: StandInHand, squeeze: () => Wish['squeeze']): () => Wish {
 
 afterEach(() => { vi.unstubAllGlobals(); });
 
-function expectFilled(hand: StandInHand, { done, poured_ml, spilt_ml, strokes, lost, longest_s }: Filled, who: string): void {
+function expectFilled(hand: StandInHand, { done, poured_ml, spilt_ml, strokes, lost, longest_s }: FillResult, who: string): void {
   const { asked, tolerance } = step_ml(hand);
   expect(done, `${who}: the step is done`).toBe(true);
   expect(Math.abs(poured_ml - asked), `${who}: ${poured_ml} ml`).toBeLessThanOrEqual(tolerance);
@@ -82,8 +82,8 @@ function expectFilled(hand: StandInHand, { done, poured_ml, spilt_ml, strokes, l
   expect(longest_s, `${who}: waits for air`).toBeLessThan(AIR_S);
 }
 
-describe('a step that needs more than a stroke', () => {
-  it.each([1, 2, 3, 4])('is filled by one press with full help, by every way of playing: level %i', async (level) => {
+describe('a step that needs more than one stroke', () => {
+  it.each([1, 2, 3, 4])('is filled by one press with full help, by every input method: level %i', async (level) => {
     const hand = new StandInHand(level), picture = new Picture(hand, DESKTOP);
     for (const way of waysOf(picture)) {
       way.enable?.();
@@ -92,13 +92,13 @@ describe('a step that needs more than a stroke', () => {
     }
   });
 
-  it('is filled with full help though the person presses long and often while air comes back', async () => {
+  it('is filled with full help although the person presses long and often while air returns', async () => {
     const hand = new StandInHand(1);
     const presses = (t_s: number): boolean => (t_s > 1 && t_s < 1.2) || hand.value('stage') === Stage.Breathe;
     expectFilled(hand, await fill(hand, 'full', (t_s) => ({ ...restingWish(), squeeze: presses(t_s) })), 'presses');
   });
 
-  it('is filled with some help while the button is held, and nobody has to let go of it', async () => {
+  it('is filled with some help while the button is held, without releasing it', async () => {
     const hand = new StandInHand(1);
     expectFilled(hand, await fill(hand, 'some', byHand(hand, () => true)), 'holds');
   });
@@ -108,7 +108,7 @@ describe('a step that needs more than a stroke', () => {
     expectFilled(hand, await fill(hand, help, byHand(hand, () => (hand.value('stage') === Stage.Breathe ? false : 0.45))), help);
   });
 
-  it('is not filled without help by a person who only holds on: it is their hand that lets go', async () => {
+  it('is not filled without help by a person who only holds the button: the person must let go', async () => {
     const hand = new StandInHand(1), { done, strokes, poured_ml } = await fill(hand, 'none', byHand(hand, () => 0.45));
     expect([done, strokes]).toEqual([false, 1]);
     expect(poured_ml).toBeGreaterThan(3);
@@ -117,21 +117,21 @@ describe('a step that needs more than a stroke', () => {
 
 describe('the help', () => {
   const targets = (free: boolean): GraspTargets => {
-    const scene = sceneOfSunset(), said = JSON.parse(String(scene.exerciseJson)) as { dispensers: object[] };
-    scene.exerciseJson = JSON.stringify({ ...said, dispensers: said.dispensers.map((dispenser) => ({ ...dispenser, free })) });
+    const scene = sceneOfSunset(), json = JSON.parse(String(scene.exerciseJson)) as { dispensers: object[] };
+    scene.exerciseJson = JSON.stringify({ ...json, dispensers: json.dispensers.map((dispenser) => ({ ...dispenser, free })) });
     return targetsOf(scene);
   };
 
-  it('eases the grip on a bottle that hangs, and never on one that is carried: it would fall', () => {
+  it('eases the grip on a hanging bottle, and never on a carried one, which would fall', () => {
     const eases = (free: boolean, stage: number) => targets(free).easesOff!(moment({ stage }));
     expect([eases(false, Stage.Breathe), eases(true, Stage.Breathe), eases(false, Stage.Pour)]).toEqual([true, false, false]);
   });
 
-  it('does not draw the hand back while air comes back, and stops at the line or when no more than drips comes', () => {
+  it('does not draw the hand back while air returns, and stops at the line or when only drips come', () => {
     const letsGo = (values: Record<string, number>, free = false) => targets(free).letGo(moment({ asked_l: 0.02, ...values }));
     expect(letsGo({ stage: Stage.Breathe })).toBe(false);
     expect(letsGo({ stage: Stage.LetGo, flow_l_s: 0.004, poured_l: 0.016 })).toBe(false);
-    // What still comes while the hand opens: 50 ms of 4 ml/s are 0.2 ml, the 500 ms of a grip that is eased 2 ml.
+    // The flow after the hand opens: 50 ms of 4 ml/s are 0.2 ml, the 500 ms of an eased grip 2 ml.
     expect([0.0197, 0.0199].map((poured_l) => letsGo({ stage: Stage.LetGo, flow_l_s: 0.004, poured_l }))).toEqual([false, true]);
     expect([0.0179, 0.0181].map((poured_l) => letsGo({ stage: Stage.LetGo, flow_l_s: 0.004, poured_l }, true))).toEqual([false, true]);
     expect(letsGo({ stage: Stage.LetGo, flow_l_s: 0.0003, poured_l: 0.016 })).toBe(true);

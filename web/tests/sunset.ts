@@ -1,4 +1,4 @@
-// A bar with two dispensers and the second drink, a sunset, in its second step, for tests.
+// A bar with two dispensers in the second step of the second drink, a sunset, for tests.
 import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { BarPlay } from '../src/exercises/cocktail_bar/play';
 import { RunState, SceneT, Steering, WorldStateT } from '../src/protocol';
@@ -28,7 +28,7 @@ export function moment(values: Record<string, number>, more: Partial<WorldStateT
   return Object.assign(state, more);
 }
 
-/** The bar in the game, which has followed these states. */
+/** The bar in the game after these states. */
 export function playOfSunset(...states: WorldStateT[]): BarPlay {
   const scene = sceneOfSunset();
   const play = new BarPlay(barOf(scene)!, scene);

@@ -1,14 +1,14 @@
 import { expect, test, vi } from 'vitest';
-import { changeLevel, letProgramPlay, Press, takeOver, type Known } from '../src/game/takeover';
+import { changeLevel, letProgramPlay, Press, takeOver, type PlayContext } from '../src/game/takeover';
 import type { Connection } from '../src/net/connection';
 import type { Answer } from '../src/net/pending_answers';
 import { RunState } from '../src/protocol';
 
 const YES: Answer = { accepted: true, reason: '' };
-const known = (): Known => ({ play: null, hardware: false });
+const known = (): PlayContext => ({ play: null, hardware: false });
 const wishes = { way: 'mouse', level: 2, fresh: true };
 
-/** A program that waits, with a load that takes until the test says so. */
+/** A waiting program; a load takes until the test ends it. */
 function waitingProgram() {
   const asked: string[] = [];
   let loaded: (answer: Answer) => void = () => {};
@@ -22,7 +22,7 @@ function waitingProgram() {
   return { asked, connection, asConnection: connection as unknown as Connection, finishLoading: () => loaded(YES) };
 }
 
-/** What the page does after the level was loaded, when `happens` came while it was. */
+/** The page's orders after the level was loaded, if `happens` occurred during loading. */
 async function startWhile(happens: (program: ReturnType<typeof waitingProgram>, press: Press) => void): Promise<{ asked: string[]; is: string }> {
   vi.useFakeTimers();
   try {
@@ -39,24 +39,24 @@ async function startWhile(happens: (program: ReturnType<typeof waitingProgram>, 
   }
 }
 
-test('TakeOver_WhenNothingStops_ArmsWithWhatWasShownAtThePress', async () => {
+test('TakeOver_WithoutAStop_ArmsWithTheEndingShownAtThePress', async () => {
   const { asked } = await startWhile(() => {});
   expect(asked).toEqual(['take', 'load', 'arm 4', 'steer', 'aim', 'act']);
 });
 
-test('TakeOver_WhenStopIsPressedWhileItLoads_SendsNothingMore', async () => {
+test('TakeOver_StopPressedWhileItLoads_SendsNothingMore', async () => {
   const { asked, is } = await startWhile((_, press) => press.cancel());
   expect(asked).toEqual(['take', 'load', 'release']);
   expect(is).toBe('stopped');
 });
 
-test('TakeOver_WhenAStopOfSomebodyElseIsSeenWhileItLoads_SendsNothingMore', async () => {
+test('TakeOver_StopOfAnotherClientWhileItLoads_SendsNothingMore', async () => {
   const { asked, is } = await startWhile(({ connection }) => { connection.endings += 1; });
   expect(asked).toEqual(['take', 'load', 'release']);
   expect(is).toBe('stopped');
 });
 
-/** A program that does not hear the page while it arms, `times` times: the controls are gone, and the order is refused. */
+/** A program that loses the page while it arms, `times` times: the controls are gone, and the order is refused. */
 async function startUnheard(times: number): Promise<{ asked: string[]; is: string }> {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
   const controls = connection.controls;
@@ -73,7 +73,7 @@ async function startUnheard(times: number): Promise<{ asked: string[]; is: strin
   connection.latestState.runState = RunState.Rendering;
   vi.useFakeTimers();
   try {
-    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as Known['play'], hardware: false }), new Press(asConnection, connection.endings), wishes);
+    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), new Press(asConnection, connection.endings), wishes);
     finishLoading();
     await vi.advanceTimersByTimeAsync(10_000);
     return { asked, is: (await outcome).is };
@@ -82,14 +82,14 @@ async function startUnheard(times: number): Promise<{ asked: string[]; is: strin
   }
 }
 
-test('TakeOver_WhoseControlsAreLostBySilence_TakesThemAgainByTheSamePress_ThreeTimesAtMost', async () => {
+test('TakeOver_ControlsLostBySilence_AreTakenAgainByTheSamePress_ThreeTimesAtMost', async () => {
   expect(await startUnheard(2)).toEqual({ asked: ['take', 'steer', 'take', 'steer', 'take', 'steer', 'aim', 'act'], is: 'playing' });
   const never = await startUnheard(99);
   expect(never.asked).toEqual(['take', 'steer', 'take', 'steer', 'take', 'steer', 'release']);
   expect(never.is).toBe('refused');
 });
 
-test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
+test('Press_OnAScreenFromBeforeAStop_NoLongerHolds', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   const press = new Press(asConnection, connection.endings - 1);
   expect(press.holds).toBe(false);
@@ -109,10 +109,10 @@ test('LetProgramPlay_UntilItHasBegun_HoldsTheControls', async () => {
   expect(asked).toEqual(['take', 'arm', 'release']);
 });
 
-test('LetProgramPlay_WhereAPlayerPausedAndLeft_GoesOn', async () => {
+test('LetProgramPlay_AfterAPlayerPausedAndLeft_Continues', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   Object.assign(connection.latestState, { runState: RunState.Rendering, faults: 0, qM: [0], intention: [0] });
-  const paused = (): Known => ({ play: { isPaused: () => true } as unknown as Known['play'], hardware: false });
+  const paused = (): PlayContext => ({ play: { isPaused: () => true } as unknown as PlayContext['play'], hardware: false });
   await letProgramPlay(asConnection, paused, new Press(asConnection, 4));
   expect(asked).toEqual(['take', 'act', 'release']);
   Object.assign(connection.controls, { held: true });
@@ -120,10 +120,10 @@ test('LetProgramPlay_WhereAPlayerPausedAndLeft_GoesOn', async () => {
   expect(asked, 'somebody rests here').toHaveLength(3);
 });
 
-test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
+test('ChangeLevel_StopPressedWhileItLoads_DoesNotSteer', async () => {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
   const press = new Press(asConnection, connection.endings);
-  const changed = changeLevel(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as Known['play'], hardware: false }), press, 2);
+  const changed = changeLevel(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), press, 2);
   press.cancel();
   connection.scene.level = 2;
   finishLoading();
@@ -131,7 +131,7 @@ test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
   expect(asked).toEqual(['load']);
 });
 
-test('TakeOver_ThatIsRefused_GivesTheControlsBack', async () => {
+test('TakeOver_AfterARefusal_GivesTheControlsBack', async () => {
   const { asked, asConnection } = waitingProgram();
   const refusing = Object.assign(asConnection, { loadExercise: async () => ({ accepted: false, reason: 'no such level' }) });
   const outcome = await takeOver(refusing, known, new Press(refusing, 4), wishes);
@@ -139,14 +139,14 @@ test('TakeOver_ThatIsRefused_GivesTheControlsBack', async () => {
   expect(asked).toEqual(['take', 'release']);
 });
 
-test('TakeOver_WhereATherapistLeadsAndNothingRuns_AsksForNothingAndSaysSo', async () => {
+test('TakeOver_TherapistLeadsAndNothingRuns_IsRefusedWithTheReason', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   connection.controls.led = true;
   const outcome = await takeOver(asConnection, known, new Press(asConnection, 4), wishes);
   expect([outcome.is, asked]).toEqual(['refused', []]);
 });
 
-test('TakeOver_WhereATherapistLeadsAndItRuns_PlaysWhatTheTherapistChose', async () => {
+test('TakeOver_TherapistLeadsAndItRuns_PlaysTheTherapistsChoice', async () => {
   vi.useFakeTimers();
   const { asked, connection, asConnection } = waitingProgram();
   connection.controls.led = true;

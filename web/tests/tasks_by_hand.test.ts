@@ -1,5 +1,5 @@
-// Tasks of the kitchen with some help and with none, by keys, on the simulated clock: a person who goes where the ring and the
-// arrow are, closes the hand where it is to be closed, and opens it where it is to be opened.
+// Kitchen tasks with some help and without, by keys, on the simulated clock: a person who moves to the ring and the
+// arrow, and closes and opens the hand where the cues ask for it.
 import { expect, it } from 'vitest';
 import { targetsOf } from '../src/exercises';
 import { taskOf } from '../src/exercises/kitchen/task';
@@ -11,13 +11,13 @@ import { LOOK_S, SteeredHand } from './steered_hand';
 
 const WITHIN_S = 120;
 const LEVEL = 2;
-/** How fast keys move the hand [m/s], and how near is there [m]. */
+/** Speed of the hand by keys [m/s], and position tolerance [m]. */
 const KEYS_M_S = 0.12;
 const THERE_M = 0.01;
-/** Beside a handle, and drawn back [m]. */
+/** Lateral distance beside a handle, and x of a hand drawn back [m]. */
 const BESIDE_M = 0.09;
 
-/** Keys alone: each axis moves or does not; who taps waits for the hand, which follows what is asked for. */
+/** A person with keys: each axis moves or does not; a person who taps waits for the hand, which follows the request. */
 function keysTo(goal: Triple, at: Triple): Triple {
   const key = (axis: keyof Triple): number => (Math.abs(goal[axis] - at[axis]) < THERE_M / 2 ? 0 : KEYS_M_S * Math.sign(goal[axis] - at[axis]));
   return { x: key('x'), y: key('y'), z: key('z') };
@@ -34,7 +34,7 @@ class Person {
 
   wish(seen: Perception, aim: Triple): Wish {
     const hand = { x: seen.device[0]!, y: seen.device[1]!, z: seen.device[2]! }, grip = seen.grips[0]!, wish = restingWish();
-    if (this.lets && !seen.letGo) this.beside = this.there = false;   // and goes there anew
+    if (this.lets && !seen.letGo) this.beside = this.there = false;   // and moves there again
     this.lets = seen.letGo;
     if (seen.letGo || seen.target < 0) {
       this.push = undefined;
@@ -75,7 +75,7 @@ it.each(TASKS.flatMap((task) => HELPS.map((help) => ({ task, help }))))('$task i
     const person = new Person(hand.axes.find(({ name }) => name === 'x')!.lower + 0.01);
     let t = 0;
     for (; t < WITHIN_S && hand.value('done') !== 1; t += LOOK_S) {
-      const seen = seer.see(hand.state), [x, y, z] = model.aim as [number, number, number];
+      const seen = seer.onState(hand.state), [x, y, z] = model.aim as [number, number, number];
       const aims = model.step(t < 1 ? restingWish() : person.wish(seen, { x, y, z }), seen, LOOK_S);
       await hand.aim([...aims], t === 0);
       expect(hand.now.faults, 'faults that stopped the loop').toBe(0);

@@ -1,11 +1,11 @@
-// The clock and the timers of a page whose every turn takes as long as the test says.
+// Clock and timers of a page whose every turn takes as long as the test specifies.
 import { vi } from 'vitest';
 
 interface Timer { due_ms: number; readonly every_ms: number | undefined; readonly call: () => void }
 
 /**
- * Time passes in turns: the page is busy for so long, then each timer that is due fires once, as browsers do it.
- * A hidden tab's timers fire once a second at most; messages and presses reach it at any time.
+ * Time advances in turns: the page is busy for a time, then each due timer fires once, like in browsers.
+ * A hidden tab's timers fire at most once a second; messages and presses arrive at any time.
  */
 export class TurnClock {
   now_ms = 1000;
@@ -27,7 +27,7 @@ export class TurnClock {
     vi.stubGlobal('performance', { now: () => this.now_ms });
   }
 
-  /** What waits for promises runs at the end. */
+  /** Continuations of promises run at the end. */
   async turn(busy_ms: number): Promise<void> {
     this.now_ms += busy_ms;
     if (!this.hidden || this.now_ms - this.fired_ms >= 1000) {
@@ -42,7 +42,7 @@ export class TurnClock {
     await this.settle();
   }
 
-  /** Turns until `so` or for that long; the time that it took [ms]. */
+  /** Runs turns until `so` holds or for the given time; returns the elapsed time [ms]. */
   async until(so: () => boolean, busy_ms: number, most_ms: number): Promise<number> {
     const from_ms = this.now_ms;
     while (!so() && this.now_ms - from_ms <= most_ms) await this.turn(busy_ms);

@@ -1,11 +1,11 @@
-// Every way of playing, as a person uses it before the game's picture of the bar: a page without a page.
+// Every input method, used in front of the game's picture of the bar, without a real page.
 import { PerspectiveCamera } from 'three';
 import { vi } from 'vitest';
 import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { outlineOf } from '../src/exercises/cocktail_bar/outline';
 import { partOfAxis } from '../src/input/axis_range';
 import { Keys } from '../src/input/keys';
-import { Mouse, type Pointed } from '../src/input/mouse';
+import { Mouse, type PointedPlace } from '../src/input/mouse';
 import { PadWatch } from '../src/input/gamepad';
 import { clamp } from '../src/input/posture';
 import { Touch } from '../src/input/touch';
@@ -17,8 +17,8 @@ import type { PlayedHand } from './player';
 export interface Screen { readonly width: number; readonly height: number }
 export const DESKTOP: Screen = { width: 1280, height: 800 };
 
-/** A way of playing, and what presses its button where the screen has something. */
-export interface Played extends Partial<Pick<InputWay, 'enable' | 'disable' | 'overruled'>> {
+/** An input method, and the press of its button at a place of the screen. */
+export interface PlayingWay extends Partial<Pick<InputWay, 'enable' | 'disable' | 'overruled'>> {
   readonly name: string;
   wish(now_s: number): Wish;
   readonly points: boolean;
@@ -46,21 +46,21 @@ export class Picture {
     vi.stubGlobal('Element', class {});
   }
 
-  /** Where the bottle is drawn that the screen asks for [px]. */
+  /** Position of the current bottle in the picture [px]. */
   wanted(): { clientX: number; clientY: number } {
     const { hand, screen } = this;
     const at = toThree(hand.state.bodies[hand.bodyOf(hand.value('target_dispenser'))]!.positionM!).project(this.camera);
     return { clientX: (at.x * 0.5 + 0.5) * screen.width, clientY: (0.5 - at.y * 0.5) * screen.height };
   }
 
-  /** Where the hand is along an axis, -1 .. 1. */
+  /** Position of the hand along an axis, -1 .. 1. */
   part(name: string): number {
     const i = this.hand.axes.findIndex((axis) => axis.name === name);
     return partOfAxis(this.hand.axes[i]!, this.hand.state.qM[i]!);
   }
 
-  /** What the page makes of a point of it. */
-  pointedAt(x_px: number, y_px: number): Pointed {
+  /** The page's interpretation of a point in it. */
+  pointedAt(x_px: number, y_px: number): PointedPlace {
     const { hand, screen } = this;
     const at = pointInRow(this.camera, this.row_z, x_px / screen.width, y_px / screen.height)!;
     const palm = hand.perceiver.palmAt(hand.state, at)!;
@@ -69,9 +69,9 @@ export class Picture {
   }
 }
 
-export function waysOf(picture: Picture): Played[] {
+export function waysOf(picture: Picture): PlayingWay[] {
   const { page, window } = picture, element = page as unknown as HTMLElement;
-  const pointedAt = (x_px: number, y_px: number): Pointed => picture.pointedAt(x_px, y_px);
+  const pointedAt = (x_px: number, y_px: number): PointedPlace => picture.pointedAt(x_px, y_px);
   const keys = new Keys(), mouse = new Mouse(element, () => 0, pointedAt);
   const touch = new Touch(element, () => ({ x: picture.part('x'), y: picture.part('y') }), () => ({ squeeze: '', higher: '', lower: '' }), (x, y) => pointedAt(x, y).target, () => true);
   Object.assign(touch, { buttons: { remove: () => {} } });
@@ -79,7 +79,7 @@ export function waysOf(picture: Picture): Played[] {
   let padDown = false, tapped = false;
   const button = (pressed: boolean): { value: number; pressed: boolean } => ({ value: Number(pressed), pressed });
   const padWish = (): Wish => pads.look([{ index: 0, mapping: 'standard', axes: [0, 0, 0, 0], buttons: [button(padDown)] }]).wish ?? restingWish();
-  const pointer = (way: Mouse | Touch, name: string, pointerType: string): Played => ({
+  const pointer = (way: Mouse | Touch, name: string, pointerType: string): PlayingWay => ({
     name, points: true, enable: () => way.enable(), disable: () => way.disable(), wish: () => way.wish(), overruled: (places) => way.overruled(places),
     press: (down, at) => void (down ? page : window).dispatchEvent(eventOf(down ? 'pointerdown' : 'pointerup', { pointerType, ...at })),
   });

@@ -1,11 +1,11 @@
-// A camera from the browser's question to the play, with a tracker that sees what the test says.
+// A camera from the browser's permission to play, with a fake tracker.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { Looked } from '../src/input/hand_tracker';
+import type { TrackedHand } from '../src/input/hand_tracker';
 import type { Landmark } from '../src/input/landmarks';
 import { FRAME_S, Webcam, type Tracker, type WebcamProblem, type WebcamView } from '../src/input/webcam';
 import { now_s, restingWish } from '../src/input/wish';
 
-/** A flat hand: wrist below, four straight fingers above it, in parts of the picture. */
+/** A flat hand: wrist below, four straight fingers above it, relative to the picture. */
 function openHand(): Landmark[] {
   const points: Landmark[] = [{ x: 0.5, y: 0.8, z: 0 }];
   for (let i = 1; i < 21; i += 1) {
@@ -14,8 +14,8 @@ function openHand(): Landmark[] {
   }
   return points;
 }
-const HAND: Looked = { image: openHand(), world: openHand() };
-const NOBODY: Looked = { image: [], world: [] };
+const HAND: TrackedHand = { image: openHand(), world: openHand() };
+const NOBODY: TrackedHand = { image: [], world: [] };
 
 class Track extends EventTarget {
   readyState = 'live';
@@ -23,11 +23,11 @@ class Track extends EventTarget {
   stop(): void { this.readyState = 'ended'; }
 }
 
-/** A browser with a camera; what the tracker sees and when it answers are the test's. */
+/** A browser with a camera; the test sets the tracker's results and their times. */
 class Desk {
   readonly track = new Track();
   opened = 0;
-  sees: Looked = HAND;
+  inPicture: TrackedHand = HAND;
   tracker = { loaded: () => {}, closed: 0 };
   asks: () => Promise<MediaStream>;
   load: () => Promise<void> = () => Promise.resolve();
@@ -47,14 +47,14 @@ class Desk {
     vi.stubGlobal('createImageBitmap', () => Promise.resolve({}));
     this.asks = () => Promise.resolve(new Stream() as unknown as MediaStream);
     vi.stubGlobal('navigator', { mediaDevices: { getUserMedia: () => { this.opened += 1; return this.asks(); } } });
-    const tracker = (): Tracker => ({ load: () => this.load(), look: () => Promise.resolve(this.sees), close: () => { this.tracker.closed += 1; } });
+    const tracker = (): Tracker => ({ load: () => this.load(), look: () => Promise.resolve(this.inPicture), close: () => { this.tracker.closed += 1; } });
     this.webcam = new Webcam((view, problem) => { this.views.push(view); this.problems.push(problem); }, tracker);
     this.webcam.enable();
   }
 
   get step(): string { return this.views.at(-1)?.step ?? 'off'; }
   pass(seconds: number): Promise<unknown> { return vi.advanceTimersByTimeAsync(1000 * seconds); }
-  /** Chosen, and kept in the frame. */
+  /** Chooses the camera and keeps a hand in its frame. */
   async plays(): Promise<void> {
     const started = this.webcam.start();
     await this.pass(FRAME_S + 1);
@@ -66,8 +66,8 @@ class Desk {
 beforeEach(() => { vi.useFakeTimers(); });
 afterEach(() => { vi.unstubAllGlobals(); vi.useRealTimers(); });
 
-describe('a camera that is chosen', () => {
-  it('steers after a hand was in its frame for ten seconds, and not before', async () => {
+describe('a chosen camera', () => {
+  it('steers only after a hand was in its frame for ten seconds', async () => {
     const desk = new Desk();
     const started = desk.webcam.start();
     await desk.pass(FRAME_S - 0.5);
@@ -80,16 +80,16 @@ describe('a camera that is chosen', () => {
     expect(desk.webcam.claimed_s).toBeGreaterThan(0);
   });
 
-  it('does not count while no hand is seen, and goes on where it was', async () => {
+  it('does not count time without a hand, and continues the count afterwards', async () => {
     const desk = new Desk();
     void desk.webcam.start();
     await desk.pass(4);
-    desk.sees = NOBODY;
+    desk.inPicture = NOBODY;
     await desk.pass(2);
     const left_s = desk.views.at(-1)!.left_s;
     await desk.pass(30);
     expect(desk.views.at(-1)).toMatchObject({ step: 'frame', seen: false, left_s });
-    desk.sees = HAND;
+    desk.inPicture = HAND;
     await desk.pass(left_s + 0.5);
     expect(desk.step).toBe('play');
   });
@@ -104,7 +104,7 @@ describe('a camera that is chosen', () => {
     expect(await started).toBe('');
   });
 
-  it('pressed twice is opened once', async () => {
+  it('is opened once by two presses', async () => {
     const desk = new Desk();
     const both = [desk.webcam.start(), desk.webcam.start()];
     await desk.pass(FRAME_S + 1);
@@ -112,7 +112,7 @@ describe('a camera that is chosen', () => {
     expect(desk.opened).toBe(1);
   });
 
-  it('that somebody wants no more is closed, even while the browser still asks', async () => {
+  it('is closed when the person cancels it, even while the browser still asks', async () => {
     const desk = new Desk();
     let allow = (): void => {};
     const asks = desk.asks;
@@ -127,7 +127,7 @@ describe('a camera that is chosen', () => {
     expect(desk.views.at(-1)).toBeUndefined();
   });
 
-  it('whose tracker cannot be loaded says so, and can be tried again', async () => {
+  it('with a tracker that cannot be loaded reports it, and can be tried again', async () => {
     const desk = new Desk();
     const works = desk.load;
     desk.load = () => Promise.reject(new Error('no WebGL'));
@@ -140,7 +140,7 @@ describe('a camera that is chosen', () => {
     await desk.plays();
   });
 
-  it('without an answer of the browser to ask says so', async () => {
+  it('reports a browser that does not answer', async () => {
     const desk = new Desk();
     vi.stubGlobal('navigator', {});
     expect(await desk.webcam.start()).toBe('insecure');
@@ -148,8 +148,8 @@ describe('a camera that is chosen', () => {
   });
 });
 
-describe('a camera in the play', () => {
-  it('that is unplugged or withdrawn says so, asks for nothing more, and is taken up again', async () => {
+describe('a camera in play', () => {
+  it('that is unplugged or withdrawn reports it, sends no more wishes, and can be used again', async () => {
     const desk = new Desk();
     await desk.plays();
     desk.track.stop();
@@ -162,7 +162,7 @@ describe('a camera in the play', () => {
     await desk.plays();
   });
 
-  it.each([['the hand is out of its frame', (desk: Desk) => { desk.sees = NOBODY; }], ['its picture stands still', (desk: Desk) => { desk.track.muted = true; }]])('says so where %s, and opens the hand', async (_, happens) => {
+  it.each([['the hand is out of its frame', (desk: Desk) => { desk.inPicture = NOBODY; }], ['its picture stands still', (desk: Desk) => { desk.track.muted = true; }]])('reports that %s, and opens the hand', async (_, happens) => {
     const desk = new Desk();
     await desk.plays();
     expect(desk.webcam.wish(now_s()).place.y).toBeDefined();
@@ -170,17 +170,17 @@ describe('a camera in the play', () => {
     await desk.pass(1.5);
     expect(desk.views.at(-1)).toMatchObject({ step: 'play', seen: false });
     expect(desk.webcam.wish(now_s())).toEqual(restingWish());
-    desk.sees = HAND;
+    desk.inPicture = HAND;
     desk.track.muted = false;
     await desk.pass(0.5);
     expect(desk.views.at(-1)).toMatchObject({ step: 'play', seen: true });
     expect(desk.webcam.wish(now_s()).place.y).toBeDefined();
   });
 
-  it('whose tracker dies says so', async () => {
+  it('reports a failed tracker', async () => {
     const desk = new Desk();
     await desk.plays();
-    Object.defineProperty(desk, 'sees', { get: () => { throw new Error('gone'); } });
+    Object.defineProperty(desk, 'inPicture', { get: () => { throw new Error('gone'); } });
     await desk.pass(1);
     expect(desk.problems.at(-1)).toBe('model');
     expect(desk.webcam.claimed_s).toBe(-Infinity);

@@ -1,5 +1,5 @@
-// What the strip says to somebody whom nothing helps: which way to the target. Numbers of the program's row: the hand
-// drawn back is 150 mm before a target's grip, its stretched fingers go in beside it.
+// The strip's text for a person without help: the direction to the target. Numbers of the program's row: the hand
+// drawn back is 150 mm in front of a target's grip, its stretched fingers enter beside it.
 import { expect, it } from 'vitest';
 import { wayTo } from '../src/game/words';
 
@@ -12,7 +12,7 @@ it.each([
   ['in the row, behind its other side: sideways it would be pressed against it', 0.08, 0.05, 'hint.back'],
   ['in the row, beside it', 0.08, -0.02, 'hint.forward'],
   ['as far in as it is, not at it yet', 0.005, -0.03, 'hint.left'],
-] as const)('a right hand %s, and a left one as in a mirror', (_, ahead_m, left_m, said) => {
-  expect(wayTo({ ahead_m, left_m, goesIn: 1 })).toBe(said);
-  expect(wayTo({ ahead_m, left_m: -left_m, goesIn: -1 })).toBe(MIRRORED[said] ?? said);
+] as const)('a right hand %s, and a left one mirrored', (_, ahead_m, left_m, expected) => {
+  expect(wayTo({ ahead_m, left_m, goesIn: 1 })).toBe(expected);
+  expect(wayTo({ ahead_m, left_m: -left_m, goesIn: -1 })).toBe(MIRRORED[expected] ?? expected);
 });

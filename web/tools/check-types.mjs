@@ -1,8 +1,8 @@
-// The types of pages, tests and tools, in one run of the compiler: half of what three take.
+// Type-checks pages, tests and tools in one run of the compiler, which takes half as long as three runs.
 //  - Pages and tests as web/tests/tsconfig.json says.
-//  - Pages use nothing that only Node knows: no name of @types/node.
-//  - Browser tests and tools are plain JavaScript: no name in them that nothing defines. Such a name shows only when its
-//    line runs, which may be after an hour.
+//   - Pages must not use names of @types/node.
+//   - Browser tests and tools are plain JavaScript: every name must be defined. An undefined name would otherwise show only
+//       when its line runs, which may be after an hour.
 import { readdirSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';

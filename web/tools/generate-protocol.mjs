@@ -1,4 +1,4 @@
-// Writes src/protocol/generated from ../protocol/wholehand.fbs, when the schema is newer than what is there.
+// Writes src/protocol/generated from ../protocol/wholehand.fbs when the schema is newer.
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readdirSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
@@ -10,7 +10,7 @@ const folder = join(web, 'src', 'protocol', 'generated');
 const index = join(folder, 'wholehand_generated.ts');
 
 if (!existsSync(index) || statSync(index).mtimeMs < statSync(schema).mtimeMs) {
-  // Into a folder beside it first: a build that runs at the same time never sees half a protocol.
+  // The output goes to a temporary folder first: a simultaneous build never sees a partial protocol.
   const fresh = `${folder}.${process.pid}`;
   mkdirSync(fresh, { recursive: true });
   const flatc = process.env.FLATC ?? 'flatc';
@@ -22,7 +22,7 @@ if (!existsSync(index) || statSync(index).mtimeMs < statSync(schema).mtimeMs) {
       : `flatc refused ${schema}.`);
     process.exit(1);
   }
-  // Our compiler options are stricter than what flatc writes.
+  // The output of flatc does not satisfy our stricter compiler options.
   const types = join(fresh, 'wholehand', 'protocol');
   for (const name of readdirSync(types))
     writeFileSync(join(types, name), `// @ts-nocheck\n${readFileSync(join(types, name), 'utf8')}`);

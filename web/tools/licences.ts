@@ -1,17 +1,17 @@
-// The licence texts of what the pages bundle.
+// The licence texts of the bundled packages.
 import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const ROOT = join(__dirname, '..');
 const MODULES = join(ROOT, 'node_modules');
 
-/** What every page is made of. */
+/** The packages that pages bundle. */
 export const BUNDLED: readonly string[] = ['three', 'uplot', 'flatbuffers',
   '@fontsource-variable/atkinson-hyperlegible-next', '@fontsource-variable/atkinson-hyperlegible-mono'];
 
 function textOf(name: string): string {
   const file = readdirSync(join(MODULES, name)).find((n) => /^licen[sc]e/i.test(n));
-  // What ships none is Apache-2.0 like this project, whose text says the same.
+  // A package without a licence file has Apache-2.0 like this project, whose text is the same.
   return readFileSync(file ? join(MODULES, name, file) : join(ROOT, '..', 'LICENSE'), 'utf8');
 }
 

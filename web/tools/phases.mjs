@@ -1,4 +1,4 @@
-// The upper row of the paper's Fig. 7: the hand, and what of it collides, in each phase of the exercise.
+// The upper row of the paper's Fig. 7: the hand and its collision shapes in each phase of the exercise.
 // node tools/phases.mjs <program> <folder> <page>: runs the exercise, shows its recording, and writes a page of the pictures.
 import { execFileSync, spawn } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -8,10 +8,10 @@ const [program, folder, page] = process.argv.slice(2);
 execFileSync(program, ['experiment', 'exercise', '--out', folder], { stdio: 'ignore' });
 const { phases } = JSON.parse(readFileSync(`${folder}/exercise.json`, 'utf8'));
 const WORDS = ['① bumps into it', '② approaches', '③ squeezes', '④ lets go, retrieves'];
-/** The moment of a phase that shows it, as a share of it. */
+/** The moment of each phase that is shown, as a share of it. */
 const SHARES = [0.05, 0.7, 0.4, 0.03];
 
-/** In the page: so many frames are drawn. */
+/** In the page: waits for `count` frames. */
 const framesPass = (count) => new Promise((resolve) => {
   const next = () => { if (count-- > 0) requestAnimationFrame(next); else resolve(); };
   next();
@@ -38,8 +38,8 @@ try {
     for (const look of ['Skin', 'Colliders']) {
       await tab.getByRole('radio', { name: look }).or(tab.getByRole('button', { name: look, exact: true })).first().click();
       await tab.waitForFunction(() => window.wholehandReplay.exact);
-      await tab.waitForTimeout(2000);  // the picture settles into its full quality
-      await tab.evaluate(framesPass, 10);  // on a busy machine two seconds are not one of them
+      await tab.waitForTimeout(2000);  // the picture switches to full quality
+      await tab.evaluate(framesPass, 10);  // on a busy machine two seconds may contain no frame
       pictures.push({ i, look, at_s, png: (await view.screenshot()).toString('base64') });
     }
   }

@@ -1,5 +1,5 @@
-// Pictures of a page: node tools/shot.mjs <folder> '<name>=<address> <step> ...' ...
-// Steps: wait:<ms>, key:<key>, state:<what document.body.dataset.state is to be>, only:<selector of what is shot>, else a selector that is clicked.
+// Takes pictures of a page: node tools/shot.mjs <folder> '<name>=<address> <step> ...' ...
+// Steps: wait:<ms>, key:<key>, state:<value to wait for of document.body.dataset.state>, only:<selector of the captured part>, else a selector that is clicked.
 // Environment: W, H (of the screen), SCALE (dots to a pixel), SETTLE (ms before the first step), CHROMIUM.
 import { mkdirSync } from 'node:fs';
 import { chromium } from 'playwright-core';

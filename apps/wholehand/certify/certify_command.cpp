@@ -35,8 +35,8 @@ void takeWalls(LoadedExercise loaded, Models& models) {
   models.exercise_walls = std::move(loaded.walls);
 }
 
-/// Loads device, gains, hand and exercise; reports every fault of every file. Unstable gains are
-/// not a fault of the file.
+/// Loads device, gains, hand and exercise; reports all faults of all files. Unstable gains are not
+/// a fault of the file.
 Expected<Models> loadFiles(const CertifyOptions& o) {
   Diagnostics errors;
   Models models;
@@ -64,7 +64,7 @@ Expected<Models> loadFiles(const CertifyOptions& o) {
   return models;
 }
 
-AdvisedCertificate judge(CertificateInput input) {
+AdvisedCertificate certifyWithAdvice(CertificateInput input) {
   AdvisedCertificate out;
   out.input = std::move(input);
   out.certificate = certify(out.input);
@@ -78,36 +78,37 @@ AdvisedCertificate judge(CertificateInput input) {
   return out;
 }
 
-// Devices to judge: the one of the file, or the passport's at both ends of its mass intervals.
-Expected<std::vector<DeviceModel>> judgedDevices(const CertifyOptions& o,
-                                                 const DeviceModel& device) {
+// Device models to certify: the one of the file, or the passport's at both ends of its mass
+// intervals.
+Expected<std::vector<DeviceModel>> devicesToCertify(const CertifyOptions& o,
+                                                    const DeviceModel& device) {
   if (o.passport.empty()) return std::vector<DeviceModel>{device};
   const auto passport = readPassport(o.passport);
   if (!passport) return passport.errors();
-  // The connected device is unknown here: `run` checks it.
+  // The connected device is unknown here; `run` checks it.
   if (auto fits = checkPassport(*passport, passport->identity, device, placeTimeNow()); !fits) {
     return fits.errors();
   }
   return worstCorners(device, *passport, 1.0 / o.rate_hz);
 }
 
-// The corner with the least margin.
-AdvisedCertificate judgeWorst(const Models& models, const std::vector<DeviceModel>& devices,
-                              const CertifyOptions& o) {
+// Certificate of the device model with the smallest margin.
+AdvisedCertificate certifyWorst(const Models& models, const std::vector<DeviceModel>& devices,
+                                const CertifyOptions& o) {
   AdvisedCertificate worst;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     CertificateInput input = certificateInput(models, 1.0 / o.rate_hz);
     input.device = devices[i];
     if (!o.passport.empty()) input.persons = Persons::kAny;
-    AdvisedCertificate judged = judge(std::move(input));
+    AdvisedCertificate advised = certifyWithAdvice(std::move(input));
     if (!o.passport.empty()) {
-      judged.corner = fmt::format("the worst corner of the passport {}: masses at their {} ends",
-                                  printable(o.passport), i == 0 ? "lower" : "upper");
+      advised.corner = fmt::format("the worst corner of the passport {}: masses at their {} ends",
+                                   printable(o.passport), i == 0 ? "lower" : "upper");
     }
-    const bool worse = judged.certificate.certified == worst.certificate.certified
-                           ? judged.certificate.margin() < worst.certificate.margin()
-                           : !judged.certificate.certified;
-    if (i == 0 || worse) worst = std::move(judged);
+    const bool worse = advised.certificate.certified == worst.certificate.certified
+                           ? advised.certificate.margin() < worst.certificate.margin()
+                           : !advised.certificate.certified;
+    if (i == 0 || worse) worst = std::move(advised);
   }
   return worst;
 }
@@ -136,7 +137,7 @@ std::vector<Group> groupsOf(const Certificate& certificate) {
   return groups;
 }
 
-/// The lines of every chart, in their order.
+/// Lines of every chart, in their order.
 ChartLine rigidLine() {
   return {sentence("certificate.rigid"), "--ink-2", {6, 3}, 1.5};
 }
@@ -191,7 +192,7 @@ Chart axisChart(const AxisCertificate& a, const std::string& names) {
       {a.axis_case.gains.k_dm > 0.0 ? a.axis_case.gains.k_dm : 0.01 * end, a.axis_case.gains.k_pm}};
   double lowest = a.axis_case.gains.k_pm, highest = lowest;
   for (ChartLine& line : chart.lines) {
-    line.name = nullptr;  // the page's legend has it
+    line.name = nullptr;  // the page's legend names the lines
     for (const auto& [damping, stiffness] : line.points) {
       if (stiffness < lowest) lowest = stiffness;
       if (stiffness > highest) highest = stiffness;
@@ -204,26 +205,26 @@ Chart axisChart(const AxisCertificate& a, const std::string& names) {
   return chart;
 }
 
-/// The Z-width of every axis: largest stable stiffness against adaptive damping, and the operating
-/// point. Axes that differ only in their names share a chart.
-ChartPage certificateChart(const AdvisedCertificate& judged) {
+/// Charts of the Z-width of every axis: largest stable stiffness against adaptive damping, and the
+/// operating point. Axes that differ only in their names share a chart.
+ChartPage certificateChart(const AdvisedCertificate& advised) {
   ChartPage page;
-  const bool walls = !judged.input.exercise.empty();
+  const bool walls = !advised.input.exercise.empty();
   page.title =
-      sentence(judged.certificate.certified ? "certificate.certified" : "certificate.notCertified",
-               {{"device", judged.input.device.name},
-                {"rendering", judged.input.rendering.name},
-                {"hand", judged.input.hand}});
+      sentence(advised.certificate.certified ? "certificate.certified" : "certificate.notCertified",
+               {{"device", advised.input.device.name},
+                {"rendering", advised.input.rendering.name},
+                {"hand", advised.input.hand}});
   if (walls) {
-    page.notes.push_back(sentence("certificate.walls", {{"exercise", judged.input.exercise}}));
+    page.notes.push_back(sentence("certificate.walls", {{"exercise", advised.input.exercise}}));
   }
   page.notes.push_back(sentence(
-      "certificate.note", {{"rate", fmt::format("{:.4g}", 1.0 / judged.certificate.period_s)}}));
+      "certificate.note", {{"rate", fmt::format("{:.4g}", 1.0 / advised.certificate.period_s)}}));
   page.legend = {rigidLine(), passiveLine(), quantisationLine(), workingLine()};
   if (walls) page.legend.push_back(wallLine());
   page.columns = 2;
-  for (const Group& group : groupsOf(judged.certificate)) {
-    page.charts.push_back(axisChart(judged.certificate.axes[group.first], group.names));
+  for (const Group& group : groupsOf(advised.certificate)) {
+    page.charts.push_back(axisChart(advised.certificate.axes[group.first], group.names));
   }
   return page;
 }
@@ -241,19 +242,19 @@ int certifyCommand(const CertifyOptions& options) {
   if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {
     return refuse(ready.errors());
   }
-  const auto devices = judgedDevices(options, models->device);
+  const auto devices = devicesToCertify(options, models->device);
   if (!devices) return refuse(devices.errors());
-  const AdvisedCertificate judged = judgeWorst(*models, *devices, options);
-  std::fputs(certificateText(judged).c_str(), stdout);
+  const AdvisedCertificate advised = certifyWorst(*models, *devices, options);
+  std::fputs(certificateText(advised).c_str(), stdout);
   if (!options.json.empty()) {
-    const auto done = writeText(options.json, jsonText(certificateJson(judged)));
+    const auto done = writeText(options.json, jsonText(certificateJson(advised)));
     if (!done) return refuse(done.errors());
   }
   if (!options.charts.empty()) {
-    const auto done = writeCharts(certificateChart(judged), options.charts);
+    const auto done = writeCharts(certificateChart(advised), options.charts);
     if (!done) return refuse(done.errors());
   }
-  return judged.certificate.certified ? kExitDone : kExitNotCertified;
+  return advised.certificate.certified ? kExitDone : kExitNotCertified;
 }
 
 }  // namespace wholehand

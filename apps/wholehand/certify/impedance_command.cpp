@@ -20,13 +20,13 @@
 namespace wholehand {
 namespace {
 
-/// "free", "spring" or "rigid"
+/// Key of a contact: "free", "spring" or "rigid".
 const char* contactKey(ContactCase contact) {
   if (contact == ContactCase::kFree) return "free";
   return contact == ContactCase::kRigid ? "rigid" : "spring";
 }
 
-/// "kg" or "kg·m²"; "N/m" or "N·m/rad"; "N·s/m" or "N·m·s/rad"
+/// Units by kind of axis: "kg" or "kg·m²"; "N/m" or "N·m/rad"; "N·s/m" or "N·m·s/rad".
 std::string massUnit(const DeviceAxis& axis) {
   return axis.kind == AxisKind::kTranslation ? "kg" : "kg·m²";
 }
@@ -37,7 +37,7 @@ std::string impedanceUnit(const DeviceAxis& axis) {
   return fmt::format("{}·s/{}", axis.effortUnit(), axis.positionUnit());
 }
 
-/// The measured points; without any, the predicted ones.
+/// The measured value of a point; the predicted one if nothing was measured.
 const std::complex<double>& best(const ImpedanceCurve& curve, const ImpedancePoint& point) {
   return curve.not_measured.empty() ? point.measured.felt : point.predicted.felt;
 }
@@ -67,7 +67,7 @@ std::string polar(const std::complex<double>& z) {
   return fmt::format("{:.3g} ∠{:.0f}°", std::abs(z), std::arg(z) * 180.0 / std::numbers::pi);
 }
 
-/// Pads by characters instead of bytes.
+/// Pads to a width in characters, not bytes.
 std::string padded(const std::string& text, std::size_t width) {
   const auto letters = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -88,7 +88,7 @@ std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
                            curve.felt.within() ? "" : "\n    DIFFERS");
 }
 
-/// As built: includes everything that the linear model neglects.
+/// Table of the impedance with everything that the linear model neglects.
 std::string asBuiltTable(const ImpedanceReport& report) {
   std::string out =
       "\nWith the device's dry friction and encoder steps, free, Φ = 0, a sine of 1 Hz:\n";
@@ -290,7 +290,7 @@ double degrees(const Complex& z) {
   return std::arg(z) * 180.0 / std::numbers::pi;
 }
 
-/// A prediction as a line and its measurement as dots.
+/// Draws a prediction as a line and its measurement as dots.
 void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), Chart& chart) {
   ChartLine line{nullptr, colorOf(curve.contact), {}, 1.4};
   if (curve.phi > 0.0) line.dash_px = kDashed_px;
@@ -307,7 +307,7 @@ void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), Char
   chart.lines.push_back(std::move(dots));
 }
 
-/// Magnitude or phase of one axis.
+/// Chart of magnitude or phase of one axis.
 Chart bodeChart(const AxisImpedance& axis, double (*value)(const Complex&), int height_px) {
   Chart chart;
   chart.height_px = height_px;

@@ -35,15 +35,15 @@
 namespace wholehand {
 namespace {
 
-/// What `decompose` writes of a mesh.
+/// Data of a mesh that `decompose` writes.
 struct DecomposedMesh {
   std::string source;               ///< path of the mesh as given
-  std::string name;                 ///< what every file's name begins with
+  std::string name;                 ///< begin of every file name
   std::vector<MeshSurface> pieces;  ///< convex, in the mesh's frame [m]
-  MassProperties mass;              ///< of the mesh
+  MassProperties mass;              ///< mass properties of the mesh
 };
 
-/// "NAME_01.obj" ..
+/// Name of a piece's file: "NAME_01.obj" and so on.
 std::string pieceFile(const std::string& name, std::size_t index) {
   return fmt::format("{}_{:02}.obj", name, index + 1);
 }
@@ -52,12 +52,12 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using NamedTexts = std::vector<std::pair<std::string, std::string>>;
 
-/// Words in the first line of every file written here.
+/// Mark in the first line of every file written here.
 constexpr const char* kMark = "Written by wholehand decompose";
 
 constexpr double kTableTop_m = -0.10;  ///< as in config/scenes/table.toml
 
-/// Removes the folder at the end.
+/// A folder that its destructor removes.
 class TemporaryFolder {
  public:
   explicit TemporaryFolder(fs::path path) : path_(std::move(path)) {}
@@ -101,7 +101,8 @@ bool isPieceFile(const std::string& file, const std::string& name) {
                      [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-// Of a comment in TOML, OBJ and XML, which no name of a file ends.
+// First line of a TOML, OBJ or XML file, as a comment. "--" is replaced, so that no file name ends
+// the comment.
 std::string firstLine(const DecomposedMesh& mesh) {
   std::string name = printable(fs::path(mesh.source).filename().string());
   for (std::size_t at = name.find("--"); at != std::string::npos; at = name.find("--", at)) {
@@ -141,14 +142,14 @@ std::string urdfText(const DecomposedMesh& mesh) {
   return text + "  </link>\n</robot>\n";
 }
 
-/// The body on a table, as in config/scenes/table.toml.
+/// Scene with the body on a table, as in config/scenes/table.toml.
 std::string sceneText(const DecomposedMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const MeshSurface& piece : mesh.pieces) {
     for (const Vector3d& p : piece.points) box.extend(p);
   }
   const Vector3d size = box.sizes(), middle = box.center();
-  const double x = 0.12 + size.x() / 2.0;  // beyond the hand's start
+  const double x = 0.12 + size.x() / 2.0;  // beyond the hand's initial position
   const double width = std::min(0.6 + 2.0 * std::max(size.x(), size.y()), 10.0);
   return fmt::format(
       "# {}.\n# Shows the body on a table; copy [[bodies]] of \"{}\" into a scene of yours.\n"
@@ -172,8 +173,8 @@ NamedTexts textsOf(const DecomposedMesh& mesh) {
   return texts;
 }
 
-/// What the files of a mesh are named after: its file name without ending; other characters than
-/// letters, digits, - and _ become _.
+/// Prefix of a mesh's files: its file name without extension, where characters other than letters,
+/// digits, - and _ become _.
 std::string pieceName(const std::string& mesh_path) {
   std::string name = fs::path(mesh_path).stem().string();
   for (char& c : name) {
@@ -183,8 +184,8 @@ std::string pieceName(const std::string& mesh_path) {
   return name.empty() ? "mesh" : name;
 }
 
-/// Checks before the computation whether the folder can hold the files: it can be made or written
-/// to, and none of their names belongs to a file of another origin.
+/// Checks before the computation that the folder can hold the files: it can be created or written
+/// to, and no file of the same name has another origin.
 Expected<Done> checkFolder(const std::string& folder, const std::string& name, int pieces) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
@@ -204,10 +205,10 @@ Expected<Done> checkFolder(const std::string& folder, const std::string& name, i
   return Done{};
 }
 
-/// Writes NAME_01.obj .., NAME.urdf and NAME.toml, a scene. They are written into a folder of their
-/// own inside `folder`, loaded from it as a scene, and then moved: a failure leaves what was there.
-/// Pieces of an earlier computation that are not replaced are removed.
-/// @return the names of the files written
+/// Writes NAME_01.obj and so on, NAME.urdf and the scene NAME.toml. They are first written into a
+/// temporary folder inside `folder`, loaded from there as a scene, and then moved, so that a
+/// failure changes nothing. Pieces of an earlier computation that are not replaced are removed.
+/// @return names of the written files
 Expected<std::vector<std::string>> writeDecomposed(const DecomposedMesh& mesh,
                                                    const std::string& folder) {
   const fs::path target(folder);
@@ -222,10 +223,10 @@ Expected<std::vector<std::string>> writeDecomposed(const DecomposedMesh& mesh,
   }
   const auto scene = loadSceneFile((making / (mesh.name + ".toml")).string());
   if (!scene) return scene.errors();
-  // The user may give any mass: its density is no fault of the pieces.
+  // The user may choose any mass, so an unusual density is not a fault of the pieces.
   Diagnostics notices = scene->notices;
   std::erase_if(notices, [](const Diagnostic& d) { return d.code == DiagnosticCode::kRange; });
-  if (!notices.empty()) return notices;  // a piece is not convex
+  if (!notices.empty()) return notices;  // e.g. a piece is not convex
   std::vector<std::string> written;
   for (const auto& [file, text] : texts) {
     fs::rename(making / file, target / file, error);
@@ -243,10 +244,10 @@ Expected<std::vector<std::string>> writeDecomposed(const DecomposedMesh& mesh,
 
 using nlohmann::ordered_json;
 
-constexpr double kConcavityShare = 0.01;  ///< of the mesh's size
+constexpr double kConcavityShare = 0.01;  ///< share of the mesh's size
 constexpr double kDensity_kg_m3 = 1000.0;
-constexpr double kLeastMass_kg = 1e-4, kMostMass_kg = 1e3;         ///< of a scene's body
-constexpr double kLeastGameSize_m = 0.005, kMostGameSize_m = 0.5;  ///< of a game's piece
+constexpr double kLeastMass_kg = 1e-4, kMostMass_kg = 1e3;         ///< mass of a body in a scene
+constexpr double kLeastGameSize_m = 0.005, kMostGameSize_m = 0.5;  ///< size of a piece in a game
 constexpr int kMostGamePieces = 16, kMostGameVertices = 64;
 
 /// Progress line, rewritten in place on a terminal; silent elsewhere.
@@ -264,7 +265,8 @@ Diagnostic meshFault(const std::string& path, Diagnostic fault) {
   return fault;
 }
 
-/// @param notices what of the file is not applied
+/// Reads a closed surface.
+/// @param notices parts of the file that are not applied
 Expected<ClosedSurface> readSolid(const DecomposeOptions& o, std::vector<std::string>& notices) {
   std::error_code error;
   if (!fs::is_regular_file(o.mesh, error)) {
@@ -277,7 +279,7 @@ Expected<ClosedSurface> readSolid(const DecomposeOptions& o, std::vector<std::st
   Expected<ClosedSurface> solid = closedSurface(file->surface.points, file->surface.triangles);
   if (!solid) {
     Diagnostic fault = meshFault(o.mesh, solid.errors().front());
-    // It may be the cause: triangles that the file does not announce.
+    // A notice may name the cause, such as triangles that the file does not announce.
     for (const std::string& notice : notices) fault.problem += "; it " + notice;
     return fault;
   }
@@ -290,15 +292,15 @@ std::vector<Shape> shapesOf(const std::vector<MeshSurface>& pieces) {
   return shapes;
 }
 
-/// What is computed of a mesh.
-struct Decomposed {
-  DecomposeOptions options;          ///< with the defaults that follow from the mesh
-  std::vector<std::string> notices;  ///< what of its file is not applied
+/// Results of decomposing a mesh.
+struct DecompositionResult {
+  DecomposeOptions options;          ///< including the defaults that follow from the mesh
+  std::vector<std::string> notices;  ///< parts of its file that are not applied
   ClosedSurface solid;
   ConvexPieces pieces;
   MassProperties mesh_mass, pieces_mass;
   std::string name;
-  /// Share by which the volume of the pieces' union differs from the mesh's.
+  /// Relative difference between the volume of the pieces' union and the mesh's.
   [[nodiscard]] double difference() const {
     return (pieces.pieces_m3 - pieces.overlap_m3) / solid.volume_m3 - 1.0;
   }
@@ -316,7 +318,7 @@ void printInertia(const char* what, const MassProperties& m) {
               i(0, 0), i(1, 1), i(2, 2), m.com_m.x(), m.com_m.y(), m.com_m.z());
 }
 
-void printTable(const Decomposed& d) {
+void printTable(const DecompositionResult& d) {
   std::printf("%s: %zu triangles, %.4g m across\n", printable(d.options.mesh).c_str(),
               d.solid.surface.triangles.size(), d.solid.size_m);
   std::printf("  piece  vertices  volume cm3  size mm\n");
@@ -337,8 +339,8 @@ void printTable(const Decomposed& d) {
   printInertia("pieces  ", d.pieces_mass);
 }
 
-/// Prints what the user should know though it is no fault.
-void printNotes(const Decomposed& d) {
+/// Prints notes that are not faults.
+void printNotes(const DecompositionResult& d) {
   for (const std::string& notice : d.notices) {
     std::printf("  note     the mesh %s\n", notice.c_str());
   }
@@ -380,7 +382,7 @@ ordered_json massJson(const MassProperties& m) {
        {{i(0, 0), i(0, 1), i(0, 2)}, {i(1, 0), i(1, 1), i(1, 2)}, {i(2, 0), i(2, 1), i(2, 2)}}}};
 }
 
-ordered_json jsonOf(const Decomposed& d) {
+ordered_json jsonOf(const DecompositionResult& d) {
   ordered_json pieces = ordered_json::array();
   for (std::size_t i = 0; i < d.pieces.pieces.size(); ++i) {
     const MeshSurface& piece = d.pieces.pieces[i];
@@ -412,8 +414,8 @@ ordered_json jsonOf(const Decomposed& d) {
           {"pieces", std::move(pieces)}};
 }
 
-Expected<Decomposed> decompose(const DecomposeOptions& options) {
-  Decomposed d;
+Expected<DecompositionResult> decompose(const DecomposeOptions& options) {
+  DecompositionResult d;
   d.options = options;
   d.name = pieceName(options.mesh);
   if (auto ready = checkFolder(options.out, d.name, options.pieces); !ready) return ready.errors();
@@ -440,7 +442,7 @@ Expected<Decomposed> decompose(const DecomposeOptions& options) {
   return d;
 }
 
-int refuseVolume(const Decomposed& d) {
+int refuseVolume(const DecompositionResult& d) {
   refuse({keyFault(
       d.options.mesh, "--volume-bound", fmt::format("{:.4g}", d.options.volume_bound),
       fmt::format("the pieces' volume differs by {:+.1f} % from the mesh's; nothing is written",

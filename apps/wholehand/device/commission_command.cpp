@@ -16,7 +16,7 @@
 #include "loop/realtime/monotonic_clock.hpp"
 #include "loop/realtime/thread_setup.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/commissioning_record.hpp"
+#include "rig/run/commissioning_record.hpp"
 #include "station/server/server.hpp"
 #include "vocabulary/operator.hpp"
 
@@ -61,9 +61,9 @@ class TerminalOperator final : public Operator {
   TerminalOperator(const TerminalOperator&) = delete;
   TerminalOperator& operator=(const TerminalOperator&) = delete;
 
-  void tell(const std::string& line, const std::vector<FoundFigure>& findings) override;
-  void tellStep(const StepNews& news) override;
-  void tellMotion(const Motion& motion, MotionState state) override;
+  void reportLine(const std::string& line, const std::vector<FoundFigure>& findings) override;
+  void reportStep(const StepNews& news) override;
+  void reportMotion(const Motion& motion, MotionState state) override;
   [[nodiscard]] std::optional<std::string> ask(const Question& question,
                                                const std::function<void()>& meanwhile) override;
   [[nodiscard]] bool holdsKey() override;
@@ -77,7 +77,7 @@ class TerminalOperator final : public Operator {
   std::int64_t last_space_ns_ = 0, last_look_ns_ = 0;
 };
 
-/// Ticks by CLOCK_MONOTONIC. After a missed tick the next one follows at once.
+/// Ticks by CLOCK_MONOTONIC. After a missed tick, the next one follows at once.
 class RealTicks final : public TickClock {
  public:
   explicit RealTicks(double period_s);
@@ -90,7 +90,7 @@ class RealTicks final : public TickClock {
 
 constexpr int kLook_ms = 5;
 
-// Reads what arrives within that time; empty optional: end of the input.
+// Reads the input that arrives within that time; empty optional: end of the input.
 std::optional<std::string> readWithin(int milliseconds) {
   pollfd in{STDIN_FILENO, POLLIN, 0};
   if (::poll(&in, 1, milliseconds) <= 0) return std::string();
@@ -123,11 +123,11 @@ void TerminalOperator::setRaw(bool raw) {
   raw_ = raw;
 }
 
-void TerminalOperator::tell(const std::string& line, const std::vector<FoundFigure>&) {
+void TerminalOperator::reportLine(const std::string& line, const std::vector<FoundFigure>&) {
   std::printf("%s\n", printable(line, 1000).c_str());
 }
 
-void TerminalOperator::tellStep(const StepNews& news) {
+void TerminalOperator::reportStep(const StepNews& news) {
   if (news.state == StepState::kUnderWay) {
     std::printf("Step %d of %d: %s\n", news.step + 1, kCommissioningSteps,
                 stepName(static_cast<CommissioningStep>(news.step)));
@@ -137,7 +137,7 @@ void TerminalOperator::tellStep(const StepNews& news) {
   }
 }
 
-void TerminalOperator::tellMotion(const Motion& motion, MotionState state) {
+void TerminalOperator::reportMotion(const Motion& motion, MotionState state) {
   if (state == MotionState::kAwaitsKey) {
     std::printf("Hold the space bar: %s.\n", motion.text.c_str());
   }
@@ -155,7 +155,8 @@ std::optional<std::string> TerminalOperator::ask(const Question& question,
   while (!InterruptScope::interrupted()) {
     meanwhile();
     if (const std::size_t end = typed_.find('\n'); end != std::string::npos) {
-      const std::string line = trimmed(typed_.substr(0, end));  // the key adds leading spaces
+      const std::string line = trimmed(typed_.substr(0, end));  // the space bar, the hold-to-move
+                                                                // key, adds leading spaces
       typed_.erase(0, end + 1);
       return line;
     }
@@ -180,7 +181,7 @@ bool TerminalOperator::holdsKey() {
   const std::int64_t now_ns = monotonicNow_ns();
   if (now_ns - std::exchange(last_look_ns_, now_ns) > kLookedAway_ns) {
     ::tcflush(STDIN_FILENO, TCIFLUSH);
-    // A key that was held before is held again with its next repetition.
+    // A key that was held before counts as held again with its next repetition.
     last_space_ns_ = std::exchange(repeats_, false) ? now_ns - kRelease_ns : 0;
   }
   const auto typed = readWithin(0);
@@ -212,7 +213,7 @@ void RealTicks::waitForTick() {
   }
 }
 
-constexpr double kAnyDelay_s = 1.0;  // it is measured
+constexpr double kAnyDelay_s = 1.0;  // any delay fits, because it is measured
 constexpr std::chrono::seconds kPagesAreNotified{1};
 
 Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& options,
@@ -234,8 +235,7 @@ Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& opti
   return driver;
 }
 
-/// Ticks of a plant at the pace of the person; they come late on a busy machine, and none is
-/// missed.
+/// Ticks of a simulated plant in real time. On a busy machine they come late, but none is skipped.
 class SimulatedTicks final : public TickClock {
  public:
   SimulatedTicks(std::shared_ptr<SimulatedPlant> plant, double period_s)
@@ -251,7 +251,7 @@ class SimulatedTicks final : public TickClock {
   RealTicks pace_;
 };
 
-/// What is commissioned, with its clock; `plant` where it is simulated.
+/// The device and its clock; `plant` is set for a simulated device.
 struct Commissioned {
   std::shared_ptr<DeviceDriver> driver;
   std::shared_ptr<TickClock> clock;
@@ -270,10 +270,11 @@ Expected<Commissioned> openCommissioned(const CommissionOptions& options,
   return Commissioned{std::move(*driver), std::make_shared<RealTicks>(period_s)};
 }
 
-/// The person; at a simulated plant their hands are simulated.
-class Acting {
+/// The person. With a simulated plant, the person's hands are simulated.
+class SignalActions {
  public:
-  Acting(Operator& person, const Commissioned& what, const DeviceModel& model) : person_(person) {
+  SignalActions(Operator& person, const Commissioned& what, const DeviceModel& model)
+      : person_(person) {
     if (what.plant != nullptr) hands_.emplace(person, *what.plant, model);
   }
   Operator& operator*() { return hands_ ? static_cast<Operator&>(*hands_) : person_; }
@@ -297,12 +298,12 @@ std::string fileOf(const CommissionOptions& options, const Commissioning& commis
   return options.daily ? dailyCheckPath(model.path, identity.serial) : commissioning.path();
 }
 
-int sayNotFinished(const CommissionOptions& options) {
+int printNotFinished(const CommissionOptions& options) {
   std::printf("Not finished: no %s was written.\n", options.daily ? "check" : "passport");
   return kExitNotFit;
 }
 
-// The recorder of each run keeps every effort.
+// Begins the recording of every effort of this run.
 Expected<std::unique_ptr<CommissioningRecord>> beginRecord(const CommissionOptions& options,
                                                            const DeviceModel& model) {
   auto text = readWhole(model.path);
@@ -310,7 +311,7 @@ Expected<std::unique_ptr<CommissioningRecord>> beginRecord(const CommissionOptio
   CommissioningRecord::Plan plan;
   plan.path = options.record;
   if (plan.path.empty()) {
-    // By chance another one than of a program that begins in the same second.
+    // A random part distinguishes the name from that of a program started in the same second.
     plan.path =
         fmt::format("out/recordings/commissioning-{:%Y%m%d-%H%M%S}-{}.h5",
                     fmt::localtime(std::chrono::system_clock::now()), randomName().substr(0, 8));
@@ -340,33 +341,33 @@ CommissioningRecord::Tick kept(const Bench::Tick& tick, const std::vector<std::s
   return out;
 }
 
-// A bench with recording, and the steps on it.
-struct Kept {
+// A bench with a recording, and the steps that use it.
+struct RecordedSteps {
   CommissioningRecord& record;
   Bench bench;
   Commissioning commissioning;
 
-  Kept(CommissioningRecord& to, Bench moved, const CommissionOptions& options)
+  RecordedSteps(CommissioningRecord& to, Bench moved, const CommissionOptions& options)
       : record(to), bench(std::move(moved)), commissioning(bench, planOf(options)) {
     bench.listen([this](const Bench::Tick& tick) {
       record.setStep(commissioning.stepUnderWay());
       record.keep(kept(tick, bench.places()));
     });
   }
-  Kept(const Kept&) = delete;
-  Kept& operator=(const Kept&) = delete;
+  RecordedSteps(const RecordedSteps&) = delete;
+  RecordedSteps& operator=(const RecordedSteps&) = delete;
 };
 
-// This thread moves the device, as the loop of a run does. Threads that begin later would inherit
-// it.
+// Requests real time for this thread, which moves the device like the loop of a run. Call it after
+// the other threads have started, because later threads would inherit it.
 void askForRealTime(const Commissioned& what) {
-  if (what.plant != nullptr) return;  // its clock waits for this machine
+  if (what.plant != nullptr) return;  // a simulated clock waits for this machine
   for (const SetupLine& line : setUpThread({})) {
     if (!line.granted) std::printf("%s: %s\n", line.what.c_str(), line.sentence.c_str());
   }
 }
 
-// A daily check needs a passport. Its steps report their own findings.
+// Refuses a daily check without a passport. Steps report their own findings.
 std::optional<int> refuseWithoutPassport(const CommissionOptions& options,
                                          const Commissioning& commissioning) {
   if (!options.daily) return std::nullopt;
@@ -378,16 +379,16 @@ std::optional<int> refuseWithoutPassport(const CommissionOptions& options,
 int leadAtTerminal(const CommissionOptions& options, const Commissioned& what,
                    const DeviceModel& model, CommissioningRecord& record) {
   TerminalOperator terminal;
-  Acting acting(terminal, what, model);
+  SignalActions acting(terminal, what, model);
   Operator& person = *acting;
   auto bench = Bench::make(*what.driver, model, person, *what.clock, 1.0 / options.rate_hz);
   if (!bench) return refuse(bench.errors());
-  Kept steps(record, std::move(*bench), options);
+  RecordedSteps steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
   askForRealTime(what);
   if (options.daily) return commissioning.checkToday() ? kExitDone : kExitBadInput;
-  return leadCommissioning(commissioning, person) ? kExitDone : sayNotFinished(options);
+  return leadCommissioning(commissioning, person) ? kExitDone : printNotFinished(options);
 }
 
 // Steps that a page lists.
@@ -422,10 +423,10 @@ int leadAtPage(const CommissionOptions& options, const Commissioned& what, const
   about.recording = record.path();
   ConsoleOperator person(std::move(about), stepsOf(options.daily), monotonicNow_ns,
                          InterruptScope::interrupted);
-  Acting acting(person, what, model);
+  SignalActions acting(person, what, model);
   auto bench = Bench::make(driver, model, *acting, *what.clock, 1.0 / options.rate_hz);
   if (!bench) return refuse(bench.errors());
-  ControlsArbiter controls;
+  ControlHolder controls;
   if (Diagnostics faults = roleTokens(options.pages.tokens).faults; !faults.empty()) {
     return refuse(faults);
   }
@@ -437,13 +438,13 @@ int leadAtPage(const CommissionOptions& options, const Commissioned& what, const
   if (!server) return refuse(server.errors());
   std::printf("Commission the device at %scommission; Ctrl-C ends.\n", (*server)->url().c_str());
   std::fflush(stdout);
-  Kept steps(record, std::move(*bench), options);
+  RecordedSteps steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
   askForRealTime(what);
   const bool written = options.daily ? leadDailyCheck(commissioning, *acting)
                                      : leadCommissioning(commissioning, *acting);
-  if (!written) return sayNotFinished(options);
+  if (!written) return printNotFinished(options);
   const std::string file = fileOf(options, commissioning, model, driver.identity());
   person.finish(file);
   std::printf("Written: %s\n", printable(file).c_str());

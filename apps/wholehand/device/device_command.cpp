@@ -191,7 +191,7 @@ void printAxes(const std::vector<wh_axis>& axes, const wh_sample& sample) {
   }
 }
 
-// What `run` would refuse.
+// Faults for which `run` would refuse the device.
 Diagnostics misfits(const std::shared_ptr<PluginDriver>& driver, const std::string& device_file) {
   if (device_file.empty()) return {};
   const auto model = loadDeviceFile(device_file);
@@ -225,7 +225,8 @@ Counts count(const std::vector<CheckResult>& results) {
   return out;
 }
 
-// Checks that need the person's permission and did not get it; reported once for all.
+// True for checks that need the person's permission and did not get it; reported once for all of
+// them.
 bool isLeftOut(const Check& check, const ConformanceOptions& asked) {
   return (check.effect != Effect::kLooks && !asked.allow_effort) ||
          (check.effect == Effect::kOverreaches && !asked.allow_beyond_limit);
@@ -299,12 +300,12 @@ void addDevice(CLI::App& app, DeviceOptions& o, int& code) {
 }
 
 int deviceInspectCommand(const DeviceOptions& options) {
-  const auto say = [](const std::string& line) {
+  const auto printLine = [](const std::string& line) {
     std::printf("%s\n", printable(line, 1000).c_str());
   };
   const auto facts = pluginFacts(options.driver.path);
   if (!facts) return refuse(facts.errors());
-  const auto loaded = PluginDriver::load(options.driver, say, CalledBy::kHost);
+  const auto loaded = PluginDriver::load(options.driver, printLine, CalledBy::kHost);
   if (!loaded) return refuse(loaded.errors());
   PluginDriver& driver = **loaded;
   wh_sample sample{};
@@ -343,6 +344,7 @@ int deviceConformCommand(const DeviceOptions& options) {
     return no("--driver", options.driver.path, "is no file",
               "give the path of a driver's shared object");
   }
+  // Adds mass and weight of the axes from the device file.
   ConformanceOptions asked = options.conformance;
   asked.driver = options.driver;
   if (!options.device.empty()) {
@@ -358,6 +360,7 @@ int deviceConformCommand(const DeviceOptions& options) {
     return no("--only", asked.only, "is the beginning of no check",
               "run without it to see their names");
   }
+  // Prints the results, and the number of checks that were not permitted.
   std::size_t left_out = 0;
   for (const CheckResult& r : results) {
     if (isLeftOut(*r.check, asked)) {

@@ -20,8 +20,8 @@ struct DeviceOptions {
   CommissionOptions commission;
 };
 
-/// Lists the drivers beside the program and the hosts of this machine; opens no device. Returns the
-/// exit code.
+/// Lists the drivers in the program's folders and the hosts of this machine; opens no device.
+/// Returns the exit code.
 int deviceListCommand(const DeviceOptions& options);
 /// Prints the axes and one sample of a device, which stays disabled.
 int deviceInspectCommand(const DeviceOptions& options);

@@ -26,7 +26,7 @@ namespace wholehand {
 namespace {
 
 constexpr std::chrono::milliseconds kLookEvery{5};
-constexpr int kHostPriority = 85;  // the loop's is 80
+constexpr int kHostPriority = 85;  // the loop has 80
 constexpr double kDelayOfAnyLoop_s = 1.0;
 
 // Line for an event; empty: not worth reporting.
@@ -66,10 +66,11 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   PeriodicThreadConfig config;
   config.period_ns = std::llround(1e9 / options.rate_hz);
   config.setup.fifo_priority = kHostPriority;
-  config.setup.cores_before_last = 1;  // the loop has the last one
+  config.setup.cores_before_last = 1;  // the loop uses the last core
   PeriodicThread thread(config, [&host](std::uint32_t elapsed_periods, std::int64_t) {
     return host.cycle(static_cast<int>(std::min(elapsed_periods, 1'000'000U)));
   });
+  // Starts the real-time thread of the host.
   interrupts.loops.fetch_add(1);
   Expected<SetupReport> setup = thread.start();
   if (!setup) {
@@ -79,7 +80,7 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   for (const SetupLine& line : *setup) {
     if (!line.granted) std::printf("  machine  %s: %s\n", line.what.c_str(), line.sentence.c_str());
   }
-  const auto tell = [&] {
+  const auto printEvents = [&] {
     HostEvent event;
     while (host.nextEvent(event)) {
       const std::string line = lineAbout(event);
@@ -87,31 +88,32 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
         std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
     }
   };
+  // Prints events until the thread ends.
   while (thread.running()) {
     std::this_thread::sleep_for(kLookEvery);
     if (InterruptScope::interrupted()) host.requestEnd();
-    tell();
+    printEvents();
   }
   thread.join();
   interrupts.loops.fetch_sub(1);
-  tell();
+  printEvents();
   return Done{};
 }
 
 }  // namespace
 
 int deviceHostCommand(const DeviceHostOptions& options) {
-  auto lock = HostLock::take(options.name);  // before the device is touched
+  auto lock = HostLock::take(options.name);  // taken before the device is touched
   if (!lock) return refuse(lock.errors());
   auto model = loadDeviceFile(options.device);
   if (!model) return refuse(model.errors());
   const InterruptScope interrupts;
-  const auto say = [&options](const std::string& line) {
+  const auto printLine = [&options](const std::string& line) {
     std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
   };
-  auto driver = PluginDriver::load(options.driver, say, CalledBy::kHost);
+  auto driver = PluginDriver::load(options.driver, printLine, CalledBy::kHost);
   if (!driver) return refuse(driver.errors());
-  // The delay is judged by the loop, which knows its period.
+  // Any delay is accepted here; the loop, which knows its period, checks it.
   auto fits = PluginDevice::make(*driver, *model, kDelayOfAnyLoop_s);
   if (!fits) return refuse(fits.errors());
   auto segment = HostSegment::create(**lock);

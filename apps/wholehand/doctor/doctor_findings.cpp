@@ -14,14 +14,14 @@
 namespace wholehand {
 namespace {
 
-// Room for recordings. A full disk ends the recording, not the run.
+// Free space for recordings. A full disk ends the recording, not the run.
 constexpr double kDiskWanted_gb = 2.0;
 
 const char* const kLimitsRemedy =
     "Put the line '@realtime - %s' into /etc/security/limits.d/realtime.conf, add yourself to the "
     "group realtime (groupadd -f realtime; usermod -aG realtime <you>) and log in again.";
 
-// A limit and its effect are one reason in the final sentence.
+// Texts of the final sentence. A limit and its effect share one reason.
 const char* const kNoPriority = "real-time priority is not granted";
 const char* const kGrantPriority = "grant rtprio 99";
 const char* const kNoCore = "the loop has no core of its own";
@@ -110,7 +110,7 @@ std::vector<std::string> packagesToRun(const std::filesystem::path& file) {
   return packages;
 }
 
-/// dpkg's installed packages, one per line; empty without dpkg.
+/// Packages installed by dpkg, one per line; empty without dpkg.
 std::vector<std::string> installedPackages() {
   std::vector<std::string> installed;
   FILE* pipe = popen("dpkg-query -W -f='${db:Status-Status} ${Package}\\n' 2>/dev/null", "re");
@@ -132,7 +132,7 @@ std::vector<std::string> installedPackages() {
 }
 
 void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
-  // A packaged program has no list: dpkg checks its dependencies.
+  // An installed program has no list, because dpkg checks its dependencies.
   if (!std::filesystem::exists(file)) return;
   const std::vector<std::string> wanted = packagesToRun(file);
   const std::vector<std::string> installed = installedPackages();
@@ -230,7 +230,7 @@ DoctorFinding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
           "close other programs and leave the virtual machine, if this is one"};
 }
 
-/// "a, b and c".
+/// Joins parts as "a, b and c".
 std::string joined(const std::vector<std::string>& parts, const char* between, const char* last) {
   std::string text;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -264,7 +264,7 @@ Findings findingsAboutAdapters(const std::filesystem::path& folder) {
     const std::filesystem::path timer = entry.path() / "latency_timer";
     std::ifstream file(timer);
     int latency_ms = 0;
-    if (!(file >> latency_ms)) continue;  // no adapter that has one
+    if (!(file >> latency_ms)) continue;  // adapter without a latency setting
     findings.push_back({entry.path().filename().string(), latency_ms == 1, Blocks::kNothing,
                         "waits up to " + std::to_string(latency_ms) +
                             " ms for more bytes (latency_timer; 1 wanted)",

@@ -8,13 +8,13 @@
 
 namespace wholehand {
 
-/// What a finding prevents.
+/// What a bad finding prevents.
 enum class Blocks { kNothing, kDevice, kEverything };
 
 struct DoctorFinding {
   std::string what;
   bool good = false;
-  Blocks blocks = Blocks::kNothing;  ///< unless it is good
+  Blocks blocks = Blocks::kNothing;  ///< effect unless it is good
   std::string fact;
   std::string remedy;  ///< empty if good
   // Parts of the final sentence; empty: not mentioned.
@@ -27,12 +27,13 @@ using Findings = std::vector<DoctorFinding>;
 inline constexpr std::int64_t kDoctorPeriod_ns = 1'000'000;
 inline constexpr std::size_t kDoctorWakeUps = 3000;
 
-/// Findings on kernel, cores, governor and limits. @param root the user may exceed the limits
+/// Findings on kernel, cores, governor and limits. @param root true if the user may exceed the
+/// limits
 [[nodiscard]] Findings findingsAboutMachine(const MachineFacts& machine, bool root);
 /// Findings on this program's build, the listed packages and the free disk space.
 [[nodiscard]] Findings findingsAboutSoftware(const std::filesystem::path& packages_file);
-/// Findings on serial adapters that delay received data. FTDI's wait for more bytes, 16 ms by
-/// default. @param folder /sys/bus/usb-serial/devices
+/// Findings on serial adapters that delay received data. FTDI adapters wait for more bytes, 16 ms
+/// by default. @param folder /sys/bus/usb-serial/devices
 [[nodiscard]] Findings findingsAboutAdapters(const std::filesystem::path& folder);
 /// Findings on the loop thread's settings and its wake-up lateness.
 [[nodiscard]] Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns);

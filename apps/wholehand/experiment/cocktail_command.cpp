@@ -6,7 +6,7 @@
 #include "files/text/text_file.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -100,7 +100,7 @@ void printLevel(const Json& j) {
   std::fflush(stdout);
 }
 
-// Requested levels. Reports the files' faults here, once, instead of in every worker.
+// Requested levels. Faults of the files are reported here once, not by every worker.
 Expected<std::vector<int>> levelsAsked(const CocktailOptions& options, ModelFiles files) {
   files.level = std::max(options.level, 1);
   auto models = loadModels(files);
@@ -123,6 +123,7 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
   Played played;
   played.results.resize(static_cast<std::size_t>(options.seeds));
   std::vector<bool> known(played.results.size(), false);
+  // A worker process plays one virtual patient and returns a line of JSON.
   const auto work = [&](int job) -> std::string {
     CocktailPlan plan;
     plan.files = files;
@@ -135,6 +136,7 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
     return result ? nlohmann::json(*result).dump()
                   : Json{{"refused", format(result.errors())}}.dump();
   };
+  // This process collects the lines.
   int reported = 0, completed = 0;
   const auto done = [&](int job, const std::string& line) {
     const auto json = nlohmann::json::parse(line, nullptr, false);
@@ -174,6 +176,7 @@ int cocktailCommand(const CocktailOptions& options) {
   if (!options.json.empty()) {
     if (auto ready = prepareFiles({options.json}); !ready) return refuse(ready.errors());
   }
+  // Plays every requested level.
   printHeader();
   Json json;
   json["exercise"] = files->exercise;
@@ -183,7 +186,7 @@ int cocktailCommand(const CocktailOptions& options) {
   bool faulted = false;
   for (const int level : *levels) {
     const Played played = play(options, *files, level);
-    if (InterruptScope::interrupted()) return sayInterrupted();
+    if (InterruptScope::interrupted()) return printInterrupted();
     if (!played.refused.empty()) {
       std::fprintf(stderr, "wholehand: %s\n", played.refused.c_str());
       return kExitBadInput;

@@ -23,7 +23,7 @@ double limitAt(double rate_hz) {
   return 0.5e6 / rate_hz;
 }
 
-/// "87", ">= 120" where the largest that was measured is admitted, "none".
+/// Text of the admitted count: "87"; ">= 120" if the largest measured count is admitted; "none".
 std::string admittedText(const ComplexityCurve& curve, double rate_hz) {
   bool all = false;
   const double count = curve.admitted(limitAt(rate_hz), all);
@@ -66,7 +66,7 @@ std::string nameOf(const ComplexityCurve& curve, const char* part) {
   return fmt::format("complexity.{}.{}", part, complexityName(curve.kind));
 }
 
-/// Median and p99.9 over the count, with the limits of the rates.
+/// Chart of median and p99.9 over the count, with the limits of the rates.
 Chart curveChart(const ComplexityCurve& curve) {
   constexpr double kLeast_us = 5.0;
   Chart chart;
@@ -194,7 +194,7 @@ int complexityCommand(const ExperimentOptions& options) {
   const ComplexityPlan plan = complexityPlan(options);
   auto result = measureComplexity(plan);
   if (!result) return refuse(result.errors());
-  if (result->interrupted) return sayInterrupted();
+  if (result->interrupted) return printInterrupted();
   if (auto done = writeResults(jsonText(complexityJson(*result, plan)),
                                complexityPage(*result, plan), *files);
       !done) {

@@ -20,13 +20,13 @@ namespace wholehand {
 namespace {
 
 constexpr double kTipScale_n = 7.5;  // makes fingers and thumb comparable
-constexpr double kStep_s = 0.02;     // line step; each one shows its minimum and maximum
+constexpr double kStep_s = 0.02;     // interval of a line; minimum and maximum are drawn
 constexpr std::array<const char*, 4> kHeadings = {"exercise.bumps", "exercise.approaches",
                                                   "exercise.squeezes", "exercise.letsGo"};
 
 using Value = std::function<double(const ExerciseSample&)>;
 
-/// Reduces every interval of kStep_s to its extremes, in order: no spike is lost.
+/// Reduces every interval of kStep_s to its extremes, in order, so that no spike is lost.
 std::vector<std::array<double, 2>> points(const ExerciseResult& result, const Value& value) {
   std::vector<std::array<double, 2>> out;
   const auto& samples = result.samples;
@@ -71,8 +71,8 @@ Chart panel(const ExerciseResult& result, const char* title, int height_px) {
   return chart;
 }
 
-/// Efforts sent to these axes: N at the tip if there is one; circumduction, which has none, in 0.1
-/// N·m for visibility.
+/// Adds efforts sent to these axes: in N at the tip if there is one; circumduction, which has none,
+/// in 0.1 N·m for visibility.
 void addEfforts(Chart& chart, const ExerciseResult& result, const std::vector<const char*>& names) {
   for (const char* name : names) {
     const int a = axisOf(result, name);
@@ -93,7 +93,7 @@ Chart phiPanel(const ExerciseResult& result) {
     if (a < 0) continue;
     chart.lines.push_back(lineOf(result, a, [a](const ExerciseSample& s) { return s.phi[a]; }));
   }
-  if (const int x = axisOf(result, "x"); x >= 0) {  // Eq. (5): y and z have the same
+  if (const int x = axisOf(result, "x"); x >= 0) {  // Eq. (5): y and z have the same value
     ChartLine arm{"x, y, z", "--ink", {1, 3}};
     arm.points = points(result, [x](const ExerciseSample& s) { return s.phi[x]; });
     chart.lines.push_back(std::move(arm));
@@ -109,7 +109,7 @@ Chart onePanel(const ExerciseResult& result, const char* title, int height_px, c
   return chart;
 }
 
-/// The exercise's share of an axis's effort, as a thin line.
+/// Adds the exercise's share of an axis's effort as a thin line.
 void addWall(Chart& chart, const ExerciseResult& result, const char* name) {
   const int a = axisOf(result, name);
   const double arm_m = a < 0 ? 0.0 : result.lever_arms_m[a];
@@ -237,7 +237,7 @@ int exerciseCommand(const ExerciseOptions& options) {
   const InterruptScope interrupts;
   auto result = runExercise(plan);
   if (!result) return refuse(result.errors());
-  if (result->interrupted) return sayInterrupted();
+  if (result->interrupted) return printInterrupted();
   if (auto done =
           writeResults(jsonText(resultJson(*result, options)), exerciseFigure(*result), *out);
       !done) {

@@ -17,11 +17,11 @@ namespace wholehand {
 struct ExperimentOptions {
   std::string engine = defaultEngine();
   std::string folder = "out/experiment";  ///< plots, pictures, recordings, scenes
-  std::string json;                       ///< results; empty: in the folder only
+  std::string json;                       ///< file of the results; empty: in the folder only
   int jittered = 72;                      ///< grasping: jittered trials
   std::uint64_t seed = 1;                 ///< grasping: seed of the jitter
-  std::string only;  ///< grasping, complexity: runs trials or kinds whose name contains this
-  std::uint64_t ticks = 100000;  ///< timing, and of engines with the cylinder gripped
+  std::string only;  ///< grasping, complexity: runs only trials or kinds whose name contains this
+  std::uint64_t ticks = 100000;  ///< timing, engines: ticks with the cylinder gripped
   std::string scene;             ///< timing: replaces the bar; its first body is gripped
   bool simulated_clock = false;  ///< timing: run as fast as possible
   double hold_s = 2.0;           ///< engines: duration of holding and of resting
@@ -51,8 +51,8 @@ struct CocktailOptions {
   std::uint64_t first_seed = 1;
   int level = 0;                                           ///< 0: all
   int processes = 0;                                       ///< 0: one per core
-  std::vector<std::pair<std::string, double>> parameters;  ///< live ones, by name
-  std::string json;                                        ///< empty: none
+  std::vector<std::pair<std::string, double>> parameters;  ///< live parameters by name
+  std::string json;                                        ///< JSON file; empty: none
 };
 
 struct ExerciseOptions {
@@ -79,14 +79,14 @@ int cocktailCommand(const CocktailOptions& options);
 /// Reproduces the paper's Fig. 7.
 int exerciseCommand(const ExerciseOptions& options);
 
-/// Measures what a person feels of every liquid. Returns the exit code.
+/// Measures the felt impedance of every liquid. Returns the exit code.
 int liquidsCommand(const LiquidsOptions& options);
 
-/// Adds `wholehand experiment` with all of them. @pre options outlive the parsing
+/// Adds `wholehand experiment` with all experiments. @pre options outlive the parsing
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
                     int& code);
 
-/// Files of a cocktail bar run; unnamed ones are the shipped ones.
+/// Files of a cocktail bar run; shipped files replace the empty ones.
 [[nodiscard]] Expected<ModelFiles> barModelFiles(const BarFiles& files);
 
 }  // namespace wholehand

@@ -5,7 +5,7 @@
 #include "experiments/grasp_trial.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
+#include "rig/run/run.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kSlipAsked_m = 1e-4;
-constexpr double kLeastSlip_mm = 1e-4, kMostSlip_mm = 100.0;  // of the chart
+constexpr double kLeastSlip_mm = 1e-4, kMostSlip_mm = 100.0;  // range of the chart
 
 nlohmann::ordered_json trialJson(const GraspResult& r) {
   return {{"shape", r.trial.shape},
@@ -106,7 +106,7 @@ std::vector<GraspTrial> onlyThose(const std::vector<GraspTrial>& trials, const s
   return chosen;
 }
 
-// The requested number of jittered trials, repeating the chosen ones in the order of the tuned
+// The requested number of jittered trials. Chosen trials are repeated in the order of the tuned
 // trials.
 std::vector<GraspTrial> chosenJitter(const ExperimentOptions& options) {
   const int rounds = options.only.empty() ? 1 : static_cast<int>(tunedTrials().size());
@@ -141,7 +141,8 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       return sweep;
     }
     sweep.results.push_back(*result);
-    if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // names repeat
+    if (!keep_recordings)
+      std::printf("%3zu ", sweep.results.size());  // numbers, because names repeat
     printTrial(*result);
   }
   return sweep;
@@ -150,16 +151,17 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
 }  // namespace
 
 int graspingCommand(const ExperimentOptions& options) {
-  const InterruptScope interrupts;  // also between trials
+  const InterruptScope interrupts;  // Ctrl-C also works between trials
   const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
   if (trials.empty()) return refuse({unknownTrial(options.only)});
   const auto files = prepareResults(options.folder, options.json, "grasping");
   if (!files) return refuse(files.errors());
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
   printTrialHeader();
+  // Tuned trials, then trials with jitter.
   const Sweep tuned = runAll(trials, options, true);
   if (!tuned.errors.empty()) return refuse(tuned.errors);
-  if (tuned.interrupted) return sayInterrupted();
+  if (tuned.interrupted) return printInterrupted();
   if (options.jittered > 0) {
     std::printf("\n%d trial%s with jittered positions and commands, seed %llu\n    ",
                 options.jittered, plural(options.jittered),
@@ -168,12 +170,13 @@ int graspingCommand(const ExperimentOptions& options) {
   }
   const Sweep jittered = runAll(chosenJitter(options), options, false);
   if (!jittered.errors.empty()) return refuse(jittered.errors);
-  if (jittered.interrupted) return sayInterrupted();
+  if (jittered.interrupted) return printInterrupted();
 
   nlohmann::ordered_json json;
   json["engine"] = options.engine;
   json["trials"] = nlohmann::ordered_json::array();
   for (const GraspResult& r : tuned.results) json["trials"].push_back(trialJson(r));
+  // Statistics of the jittered trials.
   int dropped = 0, slipped = 0;
   double noise = 0.0;
   nlohmann::ordered_json each = nlohmann::ordered_json::array();

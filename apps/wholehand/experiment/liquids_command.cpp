@@ -20,14 +20,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Liquids = std::vector<LiquidFelt>;
 
-/// A liquid beside the thinner one before it.
+/// A liquid compared with the next thinner one.
 struct Step {
-  double ratio = 0.0, impedance_change = 0.0, told_apart = 0.0;
+  double ratio = 0.0, impedance_change = 0.0, distinguished = 0.0;
 };
 Step stepOf(const LiquidFelt& thinner, const LiquidFelt& thicker) {
   const double ratio = std::min(thicker.felt_n_s_m[0] / thinner.felt_n_s_m[0],
                                 thicker.felt_n_s_m[1] / thinner.felt_n_s_m[1]);
-  return {ratio, impedanceChange(thinner, thicker), toldApart(ratio)};
+  return {ratio, impedanceChange(thinner, thicker), distinguishedShare(ratio)};
 }
 
 Json resultsJson(const Liquids& liquids) {
@@ -43,7 +43,7 @@ Json resultsJson(const Liquids& liquids) {
       const Step step = stepOf(liquids[i - 1], l);
       one["ratio"] = step.ratio;
       one["impedance_change"] = step.impedance_change;
-      one["told_apart"] = step.told_apart;
+      one["told_apart"] = step.distinguished;
     }
     out.push_back(std::move(one));
   }
@@ -60,7 +60,7 @@ void print(const Liquids& liquids) {
     if (i > 0) {
       const Step step = stepOf(liquids[i - 1], l);
       std::printf(" %9.2f %12.2f %10.0f %%", step.ratio, step.impedance_change,
-                  100.0 * step.told_apart);
+                  100.0 * step.distinguished);
     }
     std::printf("\n");
   }

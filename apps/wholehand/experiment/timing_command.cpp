@@ -19,7 +19,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kNoTick = 0.8;  // a logarithmic axis has no zero
+constexpr double kNoTick = 0.8;  // drawn for 0, which a logarithmic axis does not have
 
 ChartMark percentileMark(const char* name, double time_ns) {
   const std::string us = fmt::format("{:.0f}", time_ns / 1e3);
@@ -128,7 +128,7 @@ void print(const TimingResult& r) {
 
 ModelFiles filesFor(const ExperimentOptions& options) {
   ModelFiles files = shippedModels();
-  files.scene = options.scene;  // an exercise names its own scene
+  files.scene = options.scene;  // replaces the scene that the exercise names
   if (options.scene.empty()) files.exercise = exerciseFile("cocktail-bar");
   return files;
 }

@@ -44,7 +44,7 @@ std::string whatDiffers(const Resimulation& r) {
                      *r.different_tick, visible);
 }
 
-// What a line of replay does not show.
+// Datasets that the lines of replay do not show.
 const LeftOut kLeftOutOfLines = {
     {"digest",
      "intention",
@@ -75,7 +75,8 @@ const LeftOut kLeftOutOfLines = {
      "exercise_values"},
     {"capsule", "link", "body", "point_m", "normal", "force_n", "torque_nm", "distance_m"}};
 
-int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const std::string& path) {
+int printResult(const Expected<Resimulation>& result, const RecordingMeta& meta,
+                const std::string& path) {
   if (!result) return refuse(result.errors());
   const Resimulation& r = result.value();
   if (!r.same()) {
@@ -138,10 +139,10 @@ int play(const ViewedRecording& viewed, const std::string& path, double speed) {
     if (std::fflush(stdout) != 0) break;  // the reader of the output is gone
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
   }
-  return tellNotShown(notShown(viewed, unread, path));
+  return printNotShown(notShown(viewed, unread, path));
 }
 
-// E.g. "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
+// Text of a cause: "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
 std::string causeOf(const BlackBoxCause& cause, const RecordingMeta& meta) {
   std::string text;
   if (cause.signal != 0) {
@@ -167,7 +168,7 @@ void introduce(const BlackBoxReader& box) {
               box.inputsWhole() ? "all of them" : "and none after: it cannot be run again");
 }
 
-// Writes the last seconds of a black box as a recording.
+// Writes the last seconds in a black box file as a recording.
 int extract(RecordingReader& box, const ReplayOptions& options) {
   auto writer = RecordingWriter::create(options.extract, box.meta());
   if (!writer) return refuse(writer.errors());
@@ -187,7 +188,7 @@ int extract(RecordingReader& box, const ReplayOptions& options) {
   return kExitDone;
 }
 
-// Makes a recording by the inputs that a power cut has left of it.
+// Makes a recording from the inputs that remain after a power cut.
 int recordInputsAgain(const ReplayOptions& options) {
   auto journal = InputJournalReader::open(options.recording);
   if (!journal) return refuse(journal.errors());
@@ -196,7 +197,7 @@ int recordInputsAgain(const ReplayOptions& options) {
                              "make the recording of them: wholehand replay " + options.recording +
                                  " --extract again.h5")});
   }
-  // The new recording keeps inputs of its own, which would take the place of these.
+  // The new recording writes its own inputs, which must not overwrite these.
   std::error_code none;
   const std::string own = InputJournal::pathOf(options.extract);
   if (std::filesystem::equivalent(own, options.recording, none)) {
@@ -223,7 +224,7 @@ int replayBox(const ReplayOptions& options) {
   if (!box) return refuse(box.errors());
   if (!options.extract.empty()) return extract(**box, options);
   if (options.resimulate) {
-    return tell(resimulate(**box, options.recording), (*box)->meta(), options.recording);
+    return printResult(resimulate(**box, options.recording), (*box)->meta(), options.recording);
   }
   introduce(**box);
   ViewedRecording viewed;
@@ -244,8 +245,8 @@ int replayCommand(const ReplayOptions& options) {
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
   if (InputJournalReader::isJournal(options.recording)) return recordInputsAgain(options);
   if (!options.resimulate && options.extract.empty()) {
-    // Whole, so that damage anywhere is reported; where a dataset is missing, without what no line
-    // shows.
+    // Reads all datasets, so that damage anywhere is reported. If a dataset is missing, reads only
+    // those that the lines show.
     auto viewed = viewRecording(options.recording);
     if (!viewed) viewed = viewRecording(options.recording, kLeftOutOfLines);
     if (!viewed) return refuse(viewed.errors());
@@ -259,10 +260,10 @@ int replayCommand(const ReplayOptions& options) {
                             "read it with any program for HDF5 (docs/recording.md)")});
   }
   whole.reader = std::move(*recording);
-  const int reported =
-      tell(resimulate(*whole.reader, options.recording), whole.reader->meta(), options.recording);
-  if (reported == kExitBadInput) return reported;  // the reason is printed
-  return std::max(reported, tellNotShown(notShown(whole, {}, options.recording)));
+  const int reported = printResult(resimulate(*whole.reader, options.recording),
+                                   whole.reader->meta(), options.recording);
+  if (reported == kExitBadInput) return reported;  // the reason has been printed
+  return std::max(reported, printNotShown(notShown(whole, {}, options.recording)));
 }
 
 }  // namespace wholehand

@@ -23,10 +23,10 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-/// Backend of a server without a loop: shows recordings, refuses every order.
+/// Backend of a server without a loop. It shows recordings and refuses every order.
 class ReplayBackend final : public ServerBackend {
  public:
-  /// @param paths of the recordings; the second of two equal file names is listed as "2-<name>"
+  /// @param paths recordings; the second of two equal file names is listed as "2-<name>"
   explicit ReplayBackend(const std::vector<std::string>& paths);
 
   /// Name of a recording in /api/recordings.
@@ -82,7 +82,7 @@ std::string ReplayBackend::reportFolder(const std::string& name, std::string& wh
 
 constexpr auto kLook = std::chrono::milliseconds(50);
 
-// Checks the paths only; the page reports faults inside a file.
+// Checks only the paths; the page reports faults inside a file.
 Diagnostics faultsOf(const std::vector<std::string>& paths) {
   Diagnostics faults;
   for (const std::string& path : paths) {
@@ -118,7 +118,7 @@ int replayWebCommand(const ReplayOptions& options) {
   server_options.replay = [&children](const std::string& path, const std::string& question) {
     return children.answer(path, question);
   };
-  ControlsArbiter controls;
+  ControlHolder controls;
   auto server = Server::open(backend, std::move(server_options), controls);
   if (!server) return refuse(server.errors());
   std::string url = (*server)->url() + "replay?recording=" + percentEncoded(backend.nameOf(0));

@@ -15,7 +15,7 @@
 namespace wholehand {
 namespace {
 
-/// "Reading the recording: 42 %" on a terminal, rewritten in place; elsewhere nothing.
+/// Progress "Reading the recording: 42 %", rewritten in place on a terminal; silent elsewhere.
 class ReadingLine {
  public:
   ReadingLine() : terminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -54,7 +54,7 @@ Expected<Done> checkReportTemplate() {
 }
 
 Expected<Done> makeReport(const ReportOptions& options, Diagnostics* not_shown) {
-  // Checks the template first, so that an hour's recording is not read in vain.
+  // The template is checked first, so that a recording of an hour is not read in vain.
   const auto page_template = reportTemplate();
   if (!page_template) return page_template.errors();
   ReadingLine line;
@@ -69,7 +69,7 @@ int reportCommand(const ReportOptions& options) {
   Diagnostics not_shown;
   if (auto done = makeReport(options, &not_shown); !done) return refuse(done.errors());
   std::printf("%s\n", printable(options.page).c_str());
-  return tellNotShown(not_shown);
+  return printNotShown(not_shown);
 }
 
 }  // namespace wholehand

@@ -15,11 +15,11 @@ struct ReportOptions {
 /// Path of the report page in a folder.
 [[nodiscard]] std::string pageIn(const std::string& folder);
 
-/// Fails, with the way to build it, when the report's template is missing. Call before a run.
+/// Fails, with building instructions, when the report's template is missing. Call before a run.
 [[nodiscard]] Expected<Done> checkReportTemplate();
 
 /// Makes the report of a recording: one HTML file. Shows its progress on a terminal.
-/// @param not_shown set to what of the recording is not in it; null: unasked
+/// @param not_shown receives the parts of the recording that are not in the report; may be null
 [[nodiscard]] Expected<Done> makeReport(const ReportOptions& options,
                                         Diagnostics* not_shown = nullptr);
 

@@ -20,7 +20,7 @@ constexpr std::string_view kFirstLine = "listening on http://127.0.0.1:";
 constexpr std::size_t kLongestLine = 4096;
 constexpr std::chrono::seconds kBegins{20}, kBetweenStarts{1}, kForEver{3600};
 
-/// The next line; empty: the child ended, was late, or `stop` returned true.
+/// The next line of the child; empty: the child ended, was late, or `stop` returned true.
 std::string receiveLine(TalkingChild& child, std::chrono::seconds within,
                         const std::function<bool()>& stop) {
   const auto until = std::chrono::steady_clock::now() + within;
@@ -103,7 +103,7 @@ void ClinicProcess::keepRunning(std::uint16_t station_port) {
   }
 }
 
-// Until it ends. What else it prints is for the terminal.
+// Starts the process and waits until it ends. Its other output goes to the terminal.
 void ClinicProcess::serveOnce(std::uint16_t station_port) {
   auto child = TalkingChild::start(program_, arguments(station_port), {});
   if (!child) return options_.log("the clinic's records do not start: " + program_);

@@ -13,19 +13,19 @@
 
 namespace wholehand {
 
-/// Keeps `wholehand-clinic serve` running beside the loop, and starts it again when it ends: the
-/// loop and its stops do not depend on it (docs/adr/0076-a-clinics-process.md). The child ends with
+/// Keeps `wholehand-clinic serve` running as a separate process, and restarts it when it ends. The
+/// loop and its stops do not depend on it (docs/adr/0076-clinic-process.md). The child ends with
 /// this process. Its port stays the same.
 class ClinicProcess {
  public:
   struct Options {
-    std::string folder;                           ///< of the records
-    std::string recordings_folder;                ///< whose sessions it measures
-    std::vector<std::string> origins;             ///< of pages that may ask it
-    std::function<void(const std::string&)> log;  ///< a line for the person at the terminal
+    std::string folder;                           ///< folder of the records
+    std::string recordings_folder;                ///< recordings that it measures
+    std::vector<std::string> origins;             ///< origins of pages that may send requests
+    std::function<void(const std::string&)> log;  ///< prints a line for the person at the terminal
   };
 
-  /// Path of wholehand-clinic beside this program, or why there is none.
+  /// Path of wholehand-clinic in this program's folder, or why there is none.
   [[nodiscard]] static Expected<std::string> findProgram();
 
   ClinicProcess(std::string program, Options options);
@@ -33,7 +33,8 @@ class ClinicProcess {
   ClinicProcess(const ClinicProcess&) = delete;
   ClinicProcess& operator=(const ClinicProcess&) = delete;
 
-  /// @param station_port of this program's server. Once.
+  /// Starts the thread. Call once.
+  /// @param station_port port of this program's server
   void start(std::uint16_t station_port);
   /// Port on this machine; 0: the process does not run. Any thread.
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
@@ -47,7 +48,7 @@ class ClinicProcess {
   const std::string program_;
   const Options options_;
   std::atomic<std::uint16_t> port_{0};
-  std::uint16_t last_port_ = 0;  ///< the thread's
+  std::uint16_t last_port_ = 0;  ///< used by the thread only
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ends_ = false;

@@ -16,10 +16,10 @@
 #include "files/text/text_file.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
-#include "record/run/run.hpp"
 #include "replay/replay_children.hpp"
 #include "rig/models.hpp"
 #include "rig/program_version.hpp"
+#include "rig/run/run.hpp"
 #include "station/reports.hpp"
 #include "station/server/server.hpp"
 #include "station/server/udp_bridge.hpp"
@@ -39,7 +39,7 @@
 namespace wholehand {
 namespace {
 
-// Below 0: none yet.
+// Age of a moment [s]; negative: no such moment yet.
 double age_s(std::int64_t at_ns) {
   return at_ns == 0 ? -1.0 : static_cast<double>(monotonicNow_ns() - at_ns) * 1e-9;
 }
@@ -55,10 +55,11 @@ DeviceStatus statusOf(const ObservedDriver& driver) {
   return out;
 }
 
-// Passport entry of a recording without a passport.
+// Passport entry in the recording of a device without a passport.
 constexpr const char* kWithout = "without";
 
-// The certificate of a real device is based on its passport, which must be valid at every arming.
+// Uses the passport. The certificate of a real device is based on it, and it must be valid at every
+// arming.
 Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver,
                            StationConfig& config) {
   if (options.without_passport) {
@@ -67,10 +68,10 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   }
   const auto model = loadDeviceFile(options.files.device);
   if (!model) return model.errors();
-  const auto cleared =
-      clearToArm(driver.identity(), *model, 1.0 / config.rig.period_s, placeTimeNow());
-  if (!cleared) return cleared.errors();
-  const Passport& passport = cleared->passport;
+  const auto checked =
+      checkArmingPermit(driver.identity(), *model, 1.0 / config.rig.period_s, placeTimeNow());
+  if (!checked) return checked.errors();
+  const Passport& passport = checked->passport;
   config.rig.measured = worstCorners(*model, passport, config.rig.period_s);
   config.rig.passport = passport.sha256;
   config.real_time_required = true;
@@ -80,32 +81,32 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   return Done{};
 }
 
-Expected<Clearance> stillCleared(const DeviceDriver& driver, const DeviceModel& model,
+Expected<ArmingPermit> permitNow(const DeviceDriver& driver, const DeviceModel& model,
                                  const std::string& armed_with, double period_s) {
-  if (armed_with == kWithout) return Clearance::withoutPassport();
-  const auto cleared = clearToArm(driver.identity(), model, 1.0 / period_s, placeTimeNow());
-  if (!cleared) return cleared.errors();
-  if (cleared->clearance.passport() == armed_with) return cleared->clearance;
-  return fileFault(cleared->passport.path, "the passport was replaced while this program runs",
+  if (armed_with == kWithout) return ArmingPermit::withoutPassport();
+  const auto checked = checkArmingPermit(driver.identity(), model, 1.0 / period_s, placeTimeNow());
+  if (!checked) return checked.errors();
+  if (checked->permit.passport() == armed_with) return checked->permit;
+  return fileFault(checked->passport.path, "the passport was replaced while this program runs",
                    "start the program again");
 }
 
-// The connection to a device: its driver, and the host that holds it, if any.
-struct Plugged {
+// Connection to a device: its driver, and the host that holds it, if any.
+struct PluggedDevice {
   std::shared_ptr<DeviceDriver> driver;
   std::shared_ptr<HostedDriver> host;  ///< null: the loop calls the driver itself
 };
 
-Expected<Plugged> plugIn(const RunOptions& options, Terminal& terminal) {
+Expected<PluggedDevice> plugIn(const RunOptions& options, Terminal& terminal) {
   if (!options.host.empty()) {
     auto hosted = HostedDriver::connect(options.host);
     if (!hosted) return hosted.errors();
-    return Plugged{*hosted, *hosted};
+    return PluggedDevice{*hosted, *hosted};
   }
   auto loaded = PluginDriver::load(options.driver,
-                                   [&terminal](const std::string& line) { terminal.say(line); });
+                                   [&terminal](const std::string& line) { terminal.print(line); });
   if (!loaded) return loaded.errors();
-  return Plugged{*loaded, nullptr};
+  return PluggedDevice{*loaded, nullptr};
 }
 
 DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
@@ -118,8 +119,8 @@ DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
 }
 
 /// Loads the driver or host that the options name, reads its passport, and makes the station open
-/// its device at every arming. Since a person holds the device, a person must ask for the first
-/// force: options.wait becomes true. Null when the options name none.
+/// its device at every arming. Because a person holds the device, the first force needs a person's
+/// request: options.wait becomes true. Null when the options name no driver or host.
 Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationConfig& config,
                                                   Terminal& terminal) {
   if (!isRealDevice(options)) return std::shared_ptr<DeviceDriver>();
@@ -135,24 +136,24 @@ Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationCo
   config.make_device = [observed, plugged = *plugged, passport = config.rig.passport,
                         period_s = config.rig.period_s](
                            const DeviceModel& model) -> Expected<std::unique_ptr<HapticDevice>> {
-    // Checked on the connection that arms: a host may have been started again with another device.
+    // Checked at every arming: a host may have been restarted with another device.
     if (auto found = observed->reconnect(); !found) return found.errors();
     if (plugged.host) {
       if (Diagnostics other = plugged.host->differences(model); !other.empty()) return other;
     }
-    auto clearance = stillCleared(*plugged.driver, model, passport, period_s);
-    if (!clearance) return clearance.errors();
-    return PluginDevice::make(observed, model, period_s, std::move(*clearance));
+    auto permit = permitNow(*plugged.driver, model, passport, period_s);
+    if (!permit) return permit.errors();
+    return PluginDevice::make(observed, model, period_s, std::move(*permit));
   };
   return plugged->driver;
 }
 
-/// Prints a prominent warning: the device was not measured.
+/// Prints a prominent warning that the device was not measured.
 void warnOfNoPassport(Terminal& terminal) {
-  terminal.say("************************************************************");
-  terminal.say("WITHOUT PASSPORT: nothing of this device was measured.");
-  terminal.say("NOBODY MAY BE ATTACHED TO IT. The recording says so.");
-  terminal.say("************************************************************");
+  terminal.print("************************************************************");
+  terminal.print("WITHOUT PASSPORT: nothing of this device was measured.");
+  terminal.print("NOBODY MAY BE ATTACHED TO IT. The recording says so.");
+  terminal.print("************************************************************");
 }
 
 constexpr const char* kRecordings = "out/recordings";
@@ -170,7 +171,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.recordings_folder = kRecordings;
   if (options.clinic.empty()) {
     config.profiles_folder = kProfiles;
-  } else {  // whose settings hold is the records' to say
+  } else {  // the clinic's records decide about the settings
     config.visit_hands_folder = options.clinic + "/hands";
   }
   config.record = options.record;
@@ -179,7 +180,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.make_report = [&reports](const std::string& recording, const std::string& folder) {
     return reports.make(recording, folder);
   };
-  config.log = [&terminal](const std::string& text) { terminal.say(text); };
+  config.log = [&terminal](const std::string& text) { terminal.print(text); };
   config.status = [&terminal](RunState state, const TickSummary& now) {
     const bool runs = state == RunState::kRendering || state == RunState::kStopping;
     if (!runs || now.time_s <= 0.0) return;
@@ -198,7 +199,8 @@ Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& mod
   return Done{};
 }
 
-/// The process of the clinic's records; null: none is asked for. Its token is in no process list.
+/// Process of the clinic's records; null: not requested. Its token is passed by the environment,
+/// not in the list of processes.
 Expected<std::unique_ptr<ClinicProcess>> clinicOf(RunOptions& options, Terminal& terminal) {
   if (options.clinic.empty()) return std::unique_ptr<ClinicProcess>();
   auto program = ClinicProcess::findProgram();
@@ -209,7 +211,7 @@ Expected<std::unique_ptr<ClinicProcess>> clinicOf(RunOptions& options, Terminal&
   return std::make_unique<ClinicProcess>(
       *program,
       ClinicProcess::Options{options.clinic, kRecordings, options.origins,
-                             [&terminal](const std::string& line) { terminal.say(line); }});
+                             [&terminal](const std::string& line) { terminal.print(line); }});
 }
 
 ServerOptions serverOptions(const RunOptions& options,
@@ -220,7 +222,7 @@ ServerOptions serverOptions(const RunOptions& options,
   return server;
 }
 
-// Adds the option's name to a fault of the bridge.
+// Sets the option's name in errors of the bridge.
 Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& value) {
   for (Diagnostic& error : errors) {
     error.key = option;
@@ -229,7 +231,7 @@ Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& 
   return errors;
 }
 
-// "8091" is a port for this machine only; "10.0.0.2:8091" is reachable by others.
+// Parses --udp: "8091" is a port for this machine only; "10.0.0.2:8091" is reachable by others.
 Expected<UdpOptions> udpOptions(const RunOptions& options) {
   UdpOptions udp;
   const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
@@ -250,7 +252,8 @@ bool isAddress(const std::string& text) {
          inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
 }
 
-// True for "http://localhost:5173" and the like: pages that this machine serves, as in development.
+// True for origins such as "http://localhost:5173", pages that this machine serves, as in
+// development.
 bool isOfThisMachine(const std::string& origin) {
   std::string host = origin.substr(std::min(origin.size(), origin.find("://") + 3));
   host =
@@ -258,7 +261,7 @@ bool isOfThisMachine(const std::string& origin) {
   return host == "localhost" || host == "[::1]" || (host.starts_with("127.") && isAddress(host));
 }
 
-// Checks before anything is opened or created.
+// Checks the options before anything is opened or created.
 Diagnostics faultsOf(const RunOptions& options) {
   Diagnostics faults;
   if (!isAddress(options.address)) {
@@ -314,33 +317,34 @@ void printInvitation(const RunOptions& options, const Models& models) {
   }
 }
 
-// The files of each session, under one number: recording, summary and report.
+// Files of each session, under its number: recording, summary and report.
 class SessionResults {
  public:
   SessionResults(const RunOptions& options, Terminal& terminal)
       : options_(options), terminal_(terminal) {}
 
-  // Runs while the next session may begin.
+  // Adds a session. Runs while the next session may begin.
   void add(const EndedSession& session, const DeviceModel& device) {
     const std::string json = pathOfSession(options_.json, session.number);
     if (!json.empty()) {
       const RunSafety safety{session.transitions, session.rehearsal};
       const auto summary = summaryJson(device, session.outcome, safety);
       if (auto done = writeText(json, jsonText(summary)); !done) {
-        terminal_.say(format(done.errors()));
+        terminal_.print(format(done.errors()));
         failed_ = true;
       }
     }
     if (!options_.report.empty() && session.outcome.written > 0) {
       reports_.push_back({session.record, pathOfSession(options_.report, session.number)});
     }
-    terminal_.say(fmt::format("session {}: {:.2f} s{}{}", session.number,
-                              session.outcome.summary.time_s,
-                              session.outcome.faulted ? ", stopped by a fault" : "",
-                              session.outcome.written > 0 ? ", recorded " + session.record : ""));
+    terminal_.print(fmt::format("session {}: {:.2f} s{}{}", session.number,
+                                session.outcome.summary.time_s,
+                                session.outcome.faulted ? ", stopped by a fault" : "",
+                                session.outcome.written > 0 ? ", recorded " + session.record : ""));
   }
 
-  // Writes the summary of the last session and the reports of all. @return the program's exit code
+  // Writes the summary of the last session and the reports of all sessions. @return the program's
+  // exit code
   int conclude(const Models& models, const StationOutcome& outcome) {
     if (!outcome.last) return exitCodeOf(false, outcome.interrupted);
     const WaitingFor report("the report");
@@ -382,10 +386,12 @@ int playCommand(RunOptions options) {
   }
   auto certificate = certificateOf(options);
   if (!certificate) return refuse(certificate.errors());
-  const InterruptScope interrupts;  // once the address is printed, Ctrl-C ends gently
+  const InterruptScope interrupts;  // from the printing of the address on, Ctrl-C ends the program
+                                    // gently
   Terminal terminal;
   ReportChild reports;
   ReplayChildren replays(ReplayChildren::Options{});
+  // The station with its clinic and its device.
   StationConfig config = stationConfig(options, terminal, reports);
   config.rig.certificate = *certificate;
   auto clinic = clinicOf(options, terminal);
@@ -393,7 +399,7 @@ int playCommand(RunOptions options) {
   if (*clinic) {
     auto presets = clinic::loadPresets(shippedFile("config/clinic/presets.toml"));
     if (!presets) return refuse(presets.errors());
-    config.first_parameters = presets->force.front().parameters;  // while no visit is open
+    config.first_parameters = presets->force.front().parameters;  // used while no visit is open
   }
   auto driver = useDriver(options, config, terminal);
   if (!driver) return refuse(driver.errors());
@@ -408,10 +414,11 @@ int playCommand(RunOptions options) {
     return refuse(fits.errors());
   }
 
-  ControlsArbiter controls;
+  // The server and the bridge for datagrams.
+  ControlHolder controls;
   UdpBridge udp(station, controls);
   ServerOptions server_options =
-      serverOptions(options, [&terminal](const std::string& text) { terminal.say(text); });
+      serverOptions(options, [&terminal](const std::string& text) { terminal.print(text); });
   server_options.replay = [&replays](const std::string& path, const std::string& question) {
     return replays.answer(path, question);
   };
@@ -432,6 +439,7 @@ int playCommand(RunOptions options) {
     return refuse(ready.errors());
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
+  // Prints how to reach the program, then runs it.
   printAddresses(options, **server, udp);
   if (*clinic) (*clinic)->start((*server)->port());
   if (*driver) {
@@ -444,6 +452,7 @@ int playCommand(RunOptions options) {
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);
   terminal.end();
   {
+    // Ends in this order: the clinic, the child processes, the network.
     const WaitingFor disk("the disk: files that pages have asked for");
     clinic->reset();
     reports.end();

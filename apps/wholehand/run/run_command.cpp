@@ -15,9 +15,9 @@
 #include "loop/runtime/interrupt_scope.hpp"
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
-#include "record/run/run.hpp"
 #include "rig/models.hpp"
 #include "rig/rig.hpp"
+#include "rig/run/run.hpp"
 #include "station/server/logs.hpp"
 
 #include <CLI/CLI.hpp>
@@ -36,7 +36,7 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// Chooses the bar if no exercise is named.
+// Chooses the cocktail bar if no exercise is named.
 void chooseExercise(RunOptions& o) {
   o.files.motion.clear();
   o.files.exercise = exerciseFile(o.files.exercise.empty() ? "cocktail-bar" : o.files.exercise);
@@ -46,7 +46,7 @@ const char* deviceOption(const RunOptions& o) {
   return o.host.empty() ? "--driver" : "--host";
 }
 
-// Options that would have no effect.
+// Faults for options that would have no effect.
 Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
   Diagnostics faults;
   if (scene && run.count("--exercise") > 0) {
@@ -122,7 +122,7 @@ constexpr double kRestWithoutMotion_s = 10.0;
 constexpr double kExercise_s = 60.0;
 constexpr std::chrono::seconds kLogWithin{1};
 
-// Creates the folder at once, so that two runs within one second get separate ones.
+// Creates the run's own folder at once, so that two runs within one second get separate ones.
 std::string folderOfItsOwn() {
   const std::string stem =
       fmt::format("out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
@@ -142,7 +142,7 @@ class Outputs {
   explicit Outputs(RunOptions& options)
       : options_(options),
         own_folder_(options.record.empty() && options.report.empty() && options.json.empty()) {
-    if (own_folder_) keepAllIn("out/run");  // the name is final once the folder is created
+    if (own_folder_) keepAllIn("out/run");  // preliminary name; the folder is created later
     if (!options.report.empty() && options.record.empty()) {
       options.record = options.report + "/recording.h5";
     }
@@ -151,7 +151,7 @@ class Outputs {
   [[nodiscard]] Expected<Done> check() {
     if (auto pages = checkReportTemplate(); !pages && !options_.report.empty()) {
       if (!own_folder_) return pages;
-      wants_report_ = false;  // not explicitly requested
+      wants_report_ = false;  // it was not explicitly requested
       options_.report.clear();
       std::fprintf(stderr, "No report: %s\n", format(pages.errors()).c_str());
     }
@@ -183,12 +183,12 @@ class Outputs {
   }
 
   RunOptions& options_;
-  bool own_folder_;  ///< no output was requested: everything goes into the run's own folder
+  bool own_folder_;  ///< no output file was requested, so all go into the run's own folder
   bool wants_report_ = true;
   std::string folder_;
 };
 
-// Who moves the hand: the exercise's virtual patient, or the motion; with a description.
+// The player that moves the hand: the exercise's virtual patient or the motion, with a description.
 struct ChosenPlayer {
   std::unique_ptr<Player> player;
   double length_s = 0.0;  // default duration of the run
@@ -217,7 +217,7 @@ void printSetup(const SetupReport& setup) {
   }
 }
 
-void sayRoom(const std::string& recording, double period_s, double length_s) {
+void printDiskRoom(const std::string& recording, double period_s, double length_s) {
   if (recording.empty()) return;
   const std::string room = roomNotice(recording, period_s, length_s);
   if (!room.empty()) std::printf("  disk     %s\n", printable(room, 1000).c_str());
@@ -329,6 +329,7 @@ int runCommand(RunOptions options) {
   ChosenPlayer chosen = chosenPlayer(*models, options.seed);
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : chosen.length_s;
 
+  // Checks the output files and rehearses the rig.
   RigOptions rig_options;
   rig_options.period_s = 1.0 / options.rate_hz;
   rig_options.engine = options.engine;
@@ -336,11 +337,11 @@ int runCommand(RunOptions options) {
   rig_options.certificate = *certificate;
   Outputs outputs(options);
   if (auto writable = outputs.check(); !writable) return refuse(writable.errors());
-  sayRoom(options.record, rig_options.period_s, duration_s);
+  printDiskRoom(options.record, rig_options.period_s, duration_s);
   RunSafety safety;
   if (!options.simulated_clock && !options.no_rehearsal) {
     RehearsalOptions informs;
-    informs.fill_pool = false;  // nobody is moved, and no game is connected
+    informs.fill_pool = false;  // no person is moved, and no game is connected
     auto rehearsal = rehearse(*models, chosen.player->start(), rig_options, informs);
     if (!rehearsal) return refuse(rehearsal.errors());
     std::printf("  rehearsed %s\n", describe(*rehearsal).c_str());
@@ -348,17 +349,18 @@ int runCommand(RunOptions options) {
   }
   auto rig = buildRig(*models, std::move(chosen.player), rig_options);
   if (!rig) return refuse(rig.errors());
-  // What cannot be armed leaves no files.
+  // A rig that cannot be armed leaves no files.
   if (auto ready = (*rig)->renderer->prepare(); !ready) return refuse(ready.errors());
   if (auto made = outputs.make(); !made) return refuse(made.errors());
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());
   }
 
+  // Plans the run, its messages and its recording.
   RunPlan plan;
   plan.title = titleOf(*models);
   const long long ticks = std::llround(duration_s * options.rate_hz);
-  plan.duration_ticks = static_cast<std::uint64_t>(std::max(1LL, ticks));  // 0 would be endless
+  plan.duration_ticks = static_cast<std::uint64_t>(std::max(1LL, ticks));  // 0 would mean endless
   plan.record = options.record;
   plan.black_box = blackBoxPath(options.record);
   plan.simulated_clock = options.simulated_clock;
@@ -368,7 +370,7 @@ int runCommand(RunOptions options) {
   Terminal terminal;
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
-  AsyncLog async_log([&terminal](const std::string& line) { terminal.say(line); });
+  AsyncLog async_log([&terminal](const std::string& line) { terminal.print(line); });
   plan.notice = [&async_log](const std::string& sentence) { async_log.write(sentence); };
   DeviceModel watched = models->device;
   watched.watch = watchLimits(watched, true);
@@ -385,6 +387,7 @@ int runCommand(RunOptions options) {
   }
   printSetup(outcome->setup);
 
+  // Writes the results.
   if (!options.json.empty()) {
     const auto json = summaryJson(models->device, *outcome, safety);
     if (auto done = writeText(options.json, jsonText(json)); !done) return refuse(done.errors());

@@ -23,25 +23,27 @@ struct RunOptions {
   std::string record;             ///< HDF5 file; empty: none
   std::string report;             ///< folder; empty: none
   std::string json;               ///< file; empty: none
-  DriverLocation driver;          ///< of a real device; empty path: a simulated device, or a host's
+  DriverLocation driver;          ///< driver of a real device; empty path: a simulated device, or a
+                                  ///< host's
   std::string host;               ///< name of the host of a real device; empty: none
-  bool without_passport = false;  ///< run a real device without a passport: nobody may be attached
+  bool without_passport = false;  ///< use a real device without a passport: nobody may be attached
   bool simulated_clock = false;
   bool uncertified = false;
   bool no_rehearsal = false;
-  std::string certificate;  ///< certificate file to run with; empty: the program certifies the rig
+  std::string certificate;  ///< certificate file to use; empty: the program certifies the rig
                             ///< itself
-  std::uint64_t seed = 1;   ///< of the virtual patient who plays an exercise
+  std::uint64_t seed = 1;   ///< seed of the virtual patient who plays an exercise
 
   bool no_web = false;                ///< open no port
-  std::string address = "127.0.0.1";  ///< of the server
+  std::string address = "127.0.0.1";  ///< address of the server
   int port = 8080;                    ///< 0: any free port
-  /// Tokens for clients on other machines: the therapist's, or "player=..." and the like.
+  /// Tokens for clients on other machines: "..." for the therapist, or "player=..." and
+  /// "watcher=...".
   std::vector<std::string> tokens;
-  std::string token_file;            ///< of further tokens; empty: none
-  std::vector<std::string> origins;  ///< allowed in addition to our own pages
+  std::string token_file;            ///< file of further tokens; empty: none
+  std::vector<std::string> origins;  ///< allowed in addition to this program's pages
   std::string udp;                   ///< "port" or "address:port" for game engines; empty: closed
-  std::string udp_key;               ///< of a game without a WebSocket; empty: none
+  std::string udp_key;               ///< key of a game without a WebSocket; empty: none
   bool wait = false;                 ///< arm only on a client's order
   std::string clinic;                ///< folder of the clinic's records; empty: none
 };
@@ -51,7 +53,7 @@ struct RunOptions {
   return !options.driver.path.empty() || !options.host.empty();
 }
 
-/// Every file that such a run reads, except empty paths.
+/// Paths of every file that the run reads, without empty ones.
 [[nodiscard]] std::vector<std::string> inputsOf(const RunOptions& options);
 
 /// Reads the certificate that the options name, if any.
@@ -65,7 +67,7 @@ int runCommand(RunOptions options);
 [[nodiscard]] RunOptions shippedRun();
 
 /// Adds `wholehand run` with all its options.
-/// @param options initialised by shippedRun(); outlives the parsing, like `code`
+/// @param options initialised by shippedRun(); outlives the parsing, as does `code`
 /// @param code exit code of the run
 void addRun(CLI::App& app, RunOptions& options, int& code);
 

@@ -14,7 +14,8 @@
 namespace wholehand {
 namespace {
 
-// "armed at 0.000 s, rendering at 0.500 s, disarmed at 9.780 s (stop requested)"
+// Text of the transitions: "armed at 0.000 s, rendering at 0.500 s, disarmed at 9.780 s (stop
+// requested)".
 std::string pathOf(const std::vector<SafetyTransition>& transitions) {
   std::string text;
   for (const SafetyTransition& t : transitions) {
@@ -78,7 +79,7 @@ void printOpening(const Models& models, bool real_device) {
               models.scene.name.c_str(), models.scene.bodies.size(),
               models.scene.bodies.size() == 1 ? "body" : "bodies");
   constexpr int kBelowTheScene = 11;
-  tellNotices(models.scene.notices, kBelowTheScene);
+  printNotices(models.scene.notices, kBelowTheScene);
 }
 
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,

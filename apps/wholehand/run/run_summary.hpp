@@ -2,9 +2,9 @@
 
 #include "apps/wholehand/run/run_command.hpp"
 #include "loop/model/device_model.hpp"
-#include "record/run/run.hpp"
 #include "rig/models.hpp"
 #include "rig/rehearsal.hpp"
+#include "rig/run/run.hpp"
 #include "rig/safety_log.hpp"
 
 #include <nlohmann/json.hpp>
@@ -21,17 +21,17 @@ struct RunSafety {
   std::optional<Rehearsal> rehearsal;  ///< none on the simulated clock
 };
 
-/// "cocktail-bar, level 1 of 4"; "Four shapes, reach-grasp-00"
+/// Title of a run: "cocktail-bar, level 1 of 4"; "Four shapes, reach-grasp-00".
 [[nodiscard]] std::string titleOf(const Models& models);
 
-/// Prints what is about to run: device, patient, hand, scene.
+/// Prints the models before a run: device, patient, hand, scene.
 void printOpening(const Models& models, bool real_device = false);
 
 /// Prints the results, and the files written.
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,
                   const RunSafety& safety);
 
-/// {"p50":..,"p99":..,"p999":..,"max":..} in microseconds.
+/// Percentiles as {"p50":..,"p99":..,"p999":..,"max":..} in microseconds.
 [[nodiscard]] nlohmann::ordered_json microseconds(const Percentiles& p);
 
 /// JSON of `run --json`; efforts in the axis's unit.

@@ -16,11 +16,12 @@ namespace {
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
 constexpr std::size_t kLongestMessage = 1000;
-constexpr double kFirst_s = 0.5;  // of the run; before it, rate and percentiles are meaningless
+constexpr double kFirst_s = 0.5;  // time of the run before which rate and percentiles are
+                                  // meaningless
 
-constexpr int kPatience_ms = 1000;  // for a reader that is slow
+constexpr int kPatience_ms = 1000;  // for a slow reader
 
-// False while a write would block: a stopped terminal (Ctrl-S) or a full pipe.
+// True when a write would not block. It blocks on a stopped terminal (Ctrl-S) or a full pipe.
 bool takesOutput(int wait_ms = 0) {
   pollfd out{STDOUT_FILENO, POLLOUT, 0};
   return ::poll(&out, 1, wait_ms) == 1 && (out.revents & POLLOUT) != 0;
@@ -59,7 +60,7 @@ std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
 }
 
 void StatusLine::update(const TickSummary& summary, double rate_hz) {
-  if (summary.time_s < last_run_s_) next_run_s_ = 0.0;  // a new session
+  if (summary.time_s < last_run_s_) next_run_s_ = 0.0;  // a new session began
   last_run_s_ = summary.time_s;
   if (summary.time_s < kFirst_s) return;
   const double now_s = static_cast<double>(monotonicNow_ns()) * 1e-9;
@@ -92,10 +93,10 @@ void Terminal::end() {
   line_.reset();
 }
 
-void Terminal::say(const std::string& text) {
+void Terminal::print(const std::string& text) {
   (void)takesOutput(kPatience_ms);
   const std::lock_guard lock(mutex_);
-  // A write that blocks would hold this mutex, and with it the end of every session.
+  // A blocking write would hold this mutex, and delay the end of every session.
   if (!takesOutput()) {
     ++unread_;
     return;

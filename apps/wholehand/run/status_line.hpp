@@ -17,7 +17,7 @@ class StatusLine {
 
   /// Updates the line; on a terminal at most 5 times a second, else every 5 s of a session.
   void update(const TickSummary& summary, double rate_hz);
-  /// Completes the line.
+  /// Ends the line.
   void finish();
 
  private:
@@ -30,21 +30,23 @@ class StatusLine {
   double next_run_s_ = 0.0, last_run_s_ = 0.0;
 };
 
-/// The terminal: the status line of the thread that keeps the loop, and messages of other threads
-/// in between. Any thread.
+/// The terminal: the status line from the thread that keeps the loop, and messages of other
+/// threads. Any thread.
 class Terminal {
  public:
-  /// @pre device outlives end()
+  /// Begins a status line. @pre device outlives end()
   void begin(const DeviceModel& device);
   void end();
-  /// Waits at most a second for a reader; then the line is left out, and counted before the next.
-  void say(const std::string& text);
-  /// Dropped if the terminal would block: the thread that keeps the loop never waits for it.
+  /// Prints a line. Waits at most a second for a reader; then the line is dropped, and the number
+  /// of dropped lines is printed before the next one.
+  void print(const std::string& text);
+  /// Updates the status line. Dropped if the terminal would block: the thread that keeps the loop
+  /// never waits for it.
   void update(const TickSummary& now, double rate_hz);
 
  private:
   std::mutex mutex_;
-  int unread_ = 0;  ///< lines left out since the last one
+  int unread_ = 0;  ///< lines dropped since the last printed one
   std::unique_ptr<StatusLine> line_;
 };
 

@@ -16,19 +16,19 @@ int refuse(const Diagnostics& errors) {
   return kExitBadInput;
 }
 
-int tellNotShown(const Diagnostics& not_shown) {
+int printNotShown(const Diagnostics& not_shown) {
   if (not_shown.empty()) return kExitDone;
   refuse(not_shown);
   return kExitNotWhole;
 }
 
-void tellNotices(const Diagnostics& notices, int indent) {
+void printNotices(const Diagnostics& notices, int indent) {
   for (const Diagnostic& notice : notices) {
     std::printf("%*s%s\n", indent, "", format(notice).c_str());
   }
 }
 
-int sayInterrupted() {
+int printInterrupted() {
   std::printf("\nInterrupted: no results were written\n");
   return kExitInterrupted;
 }

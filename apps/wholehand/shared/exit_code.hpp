@@ -24,14 +24,14 @@ enum ExitCode : int {
 /// Prints every error to standard error, one per line, and returns kExitBadInput.
 int refuse(const Diagnostics& errors);
 
-/// Prints what of a recording is not shown to standard error, one per line. Returns kExitDone where
-/// that is nothing, else kExitNotWhole.
-int tellNotShown(const Diagnostics& not_shown);
+/// Prints the parts of a recording that are not shown to standard error, one per line. Returns
+/// kExitNotWhole if there are any, else kExitDone.
+int printNotShown(const Diagnostics& not_shown);
 
-/// Prints what the user should know of sound files, one per line behind so many blanks.
-void tellNotices(const Diagnostics& notices, int indent);
+/// Prints notices about valid files, one per line, indented by `indent` blanks.
+void printNotices(const Diagnostics& notices, int indent);
 
-/// Says that Ctrl-C left no results, and returns kExitInterrupted.
-int sayInterrupted();
+/// Prints that Ctrl-C left no results, and returns kExitInterrupted.
+int printInterrupted();
 
 }  // namespace wholehand

@@ -13,7 +13,7 @@
 
 namespace wholehand {
 
-/// CLI11 validator that accepts only finite numbers of a range (CLI11's own accepts nan).
+/// CLI11 validator that accepts only finite numbers in a range (CLI11's own validator accepts nan).
 inline CLI::Validator finiteBetween(double low, double high, const std::string& unit) {
   const std::string range = "[" + CLI::detail::to_string(low) + ", " +
                             CLI::detail::to_string(high) + "]" + (unit.empty() ? "" : " " + unit);
@@ -50,7 +50,7 @@ inline CLI::Option* addRate(CLI::App& command, double& rate_hz) {
       ->capture_default_str();
 }
 
-/// Adds `--hand`, `--device` and `--rendering`; without the last findGains() chooses it.
+/// Adds `--hand`, `--device` and `--rendering`. Without --rendering, findGains() chooses the file.
 inline std::array<CLI::Option*, 3> addHandAndDevice(CLI::App& command, std::string& hand,
                                                     std::string& device, std::string& rendering) {
   return {command.add_option("--hand", hand, "Hand file")->capture_default_str(),

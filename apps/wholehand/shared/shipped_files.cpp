@@ -17,7 +17,7 @@ std::string shippedFile(const std::string& relative) {
     for (const fs::path& share : {folder, folder / "share" / "wholehand"}) {
       const fs::path file = share / relative;
       if (!fs::exists(file, error)) continue;
-      // The same file: the short path is easier to read.
+      // Both paths name the same file; the short one is easier to read.
       return fs::equivalent(relative, file, error) ? relative : file.string();
     }
     if (folder == folder.root_path()) break;
@@ -41,9 +41,9 @@ Expected<std::string> renderingFor(const std::string& device_file) {
   if (fs::exists(beside, error)) return beside.string();
   const std::string shipped =
       shippedFile((fs::path("config/rendering") / device.filename()).string());
-  // Without the device file, its absence is the error to report.
+  // Without the device file, its absence is the error to report, later.
   if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
-  // No gains exist for a file that is not a valid device.
+  // A file that is not a valid device has other faults to report.
   if (auto described = loadDeviceFile(device_file); !described) return described.errors();
   return fileFault(
       device_file, "no gains are known for this device",

@@ -68,8 +68,8 @@ Expected<std::optional<SweepShare>> shareAsked(const SweepOptions& options) {
   return shareOfRank();
 }
 
-/// Files by the names of a grid: a path that ends in .toml stands beside the grid, else a shipped
-/// file is meant.
+/// Finds files named in a grid: a path that ends in .toml is relative to the grid's folder, any
+/// other name means a shipped file.
 FindFile filesBeside(const std::string& grid) {
   return [folder = fs::path(grid).parent_path()](const std::string& kind, const std::string& name) {
     if (fs::path(name).extension() == ".toml") return (folder / name).string();
@@ -77,7 +77,7 @@ FindFile filesBeside(const std::string& grid) {
   };
 }
 
-/// "1 min 20 s"
+/// Duration as text: "1 min 20 s".
 std::string duration(double seconds) {
   const int s = static_cast<int>(std::lround(seconds));
   if (s < 60) return fmt::format("{} s", s);
@@ -85,7 +85,7 @@ std::string duration(double seconds) {
   return fmt::format("{} h {} min", s / 3600, s / 60 % 60);
 }
 
-/// One line that is rewritten on a terminal, else a line every five seconds.
+/// Progress: one line that is rewritten on a terminal, else a line every five seconds.
 class Progress {
  public:
   void operator()(int finished, int all) {
@@ -159,10 +159,10 @@ ChartTable tableOf(const SweepGrid& grid, const FilledMap& filled) {
   return table;
 }
 
-/// Values that span more than this are drawn on a logarithmic scale.
+/// Values that span a larger factor are drawn on a logarithmic scale.
 constexpr double kMostLinear = 20.0;
 
-/// Whether every value is a share of cells.
+/// True when every value is a share of cells.
 bool isShare(const FilledMap& filled) {
   for (const auto& row : filled.values) {
     for (const double value : row) {
@@ -172,7 +172,7 @@ bool isShare(const FilledMap& filled) {
   return filled.map->figure.find('_') == std::string::npos;  // without a unit
 }
 
-/// A line for each row over columns that are increasing numbers; nothing where they are not.
+/// Chart with a line for each row over the columns, if these are increasing numbers; else empty.
 std::optional<Chart> chartOf(const SweepGrid& grid, const FilledMap& filled) {
   constexpr std::array kColors{"--ax-x", "--ax-y", "--ax-z", "--ax-f", "--ax-c", "--ax-t"};
   const SweepAxis& rows = grid.axes.at(filled.map->rows);
@@ -214,7 +214,7 @@ ChartPage pageOf(const SweepGrid& grid, const std::vector<FilledMap>& maps) {
   return page;
 }
 
-/// "80 cells (2 patient × 40 stiffness)"
+/// Summary of a grid: "80 cells (2 patient × 40 stiffness)".
 std::string summary(const SweepGrid& grid) {
   std::string axes;
   for (const SweepAxis& axis : grid.axes) {
@@ -230,8 +230,8 @@ void describe(const SweepGrid& grid, const std::optional<SweepShare>& share, int
   std::fflush(stdout);
 }
 
-int tell(const SweepGrid& grid, const SweepOptions& options, bool share,
-         const SweepOutcome& outcome) {
+int printOutcome(const SweepGrid& grid, const SweepOptions& options, bool share,
+                 const SweepOutcome& outcome) {
   const int left = outcome.cells - outcome.finished;
   if (!outcome.refusals.empty()) {
     refuse(outcome.refusals);
@@ -328,7 +328,7 @@ int sweepCommand(const SweepOptions& options) {
   describe(*grid, plan.share, plan.processes);
   auto outcome = runSweep(*grid, plan);
   if (!outcome) return refuse(outcome.errors());
-  return tell(*grid, options, plan.share.has_value(), *outcome);
+  return printOutcome(*grid, options, plan.share.has_value(), *outcome);
 }
 
 }  // namespace wholehand

@@ -18,7 +18,7 @@
 namespace wholehand {
 namespace {
 
-/// The first names, and how many more.
+/// The first names, and the number of the others.
 std::string listOf(const std::vector<std::string>& names) {
   constexpr std::size_t kNamed = 8;
   std::string text;
@@ -29,8 +29,8 @@ std::string listOf(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The exercise of the folder `exercises` beside the scene's that plays the scene; empty: none
-/// does.
+/// The exercise that plays the scene, from the folder `exercises` next to the scene's folder;
+/// empty: none does.
 std::string exerciseOf(const std::string& scene) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -46,7 +46,7 @@ std::string exerciseOf(const std::string& scene) {
   return found.empty() ? "" : std::min_element(found.begin(), found.end())->string();
 }
 
-/// Faults of a scene by itself. An exercise may begin it elsewhere than at the device's rest.
+/// Faults of a scene alone. An exercise may begin at another position than the device's rest.
 Diagnostics withExercise(Diagnostics faults, const std::string& scene) {
   const std::string exercise = scene.empty() ? "" : exerciseOf(scene);
   if (exercise.empty()) return faults;
@@ -56,7 +56,7 @@ Diagnostics withExercise(Diagnostics faults, const std::string& scene) {
   return faults;
 }
 
-/// @param too_slow of the bodies of a game, if they are
+/// @param too_slow fault if the bodies of a game are too slow
 void print(const Admission& a, const AdmitOptions& options, const Diagnostic& too_slow) {
   std::printf("%s: %s at %.0f Hz with %s\n  %s\n", printable(options.scene).c_str(),
               a.admitted ? "admitted" : "not admitted", options.rate_hz, options.engine.c_str(),
@@ -95,7 +95,7 @@ int admitCommand(const AdmitOptions& options) {
   files.patient = shippedFile(files.patient);
   auto models = loadModels(files);
   if (!models) return refuse(models.errors());
-  tellNotices(models->scene.notices, 2);
+  printNotices(models->scene.notices, 2);
   RigOptions rig;
   rig.period_s = 1.0 / options.rate_hz;
   rig.engine = options.engine;

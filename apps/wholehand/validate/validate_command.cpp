@@ -28,7 +28,8 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// By the ending, in any case: instruments and Windows write MOTION.CSV.
+// True for a motion file, judged by its extension in any case: instruments and Windows write
+// MOTION.CSV.
 bool isMotionName(const std::string& file) {
   std::string ending = fs::path(file).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -36,13 +37,13 @@ bool isMotionName(const std::string& file) {
   return ending == ".csv";
 }
 
-// Shipped driver whose settings are of that kind; empty: none.
+// Shipped driver for settings of a kind; empty: none.
 std::string driverOfKind(const std::string& kind) {
   if (kind == "moteus" || kind == "composite") return kind;
   return kind == "force-dimension" ? "force_dimension" : "";
 }
 
-// Files to check, by kind, and what to check them against.
+// The files to check, by kind, and the files to check them against.
 class Validation {
  public:
   explicit Validation(const std::vector<std::string>& files) {
@@ -99,8 +100,8 @@ class Validation {
     return loaded.ok();
   }
 
-  // Device that a file is meant for: of the same name among the arguments or beside it, else the
-  // only device among the arguments, else the shipped six-axis one.
+  // Device for a file: the one of the same name among the arguments or in its folder, else the only
+  // device among the arguments, else the shipped six-axis one.
   [[nodiscard]] std::string deviceFor(const std::string& file) const {
     const fs::path name = fs::path(file).filename();
     std::string only;
@@ -133,7 +134,7 @@ class Validation {
     }
     return count == 1 ? only : shippedFile(shipped);
   }
-  // Hand that a device is meant for.
+  // Hand for a device.
   [[nodiscard]] std::string handFor() const {
     return onlyOr("hand", "config/hands/adult-median-right.toml");
   }
@@ -170,7 +171,7 @@ class Validation {
     if (device) addOfAxes(file, load(file, *device));
   }
 
-  // Notes which device was assumed: a file may be correct for another one.
+  // Adds a note which device was assumed, because a file may be correct for another one.
   template <class T>
   bool addOfAxes(const std::string& file, const Expected<T>& loaded) {
     if (loaded.ok()) return true;
@@ -202,7 +203,7 @@ class Validation {
     return noticed(scene->notices);
   }
 
-  // Against the device among the arguments, if there is just one.
+  // Checks a motion, against the device among the arguments if there is exactly one.
   std::string checkMotion(const std::string& file) {
     const std::string device_file = onlyOr("device", "");
     const auto device = device_file.empty() || !named(device_file)
@@ -220,7 +221,7 @@ class Validation {
     return lines;
   }
 
-  // Gains are valid only if the loop is stable, at 1 kHz.
+  // Checks gains. They are valid only if the loop is stable at 1 kHz.
   std::string checkRendering(const std::string& file) {
     Models models;
     auto device = loadDeviceFor(file);
@@ -238,9 +239,10 @@ class Validation {
     return gainTable(models, checked->gains);
   }
 
-  // Checks every level, with the device among the arguments (else the shipped one) and its gains.
+  // Checks every level of an exercise, with the device among the arguments (else the shipped one)
+  // and its gains.
   std::string checkExercise(const std::string& file) {
-    // Of several devices, some may lack the axes that the exercise needs.
+    // With several devices, some may lack the axes that the exercise needs.
     const std::string device_file = onlyOr("device", "config/devices/lambda-pride.toml");
     auto rendering = renderingFor(device_file);
     if (!add(rendering)) return {};
@@ -269,7 +271,7 @@ class Validation {
                        device_file, notices);
   }
 
-  // The grid, and that every file that its cells read is there.
+  // Checks a grid, and that every file that its cells read exists.
   std::string checkSweep(const std::string& file) {
     auto summary = summarizeSweep(file);
     return add(summary) ? "    " + *summary + "\n" : std::string{};
@@ -319,8 +321,8 @@ class Validation {
   std::vector<std::pair<std::string, std::string>> kinds_;
   Diagnostics errors_;
   std::set<std::string> reported_;
-  bool faulty_ = false;        // the file at hand
-  std::string faulty_device_;  // prevents checking the current file
+  bool faulty_ = false;        // the current file has a fault
+  std::string faulty_device_;  // device file whose faults prevent checking the current file
 };
 
 }  // namespace

@@ -3,7 +3,7 @@ using System.Globalization;
 using System.Threading;
 using Wholehand;
 
-/// <summary>Prints what a running Wholehand says: WatchHand.exe [host] [port] [seconds] [token].</summary>
+/// <summary>Prints the messages of a running Wholehand: WatchHand.exe [host] [port] [seconds] [token].</summary>
 public static class WatchHand
 {
     public static int Main(string[] arguments)

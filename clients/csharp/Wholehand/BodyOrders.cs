@@ -2,8 +2,8 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A convex piece of a body to come. SI, the program's axes; cylinders and capsules lie along z. The frame is
-    /// the game's choice: its axes become those of the body.</summary>
+    /// <summary>A convex piece of a body. SI units, the program's axes; cylinders and capsules lie along z. The game
+    /// chooses the frame: its axes become those of the body.</summary>
     public sealed class BodyShape
     {
         public ShapeType Type;
@@ -11,7 +11,7 @@ namespace Wholehand
         public float RadiusM;                  // sphere, cylinder, capsule
         public float LengthM;                  // cylinder: height; capsule: between the centres of its caps
         public Vector[] PointsM;               // convex mesh
-        public uint[] Triangles;               // three indices of points each, of either winding
+        public uint[] Triangles;               // three indices of points for each, in either winding order
         public Vector PositionM;               // in the game's frame
         public Rotation Orientation = new Rotation(0, 0, 0, 1);
 
@@ -33,21 +33,21 @@ namespace Wholehand
             return new BodyShape { Type = ShapeType.Cylinder, RadiusM = radiusM, LengthM = heightM };
         }
 
-        /// <param name="lengthM">Between the centres of the caps.</param>
+        /// <param name="lengthM">Distance between the centres of the caps.</param>
         public static BodyShape Capsule(float radiusM, float lengthM)
         {
             return new BodyShape { Type = ShapeType.Capsule, RadiusM = radiusM, LengthM = lengthM };
         }
 
-        /// <summary>Convex and closed.</summary>
+        /// <summary>A convex and closed mesh.</summary>
         public static BodyShape Mesh(Vector[] pointsM, uint[] triangles)
         {
             return new BodyShape { Type = ShapeType.ConvexMesh, PointsM = pointsM, Triangles = triangles };
         }
     }
 
-    /// <summary>A body by its slot, and by the generation that names it among those that the slot holds one after
-    /// another. In place of a slot a game may choose a number from 1000 to 32767: such bodies, up to
+    /// <summary>Names a body by its slot, and by a generation that distinguishes successive bodies of the
+    /// slot. Instead of a slot a game may choose a number from 1000 to 32767: such bodies, up to
     /// Scene.Budget.Registered, get slots while the hand is near.</summary>
     public struct BodyId
     {
@@ -76,12 +76,12 @@ namespace Wholehand
         public Vector PositionM;
         public Rotation Orientation = new Rotation(0, 0, 0, 1);
         public Vector VelocityMS;              // when it becomes solid; owner Loop only
-        public bool RefuseOverlap;             // refused instead of a ghost where it overlaps something
+        public bool RefuseOverlap;             // refused, instead of becoming a ghost, if it overlaps something
 
         public BodyId Id { get { return new BodyId(Slot, Generation); } }
     }
 
-    /// <summary>Where a body is put or pulled: its centre of mass, in the world [m].</summary>
+    /// <summary>A target pose of a body: its centre of mass, in the world [m].</summary>
     public struct BodyAt
     {
         public BodyId Body;
@@ -95,13 +95,13 @@ namespace Wholehand
             Orientation = orientation;
         }
 
-        /// <summary>Upright.</summary>
+        /// <summary>A pose without rotation.</summary>
         public BodyAt(BodyId body, Vector positionM) : this(body, positionM, new Rotation(0, 0, 0, 1))
         {
         }
     }
 
-    /// <summary>Who moves a body from now on.</summary>
+    /// <summary>Changes the owner that moves a body.</summary>
     public struct BodyOwnerChange
     {
         public BodyId Body;
@@ -114,39 +114,39 @@ namespace Wholehand
         }
     }
 
-    /// <summary>An item of an order to bodies that was refused; all others were handed to the loop.</summary>
+    /// <summary>A refused item of an order to bodies; all other items were handed to the loop.</summary>
     public struct RefusedBody
     {
-        public int Index;                      // in the order's arguments
-        public int Slot;                       // -1: of shapes
+        public int Index;                      // index in the order's arguments
+        public int Slot;                       // -1: a refused shape set
         public BodyRefusal Refusal;
         public string Reason;                  // for a person, in English
     }
 
-    /// <summary>What became of a body; docs/protocol.md, "Bodies of a game".</summary>
+    /// <summary>An event of a body; docs/protocol.md, "Bodies of a game".</summary>
     public enum BodyEventKind
     {
-        Appeared,      // a ghost: drawn, but touches nothing
-        Solid,         // collides from now on
-        LettingGo,     // presses the hand less and less
+        Appeared,      // it is a ghost: drawn, but it touches nothing
+        Solid,         // it collides from now on
+        LettingGo,     // its force on the hand is being reduced
         Left,          // the slot is empty
-        Quarantined,   // too fast, or more than 5 m away: taken out
-        Refused,       // an order was refused by the loop
-        Touched        // touches the hand, after 0.1 s or more without contact
+        Quarantined,   // it was removed: too fast, or more than 5 m away
+        Refused,       // the loop refused an order
+        Touched        // it touches the hand, after 0.1 s or more without contact
     }
 
     public struct BodyEvent
     {
         public BodyEventKind Kind;
         public ulong Tick;
-        public int Slot;                       // of the loop; -1: of shapes
-        public uint Generation;                // in that slot; 0 of Refused
+        public int Slot;                       // the loop's slot; -1: a shape set
+        public uint Generation;                // generation in that slot; 0 for Refused
 
-        /// <summary>As the game named it: of a body with a number, that number and the game's own generation. Such a body
-        /// also appears and leaves when it gets a slot and gives it back: BodySlots.All says whether it is in the
-        /// world.</summary>
+        /// <summary>The name that the game gave it: for a body with a number, that number and the game's own
+        /// generation. Such a body also appears and leaves when it gets a slot and gives it back: BodySlots.All shows
+        /// whether it is in the world.</summary>
         public BodyId Body;
-        public BodyRefusal Refusal;            // of Refused
-        public float ImpulseNs;                // of Touched: on the hand, within the first 10 ms
+        public BodyRefusal Refusal;            // for Refused
+        public float ImpulseNs;                // for Touched: impulse on the hand within the first 10 ms
     }
 }

@@ -2,31 +2,31 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A copy of which bodies of a game are in the world, that the game owns: All has each of them once, by the
-    /// name that the game gave it, and TryGetPlace where it is. Taking the next one into it allocates nothing unless there
-    /// are more bodies than ever before.</summary>
+    /// <summary>A copy of the list of a game's bodies in the world, owned by the game: All has each of them once, by
+    /// the name that the game gave it, and TryGetPlace its pose. Copying the next list into it allocates nothing unless
+    /// there are more bodies than ever before.</summary>
     public sealed class BodySlots
     {
-        public uint Session;                   // whose bodies they are
-        public int SceneBodies;                // bodies of the scene itself: they come first in states
+        public uint Session;                   // session of the bodies
+        public int SceneBodies;                // number of the scene's own bodies, which come first in states
 
-        /// <summary>Of All, how many are valid: those that the game put into slots of its own choice, then those that it
-        /// named by numbers, in the order of slots and of numbers.</summary>
+        /// <summary>Number of valid elements of All: first the bodies in slots that the game chose, then those with
+        /// numbers, in the order of slots and of numbers.</summary>
         public int AllCount;
         public BodyInWorld[] All = new BodyInWorld[0];
 
-        /// <summary>What the slots of the loop hold. Of the arrays below, how many are valid; in the order of the slots.
+        /// <summary>Number of valid elements of the arrays below, which are the loop's slots in order.
         /// A body with a number has the slot's generation here, not the game's.</summary>
         public int Count;
         public BodyId[] Bodies = new BodyId[0];
         public SlotState[] States = new SlotState[0];
-        public uint[] Shapes = new uint[0];    // WholehandClient.TryGetShapes
+        public uint[] Shapes = new uint[0];    // see WholehandClient.TryGetShapes
 
-        internal long Number;                  // of the message; 0: none
-        internal bool InOrder = true;          // All; a damaged list may have its slots in any order
+        internal long Number;                  // number of the message; 0: none
+        internal bool InOrder = true;          // whether All is sorted; a damaged list may have its slots in any order
 
-        /// <summary>Where body <paramref name="i"/> of All is: its centre of mass, in the world. False where neither the state
-        /// nor the list says it at present: it stays where it was drawn.</summary>
+        /// <summary>Pose of body <paramref name="i"/> of All: its centre of mass, in the world. False if neither the
+        /// state nor the list contains it at present: then the body stays where it was drawn.</summary>
         public bool TryGetPlace(int i, WorldSnapshot world, out Vector positionM, out Rotation orientation)
         {
             positionM = All[i].PositionM;
@@ -39,7 +39,8 @@ namespace Wholehand
             return true;
         }
 
-        /// <summary>Index into WorldSnapshot.BodyPositions; it may be beyond BodyCount: then no state has it yet.</summary>
+        /// <summary>Index into WorldSnapshot.BodyPositions. It may be beyond BodyCount: then no state contains it
+        /// yet.</summary>
         public int PoseOf(uint slot)
         {
             return SceneBodies + (int)slot;
@@ -61,7 +62,7 @@ namespace Wholehand
             return -1;
         }
 
-        /// <summary>Index into Bodies, States and Shapes, of a body without a number; -1: no such body is in the
+        /// <summary>Index into Bodies, States and Shapes for a body without a number; -1: no such body is in the
         /// world.</summary>
         public int Find(BodyId body)
         {

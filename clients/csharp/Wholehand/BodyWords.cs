@@ -50,7 +50,7 @@ namespace Wholehand
             return wholehand.protocol.SetOwner.CreateSetOwner(b, b.EndVector()).Value;
         }
 
-        // Of a vector that was begun.
+        // Writes the elements of a vector that was started.
         private static VectorOffset Places(FlatBufferBuilder b, BodyAt[] bodies, int first, int count)
         {
             for (int i = first + count - 1; i >= first; --i)

@@ -2,22 +2,22 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>How a client connects.</summary>
+    /// <summary>Options of a connection.</summary>
     public sealed class ClientOptions
     {
         public string Host = "127.0.0.1";
 
-        /// <summary>Of the program's pages. Where its datagrams go, the program says.</summary>
+        /// <summary>Port of the program's pages. The program reports the port of its datagrams.</summary>
         public int Port = 8080;
 
         /// <summary>States a second by datagram, 0 to 1000. Without datagrams 60 come by WebSocket.</summary>
         public int RateHz = 1000;
 
-        /// <summary>What the program asks for; empty where it asks for none.</summary>
+        /// <summary>The token that the program requires; empty if it requires none.</summary>
         public string Token = "";
 
-        /// <summary>True: events are raised by Poll(), on its caller's thread (a game's main thread), and
-        /// the game counts as alive only while it polls at least every 100 ms; where it hangs, the exercise
+        /// <summary>True: Poll() raises the events on its caller's thread (a game's main thread), and
+        /// the game counts as alive only while it polls at least every 100 ms; if it hangs, the exercise
         /// fades out. False: events are raised on the client's own thread, as they come.</summary>
         public bool Polled = false;
     }
@@ -28,13 +28,13 @@ namespace Wholehand
         internal static readonly RefusedBody[] NoItems = new RefusedBody[0];
 
         public readonly bool Accepted;
-        public readonly string Reason; // for a person; of what was accepted: what it waits for, or empty
+        public readonly string Reason; // for a person; for an accepted command: what it waits for, or empty
 
-        /// <summary>Why, for the game to say in its person's language; None of what the program did not
+        /// <summary>The reason of a refusal, for texts in the person's language; None if the program did not
         /// answer.</summary>
         public readonly Refusal Refusal;
 
-        /// <summary>Of Refusal.BodiesRefused, the bodies that were refused; all others were handed to the
+        /// <summary>For Refusal.BodiesRefused: the refused bodies; all others were handed to the
         /// loop.</summary>
         public readonly RefusedBody[] Items;
 

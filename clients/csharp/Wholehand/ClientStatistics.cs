@@ -2,10 +2,10 @@ using System;
 
 namespace Wholehand
 {
-    /// <summary>How states reached this client. Allocates nothing once made; any thread.</summary>
+    /// <summary>Statistics of received states. Does not allocate after construction; any thread.</summary>
     public sealed class ClientStatistics
     {
-        // 10 µs a bin up to 50 ms; what is slower is in the last one.
+        // Bins of 10 µs up to 50 ms; the last one holds all slower states.
         private const int BinNs = 10000;
         private const int Bins = 5000;
 
@@ -18,29 +18,29 @@ namespace Wholehand
         /// <summary>States that came in order.</summary>
         public long Received { get { lock (gate) return received; } }
 
-        /// <summary>Datagrams that were sent and did not come before a later one did.</summary>
+        /// <summary>Sent datagrams that had not come when a later one did.</summary>
         public long Lost { get { lock (gate) return lost; } }
 
-        /// <summary>Datagrams that came after a later one, or twice; they are not shown.</summary>
+        /// <summary>Datagrams that came after a later one, or twice; their states are not used.</summary>
         public long OutOfOrder { get { lock (gate) return outOfOrder; } }
 
-        /// <summary>Datagrams that were damaged, malformed, or of another conversation.</summary>
+        /// <summary>Datagrams that were damaged, malformed, or from another conversation.</summary>
         public long Ignored { get { lock (gate) return ignored; } }
 
-        /// <summary>Of all states that were sent so far, how many came in order; 1 before the first.</summary>
+        /// <summary>Share of the sent states that came in order; 1 before the first.</summary>
         public double Share
         {
             get { lock (gate) return received + lost == 0 ? 1.0 : received / (double)(received + lost); }
         }
 
-        /// <summary>To the program and back by datagram, at last; 0: not known yet.</summary>
+        /// <summary>Newest round-trip time by datagram; 0: unknown.</summary>
         public double RoundTripMs { get { lock (gate) return roundTripNs * 1e-6; } }
 
         public double MaxLatencyMs { get { lock (gate) return maxNs * 1e-6; } }
 
-        /// <summary>The latency that <paramref name="percent"/> % of the states did not exceed, from the
-        /// program's send to this client's receive, to 0.01 ms. Program and client must be on one machine:
-        /// clocks of two differ.</summary>
+        /// <summary>The percentile <paramref name="percent"/> of the latency from the
+        /// program's send to this client's receive, to 0.01 ms. Program and client must be on one machine,
+        /// since the clocks of two machines differ.</summary>
         public double LatencyMs(double percent)
         {
             lock (gate)
@@ -56,7 +56,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>Begins to count anew.</summary>
+        /// <summary>Restarts all counters.</summary>
         public void Reset()
         {
             lock (gate)
@@ -67,7 +67,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>False, and counted, for a datagram that came after a later one, or twice.</summary>
+        /// <summary>Returns false, and counts it, for a datagram that came after a later one, or twice.</summary>
         internal bool IsNewer(uint sequence)
         {
             lock (gate)
@@ -84,7 +84,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>A state that is newer than all before.</summary>
+        /// <summary>Counts a state that is newer than all before.</summary>
         internal void CountState(long latencyNs)
         {
             lock (gate)
@@ -105,7 +105,7 @@ namespace Wholehand
             lock (gate) ++ignored;
         }
 
-        /// <summary>A new conversation numbers its datagrams from 1.</summary>
+        /// <summary>Restarts the sequence numbers: a new conversation counts its datagrams from 1.</summary>
         internal void BeginConversation()
         {
             lock (gate)

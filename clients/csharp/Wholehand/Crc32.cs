@@ -1,7 +1,7 @@
 namespace Wholehand
 {
-    /// <summary>CRC-32 of IEEE 802.3 and zlib. FlatBuffers has no verifier in C#: this is what shows
-    /// that a datagram is whole.</summary>
+    /// <summary>CRC-32 of IEEE 802.3 and zlib. FlatBuffers has no verifier in C#: the checksum shows
+    /// that a datagram is complete.</summary>
     public static class Crc32
     {
         private static readonly uint[] Table = MakeTable();

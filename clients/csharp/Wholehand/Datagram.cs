@@ -2,7 +2,7 @@ using System;
 
 namespace Wholehand
 {
-    /// <summary>What a datagram is; docs/udp.md.</summary>
+    /// <summary>The kind of a datagram; docs/udp.md.</summary>
     public enum DatagramKind : byte
     {
         Command = 1,
@@ -11,7 +11,7 @@ namespace Wholehand
         Present = 17
     }
 
-    /// <summary>Why a datagram is no good, in the order in which it is looked at.</summary>
+    /// <summary>Why a datagram is invalid, in the order of the checks.</summary>
     public enum DatagramFlaw
     {
         None,
@@ -27,13 +27,13 @@ namespace Wholehand
     public struct DatagramHeader
     {
         public DatagramKind Kind;
-        public bool HoldsControls;   // the program: this game does
-        public ulong Key;            // of the conversation
-        public uint Sequence;        // rises with every datagram of the sender
-        public uint RateOrStop;      // a game: states a second; the program: emergency stop obeyed last
+        public bool HoldsControls;   // from the program: this game holds the controls
+        public ulong Key;            // key of the conversation
+        public uint Sequence;        // increases with every datagram of the sender
+        public uint RateOrStop;      // from a game: states per second; from the program: last obeyed emergency stop
         public long SentNs;          // the sender's clock
         public long EchoNs;          // SentNs of the newest datagram of the other side; 0: none
-        public uint EchoAgeUs;       // since that one came
+        public uint EchoAgeUs;       // time since that one came
     }
 
     /// <summary>Writes and checks datagrams: 48 bytes of header, little-endian, and a payload. Allocates
@@ -48,7 +48,7 @@ namespace Wholehand
 
         private const int ChecksumAt = 44;
 
-        /// <summary>Writes one datagram; its size.</summary>
+        /// <summary>Writes one datagram; returns its size.</summary>
         public static int Write(byte[] datagram, DatagramHeader header, byte[] payload, int offset, int length)
         {
             if (length > LargestPayload) throw new ArgumentException("the payload is too large", "length");
@@ -100,7 +100,7 @@ namespace Wholehand
             }
         }
 
-        // Of everything but the checksum itself.
+        // Checksum of everything except the checksum field.
         private static uint Checksum(byte[] datagram, int size)
         {
             return Crc32.Of(datagram, HeaderSize, size - HeaderSize, Crc32.Of(datagram, 0, ChecksumAt));

@@ -15,7 +15,7 @@ namespace Wholehand
         }
     }
 
-    /// <summary>A rotation in the order x, y, z, w, as Unity's: new Quaternion(q.X, q.Y, q.Z, q.W).</summary>
+    /// <summary>A rotation as a quaternion x, y, z, w, like Unity's: new Quaternion(q.X, q.Y, q.Z, q.W).</summary>
     public struct Rotation
     {
         public float X, Y, Z, W;
@@ -29,8 +29,9 @@ namespace Wholehand
         }
     }
 
-    /// <summary>The axes of one engine: where each of its x, y, z comes from in Wholehand's axes (right-handed: x away
-    /// from the person, y left, z up, metres). All engines of docs/axes.md are in Engines. Nothing here allocates.</summary>
+    /// <summary>The axes of one engine: the source of each of its x, y, z in Wholehand's axes (right-handed: x away
+    /// from the person, y left, z up, metres). Engines contains all engines of docs/axes.md. Nothing here
+    /// allocates.</summary>
     public sealed class EngineAxes
     {
         public static readonly EngineAxes Unity = new EngineAxes("Unity", "-y", "z", "x", 1.0f);
@@ -54,7 +55,7 @@ namespace Wholehand
                 source[i] = Sources[i][Sources[i].Length - 1] - 'x';
                 sign[i] = Sources[i][0] == '-' ? -1.0f : 1.0f;
             }
-            // The sign of the permutation, times the signs.
+            // The determinant: the sign of the permutation, times the signs.
             int inversions = 0;
             for (int i = 0; i < 3; ++i)
             {
@@ -65,7 +66,7 @@ namespace Wholehand
 
         public string Name { get; private set; }
 
-        /// <summary>Of positions. Unreal counts centimetres.</summary>
+        /// <summary>Unit of positions. Unreal uses centimetres.</summary>
         public float UnitsPerMetre { get; private set; }
 
         /// <summary>Wholehand's axis for each of the engine's x, y, z: "x", "-y" ...</summary>
@@ -74,19 +75,19 @@ namespace Wholehand
         /// <summary>1: right-handed, as Wholehand; -1: left-handed. Determinant of the change of axes.</summary>
         public float Handedness { get; private set; }
 
-        /// <summary>[m] to the engine's unit.</summary>
+        /// <summary>Converts a position [m] to the engine's unit.</summary>
         public Vector Position(Vector m)
         {
             return Scaled(UnitsPerMetre, Polar(m));
         }
 
-        /// <summary>The engine's unit to [m].</summary>
+        /// <summary>Converts a position from the engine's unit to [m].</summary>
         public Vector PositionFrom(Vector v)
         {
             return Scaled(1.0f / UnitsPerMetre, PolarFrom(v));
         }
 
-        /// <summary>Forces, directions: without the engine's unit of length.</summary>
+        /// <summary>Converts forces and directions, which have no unit of length.</summary>
         public Vector Polar(Vector v)
         {
             return new Vector(sign[0] * At(v, source[0]), sign[1] * At(v, source[1]), sign[2] * At(v, source[2]));
@@ -101,7 +102,7 @@ namespace Wholehand
             return into;
         }
 
-        /// <summary>Angular velocities, torques: a reflection turns their sign.</summary>
+        /// <summary>Converts angular velocities and torques: a reflection changes their sign.</summary>
         public Vector Axial(Vector v)
         {
             return Scaled(Handedness, Polar(v));

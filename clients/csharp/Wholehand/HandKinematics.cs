@@ -3,9 +3,9 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>Where the links of the hand are, from Scene.Links and the joints of a state: what
-    /// WorldState.links says over WebSocket, for states that come without them. The program's frame; EngineAxes
-    /// converts. Nothing is allocated after the constructor.</summary>
+    /// <summary>Poses of the hand's links from Scene.Links and the joints of a state. They equal
+    /// WorldState.links of the WebSocket, for states that come without them. The program's frame; EngineAxes
+    /// converts. Does not allocate after the constructor.</summary>
     public sealed class HandKinematics
     {
         private readonly string[] names;
@@ -14,8 +14,8 @@ namespace Wholehand
         private readonly Vector[] axes, offsets, positions;
         private readonly Rotation[] turns, rotations;
 
-        /// <exception cref="ArgumentException">The scene describes no links: the program is older than this client, or
-        /// they hang together otherwise than parents first.</exception>
+        /// <exception cref="ArgumentException">The scene describes no links, since the program is older than this
+        /// client, or their order is not parents first.</exception>
         public HandKinematics(Scene scene)
         {
             int n = scene.LinksLength;
@@ -48,13 +48,13 @@ namespace Wholehand
 
         public int LinkCount { get { return names.Length; } }
 
-        /// <summary>As of the last Update, in the world [m].</summary>
+        /// <summary>Position after the last Update, in the world [m].</summary>
         public Vector Position(int link) { return positions[link]; }
 
-        /// <summary>As of the last Update, from the link's frame to the world's.</summary>
+        /// <summary>Orientation after the last Update, from the link's frame to the world's.</summary>
         public Rotation Orientation(int link) { return rotations[link]; }
 
-        /// <returns>-1: there is no such link.</returns>
+        /// <returns>Index of a link; -1: there is no such link.</returns>
         public int Find(string name) { return Array.IndexOf(names, name); }
 
         /// <param name="jointAngles">HandState.JointAngles [rad or m].</param>

@@ -3,20 +3,20 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A copy of a WorldState that the game owns. Taking the next state into it allocates
-    /// nothing unless a number of axes changes. SI, radians, the program's frame (EngineAxes converts);
+    /// <summary>A copy of a WorldState, owned by the game. Copying the next state into it allocates
+    /// nothing unless the number of axes changes. SI, radians, the program's frame (EngineAxes converts);
     /// arrays per axis are in the order of Scene.Axes, joints in that of Scene.JointNames, values in that
     /// of Scene.ValueNames.</summary>
     public sealed class HandState : Snapshot
     {
-        public uint Endings;           // counts stops, faults and ends of sessions; Arm names the last one shown
+        public uint Endings;           // counts stops, faults and ends of sessions; Arm needs the last one shown
         public RunState RunState;
         public Steering Steering;
         public uint Faults;
         public uint LatchedFaults;
         public float Authority;        // 1 while rendering, 0 at neutral
-        public float Alpha;            // of the exercise's transition
-        public int PalmBody = -1;      // nearest of the exercise's bodies; -1: none
+        public float Alpha;            // blend factor of the exercise's transition
+        public int PalmBody = -1;      // the nearest of the exercise's bodies; -1: none
         public float PalmTargetDistanceM;
         public float[] DevicePosition = new float[0];
         public float[] HandPosition = new float[0];    // of the avatar, per axis
@@ -31,13 +31,13 @@ namespace Wholehand
 
         private const int MostNumbers = 1024;
 
-        // Stops are counted, and an arming begins, while nothing renders.
+        // The number of stops, and the start of arming, can change while nothing renders.
         internal override bool IsSameRest(WorldState s)
         {
             return s.Endings == Endings && s.RunState == RunState && s.Steering == Steering;
         }
 
-        // Without captured variables: the compiler makes each of these once.
+        // Lambdas without captured variables, which are allocated once.
         internal override void CopyRest(WorldState s)
         {
             Endings = s.Endings;

@@ -2,7 +2,7 @@ using System.Diagnostics;
 
 namespace Wholehand
 {
-    /// <summary>Time since an arbitrary start, never set back. On Linux it is the clock of the program
+    /// <summary>Time since an arbitrary start; it never decreases. On Linux it is the program's clock
     /// (CLOCK_MONOTONIC), so that latencies can be measured on one machine.</summary>
     public static class MonotonicClock
     {

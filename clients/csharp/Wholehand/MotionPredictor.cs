@@ -2,19 +2,19 @@ using System;
 
 namespace Wholehand
 {
-    /// <summary>Where the joints of the hand are now, from states that come late, irregularly and in part not at all: a
-    /// parabola through the newest state and two before it. The curvature counts three quarters, which halves its overshoot
-    /// where a motion ends. How old a state is follows from the fastest delivery of the last seconds; the clocks of program
-    /// and client may differ, and what the fastest delivery itself needs is not seen. Allocates nothing after the first
-    /// states of a session. One thread.</summary>
+    /// <summary>Predicts the hand's joints at present from states that come late, irregularly and with losses: a
+    /// parabola through the newest state and two earlier ones. Its curvature is weighted by three quarters, which
+    /// halves the overshoot at the end of a motion. The age of a state is relative to the fastest delivery of the last
+    /// seconds: the clocks of program and client may differ, and the delay of the fastest delivery is not compensated.
+    /// Allocates nothing after the states of a session. One thread.</summary>
     public sealed class MotionPredictor
     {
-        private const double SpacingS = 0.0045;        // between the states of a parabola, at least
+        private const double SpacingS = 0.0045;        // minimum spacing between the states of a parabola
         private const double CurvatureShare = 0.75;
-        private const double LongestS = 0.05;          // ahead of the newest state
-        private const double FadesFromS = 0.1;         // without a new state the drawn hand returns to the newest,
-        private const double FadedAtS = 0.25;          // until then
-        private const long DelayWindowNs = 2000000000; // the clock's window is between one and two of them
+        private const double LongestS = 0.05;          // maximum extrapolation beyond the newest state
+        private const double FadesFromS = 0.1;         // without a new state the hand returns to the newest from this age,
+        private const double FadedAtS = 0.25;          // until this age
+        private const long DelayWindowNs = 2000000000; // the minimum delay is taken over one to two windows
 
         private struct Sample
         {
@@ -22,21 +22,21 @@ namespace Wholehand
             public float[] Joints;
         }
 
-        private readonly Sample[] kept = new Sample[4]; // newest first; of the others each is SpacingS older, at least
+        private readonly Sample[] kept = new Sample[4]; // newest first; each other one is at least SpacingS older
         private int count;
         private uint session;
         private long newestSentNs, windowEndsNs, delayNs, delayBeforeNs;
 
-        /// <summary>No state has come yet.</summary>
+        /// <summary>Whether no state has come yet.</summary>
         public bool IsEmpty { get { return count == 0; } }
 
-        /// <summary>For another connection, whose program may have another clock.</summary>
+        /// <summary>Clears all states for another connection, whose program may have another clock.</summary>
         public void Clear()
         {
             count = 0;
         }
 
-        /// <summary>Every state that is newer than all before; others are ignored.</summary>
+        /// <summary>Adds a state that is newer than all before; others are ignored.</summary>
         public void Add(HandState state)
         {
             Add(state.Session, state.TimeS, state.SentMonotonicNs, state.ReceivedNs, state.JointAngles);
@@ -51,7 +51,7 @@ namespace Wholehand
             if (!continues) count = 0;
             session = ofSession;
             newestSentNs = sentNs;
-            // The newest one stays where it is far enough from the next; otherwise it is replaced.
+            // The newest sample is kept if it is far enough from the next one; otherwise it is replaced.
             if (count > 0 && (count == 1 || kept[0].TimeS - kept[1].TimeS >= SpacingS))
             {
                 Sample last = kept[kept.Length - 1];
@@ -65,8 +65,9 @@ namespace Wholehand
             Array.Copy(joints, kept[0].Joints, joints.Length);
         }
 
-        /// <summary>The joints at <paramref name="nowNs"/> of MonotonicClock; false before the first state, and where
-        /// <paramref name="joints"/> has another length than states have.</summary>
+        /// <summary>Predicts the joints at <paramref name="nowNs"/> of MonotonicClock. False before the first state,
+        /// and if
+        /// <paramref name="joints"/> has another length than the states.</summary>
         public bool TryPredict(long nowNs, float[] joints)
         {
             if (count == 0 || joints.Length != kept[0].Joints.Length) return false;
@@ -93,7 +94,7 @@ namespace Wholehand
             return true;
         }
 
-        // The smallest one of this window and of the one before it.
+        // Keeps the minimum of this window and of the one before it.
         private void CountDelay(long ns, long nowNs)
         {
             if (count == 0)

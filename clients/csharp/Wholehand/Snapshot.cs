@@ -2,10 +2,10 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A copy of a WorldState that the game owns, or of a part of it. SI, the program's frame.</summary>
+    /// <summary>A copy of a WorldState or of a part of it, owned by the game. SI, the program's frame.</summary>
     public abstract class Snapshot
     {
-        public uint Session;           // counts from 1 with every arming
+        public uint Session;           // increases by one with every arming, from 1
         public ulong Tick;
         public double TimeS;
         public long SentMonotonicNs;   // clock of the program's machine
@@ -17,13 +17,14 @@ namespace Wholehand
         {
         }
 
-        /// <summary>Whether it is a copy of that state already.</summary>
+        /// <summary>Whether it is already a copy of that state.</summary>
         internal bool IsOf(WorldState s)
         {
             return taken && IsSameRest(s) && s.Tick == Tick && s.Session == Session && s.SentMonotonicNs == SentMonotonicNs;
         }
 
-        /// <summary>Throws what FlatBuffers throws where the state is damaged; then it is no copy of it.</summary>
+        /// <summary>Copies a state. Throws FlatBuffers' exceptions if it is damaged; then this is not a copy of
+        /// it.</summary>
         internal void CopyFrom(WorldState s)
         {
             CopyRest(s);
@@ -34,7 +35,7 @@ namespace Wholehand
             taken = true;
         }
 
-        /// <summary>Whether what changes while no tick passes is the same.</summary>
+        /// <summary>Whether the fields are equal that can change without a new tick.</summary>
         internal virtual bool IsSameRest(WorldState s)
         {
             return true;

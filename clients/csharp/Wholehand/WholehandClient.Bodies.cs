@@ -4,23 +4,24 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    // Bodies of a game, in a scene with Scene.Budget: docs/protocol.md. All numbers are checked by the program; what it
-    // refuses stands in CommandReply.Items, and what only its loop knows comes as a BodyEvent.
+    // Bodies of a game, in a scene with Scene.Budget: docs/protocol.md. The program checks all numbers; its refusals
+    // are in CommandReply.Items, and later results of its loop come as a BodyEvent.
     public sealed partial class WholehandClient
     {
         private const int MostItems = 4096, MostInMessage = 64;
         private static readonly string[] BodyEventNames =
-            { "appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched" }; // as BodyEventKind
+            { "appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched" }; // like BodyEventKind
 
-        private int[] bodyEventKinds = new int[0]; // of the scene's types; -1: another event
+        private int[] bodyEventKinds = new int[0]; // kind by the scene's event type; -1: another event
 
-        /// <summary>Which bodies of a game are in the world; its memory is the receiver's. TryGetBodies copies.</summary>
+        /// <summary>The bodies of a game in the world changed. The receiver may keep the argument. TryGetBodies copies
+        /// the list.</summary>
         public event Action<GameBodies> BodiesChanged;
 
-        /// <summary>What became of a body of a game.</summary>
+        /// <summary>An event of a body of a game.</summary>
         public event Action<BodyEvent> BodyEventReceived;
 
-        /// <summary>Gives the convex pieces of bodies to come, as shape set <paramref name="set"/>, below
+        /// <summary>Defines the convex pieces of later bodies, as shape set <paramref name="set"/>, below
         /// Scene.Budget.ShapeSets. They last for the session.</summary>
         public Task<CommandReply> PrepareShapes(uint set, params BodyShape[] pieces)
         {
@@ -28,8 +29,8 @@ namespace Wholehand
             return Ask(Order.PrepareShapes, b => BodyWords.PrepareShapes(b, (ushort)set, pieces));
         }
 
-        /// <summary>Puts bodies into empty slots, or registers them by numbers, 64 at most. Each is a ghost until it overlaps
-        /// nothing.</summary>
+        /// <summary>Puts bodies into empty slots, or registers them by numbers, at most 64. Each is a ghost until it
+        /// overlaps nothing.</summary>
         public Task<CommandReply> Spawn(params BodyToSpawn[] bodies)
         {
             foreach (BodyToSpawn body in bodies)
@@ -40,13 +41,13 @@ namespace Wholehand
             return Ask(Order.Spawn, b => BodyWords.Spawn(b, bodies));
         }
 
-        /// <summary>Takes bodies away. One that the hand presses is let go first.</summary>
+        /// <summary>Removes bodies. A body that the hand presses is released first.</summary>
         public Task<CommandReply> Remove(params BodyId[] bodies)
         {
             return Ask(Order.Remove, b => BodyWords.Remove(b, bodies));
         }
 
-        /// <summary>Puts bodies elsewhere, as ghosts.</summary>
+        /// <summary>Moves bodies to other places, where they are ghosts first.</summary>
         public Task<CommandReply> Teleport(params BodyAt[] bodies)
         {
             return Ask(Order.Teleport, b => BodyWords.Teleport(b, bodies));
@@ -57,8 +58,8 @@ namespace Wholehand
             return Ask(Order.SetOwner, b => BodyWords.SetOwner(b, bodies));
         }
 
-        /// <summary>Where bodies of owner Game are pulled to. Say it again within 0.1 s, or a body halts: the next one
-        /// corrects it. Any number of them. What is refused comes through ReplyReceived.</summary>
+        /// <summary>Target poses of any number of bodies of owner Game. Repeat a target within 0.1 s, or its body
+        /// halts; a lost message is corrected by the next one. Refusals come through ReplyReceived.</summary>
         public void BodyTargets(params BodyAt[] bodies)
         {
             lock (gate)
@@ -73,7 +74,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>Copies which bodies of a game are in the world; false where nothing has come that is newer than
+        /// <summary>Copies the list of a game's bodies in the world; false if there is none newer than
         /// <paramref name="into"/>. Any thread.</summary>
         public bool TryGetBodies(BodySlots into)
         {
@@ -85,13 +86,13 @@ namespace Wholehand
             }
         }
 
-        /// <summary>The shapes of a body that is in the world, by BodySlots.Shapes. Any thread.</summary>
+        /// <summary>The shapes of a body in the world, by BodySlots.Shapes. Any thread.</summary>
         public bool TryGetShapes(uint id, out GameShapes found)
         {
             lock (gate) return shapes.TryGetValue(id, out found);
         }
 
-        // A length of a damaged message is any number, also below 0.
+        // The length in a damaged message may be any number, also below 0.
         private static int Believable(int length)
         {
             if (length < 0 || length > MostItems) throw new InvalidOperationException("a length that no message has");
@@ -116,7 +117,7 @@ namespace Wholehand
             }
         }
 
-        // The value is what the kind says: a refusal, an impulse, or else the generation.
+        // The meaning of the value depends on the kind: a refusal, an impulse, or else the generation.
         private BodyEvent BodyEventOf(BodyEventKind kind, Event happened)
         {
             var body = new BodyEvent { Kind = kind, Tick = happened.Tick, Slot = happened.Index };

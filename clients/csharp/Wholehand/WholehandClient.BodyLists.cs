@@ -4,18 +4,18 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    // Which bodies of a game are in the world, gathered from what the program says of them.
+    // The list of a game's bodies in the world, assembled from the program's messages.
     public sealed partial class WholehandClient
     {
         private readonly BodySlots slots = new BodySlots();
         private readonly Dictionary<uint, GameShapes> shapes = new Dictionary<uint, GameShapes>();
         private readonly SortedList<uint, BodyInWorld> registered = new SortedList<uint, BodyInWorld>(); // by number
 
-        // By slot, also of bodies that have left it, whose last event may come after the list without them.
-        private readonly Dictionary<int, uint> generations = new Dictionary<int, uint>(); // the receiver's
+        // Generations by slot, also of bodies that have left it: their last event may come after the list without them.
+        private readonly Dictionary<int, uint> generations = new Dictionary<int, uint>(); // of the receiving thread
         private readonly Dictionary<int, BodyId> numbered = new Dictionary<int, BodyId>();
 
-        // Throws where the message is damaged; then nothing has changed.
+        // Throws if the message is damaged; then nothing has changed.
         private void Take(GameBodies reported)
         {
             BodySlots read = SlotsOf(reported);
@@ -74,7 +74,7 @@ namespace Wholehand
             return read;
         }
 
-        // Every body once: what is in a slot and has a number is known by that. gate is held.
+        // Lists every body once: a body in a slot that has a number is listed by its number. gate is held.
         private void GatherAll()
         {
             var owners = new Dictionary<uint, uint>(); // slot -> number
@@ -108,7 +108,8 @@ namespace Wholehand
                 BodyInWorld body = registered.Values[i];
                 slots.All[all++] = body;
                 if (body.State == SlotState.Parked) continue;
-                // The next list says its state anew; if it is not in that list, its last reported pose is out of date.
+                // The next list contains its state; if it does not contain the body, its last reported pose is
+                // outdated.
                 body.State = SlotState.Parked;
                 body.Stands = false;
                 registered[body.Id.Slot] = body;
@@ -118,7 +119,7 @@ namespace Wholehand
             for (int i = 1; i < all; ++i) slots.InOrder &= slots.All[i - 1].Id.Slot < slots.All[i].Id.Slot;
         }
 
-        // Those of bodies that are in the world. gate is held.
+        // Keeps the shapes of bodies in the world. gate is held.
         private void KeepShapes(Dictionary<uint, GameShapes> news)
         {
             var kept = new Dictionary<uint, GameShapes>();
@@ -132,8 +133,8 @@ namespace Wholehand
             foreach (KeyValuePair<uint, GameShapes> of in kept) shapes[of.Key] = of.Value;
         }
 
-        // Before the scene is known to the game. What slots hold ends with its session; what is registered, when the
-        // program says so.
+        // Called before the game gets the scene. The bodies in slots end with the session; registered ones, when the
+        // program reports it.
         private void TakeBodyEventsOf(Scene newScene)
         {
             var kinds = new int[newScene.Budget.HasValue ? Believable(newScene.EventNamesLength) : 0];

@@ -7,10 +7,10 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    // Commands. Each task ends with the program's answer; it never faults.
+    // Commands. Each task ends with the program's answer, and never in an exception.
     public sealed partial class WholehandClient
     {
-        /// <summary>Asks for the controls; refused while another client holds them.</summary>
+        /// <summary>Requests the controls; refused while another client holds them.</summary>
         public Task<CommandReply> TakeControls()
         {
             return Ask(Order.TakeControls, b =>
@@ -26,8 +26,8 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Starts rendering (again). <paramref name="endingsSeen"/> is HandState.Endings as the person was
-        /// shown it when pressing; refused where anything has been stopped since, and before the first state.</summary>
+        /// <summary>Starts rendering. <paramref name="endingsSeen"/> is HandState.Endings as it was shown to the person
+        /// at the press; refused if anything was stopped since, and before the first state.</summary>
         public Task<CommandReply> Arm(uint endingsSeen)
         {
             lock (gate)
@@ -47,8 +47,8 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Ramps to neutral at once; without the controls, too. It goes by WebSocket, and by
-        /// datagram until the program shows that it has obeyed.</summary>
+        /// <summary>Ramps to neutral at once; it needs no controls. It is sent by WebSocket, and by
+        /// datagram until the program confirms it.</summary>
         public Task<CommandReply> EmergencyStop()
         {
             lock (gate)
@@ -66,7 +66,7 @@ namespace Wholehand
             }
         }
 
-        /// <summary>Empty texts and level 0: as it is.</summary>
+        /// <summary>Loads an exercise, level and hand; empty texts and level 0 keep the present ones.</summary>
         public Task<CommandReply> LoadExercise(string exercise, int level = 0, string hand = "")
         {
             if (level < 0 || level > ushort.MaxValue)
@@ -81,30 +81,30 @@ namespace Wholehand
             });
         }
 
-        /// <summary>One of Scene.Parameters; the program ramps to the value.</summary>
+        /// <summary>Sets one of Scene.Parameters; the program ramps to the value.</summary>
         public Task<CommandReply> SetParameter(string name, double value)
         {
             return Ask(Order.SetParameter, b =>
                 wholehand.protocol.SetParameter.CreateSetParameter(b, b.CreateString(name ?? ""), value).Value);
         }
 
-        /// <summary>Who says where the virtual patient wants to be.</summary>
+        /// <summary>Sets who controls the virtual patient's intention.</summary>
         public Task<CommandReply> Steer(Steering by)
         {
             return Ask(Order.Steer, b => wholehand.protocol.Steer.CreateSteer(b, by).Value);
         }
 
-        /// <summary>Next, restart, pause, resume.</summary>
+        /// <summary>Sends an action to the exercise: next, restart, pause, resume.</summary>
         public Task<CommandReply> Action(Act act)
         {
             return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act).Value);
         }
 
-        /// <summary>Where the person wants the hand to be, per axis; sent once and at once, since the next
-        /// one corrects it. Only one that is refused is answered, through ReplyReceived. Throws
-        /// ArgumentException for a posture without axes or with a number that is not finite. `by` is how much of
+        /// <summary>The person's intended position of the hand, per axis; sent once and at once, since the next
+        /// one corrects it. Only a refusal is answered, through ReplyReceived. Throws
+        /// ArgumentException for a posture without axes or with a number that is not finite. `by` is the share of
         /// the motion the game does for the person; recordings keep it.</summary>
-        public void Aim(float[] position, Help by = Help.Unsaid)
+        public void Aim(float[] position, Help by = Help.Unspecified)
         {
             if (position == null || position.Length < 1) throw new ArgumentException("no axes", "position");
             foreach (float p in position)
@@ -138,11 +138,11 @@ namespace Wholehand
             }
         }
 
-        // The answer to a command; gate is held.
+        // Processes the answer to a command; gate is held.
         private void Answer(uint id, CommandReply reply)
         {
             if (id == stopId) stopMessage = null;
-            // 0 answers what the program could not read: which one, it does not say.
+            // Number 0 answers a message that the program could not read; it does not report which one.
             if (id == 0) id = asked.Keys.Where(asking => asking != stopId).DefaultIfEmpty().Min();
             TaskCompletionSource<CommandReply> answer;
             if (!asked.TryGetValue(id, out answer)) return;
@@ -150,7 +150,7 @@ namespace Wholehand
             answer.TrySetResult(reply);
         }
 
-        // No answer comes any more; gate is held.
+        // Ends all pending commands, since no answer comes any more; gate is held.
         private void DropCommands(string why)
         {
             stopMessage = null;

@@ -5,16 +5,16 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    // What the program says in datagrams, on a thread of their own.
+    // Receives the program's datagrams on a thread of its own.
     public sealed partial class WholehandClient
     {
         private void OpenDatagrams(int port)
         {
             var socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
-            // Room for what comes while this process is held up, for a second or more.
+            // A buffer for datagrams that come while this process is delayed for a second or more.
             socket.ReceiveBufferSize = 4 * 1024 * 1024;
             socket.ReceiveTimeout = 200;
-            // Connected, the system drops what others send; and receiving allocates nothing.
+            // On a connected socket the system drops datagrams of other senders, and receiving allocates nothing.
             socket.Connect(options.Host, port);
             datagrams = socket;
             new Thread(() => ReceiveDatagrams(socket)) { IsBackground = true, Name = "Wholehand datagrams" }.Start();
@@ -22,7 +22,7 @@ namespace Wholehand
 
         private void ReceiveDatagrams(Socket socket)
         {
-            // One byte more than is allowed shows what is too long.
+            // One byte more than the limit detects datagrams that are too long.
             var bytes = new byte[Datagram.LargestSize + 1];
             while (!closed && socket == datagrams)
             {
@@ -33,7 +33,7 @@ namespace Wholehand
                 catch (SocketException e)
                 {
                     if (e.SocketErrorCode == SocketError.MessageSize) Statistics.CountIgnored();
-                    // Nobody listens there at present: the system says so at once, again and again.
+                    // Nobody listens there at present: the system reports that at once, for every send.
                     else if (e.SocketErrorCode != SocketError.TimedOut && e.SocketErrorCode != SocketError.WouldBlock)
                     {
                         Thread.Sleep(PaceMs);
@@ -46,7 +46,7 @@ namespace Wholehand
             }
         }
 
-        // Any bytes of the connected address. Tests call it, too.
+        // Processes any bytes from the connected address. Tests call it, too.
         internal void Receive(byte[] bytes, int size, long nowNs)
         {
             DatagramHeader header;

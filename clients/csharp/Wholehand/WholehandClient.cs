@@ -14,7 +14,7 @@ namespace Wholehand
 {
     /// <summary>A game's connection to a running Wholehand: scenes, events, commands and answers by
     /// WebSocket, in order and complete; hand coordinates up to 1000 times a second and aims by datagram,
-    /// where only the newest counts. It connects by itself, and again after the program was gone. Docs:
+    /// where only the newest counts. It connects by itself, and again after the program was absent. Docs:
     /// docs/udp.md.</summary>
     public sealed partial class WholehandClient : IDisposable
     {
@@ -31,7 +31,7 @@ namespace Wholehand
         private readonly ConcurrentQueue<System.Action> toRaise = new ConcurrentQueue<System.Action>();
         private volatile bool closed, connected, holdsControls;
 
-        // gate guards what the threads and the game's use.
+        // gate guards data that the client's threads and the game's threads share.
         private readonly object gate = new object();
         private readonly byte[] outgoing = new byte[Datagram.LargestSize];
         private readonly FlatBufferBuilder builder = new FlatBufferBuilder(256);
@@ -40,15 +40,15 @@ namespace Wholehand
         private readonly Queue<byte[]> toSend = new Queue<byte[]>();
         private Task sending;
         private ClientWebSocket webSocket;
-        // Of the conversation: neither Abort() nor a token wakes who waits for a WebSocket of mono.
+        // Ends the conversation: neither Abort() nor a token interrupts waiting for a WebSocket in mono.
         private TaskCompletionSource<bool> ended = new TaskCompletionSource<bool>();
-        private Socket datagrams;   // null: the program takes none
+        private Socket datagrams;   // null: the program has no datagrams
         private ulong key;
         private MessageBuffer newest = new MessageBuffer(), filling = new MessageBuffer();
         private MessageBuffer world = new MessageBuffer(); // the newest state by WebSocket, with bodies
         private Scene? scene;
         private uint sequence, command, stopId;
-        private byte[] stopMessage; // of an emergency stop that the program has not shown yet
+        private byte[] stopMessage; // an emergency stop that the program has not confirmed yet
         private long heardNs, heartbeatNs, polledNs, datagramNs, datagramSentNs;
         private bool haveState, haveWorld;
         private string refusal = "";
@@ -71,8 +71,8 @@ namespace Wholehand
             keeper = new Thread(KeepLoop) { IsBackground = true, Name = "Wholehand heartbeat" };
         }
 
-        /// <summary>Begins to connect; ConnectionChanged reports when it is done. Subscribe to events before;
-        /// to be called once.</summary>
+        /// <summary>Begins to connect; ConnectionChanged reports the result. Subscribe to events before;
+        /// call it once.</summary>
         public void Connect()
         {
             polledNs = MonotonicClock.NowNs();
@@ -80,22 +80,22 @@ namespace Wholehand
             keeper.Start();
         }
 
-        /// <summary>A state, newer than all before. Valid during the call only: TryGetState copies.
-        /// Always raised on the client's own thread; not raised where options say Polled.</summary>
+        /// <summary>A state that is newer than all before. Valid only during the call; TryGetState copies.
+        /// Always raised on the client's own thread; not raised with the option Polled.</summary>
         public event Action<WorldState> StateReceived;
 
-        /// <summary>The scene of the states from now on; its memory is the receiver's.</summary>
+        /// <summary>The scene of later states. The receiver may keep it.</summary>
         public event Action<Scene> SceneReceived;
 
         public event Action<Events> EventsReceived;
         public event Action<Reply> ReplyReceived;
         public event Action<Controls> ControlsChanged;
 
-        /// <summary>Connected or not, and in words why.</summary>
+        /// <summary>Whether it is connected, and a description of the reason.</summary>
         public event Action<bool, string> ConnectionChanged;
 
         /// <summary>A handler of the game threw; without a handler for this it is written to the error
-        /// stream. The client goes on.</summary>
+        /// stream. The client continues.</summary>
         public event Action<Exception> HandlerThrew;
 
         public ClientStatistics Statistics { get; private set; }
@@ -105,27 +105,27 @@ namespace Wholehand
         /// <summary>Whether this client may command.</summary>
         public bool HoldsControls { get { return holdsControls; } }
 
-        /// <summary>The newest scene; null before the first.</summary>
+        /// <summary>The newest scene; null before the first one.</summary>
         public Scene? LatestScene { get { lock (gate) return scene; } }
 
-        /// <summary>Why the program refuses to be connected to; empty: it does not.</summary>
+        /// <summary>Why the program refuses a connection; empty: it does not.</summary>
         public string Refusal { get { lock (gate) return refusal; } }
 
-        /// <summary>Copies the newest state; false where there is none, or none that is newer than
-        /// <paramref name="into"/> already is. Any thread.</summary>
+        /// <summary>Copies the newest state; false if there is none newer than
+        /// <paramref name="into"/>. Any thread.</summary>
         public bool TryGetState(HandState into)
         {
             return TryCopy(ref newest, ref haveState, into);
         }
 
-        /// <summary>Copies bodies and contacts of the newest state that came by WebSocket, 60 a second; false where
-        /// there is none, or none that is newer than <paramref name="into"/> already is. Any thread.</summary>
+        /// <summary>Copies bodies and contacts of the newest state by WebSocket, 60 per second; false if
+        /// there is none newer than <paramref name="into"/>. Any thread.</summary>
         public bool TryGetWorld(WorldSnapshot into)
         {
             return TryCopy(ref world, ref haveWorld, into);
         }
 
-        // By reference: another thread exchanges them while gate is free.
+        // Passed by reference: another thread exchanges the buffers while gate is free.
         private bool TryCopy(ref MessageBuffer from, ref bool have, Snapshot into)
         {
             lock (gate)
@@ -141,7 +141,7 @@ namespace Wholehand
                 }
                 catch (Exception e) when (IsOfRubbish(e))
                 {
-                    // Made by something else than Wholehand: its offsets lead nowhere.
+                    // The message was not made by Wholehand: its offsets are invalid.
                     have = false;
                     Statistics.CountIgnored();
                     return false;
@@ -149,8 +149,8 @@ namespace Wholehand
             }
         }
 
-        /// <summary>Raises the events that wait, where options say Polled, and reports that the game is
-        /// alive. To be called in every frame.</summary>
+        /// <summary>Raises the waiting events with the option Polled, and reports that the game is
+        /// alive. Call it in every frame.</summary>
         public void Poll()
         {
             lock (gate) polledNs = MonotonicClock.NowNs();
@@ -202,7 +202,7 @@ namespace Wholehand
             SendNext();
         }
 
-        // A WebSocket takes one message at a time.
+        // A WebSocket sends one message at a time.
         private void SendNext()
         {
             if (webSocket == null || toSend.Count == 0 || (sending != null && !sending.IsCompleted)) return;
@@ -212,7 +212,7 @@ namespace Wholehand
                     WebSocketMessageType.Binary, true, CancellationToken.None);
                 sending.ContinueWith(sent =>
                 {
-                    // Where it failed, the thread that listens finds out, too.
+                    // The listening thread detects a failure, too.
                     if (sent.Exception == null) lock (gate) SendNext();
                 });
             }
@@ -237,7 +237,7 @@ namespace Wholehand
             }
             catch (Exception e) when (IsOfTheLine(e))
             {
-                // Nobody listens there at present, or the buffer is full: the next one corrects it.
+                // Nobody listens there at present, or the buffer is full: the next aim corrects it.
             }
         }
 
@@ -256,7 +256,7 @@ namespace Wholehand
             if (webSocket == null) return;
             if (nowNs - heardNs > GoneNs)
             {
-                ended.TrySetResult(true); // the thread that listens goes on from there
+                ended.TrySetResult(true); // the listening thread continues there
                 return;
             }
             if (!connected) return;
@@ -290,7 +290,7 @@ namespace Wholehand
             });
         }
 
-        // What the program says on the WebSocket, on a thread of its own.
+        // Receives the program's messages on the WebSocket, on a thread of its own.
 
         private const int RetryPauseMs = 250;
         private const int ConnectPatienceMs = 2000;
@@ -315,7 +315,7 @@ namespace Wholehand
             while (!closing.WaitOne(RetryPauseMs));
         }
 
-        // From connecting to the end; in words why it ended.
+        // Runs one conversation from connecting to its end; returns a description of why it ended.
         private string Converse()
         {
             using (var socket = new ClientWebSocket())
@@ -359,7 +359,7 @@ namespace Wholehand
                 || e is ObjectDisposedException || e is OperationCanceledException || e is InvalidOperationException;
         }
 
-        // A WebSocket does not report why it was refused: a plain request does.
+        // A WebSocket does not report why it was refused; a plain HTTP request does.
         private string InWords(Exception e)
         {
             try
@@ -406,7 +406,7 @@ namespace Wholehand
             }
             catch (Exception e) when (IsOfRubbish(e))
             {
-                // FlatBuffers looked where nothing is: a message that another program made.
+                // FlatBuffers read outside of the message: another program made it.
                 Statistics.CountIgnored();
             }
         }
@@ -418,9 +418,9 @@ namespace Wholehand
         }
 
         private ByteBuffer inPlace = new ByteBuffer(new byte[8]);
-        private byte[] inPlaceBytes; // of inPlace
+        private byte[] inPlaceBytes; // bytes of inPlace
 
-        // Any bytes of the WebSocket. Tests call it, too.
+        // Processes any bytes of the WebSocket. Tests call it, too.
         internal void Hear(byte[] bytes, int length, long nowNs)
         {
             if (bytes != inPlaceBytes)
@@ -440,11 +440,11 @@ namespace Wholehand
                     world.CopyFrom(bytes, 0, length, nowNs);
                     haveWorld = true;
                 }
-                // At 0 Hz datagrams bring no states.
+                // At 0 Hz no states come by datagram.
                 if (options.RateHz == 0 || !DatagramsCome(nowNs)) Show(bytes, 0, length, nowNs);
                 return;
             }
-            // Handlers may keep what they are given.
+            // Handlers may keep their arguments.
             var own = new byte[length];
             Buffer.BlockCopy(bytes, 0, own, 0, length);
             Deliver(Message.GetRootAsMessage(new ByteBuffer(own)));
@@ -484,7 +484,7 @@ namespace Wholehand
                     Raise(ReplyReceived, reply);
                     break;
                 case Payload.Commissioning:
-                    break; // a program that leads through one moves no hand
+                    break; // a program that commissions a device moves no hand
                 default:
                     Statistics.CountIgnored();
                     break;
@@ -511,7 +511,7 @@ namespace Wholehand
 
         // ---- states ----
 
-        private readonly object showing = new object(); // of two threads, one at a time
+        private readonly object showing = new object(); // serializes two threads that report states
 
         private bool Show(byte[] bytes, int offset, int length, long nowNs)
         {

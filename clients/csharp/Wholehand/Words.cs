@@ -6,7 +6,7 @@ namespace Wholehand
     /// <summary>Messages as FlatBuffers.</summary>
     internal static class Words
     {
-        /// <summary>Of protocol/wholehand.fbs.</summary>
+        /// <summary>Schema version of protocol/wholehand.fbs.</summary>
         public const ushort SchemaVersion = 1;
 
         public static byte[] Command(FlatBufferBuilder b, uint id, Order type, int order)
@@ -32,7 +32,7 @@ namespace Wholehand
                 && PayloadAt(new Table(message.GetInt(0), message)) != 0;
         }
 
-        /// <summary>The state in a message that has one. As Message.PayloadAsWorldState, which boxes a state
+        /// <summary>The state in a message that has one. Unlike Message.PayloadAsWorldState it does not box the state
         /// on every call.</summary>
         public static WorldState StateOf(ByteBuffer message)
         {
@@ -47,7 +47,7 @@ namespace Wholehand
         }
     }
 
-    /// <summary>A message in memory that is used again for the next one.</summary>
+    /// <summary>A message buffer that is reused.</summary>
     internal sealed class MessageBuffer
     {
         public MessageBuffer()
@@ -55,7 +55,7 @@ namespace Wholehand
             Bytes = new ByteBuffer(new byte[Datagram.LargestSize]);
         }
 
-        /// <summary>For FlatBuffers, from position 0.</summary>
+        /// <summary>The buffer for FlatBuffers, from position 0.</summary>
         public ByteBuffer Bytes { get; private set; }
 
         public int Length { get; private set; }

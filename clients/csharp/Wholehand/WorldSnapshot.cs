@@ -3,18 +3,18 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A copy of the bodies and contacts of a WorldState that the game owns. Datagrams do not carry them:
-    /// they come by WebSocket, 60 times a second. Taking the next one into it allocates nothing unless there are more
-    /// bodies or contacts than ever before. SI, the program's frame (EngineAxes converts).</summary>
+    /// <summary>A copy of the bodies and contacts of a WorldState, owned by the game. Datagrams do not contain them:
+    /// they come by WebSocket, 60 times a second. Copying the next state into it allocates nothing unless there are
+    /// more bodies or contacts than ever before. SI, the program's frame (EngineAxes converts).</summary>
     public sealed class WorldSnapshot : Snapshot
     {
-        /// <summary>Of the arrays below, how many bodies are valid: those of Scene.Bodies in their order, then the slots of a
-        /// game's.</summary>
+        /// <summary>Number of valid elements of the body arrays below: Scene.Bodies in their order, then the slots of a
+        /// game.</summary>
         public int BodyCount;
         public Vector[] BodyPositions = new Vector[0];    // centre of mass [m]
         public Rotation[] BodyOrientations = new Rotation[0];
 
-        /// <summary>Of the arrays below, how many contacts are valid.</summary>
+        /// <summary>Number of valid elements of the contact arrays below.</summary>
         public int ContactCount;
         public int[] ContactCapsules = new int[0];        // index into Scene.Capsules
         public int[] ContactBodies = new int[0];          // index into Scene.Bodies
@@ -22,9 +22,9 @@ namespace Wholehand
         public Vector[] ContactForces = new Vector[0];    // on the hand [N]
 
         private const int MostBodies = 4096, MostContacts = 4096;
-        private const float EmptyBelowM = -8; // where empty slots are; a body of a game is within 5 m
+        private const float EmptyBelowM = -8; // empty slots are below this; a body of a game is within 5 m
 
-        /// <summary>False where the state has no such body, or its slot is empty.</summary>
+        /// <summary>Whether the state has this body; false for an empty slot.</summary>
         public bool Has(int body)
         {
             return body >= 0 && body < BodyCount && BodyPositions[body].Z > EmptyBelowM;
@@ -52,7 +52,7 @@ namespace Wholehand
             BodyCount = bodies;
             if (ContactPoints.Length < contacts)
             {
-                int room = Math.Max(64, 2 * contacts); // their number changes with every tick
+                int room = Math.Max(64, 2 * contacts); // headroom, since the number changes with every tick
                 ContactCapsules = new int[room];
                 ContactBodies = new int[room];
                 ContactPoints = new Vector[room];

@@ -1,17 +1,18 @@
-# The WebSocket of connection.gd, in Godot 4. For Godot 3: clients/godot/addons/wholehand/socket.gd, with the same functions.
+# The WebSocket of connection.gd, in Godot 4. For Godot 3: clients/godot/addons/wholehand/socket.gd, with the same
+# functions.
 extends RefCounted
 
 enum {CONNECTING, OPEN, REFUSED, LOST}
 
-const BUFFER_BYTES = 4194304 # the largest scene
+const BUFFER_BYTES = 4194304 # size of the largest scene
 
 var state = CONNECTING # changes only within poll()
 
 var _peer = WebSocketPeer.new()
 
 
-# False where `address` is no address. `token` is empty where the program asks for none. A game exported for browsers
-# cannot send a token: browsers take no headers.
+# False if `address` is invalid. `token` is empty if the program requires none. A game exported for browsers
+# cannot send a token: browsers do not allow headers.
 func open(address: String, token: String) -> bool:
 	_peer.inbound_buffer_size = BUFFER_BYTES
 	_peer.max_queued_packets = 1024
@@ -40,11 +41,11 @@ func take_packet() -> PackedByteArray:
 	return _peer.get_packet()
 
 
-# Only while it is open.
+# Call it only while the socket is open.
 func send(message: PackedByteArray) -> void:
 	_peer.send(message, WebSocketPeer.WRITE_MODE_BINARY)
 
 
-# It is not opened again.
+# A closed socket is not opened again.
 func close() -> void:
 	_peer.close()

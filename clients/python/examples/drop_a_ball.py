@@ -1,4 +1,4 @@
-"""Drops a ball on the hand of a running program, and says what becomes of it.
+"""Drops a ball on the hand of a running program, and prints its events.
 
     wholehand run --exercise game-scene --wait     # in another terminal
     python3 drop_a_ball.py                         # --address host:port otherwise

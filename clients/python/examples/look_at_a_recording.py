@@ -1,4 +1,4 @@
-"""What a recorded hand touched and felt, as a table.
+"""Prints the contacts and forces of a recorded hand as a table.
 
     wholehand run --motion data/human-motion/reach-grasp-00.csv --simulated-clock --record run.h5
     python3 look_at_a_recording.py run.h5

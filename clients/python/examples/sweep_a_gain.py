@@ -1,9 +1,9 @@
-"""How stiff the coupling of the arm should be: the same recorded reach with several stiffnesses.
+"""Compares stiffnesses of the arm's coupling by the same recorded reach.
 
     python3 sweep_a_gain.py                    # `wholehand` in PATH; --program PATH otherwise
 
-For each stiffness that `wholehand certify` passes: how far the simulated hand lags behind the real one
-where nothing is touched (what feels heavy), and what is felt at most where something is.
+For each stiffness that `wholehand certify` passes: the lag of the simulated hand behind the real one without contact
+(a large lag feels heavy), and the largest force in contact.
 """
 import argparse
 import pathlib

@@ -8,7 +8,7 @@
 
     from wholehand.rig import Rig, VectorRig        # the renderer inside this process, simulated
 
-Each module imports what it needs itself: this one needs nothing. SI units, radians. World frame: right-handed, x away
+Each module imports its own dependencies; this one has none. SI units, radians. World frame: right-handed, x away
 from the person, y left, z up.
 """
 from __future__ import annotations
@@ -23,6 +23,6 @@ __version__ = "0.1.0"
 
 
 def open(path: str | os.PathLike[str]) -> Recording:
-    """A recording, for reading; one that is still written or was cut off, too. Needs h5py."""
+    """Opens a recording for reading, also one that is still being written or was cut off. Needs h5py."""
     from wholehand.recording import Recording
     return Recording(path)

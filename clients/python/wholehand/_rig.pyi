@@ -34,7 +34,7 @@ class _State:
     @property
     def joint_names(self) -> List[str]: ...
     @property
-    def body_names(self) -> List[str]: ...  # of the scene; the first 128 are in `bodies`
+    def body_names(self) -> List[str]: ...  # of the scene; `bodies` has the first 128
     @property
     def value_names(self) -> List[str]: ...  # of exercise_values, with their units
     @property
@@ -68,7 +68,7 @@ class _State:
     @property
     def qd_s(self) -> _Reals: ...
     @property
-    def theta(self) -> _Reals: ...  # its joints
+    def theta(self) -> _Reals: ...  # joints of the simulated hand
     @property
     def f_s(self) -> _Reals: ...
     @property
@@ -80,7 +80,7 @@ class _State:
     @property
     def rendered(self) -> _Reals: ...
     @property
-    def sent(self) -> _Reals: ...  # what the device received [N or N·m]
+    def sent(self) -> _Reals: ...  # effort that the device received [N or N·m]
     @property
     def exercise_effort(self) -> _Reals: ...
     @property
@@ -99,8 +99,8 @@ class Rig(_State):
         """Runs n ticks; other Python threads run meanwhile.
 
         aim: the pose that the hand is steered to, one value for each axis [m or rad], as by the order Aim of a client;
-        without one the virtual patient moves the hand. Returns the ticks that ran: fewer than n if a fault ended the run,
-        after which a step raises RunEnded."""
+        without one the virtual patient moves the hand. Returns the ticks that ran: fewer than n if a fault ended the
+        run, after which a step raises RunEnded."""
     def close(self) -> None:
         """Ends the run and frees its world; arrays stay as they are. reset() begins anew."""
     def _history(self) -> Tuple[int, numpy.typing.NDArray[numpy.int64], _Reals]:

@@ -1,4 +1,4 @@
-"""Bodies of a game: what its orders are made of (docs/protocol.md, "Bodies of a game").
+"""Bodies of a game: the arguments of its orders (docs/protocol.md, "Bodies of a game").
 
 SI units. Positions are those of the centre of mass, in the world; quaternions are x, y, z, w.
 """
@@ -11,7 +11,7 @@ import flatbuffers
 import numpy
 import numpy.typing
 
-# Imported now: while an order is made, no heartbeat is sent.
+# Imported at start-up: no heartbeat is sent while an order is being made.
 from wholehand.protocol import BodyHandover, BodyName, BodyPlace, BodyTargets, Pose, Remove, SetOwner, SpawnBody, Teleport, Vec3
 from wholehand.protocol import Shape as ShapeTable
 
@@ -20,13 +20,13 @@ BOX, SPHERE, CYLINDER, CAPSULE, CONVEX_MESH = range(5)
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 Vector = typing.Union[typing.Sequence[float], numpy.typing.NDArray[typing.Any]]
 Vectors = typing.Union[typing.Sequence[Vector], numpy.typing.NDArray[typing.Any]]
-Put = typing.Callable[[flatbuffers.Builder], typing.Any]  # makes a part of an order; its place in the message
+Put = typing.Callable[[flatbuffers.Builder], typing.Any]  # writes a part of an order; returns its offset in the message
 EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched")
 
 
 @dataclasses.dataclass(frozen=True)
 class Shape:
-    """A piece of a body; box(), ball(), cylinder(), capsule() and mesh() make one. Cylinder and capsule lie along z."""
+    """A piece of a body, made by box(), ball(), cylinder(), capsule() or mesh(). Cylinder and capsule lie along z."""
     type: int
     half_extents_m: Vector = (0.0, 0.0, 0.0)
     radius_m: float = 0.0
@@ -50,18 +50,18 @@ def cylinder(radius_m: float, height_m: float, **place: typing.Any) -> Shape:
 
 
 def capsule(radius_m: float, length_m: float, **place: typing.Any) -> Shape:
-    """@param length_m between the centres of its caps"""
+    """@param length_m distance between the centres of its caps"""
     return Shape(CAPSULE, radius_m=radius_m, length_m=length_m, **place)
 
 
 def mesh(points_m: Vectors, triangles: typing.Sequence[typing.Sequence[int]], **place: typing.Any) -> Shape:
-    """Convex and closed. @param points_m (n, 3) @param triangles (m, 3) indices of points"""
+    """A convex and closed mesh. @param points_m (n, 3) @param triangles (m, 3) indices of points"""
     return Shape(CONVEX_MESH, points_m=points_m, triangles=triangles, **place)
 
 
 @dataclasses.dataclass(frozen=True)
 class Body:
-    """A body to spawn. `generation` names it among those that the slot holds one after another."""
+    """A body to spawn. `generation` distinguishes successive bodies of the slot."""
     slot: int
     shape_set: int
     position_m: Vector
@@ -76,9 +76,9 @@ class Body:
 
 @dataclasses.dataclass(frozen=True)
 class BodyEvent:
-    """What became of a body. `generation` is 0 where the name is "refused", which has a `refusal`. "touched" has the
-    impulse on the hand [N·s] of the first 10 ms of the touch. `body` is (slot, generation), or (number, generation) where
-    the game named it by a number: such a body also appears and leaves when it gets a slot and gives it back."""
+    """An event of a body. `generation` is 0 for the name "refused", which has a `refusal`. "touched" has the impulse on
+    the hand [N·s] of the first 10 ms of the contact. `body` is (slot, generation), or (number, generation) if the game
+    named it by a number: such a body also appears and leaves when it gets a slot and gives it back."""
     name: str
     tick: int
     slot: int
@@ -90,8 +90,8 @@ class BodyEvent:
 
 def event_of(name: str, event: typing.Any, refusals: dict[int, str], generations: dict[int, int],
              names: dict[int, tuple[int, int]]) -> BodyEvent:
-    """@param refusals names of the schema's BodyRefusal @param generations of slots, which "touched" does not bring
-    @param names of bodies beyond the slots, by the slot that they have or had last"""
+    """@param refusals names of the schema's BodyRefusal @param generations generations by slot, which "touched" lacks
+    @param names names of bodies beyond the slots, by their present or last slot"""
     slot, value = int(event["index"]), float(event["value"])
     generation = {"touched": generations.get(slot, 0), "refused": 0}.get(name, int(value))
     return BodyEvent(name, int(event["tick"]), slot, generation,
@@ -99,7 +99,7 @@ def event_of(name: str, event: typing.Any, refusals: dict[int, str], generations
                      impulse_ns=value if name == "touched" else 0.0, body=names.get(slot, (slot, generation)))
 
 
-# How orders name a body.
+# The name of a body in orders.
 Name = typing.Tuple[int, int]
 Place = typing.Union[typing.Tuple[int, int, Vector], typing.Tuple[int, int, Vector, Vector]]
 Handover = typing.Tuple[int, int, int]

@@ -17,7 +17,7 @@ from wholehand.bodies import Body, BodyEvent, Handover, Name, Place, Shape
 from wholehand.connection import ANSWER_WITHIN_S, Connection, Lost, connect
 from wholehand.messages import Reals, Table
 
-# A thread that holds the controls and asks for nothing so long is taken for hung: the heartbeat ends, and the
+# A thread that holds the controls and makes no call for this long counts as hung: the heartbeat ends, and the
 # program takes the controls back. The pages have the same rule.
 HUNG_AFTER_S = 3.0
 
@@ -25,12 +25,12 @@ Answer = typing.TypeVar("Answer")
 
 
 class Client:
-    """Runs a Connection in a thread of its own. All of it is called from one thread; every call shows that the caller
-    is alive."""
+    """Runs a Connection in a thread of its own. All methods are called from one thread; every call shows that the
+    caller is alive."""
 
     def __init__(self, address: str = "127.0.0.1:8080", role: str | None = None, token: str | None = None,
                  answer_within_s: float = ANSWER_WITHIN_S) -> None:
-        """As wholehand.connection.connect()."""
+        """Has the arguments of wholehand.connection.connect()."""
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -55,7 +55,7 @@ class Client:
 
     @property
     def state(self) -> Table | None:
-        """The newest; None where none has come yet."""
+        """The newest state; None before the first one."""
         return self._program.state
 
     @property
@@ -67,9 +67,9 @@ class Client:
         return self._program.welcome
 
     def order(self, order: str, timeout_s: float | None = None, **fields: typing.Any) -> None:
-        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost, Unanswered, and
-        ValueError for what can be sent to nobody, such as a number that is not finite.
-        @param timeout_s in place of the client's answer_within_s"""
+        """Sends one of the schema's Order and waits for the answer. Raises Refused, Lost, Unanswered, and
+        ValueError for invalid arguments, such as a number that is not finite.
+        @param timeout_s replaces the client's answer_within_s"""
         self._call(self._program.order(order, timeout_s, **fields))
 
     def take_controls(self, token: str = "") -> None:
@@ -88,18 +88,18 @@ class Client:
         self._call(self._program.emergency_stop())
 
     def next_state(self, timeout_s: float | None = None) -> Table:
-        """The next WorldState that comes."""
+        """Waits for the next WorldState."""
         return self._call(self._program.next_state(), timeout_s)
 
     def joints_now(self) -> Reals | None:
-        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
+        """Predicted joint positions; None before the first state: wholehand.prediction."""
         async def ask() -> Reals | None:
             return self._program.joints_now()
         return self._call(ask())
 
     @property
     def bodies(self) -> Table | None:
-        """The schema's GameBodies; None where none has come."""
+        """The schema's GameBodies; None before the first one."""
         return self._program.bodies
 
     @property
@@ -108,7 +108,7 @@ class Client:
         return self._program.registered
 
     def body_poses(self) -> dict[int, typing.Any]:
-        """Where bodies of a game are: the schema's Pose by slot, or by number."""
+        """Poses of a game's bodies: the schema's Pose by slot, or by number."""
         async def ask() -> dict[int, typing.Any]:
             return self._program.body_poses()
         return self._call(ask())

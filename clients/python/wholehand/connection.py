@@ -28,18 +28,18 @@ NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
 
 HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
 REPEAT_STOP_S = 0.3
-ANSWER_WITHIN_S = 60.0      # an arming that rehearses takes seconds, on a busy machine more
-MESSAGES_A_SECOND = 350.0   # the program drops those beyond 400, also an Aim that somebody waits for
-AT_ONCE = 50.0              # messages of a burst
-EMPTY_BELOW_M = -8.0        # where a state has empty slots; a body of a game is within 5 m
-BODY_EVENTS = 4096          # most that wait for next_body_event(); older ones are dropped
+ANSWER_WITHIN_S = 60.0      # arming includes a rehearsal of seconds, or more on a busy machine
+MESSAGES_A_SECOND = 350.0   # the program drops messages beyond 400, also an Aim whose answer is awaited
+AT_ONCE = 50.0              # size of a burst
+EMPTY_BELOW_M = -8.0        # empty slots of a state are below this; a body of a game is within 5 m
+BODY_EVENTS = 4096          # maximum number waiting for next_body_event(); older ones are dropped
 
 Answer = typing.TypeVar("Answer")
 
 
 class Refused(Exception):
-    """The program refused an order. `code` is a name of the schema's Refusal. `items` are those of an order to bodies
-    that were refused, as (index, name of the schema's BodyRefusal, reason); all else of it was obeyed."""
+    """The program refused an order. `code` is a name of the schema's Refusal. `items` are the refused items of an order
+    to bodies, as (index, name of the schema's BodyRefusal, reason); all others were obeyed."""
 
     def __init__(self, order: str, reply: Table) -> None:
         self.order, self.reason = order, reply.reason
@@ -62,7 +62,8 @@ class Unanswered(TimeoutError):
 @contextlib.asynccontextmanager
 async def connect(address: str = "127.0.0.1:8080", role: str | None = None, token: str | None = None,
                   answer_within_s: float = ANSWER_WITHIN_S) -> typing.AsyncIterator[Connection]:
-    """@param address host:port @param role therapist, player or watcher; None: says none @param token of another machine
+    """@param address host:port @param role therapist, player or watcher; None: unspecified @param token for another
+    machine
     @param answer_within_s every order is answered by then, or raises Unanswered"""
     if role not in (None, "therapist", "player", "watcher"):
         raise ValueError(f"role = {role!r}: must be therapist, player or watcher, or None")
@@ -84,9 +85,9 @@ async def connect(address: str = "127.0.0.1:8080", role: str | None = None, toke
 
 
 class Connection:
-    """What the program says, newest of each: `welcome`, `scene`, `controls`, `state`, `commissioning`, `bodies`
+    """The newest messages of the program: `welcome`, `scene`, `controls`, `state`, `commissioning`, `bodies`
     (Tables; `bodies` is the schema's GameBodies), `registered` (the schema's RegisteredBody by number), and
-    orders to it. `silence` is asked before every heartbeat; while it says True none is sent."""
+    orders to it. `silence` is called before every heartbeat; while it returns True none is sent."""
 
     def __init__(self, socket: typing.Any, answer_within_s: float = ANSWER_WITHIN_S) -> None:
         self._socket = socket
@@ -100,7 +101,7 @@ class Connection:
         self._beat: asyncio.Task[None] | None = None
         self._event_names: list[str] = []
         self._body_events: collections.deque[make.BodyEvent] = collections.deque(maxlen=BODY_EVENTS)
-        # Of the bodies of a game, by slot; also of those that have left it. Names: (number, generation).
+        # Names of a game's bodies by slot, also of those that have left it: (number, generation).
         self._generations: dict[int, int] = {}
         self._names: dict[int, tuple[int, int]] = {}
         self.registered: dict[int, typing.Any] = {}
@@ -114,13 +115,13 @@ class Connection:
         self.bodies: Table | None = None
 
     async def order(self, order: str, timeout_s: float | None = None, **fields: typing.Any) -> None:
-        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost, Unanswered, and
-        ValueError for what can be sent to nobody, such as a number that is not finite.
-        @param timeout_s in place of the connection's answer_within_s"""
+        """Sends one of the schema's Order and waits for the answer. Raises Refused, Lost, Unanswered, and
+        ValueError for invalid arguments, such as a number that is not finite.
+        @param timeout_s replaces the connection's answer_within_s"""
         await self._answered(order, self._ask(order, fields), timeout_s)
 
     async def take_controls(self, token: str = "") -> None:
-        """Holds them by a heartbeat until release_controls() or the end of the connection."""
+        """Takes the controls and holds them by a heartbeat until release_controls() or the end of the connection."""
         await self.order("TakeControls", token=token)
         self._beat_stops()
         self._beat = asyncio.create_task(self._keep_beating())
@@ -130,7 +131,8 @@ class Connection:
         await self.order("ReleaseControls")
 
     async def arm(self, endings_seen: int | None = None) -> None:
-        """Starts rendering. @param endings_seen of the state that the person was shown when asking; None: the newest"""
+        """Starts rendering. @param endings_seen of the state that was shown to the person at the request; None: the
+        newest"""
         if endings_seen is None:
             state = await self._answered("Arm, which waits for a state", self._wait(lambda: self.state), None)
             endings_seen = state.endings
@@ -140,20 +142,20 @@ class Connection:
         await self.order("Stop")
 
     async def emergency_stop(self) -> None:
-        """Sends it until it is answered. Any client may. Raises Lost, Unanswered."""
+        """Sends an emergency stop until it is answered. Any client may. Raises Lost, Unanswered."""
         await self._answered("EmergencyStop", self._repeat_stop(), None)
 
     async def next_state(self) -> Table:
-        """The next WorldState that comes."""
+        """Waits for the next WorldState."""
         before = self.state
         return await self._wait(lambda: self.state if self.state is not before else None)
 
     def joints_now(self) -> Reals | None:
-        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
+        """Predicted joint positions; None before the first state: wholehand.prediction."""
         return self._motion.joints(time.monotonic_ns())
 
     async def events(self) -> typing.AsyncIterator[tuple[str, typing.Any]]:
-        """(name, event) of everything that happens from now on; `event` has tick, type, index and value. The name is
+        """Iterates over (name, event) of all events from now on; `event` has tick, type, index and value. The name is
         empty for a type that the scene does not have."""
         queue: asyncio.Queue[typing.Any] = asyncio.Queue()
         self._event_queues.add(queue)
@@ -168,12 +170,12 @@ class Connection:
             self._event_queues.discard(queue)
 
     async def prepare_shapes(self, shape_set: int, *shapes: make.Shape) -> None:
-        """Shapes for bodies to come, in a frame whose axes are the body's. They last for the session."""
+        """Defines shapes of later bodies, in a frame whose axes are the body's. They last for the session."""
         await self.order("PrepareShapes", set=shape_set, pieces=make.pieces(shapes))
 
     async def spawn(self, *bodies: make.Body) -> None:
         """@param bodies wholehand.bodies.Body, ...; their `slot` is a slot, or a number from 1000 on for a body beyond
-        the slots, which all other orders name by it, too"""
+        the slots; all other orders name the body by that number, too"""
         await self.order("Spawn", bodies=make.spawned(bodies))
 
     async def remove(self, *bodies: make.Name) -> None:
@@ -189,12 +191,12 @@ class Connection:
         await self.order("SetOwner", bodies=make.handed_over("SetOwner", bodies))
 
     async def body_targets(self, *bodies: make.Place) -> None:
-        """Where bodies of owner GAME are pulled to; older than 0.1 s, a body halts.
+        """Target poses of bodies of owner GAME; a body whose target is older than 0.1 s halts.
         @param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
         await self.order("BodyTargets", bodies=make.placed("BodyTargets", bodies))
 
     async def next_body_event(self) -> make.BodyEvent:
-        """The next wholehand.bodies.BodyEvent; those that came since the connection began wait here."""
+        """The next wholehand.bodies.BodyEvent; events since the begin of the connection are queued."""
         await self._wait(lambda: self._body_events)
         return self._body_events.popleft()
 
@@ -216,7 +218,7 @@ class Connection:
 
     async def _ask(self, order: str, fields: dict[str, typing.Any]) -> None:
         check_finite(order, fields)
-        if order not in ("Stop", "EmergencyStop"):  # which the program always hears
+        if order not in ("Stop", "EmergencyStop"):  # the program always reads these
             await self._take_turn()
         number, answer = await self._send(order, fields)
         try:
@@ -250,7 +252,7 @@ class Connection:
                     number: int | None = None) -> tuple[int, asyncio.Future[Table]]:
         if self._lost:
             raise self._lost
-        if number is None:  # else said again
+        if number is None:  # otherwise the same order is repeated
             self._number += 1
             number = self._number
         message = encode(number, order, **fields)
@@ -276,7 +278,7 @@ class Connection:
             self._beat = None
 
     async def _wait(self, found: typing.Callable[[], Answer | None]) -> Answer:
-        """What is found, once it is there."""
+        """Waits until `found` returns something, and returns it."""
         while True:
             if what := found():
                 return what
@@ -329,7 +331,8 @@ class Connection:
         return {int(body["slot"]): number for number, body in self.registered.items() if body["slot"] >= 0}
 
     def body_poses(self) -> dict[int, typing.Any]:
-        """Where bodies of a game are: the schema's Pose by slot, or by number. By the newest state where they have a slot."""
+        """Poses of a game's bodies: the schema's Pose by slot, or by number. A body in a slot has the newest
+        state's."""
         poses = {number: body["pose"] for number, body in self.registered.items()}
         state, reported = self.state, self.bodies
         if self.scene is None or reported is None or state is None or state.session != reported.session:
@@ -341,7 +344,7 @@ class Connection:
         return poses
 
     def _ended(self, why: typing.Any) -> Lost:
-        """All that waits learns that the connection is lost."""
+        """Ends all waiting calls, since the connection is lost."""
         if self._lost is None:
             self._lost = Lost(f"the connection to the program ended: {why}")
         for answer in self._replies.values():

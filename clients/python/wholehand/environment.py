@@ -1,11 +1,11 @@
-"""A reaching task with the API of gymnasium, which may be missing.
+"""A reaching task with the API of gymnasium, which is optional.
 
     from wholehand.environment import ReachEnvironment
     environment = ReachEnvironment()
     observation, info = environment.reset(seed=1)
     observation, reward, terminated, truncated, info = environment.step(environment.action_space.sample())
 
-With gymnasium installed the class is a gymnasium.Env and has its spaces; without it, Box has what a task needs of them.
+With gymnasium installed the class is a gymnasium.Env and has its spaces; without it, Box is a minimal replacement.
 """
 from typing import Any, Dict, Optional, Tuple
 
@@ -20,7 +20,7 @@ Reals = numpy.typing.NDArray[numpy.float64]
 
 
 class _PlainBox:
-    """All arrays of one shape between two bounds: what a task needs of gymnasium.spaces.Box."""
+    """All arrays of one shape between two bounds: a minimal gymnasium.spaces.Box."""
 
     def __init__(self, low: Reals, high: Reals, dtype: Any = numpy.float64) -> None:
         self.low, self.high, self.dtype = numpy.asarray(low, dtype), numpy.asarray(high, dtype), numpy.dtype(dtype)
@@ -31,7 +31,7 @@ class _PlainBox:
         self._draws = numpy.random.default_rng(seed)
 
     def sample(self) -> Reals:
-        """A point of the bounds, all equally likely; of unbounded numbers a standard normal one."""
+        """A uniformly distributed sample within the bounds; of unbounded numbers a standard normal one."""
         bounded = numpy.isfinite(self.low) & numpy.isfinite(self.high)
         low, high = numpy.where(bounded, self.low, 0.0), numpy.where(bounded, self.high, 1.0)
         drawn = numpy.where(bounded, self._draws.uniform(low, high), self._draws.standard_normal(self.shape))
@@ -46,7 +46,7 @@ class _PlainBox:
 
 
 class _PlainEnv:
-    """The part of gymnasium.Env that others ask for."""
+    """A minimal gymnasium.Env."""
     metadata: Dict[str, Any] = {"render_modes": []}
     render_mode: Optional[str] = None
     _np_random: Optional[numpy.random.Generator] = None
@@ -80,15 +80,14 @@ except ImportError:
 class Reaching:
     """The task, for one hand or for many at once: targets, observations, rewards. Arrays are (axes,) or (rigs, axes).
 
-    The hand is to come to rest at a target in the middle of its workspace. An action moves the aim, the pose that the person
-    intends, by at most `MOST_M` on each axis; the person's arm, the device and its friction do the rest.
-    """
+    The hand must come to rest at a target in the middle of its workspace. An action moves the aim, the pose that the
+    person intends, by at most `MOST_M` on each axis; the person's arm, the device and its friction do the rest. """
     AXES = ("x", "y", "z")
-    TICKS = 20              # of a step: 0.02 s
-    STEPS = 100             # of an episode: 2 s
-    MOST_M = 0.01           # an action of 1, in one step
+    TICKS = 20              # ticks in a step: 0.02 s
+    STEPS = 100             # steps in an episode: 2 s
+    MOST_M = 0.01           # movement of the aim by an action of 1, in one step
     NEAR_M, SLOW_M_S = 0.01, 0.05
-    SHARE = 0.8             # of the workspace, in which targets lie
+    SHARE = 0.8             # share of the workspace in which targets lie
 
     def __init__(self, rig: Any) -> None:
         missing = [name for name in self.AXES if name not in rig.axis_names]
@@ -103,14 +102,14 @@ class Reaching:
         return numpy.asarray(middle + self.SHARE * half * draws.uniform(-1.0, 1.0, 3))
 
     def aim(self, aim: Reals, action: Reals) -> Reals:
-        """The next aim: moved by the action, within the workspace."""
+        """The next aim: moved by the action, limited to the workspace."""
         moved = aim.copy()
         moved[..., self.index] = numpy.clip(aim[..., self.index] + self.MOST_M * numpy.clip(action, -1.0, 1.0),
                                             self.lower, self.upper)
         return moved
 
     def observation(self, rig: Any, aim: Reals, target_m: Reals) -> Reals:
-        """From the hand to the target and from the aim to the target [0.1 m], velocity [m/s]: 9 numbers."""
+        """Vectors from the hand to the target and from the aim to the target [0.1 m], velocity [m/s]: 9 numbers."""
         hand = rig.q_s[..., self.index]
         return numpy.concatenate([10.0 * (target_m - hand), 10.0 * (target_m - aim[..., self.index]),
                                   rig.qd_s[..., self.index]], axis=-1)
@@ -123,28 +122,28 @@ class Reaching:
         return numpy.asarray((self.distance_m(rig, target_m) < self.NEAR_M) & (speed < self.SLOW_M_S))
 
     def reward(self, rig: Any, target_m: Reals) -> Reals:
-        """Minus the distance [0.1 m] in a step; in the step in which the hand arrives, nothing is lost."""
+        """The negative distance [0.1 m] in a step; 0 in the step in which the hand arrives."""
         return numpy.where(self.reached(rig, target_m), 0.0, -10.0 * self.distance_m(rig, target_m))
 
 
 class ReachEnvironment(Env):  # type: ignore[misc]
     """Reach for a point in empty space, and rest there.
 
-    action: how the aim moves, (3,) in [-1, 1]. observation: Reaching.observation(). Terminated: the hand has arrived, or a
-    fault has ended the run (`info["ended_by"]`). Truncated: after 2 s. The same seed and actions give the same bits.
-    """
+    action: how the aim moves, (3,) in [-1, 1]. observation: Reaching.observation(). Terminated: the hand has arrived,
+    or a fault has ended the run (`info["ended_by"]`). Truncated: after 2 s. The same seed and actions give the same
+    bits. """
     metadata: Dict[str, Any] = {"render_modes": []}
 
     def __init__(self, rig: Optional[Rig] = None) -> None:
-        """@param rig any whose device has the axes x, y, z; default: the six-axis device in empty space"""
+        """@param rig any rig whose device has the axes x, y, z; default: the six-axis device in empty space"""
         self.rig = rig if rig is not None else Rig(scene="empty")
         self.task = Reaching(self.rig)
         self.action_space = Box(-numpy.ones(3), numpy.ones(3), dtype=numpy.float64)
         self.observation_space = Box(numpy.full(9, -numpy.inf), numpy.full(9, numpy.inf), dtype=numpy.float64)
-        self._steps = -1  # of the episode; -1: none has begun, or it is over
+        self._steps = -1  # steps of the episode; -1: none has begun, or it is over
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Reals, Dict[str, Any]]:
-        """Begins an episode. Without a seed the targets go on from the last one's."""
+        """Begins an episode. Without a seed the random targets continue the earlier sequence."""
         super().reset(seed=seed)
         self.rig.reset(int(self.np_random.integers(2 ** 31)))
         self.target_m = self.task.target_m(self.np_random)
@@ -168,7 +167,7 @@ class ReachEnvironment(Env):  # type: ignore[misc]
         return self._observation(), float(self.task.reward(self.rig, self.target_m)), terminated, truncated, self._info()
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Does nothing: no resource is open."""
 
     def _observation(self) -> Reals:
         return self.task.observation(self.rig, self._aim, self.target_m)

@@ -1,4 +1,4 @@
-"""Where the links of the hand are, from Scene.links and joint positions."""
+"""Poses of the hand's links from Scene.links and joint positions."""
 from __future__ import annotations
 
 import numpy
@@ -54,7 +54,7 @@ class Hand:
         return poses
 
     def _motion(self, link: int, theta: Reals) -> Reals:
-        """Of the link by its joint, in its own frame."""
+        """The rotation of a link by its joint, in its own frame."""
         motion = numpy.zeros((*theta.shape, 4, 4))
         motion[..., :, :] = numpy.eye(4)
         if self._types[link] == PRISMATIC:

@@ -37,16 +37,16 @@ VECTORS_OF_STRUCTS = {("WorldState", "links"): POSE, ("WorldState", "bodies"): P
                       ("WorldState", "contacts"): CONTACT, ("Events", "events"): EVENT, ("Shape", "points_m"): VEC3,
                       ("GameBodies", "bodies"): GAME_BODY, ("GameBodies", "registered"): REGISTERED_BODY}
 
-# What flatbuffers raises where bytes are no message.
+# Exceptions of flatbuffers for invalid bytes.
 UNREADABLE = (struct.error, IndexError, ValueError, TypeError, OverflowError)
 
 
 class MessageError(ValueError):
-    """Bytes that are no message of this protocol."""
+    """The bytes are not a message of this protocol."""
 
 
 def _generated(name: str) -> types.ModuleType:
-    """What flatc has made of a table, an enum or a union."""
+    """The generated class of a table, an enum or a union."""
     return importlib.import_module(f"wholehand.protocol.{name}")
 
 
@@ -133,7 +133,7 @@ def _structs(dtype: numpy.dtype[typing.Any], first: typing.Any, count: int) -> A
 
 
 def _believable(count: int, table: typing.Any) -> int:
-    """No vector has more elements than its message has room for."""
+    """The count of a vector's elements; raises ValueError if they do not fit into the message."""
     if 4 * count > len(table._tab.Bytes):
         raise ValueError(f"{count} elements do not fit into {len(table._tab.Bytes)} bytes")
     return count
@@ -149,14 +149,14 @@ def _value(value: typing.Any) -> typing.Any:
 
 
 def field_names(table: type) -> list[str]:
-    """Of a generated class: its accessors, which flatc names in camel case."""
+    """Names of a table's fields, from the accessors of its generated class, which flatc names in camel case."""
     own = [name for name in vars(table) if name[0].isupper() and name != "Init" and not name.startswith("GetRootAs")]
     helpers = ("AsNumpy", "Length", "IsNone", "BufferHasIdentifier")
     return [re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() for name in own if not name.endswith(helpers)]
 
 
 def decode(data: typing.Any) -> Table:
-    """The table that a message of the program carries. Raises MessageError."""
+    """The table in a message of the program. Raises MessageError."""
     data = bytes(data)
     if len(data) < 8 or data[4:8] != IDENTIFIER:
         raise MessageError("not a message of Wholehand's")
@@ -178,8 +178,8 @@ def decode(data: typing.Any) -> Table:
 
 
 def encode(number: int, order: str, **fields: typing.Any) -> bytes:
-    """A Command. @param number rises with every command @param fields of the order's table, as in the schema; of bodies
-    and pieces a function of wholehand.bodies"""
+    """A Command. @param number increases with every command @param fields fields of the order's table, as in the
+    schema; for bodies and pieces a function of wholehand.bodies"""
     if order not in ORDERS:
         raise ValueError(f"there is no order {order!r}; there are {', '.join(ORDERS)}")
     builder = flatbuffers.Builder(256)
@@ -218,13 +218,13 @@ def _put(builder: flatbuffers.Builder, value: typing.Any) -> typing.Any:
 
 
 def _single(values: numpy.typing.ArrayLike) -> AnyArray:
-    """As the wire has vectors of numbers: in single precision, which ends at 3.4e38."""
+    """Numbers in single precision, as in vectors of the wire, whose maximum is 3.4e38."""
     with numpy.errstate(over="ignore"):
         return numpy.asarray(values, "<f4")
 
 
 def check_finite(order: str, fields: dict[str, typing.Any]) -> None:
-    """Raises ValueError for an order with a number that is not finite, which no program obeys."""
+    """Raises ValueError for an order with a number that is not finite, which no program accepts."""
     for name, value in fields.items():
         if isinstance(value, (float, numpy.floating)) and not math.isfinite(value):
             raise ValueError(f"{order}.{name} = {value}: must be finite")

@@ -1,25 +1,25 @@
-"""Where the joints of the hand are now, from states that come late, irregularly and in part not at all."""
+"""Predicts the hand's joints at present from states that come late, irregularly and with losses."""
 from __future__ import annotations
 
 import numpy
 
 from wholehand.messages import Reals, Table
 
-SPACING_S = 0.0045         # between the states of a parabola, at least
+SPACING_S = 0.0045         # minimum spacing between the states of a parabola
 CURVATURE_SHARE = 0.75
-LONGEST_S = 0.05           # ahead of the newest state
-FADES_FROM_S, FADED_AT_S = 0.1, 0.25  # without a new state the hand returns to the newest
-DELAY_WINDOW_NS = 2_000_000_000       # the clock's window is between one and two of them
+LONGEST_S = 0.05           # maximum extrapolation beyond the newest state
+FADES_FROM_S, FADED_AT_S = 0.1, 0.25  # without a new state the hand returns to the newest one between these ages
+DELAY_WINDOW_NS = 2_000_000_000       # the minimum delay is taken over one to two windows
 KEPT = 4
 
 
 class MotionPredictor:
-    """A parabola through the newest state and two before it. The curvature counts three quarters, which halves its
-    overshoot where a motion ends. How old a state is follows from the fastest delivery of the last seconds: the clocks of
-    program and client may differ, and what the fastest delivery itself needs is not seen."""
+    """A parabola through the newest state and two earlier ones. Its curvature is weighted by three quarters, which
+    halves the overshoot at the end of a motion. The age of a state is relative to the fastest delivery of the last
+    seconds: the clocks of program and client may differ, and the delay of the fastest delivery is not compensated."""
 
     def __init__(self) -> None:
-        self._kept: list[tuple[float, Reals]] = []  # (time_s, joints), newest first; of the others each is SPACING_S older, at least
+        self._kept: list[tuple[float, Reals]] = []  # (time_s, joints), newest first; spaced by SPACING_S at least
         self._session = self._newest_sent_ns = 0
         self._delay_ns = self._delay_before_ns = self._window_ends_ns = 0
 
@@ -30,7 +30,7 @@ class MotionPredictor:
             self.add_joints(state.session, state.time_s, state.sent_monotonic_ns, received_ns, joints)
 
     def add_joints(self, session: int, time_s: float, sent_ns: int, received_ns: int, joints: Reals) -> None:
-        """As add(). Old states are ignored."""
+        """Like add(). Older states are ignored."""
         kept = self._kept
         same = bool(kept) and session == self._session and len(joints) == len(kept[0][1])
         if same and (sent_ns <= self._newest_sent_ns or time_s == kept[0][0]):
@@ -40,7 +40,7 @@ class MotionPredictor:
         if not continues:
             kept.clear()
         self._session, self._newest_sent_ns = session, sent_ns
-        # The newest one stays where it is far enough from the next; otherwise it is replaced.
+        # The newest sample is kept if it is far enough from the next one; otherwise it is replaced.
         if len(kept) > 1 and kept[0][0] - kept[1][0] < SPACING_S:
             kept.pop(0)
         kept.insert(0, (time_s, joints))
@@ -68,11 +68,11 @@ class MotionPredictor:
         return newest + ahead
 
     def age_s(self, now_ns: int) -> float:
-        """Of the newest state; what the fastest delivery needs does not count."""
+        """The age of the newest state, without the delay of the fastest delivery."""
         return max(0.0, 1e-9 * (now_ns - self._newest_sent_ns - min(self._delay_ns, self._delay_before_ns)))
 
     def _count_delay(self, delay_ns: int, now_ns: int) -> None:
-        """The smallest one of this window and of the one before it."""
+        """Keeps the minimum of this window and of the one before it."""
         if not self._kept:
             self._delay_ns = self._delay_before_ns = delay_ns
             self._window_ends_ns = now_ns + DELAY_WINDOW_NS

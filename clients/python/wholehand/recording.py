@@ -1,4 +1,4 @@
-"""Reads recordings of Wholehand: h5py's File, and tables of it.
+"""Reads recordings of Wholehand: a subclass of h5py's File, with conversion to tables.
 
     f = wholehand.open("run.h5")
     time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
@@ -21,7 +21,7 @@ SCHEMA = 9
 
 
 class Recording(h5py.File):  # type: ignore[misc]
-    """A recording, opened for reading; one that is still written or was cut off, too."""
+    """A recording, opened for reading, also one that is still being written or was cut off."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         super().__init__(path, "r", libver="latest", swmr=True)
@@ -34,13 +34,13 @@ class Recording(h5py.File):  # type: ignore[misc]
         self.ticks = self["ticks"]
 
     def rows(self) -> int:
-        """Ticks that every dataset of /ticks has; of a killed program some datasets are longer."""
+        """Number of ticks that every dataset of /ticks has; after a killed program some datasets are longer."""
         return min(len(dataset) for dataset in self.ticks.values())
 
     def to_pandas(self, *names: str) -> pandas.DataFrame:
-        """A DataFrame of datasets of /ticks, all where none is named: see tables.to_pandas."""
+        """A DataFrame of datasets of /ticks, by default of all: see tables.to_pandas."""
         return tables.to_pandas(self, *names)
 
     def to_xarray(self, *names: str) -> xarray.Dataset:
-        """A Dataset of datasets of /ticks, all where none is named: see tables.to_xarray."""
+        """A Dataset of datasets of /ticks, by default of all: see tables.to_xarray."""
         return tables.to_xarray(self, *names)

@@ -17,7 +17,7 @@ def _texts(values: typing.Any) -> list[str]:
 
 
 def _names(recording: Recording, names: tuple[str, ...]) -> typing.Sequence[str]:
-    """Datasets of /ticks, all that have numbers for every row where none is named."""
+    """Datasets of /ticks, by default all that have numbers for every row."""
     chosen = names or sorted(recording.ticks)
     for name in chosen:
         if f"ticks/{name}" not in recording:
@@ -53,7 +53,7 @@ def to_pandas(recording: Recording, *names: str) -> pandas.DataFrame:
 
 
 def to_xarray(recording: Recording, *names: str) -> xarray.Dataset:
-    """A Dataset of datasets of /ticks, over time_s and what their columns are (axis, joint, body, ...)."""
+    """A Dataset of datasets of /ticks, over time_s and their column dimension (axis, joint, body, ...)."""
     import xarray
     meta = recording.meta
     known = {tuple(_texts(meta[key])): key.split("_")[0] for key in ("axis_names", "joint_names", "body_names")

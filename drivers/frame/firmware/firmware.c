@@ -9,7 +9,7 @@ static void send_frame(firmware* fw, const wf_frame* frame) {
   if (count > 0) fw->board->send(fw->board->context, wire, count);
 }
 
-/* An answer to a question, or a sample; its payload is the caller's. */
+/* Makes an answer to a question, or a sample; the caller fills in the content. */
 static wf_frame frame_of(const firmware* fw, uint8_t kind, const wf_frame* question) {
   wf_frame frame;
   memset(&frame, 0, sizeof frame);
@@ -37,7 +37,7 @@ static void to_neutral(firmware* fw, fw_phase phase) {
   fw->saturated = 0;
 }
 
-/* The ramp begins at the effort that is given now. */
+/* Starts the ramp at the effort that is applied now. */
 static void let_go(firmware* fw, uint32_t begin_us, int to_off) {
   const fw_phase end = to_off ? FW_OFF : FW_LATCHED;
   if (at_neutral(fw)) {
@@ -51,14 +51,14 @@ static void let_go(firmware* fw, uint32_t begin_us, int to_off) {
   fw->phase = FW_RAMPING;
 }
 
-/* effort = neutral + s (held - neutral), s = 1 - (3 u^2 - 2 u^3), u = time / 80 ms: every axis by
- * the same share. A rounding error may not lift an effort: it never leaves neutral again. */
+/* effort = neutral + s (held - neutral), s = 1 - (3 u^2 - 2 u^3), u = time / 80 ms, the same
+ * s for every axis. A rounding error cannot raise an effort again. */
 static void ramp(firmware* fw, uint32_t now_us) {
   const uint32_t elapsed_us = now_us - fw->ramp_us;
   const float u = (float)elapsed_us / (float)FW_RAMP_US;
   const float share = 1.0f - u * u * (3.0f - 2.0f * u);
   uint8_t i;
-  /* With the last tick within 80 ms: half a thousandth of where it began is left then. */
+  /* The last tick is within 80 ms; half a thousandth of the initial effort is left then. */
   if (elapsed_us + (uint32_t)FW_TICK_US >= (uint32_t)FW_RAMP_US) {
     to_neutral(fw, fw->to_off ? FW_OFF : FW_LATCHED);
     return;
@@ -75,7 +75,7 @@ static void watch(firmware* fw, uint32_t now_us) {
   const uint32_t silent_us = now_us - fw->heard_us;
   if (fw->phase == FW_WAITING && silent_us > (uint32_t)FW_FIRST_COMMAND_US) let_go(fw, now_us, 0);
   if (fw->phase == FW_RENDERING && silent_us > fw->board->silence_us) {
-    /* Counted from when the silence was too long, but by no more than a tick: no step. */
+    /* The ramp counts from the end of the allowed silence, but at most one tick back, to avoid a step. */
     const uint32_t late_us = silent_us - fw->board->silence_us;
     let_go(fw, now_us - (late_us < (uint32_t)FW_TICK_US ? late_us : (uint32_t)FW_TICK_US), 0);
   }
@@ -113,8 +113,8 @@ static void answer_with(firmware* fw, wf_frame* answer, int32_t result) {
   send_frame(fw, answer);
 }
 
-/* A question is repeated until it is answered, so what takes time is answered when it is done. What
- * is done is not done again: a copy may come late. */
+/* Carries out a verb and answers when it is done; the program repeats its question until then. A late
+ * copy of the question is answered without repeating the action. */
 static void take_control(firmware* fw, const wf_frame* question, uint32_t now_us) {
   wf_frame answer = frame_of(fw, WF_ANSWER, question);
   const int again = question->sequence == fw->asked;
@@ -132,7 +132,7 @@ static void take_control(firmware* fw, const wf_frame* question, uint32_t now_us
     if (fw->phase == FW_RENDERING && !again) let_go(fw, now_us, 0);
     if (fw->phase == FW_RENDERING || fw->phase == FW_RAMPING) return;
     to_neutral(fw, FW_WAITING);
-    /* What is still on its way is passed over, too. */
+    /* Commands still on their way are ignored, too. */
     if (fw->passed != 0) fw->passed = fw->heard + WF_ENABLE_SKIP / 2;
     fw->heard_us = now_us;
     answer_with(fw, &answer, WH_OK);
@@ -148,11 +148,11 @@ static void take_control(firmware* fw, const wf_frame* question, uint32_t now_us
   }
 }
 
-/* A program that renders is not cut off by another: the answer then names its session. */
+/* Begins a session, unless another program renders. The answer then names that program's session. */
 static void take_hello(firmware* fw, const wf_frame* hello) {
   wf_frame welcome;
   const int free = fw->phase == FW_OFF || fw->phase == FW_LATCHED;
-  /* A late copy of its own begins nothing anew. */
+  /* A late copy from the same session has no effect. */
   if (hello->version == WF_VERSION && free && hello->session != fw->session) {
     fw->session = hello->session;
     fw->heard = fw->passed = fw->samples = fw->asked = 0;
@@ -218,7 +218,7 @@ void firmware_tick(firmware* fw, uint32_t now_us) {
   if (fw->phase == FW_RAMPING) ramp(fw, now_us);
   fw->board->drive(fw->board->context, fw->effort, fw->phase != FW_OFF);
   memset(&state, 0, sizeof state);
-  for (i = 0; i < WF_MAX_AXES; ++i) state.effort[i] = NAN; /* where the board measures none */
+  for (i = 0; i < WF_MAX_AXES; ++i) state.effort[i] = NAN; /* unless the board measures it */
   fw->board->measure(fw->board->context, &state);
   if (fw->session == 0) return;
   sample.sequence = ++fw->samples;

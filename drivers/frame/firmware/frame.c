@@ -25,7 +25,7 @@ size_t wf_cobs_encode(const uint8_t* bytes, size_t count, uint8_t* out) {
       out[at++] = bytes[i];
       ++code;
     }
-    /* A full block is closed only where something follows it. */
+    /* A full block is closed only if more bytes follow. */
     if (bytes[i] == 0 || (code == 0xFF && i + 1 < count)) {
       out[code_at] = code;
       code_at = at++;
@@ -84,7 +84,7 @@ static const uint8_t* get_floats(const uint8_t* from, float* values, size_t coun
   return from;
 }
 
-/* Bytes of the frame before its CRC; 0: there is no such kind, or no such number of axes. */
+/* Length of the frame before its CRC; 0: unknown kind, or impossible number of axes. */
 static size_t length_of(uint8_t kind, uint8_t axes) {
   if (axes > WF_MAX_AXES) return 0;
   if (kind != WF_HELLO && axes == 0) return 0;

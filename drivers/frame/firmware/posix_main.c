@@ -1,5 +1,5 @@
-/* The reference firmware as a program: three rails that are not there, behind a pseudo-terminal, a
- * UDP port or shared memory. Tests run it, and who writes a driver or a board may.
+/* The reference firmware as a program: three simulated rails behind a pseudo-terminal, a UDP port or
+ * shared memory. For tests, and for authors of drivers and boards.
  *
  *   frame_firmware serial            prints "at serial:/dev/pts/N"
  *   frame_firmware udp:PORT          127.0.0.1; 0: any port. Prints "at udp:127.0.0.1:PORT"
@@ -36,7 +36,7 @@ typedef struct {
   int fd;              /* -1: shared memory */
   int line;            /* the other end of the pseudo-terminal, kept open; else -1 */
   int udp;
-  struct sockaddr_in peer, last; /* who has the session; who sent last */
+  struct sockaddr_in peer, last; /* owner of the session; last sender */
   sr_memory* shared;
   char shared_path[80];
   double position[AXES], velocity[AXES];
@@ -72,7 +72,7 @@ static void drive(void* context, const float* effort, int on) {
   for (i = 0; i < AXES; ++i) m->given[i] = on ? effort[i] : 0.0f;
 }
 
-/* A handle of 0.25 kg with 3 N.s/m that a person has let go of, between its stops. */
+/* Moves a free handle of 0.25 kg with 3 N.s/m between its stops. */
 static void move(machine* m, double period_s) {
   static const double travel_m[AXES] = {0.06, 0.09, 0.07};
   int i;
@@ -102,7 +102,7 @@ static void send_bytes(void* context, const uint8_t* bytes, size_t count) {
   } else {
     sent = write(m->fd, bytes, count);
   }
-  (void)sent; /* what has no room is lost, as on a line */
+  (void)sent; /* bytes without room are lost, as on a line */
 }
 
 static size_t receive_bytes(machine* m, uint8_t* bytes, size_t capacity) {
@@ -199,14 +199,14 @@ static fw_board board_of(machine* m, int silence_ms) {
   return board;
 }
 
-/* Everything that has come. The peer is who began the session. */
+/* Passes all received bytes on. The peer is the sender that began the session. */
 static void hear(machine* m, firmware* fw, uint32_t now_us) {
   uint8_t bytes[512];
   size_t count;
   while ((count = receive_bytes(m, bytes, sizeof bytes)) > 0) {
     const uint32_t session = fw->session;
     const struct sockaddr_in peer = m->peer;
-    m->peer = m->last; /* an answer goes to who asked */
+    m->peer = m->last; /* an answer goes to the sender of its question */
     firmware_receive(fw, bytes, count, now_us);
     if (fw->session == session && session != 0) m->peer = peer;
   }
@@ -242,7 +242,7 @@ static void run(machine* m, const fw_board* board, int commanded) {
     } else {
       struct timespec at;
       next_ns += PERIOD_NS;
-      if (now_ns() - next_ns > 1000000000) next_ns = now_ns(); /* stopped: time has passed */
+      if (now_ns() - next_ns > 1000000000) next_ns = now_ns(); /* after a stop of this process */
       at.tv_sec = next_ns / 1000000000;
       at.tv_nsec = next_ns % 1000000000;
       clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL);
@@ -284,7 +284,7 @@ int main(int argc, char** argv) {
   fflush(stdout);
   signal(SIGTERM, on_end);
   signal(SIGINT, on_end);
-  (void)sched_setscheduler(0, SCHED_FIFO, &urgent); /* where the machine grants it */
+  (void)sched_setscheduler(0, SCHED_FIFO, &urgent); /* if the machine allows it */
   board = board_of(&m, silence_ms);
   run(&m, &board, commanded);
   if (m.shared != NULL) shm_unlink(m.shared_path);

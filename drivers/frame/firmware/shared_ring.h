@@ -1,8 +1,8 @@
 /* Frames between two processes of one machine: the carrier shm:NAME, /dev/shm/wholehand-frame-NAME.
- * The device's side makes it, mode 0600. Each direction is a ring of slots for one writer and one
- * reader. Neither waits: what finds the ring full is dropped, as on a line. Whatever the other side
- * writes into it, nothing here reads or writes beyond the structure; a frame that two writers have
- * mixed is refused by its CRC. GCC and clang. */
+ * The device's side creates it with mode 0600. Each direction is a ring of slots for one writer and
+ * one reader. Neither waits: a frame for which the ring has no room is dropped, as on a line. Whatever
+ * the other side writes into it, this code stays within the structure; the CRC rejects a frame mixed
+ * from two writers. For GCC and clang. */
 #ifndef WHOLEHAND_SHARED_RING_H
 #define WHOLEHAND_SHARED_RING_H
 
@@ -13,7 +13,7 @@
 enum { SR_SLOTS = 32, SR_MAGIC = 0x57484652, SR_LAYOUT = 1 };
 
 typedef struct {
-  uint32_t written, read; /* slots so far; one side writes each */
+  uint32_t written, read; /* number of slots written and read; each has one writer */
   struct {
     uint32_t count;
     uint8_t bytes[WF_MAX_WIRE];
@@ -25,7 +25,7 @@ typedef struct {
   sr_ring to_device, from_device;
 } sr_memory;
 
-/* False: too long, or no room. */
+/* Writes a frame. False: too long, or no room. */
 static inline int sr_put(sr_ring* ring, const uint8_t* bytes, size_t count) {
   const uint32_t n = __atomic_load_n(&ring->written, __ATOMIC_RELAXED);
   if (count > WF_MAX_WIRE) return 0;
@@ -36,7 +36,7 @@ static inline int sr_put(sr_ring* ring, const uint8_t* bytes, size_t count) {
   return 1;
 }
 
-/* Length of the oldest; 0: there is none. @pre `bytes` has room for WF_MAX_WIRE. */
+/* Takes the oldest frame. Returns its length; 0: none. @pre `bytes` has room for WF_MAX_WIRE. */
 static inline size_t sr_get(sr_ring* ring, uint8_t* bytes) {
   const uint32_t n = __atomic_load_n(&ring->read, __ATOMIC_RELAXED);
   uint32_t count;

@@ -17,7 +17,7 @@ struct PlanItem {
   int level = 1;
   double minutes = 10.0;
   std::string help = "some";  ///< "full", "some", "none"
-  Parameters parameters;      ///< beside the person's own
+  Parameters parameters;      ///< in addition to the person's own
 };
 using Plan = std::vector<PlanItem>;
 
@@ -32,17 +32,18 @@ struct PlanPreset {
 struct ExerciseFacts {
   std::string id;
   int levels = 1;
-  std::vector<std::string> parameters;  ///< that this exercise has beside the device's
+  std::vector<std::string> parameters;  ///< parameters of this exercise, without the device's
 };
 
 /// config/clinic/presets.toml. Immutable.
 struct Presets {
   std::string path;
-  std::vector<ForcePreset> force;  ///< the gentlest first
+  std::vector<ForcePreset> force;  ///< from the gentlest on
   std::vector<PlanPreset> plans;
   std::vector<ExerciseFacts> exercises;
-  std::map<std::string, std::array<double, 2>> bounds;  ///< of every parameter that may be set
-  std::vector<std::string> device;                      ///< parameters of every exercise
+  std::map<std::string, std::array<double, 2>> bounds;  ///< bounds of every parameter that may be
+                                                        ///< set
+  std::vector<std::string> device;                      ///< parameters that every exercise has
 
   [[nodiscard]] const ForcePreset* forceOf(const std::string& id) const;
   [[nodiscard]] const ExerciseFacts* exercise(const std::string& id) const;
@@ -55,11 +56,11 @@ struct ShippedHand {
   double length_m = 0.0, breadth_m = 0.0;
 };
 [[nodiscard]] Expected<std::vector<ShippedHand>> loadShippedHands(const std::string& folder);
-/// Name of the shipped hand of this size, within 0.5 mm each; empty: none.
+/// Name of the shipped hand of this size, within 0.5 mm of length and breadth; empty: none.
 [[nodiscard]] std::string shippedHand(const std::vector<ShippedHand>& hands,
                                       const std::string& side, double length_m, double breadth_m);
-/// A hand file of any size: the joints, couplings and self contacts of the median hand.
-/// @param folder of the shipped hands  @param name also of the file, without .toml
+/// Writes a hand file of any size with the joints, couplings and self contacts of the median hand.
+/// @param folder folder of the shipped hands  @param name also the file name, without .toml
 [[nodiscard]] Expected<Done> writeHandFile(const std::string& folder, const std::string& path,
                                            const std::string& name, const std::string& side,
                                            double length_m, double breadth_m);

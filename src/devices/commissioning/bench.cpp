@@ -20,17 +20,17 @@ namespace wholehand {
 namespace {
 
 constexpr double kOfSpeed = 0.5, kOfRange = 0.25;
-constexpr double kOverFriction = 2.5;          // dry friction, times
-constexpr double kActing = 0.5, kMoves = 0.3;  // of the push
+constexpr double kOverFriction = 2.5;          // a push is this many times the dry friction
+constexpr double kActing = 0.5, kMoves = 0.3;  // shares of the push: still acting; shown to act
 constexpr std::size_t kLeastPlaces = 8;
 constexpr double kStepsMoved = 15.0;
 
 }  // namespace
 
-LetGoProof::LetGoProof(const DeviceModel& model, double lasts_s, double share)
+ReleaseCheck::ReleaseCheck(const DeviceModel& model, double lasts_s, double share)
     : model_(&model), lasts_s_(lasts_s), share_(share) {}
 
-const std::vector<double>& LetGoProof::push(const std::vector<double>& position) {
+const std::vector<double>& ReleaseCheck::push(const std::vector<double>& position) {
   if (!effort_.empty()) return effort_;
   for (std::size_t i = 0; i < position.size(); ++i) {
     const DeviceAxis& a = model_->axes[i];
@@ -46,11 +46,11 @@ const std::vector<double>& LetGoProof::push(const std::vector<double>& position)
   return effort_;
 }
 
-void LetGoProof::see(double at_s, const std::vector<double>& position) {
+void ReleaseCheck::addSample(double at_s, const std::vector<double>& position) {
   if (seen_.empty() || at_s > seen_.back().at_s) seen_.push_back({at_s, position});
 }
 
-bool LetGoProof::moved() const {
+bool ReleaseCheck::moved() const {
   for (std::size_t i = 0; i < push_.size(); ++i) {
     if (seen_.empty()) return false;
     const double gone = seen_.back().position[i] - seen_.front().position[i];
@@ -59,14 +59,14 @@ bool LetGoProof::moved() const {
   return true;
 }
 
-// By a parabola through all places.
-double LetGoProof::shareActing(std::size_t axis) const {
+// Share of the push that acts on the axis, from a parabola fitted through all positions.
+double ReleaseCheck::shareActing(std::size_t axis) const {
   const DeviceAxis& a = model_->axes[axis];
   const double middle_s = 0.5 * (seen_.front().at_s + seen_.back().at_s);
   Eigen::MatrixX3d m(static_cast<Eigen::Index>(seen_.size()), 3);
   Eigen::VectorXd q(m.rows());
   for (Eigen::Index k = 0; k < m.rows(); ++k) {
-    const Seen& seen = seen_[static_cast<std::size_t>(k)];
+    const Observation& seen = seen_[static_cast<std::size_t>(k)];
     const double t = seen.at_s - middle_s;
     m.row(k) << 1.0, t, 0.5 * t * t;
     q[k] = seen.position[axis] - seen_.front().position[axis];
@@ -77,7 +77,7 @@ double LetGoProof::shareActing(std::size_t axis) const {
   return (a.mass * found[2] + a.damping * found[1] + rubs) / push_[axis];
 }
 
-Diagnostics LetGoProof::still() const {
+Diagnostics ReleaseCheck::still() const {
   Diagnostics out;
   for (std::size_t i = 0; i < push_.size(); ++i) {
     if (seen_.size() >= kLeastPlaces && shareActing(i) > kMoves) continue;
@@ -91,7 +91,7 @@ Diagnostics LetGoProof::still() const {
   return out;
 }
 
-Diagnostics LetGoProof::acting(const std::string& when) const {
+Diagnostics ReleaseCheck::acting(const std::string& when) const {
   Diagnostics out;
   for (std::size_t i = 0; i < push_.size(); ++i) {
     const DeviceAxis& a = model_->axes[i];
@@ -115,7 +115,7 @@ Diagnostics LetGoProof::acting(const std::string& when) const {
 namespace {
 
 constexpr double kSpeedOver_s = 0.01;  // window of the speed check
-constexpr double kJump = 3.0;          // of the speed limit: no mechanism moves so
+constexpr double kJump = 3.0;          // times the speed limit; no mechanism is that fast
 constexpr std::int64_t kAhead_ns = 1'000'000;
 
 double inSeconds(std::int64_t ns) {
@@ -123,18 +123,19 @@ double inSeconds(std::int64_t ns) {
 }
 
 constexpr double kKeyWithin_s = 60.0;
-constexpr double kKeySeen_s = 0.15;  // until a held key is seen again
-constexpr double kPush_s = 0.06;     // before the watchdog is dropped, at least
+constexpr double kKeySeen_s = 0.15;  // timeout until a held key is reported again
+constexpr double kPush_s = 0.06;     // shortest push before the watchdog is dropped
 constexpr double kLongestPush_s = 0.5;
-constexpr double kProve_s = 0.08;    // after it let go
-constexpr double kSettles_s = 0.02;  // at the beginning of each: delay and ramp
-constexpr int kRefusedWrites = 20;   // ticks in which a sample may say why
+constexpr double kProve_s = 0.08;    // shortest check after the drive let go
+constexpr double kSettles_s = 0.02;  // skipped at the beginning of each part: delay and ramp
+constexpr int kRefusedWrites = 20;   // ticks after a refused write in which a sample may give the
+                                     // reason
 
-// Informs the person when a motion is over, however it ends.
+// Informs the person when a motion is over, whatever its result.
 class MotionEnd {
  public:
   MotionEnd(Operator& person, const Motion& motion) : person_(person), motion_(motion) {}
-  ~MotionEnd() { person_.tellMotion(motion_, MotionState::kOver); }
+  ~MotionEnd() { person_.reportMotion(motion_, MotionState::kOver); }
   MotionEnd(const MotionEnd&) = delete;
   MotionEnd& operator=(const MotionEnd&) = delete;
 
@@ -174,7 +175,7 @@ Expected<std::vector<double>> SampleWatch::positions(const wh_sample& sample) co
   return out;
 }
 
-Expected<Done> SampleWatch::judgeStatus(const wh_sample& sample) const {
+Expected<Done> SampleWatch::checkStatus(const wh_sample& sample) const {
   if ((sample.status & WH_DRIVE_FAULT) != 0) {
     return no("", fmt::format("a drive is in fault, code {}", sample.vendor_code),
               "clear it as its maker says");
@@ -195,8 +196,9 @@ Expected<Done> SampleWatch::judgeStatus(const wh_sample& sample) const {
   return Done{};
 }
 
-// Stillness is counted in ticks, not time: a stall of this machine is no stall of the device.
-Expected<Done> SampleWatch::judgeAge(const wh_sample& sample, std::int64_t now_ns) {
+// A standstill of the samples is counted in ticks, not in time: a stall of this machine is not a
+// stall of the device.
+Expected<Done> SampleWatch::checkAge(const wh_sample& sample, std::int64_t now_ns) {
   const bool first = tick_ == 0;
   const std::int64_t gap_ns = first ? 0 : now_ns - now_ns_;
   longest_gap_ns_ = std::max(longest_gap_ns_, gap_ns);
@@ -220,7 +222,7 @@ Expected<Done> SampleWatch::judgeAge(const wh_sample& sample, std::int64_t now_n
             "look at its cable, and repeat the step");
 }
 
-Expected<Done> SampleWatch::judgeMotion(std::size_t i, const Seen& now) const {
+Expected<Done> SampleWatch::checkMotion(std::size_t i, const Observation& now) const {
   const DeviceAxis& axis = model_->axes[i];
   // A person may have left the axis at a stop; it may return from there.
   const double lower = std::min(axis.lower, start_[i]), upper = std::max(axis.upper, start_[i]);
@@ -229,8 +231,9 @@ Expected<Done> SampleWatch::judgeMotion(std::size_t i, const Seen& now) const {
     return no(axis.name, "is beyond its range", "bring it back by hand, and repeat the step");
   }
   if (seen_.empty()) return Done{};
-  // Motion since another sample, over the most that the speed limit allows between their times.
-  const auto excess = [&](const Seen& then, double times) {
+  // Motion since an earlier sample beyond the distance that the speed limit allows between the two
+  // times.
+  const auto excess = [&](const Observation& then, double times) {
     const double most = times * axis.speed_limit * inSeconds(now.taken_ns - then.taken_ns);
     return std::abs(at - then.position[i]) - most - 3.0 * axis.encoder_step;
   };
@@ -245,20 +248,20 @@ Expected<Done> SampleWatch::judgeMotion(std::size_t i, const Seen& now) const {
   return Done{};
 }
 
-Expected<std::vector<double>> SampleWatch::judge(const wh_sample& sample, std::int64_t now_ns) {
+Expected<std::vector<double>> SampleWatch::check(const wh_sample& sample, std::int64_t now_ns) {
   const bool same = tick_ > 0 && sample.monotonic_ns == taken_ns_;
-  if (auto good = judgeAge(sample, now_ns); !good) return good.errors();
-  if (auto good = judgeStatus(sample); !good) return good.errors();
+  if (auto good = checkAge(sample, now_ns); !good) return good.errors();
+  if (auto good = checkStatus(sample); !good) return good.errors();
   Expected<std::vector<double>> position = positions(sample);
   if (!position) return position;
   if (start_.empty()) start_ = *position;
   ++tick_;
   if (same) return position;
-  const Seen now{sample.monotonic_ns, *position};
+  const Observation now{sample.monotonic_ns, *position};
   for (std::size_t i = 0; i < place_.size(); ++i) {
-    if (auto good = judgeMotion(i, now); !good) return good.errors();
+    if (auto good = checkMotion(i, now); !good) return good.errors();
   }
-  const auto old = [&](const Seen& then) {
+  const auto old = [&](const Observation& then) {
     return inSeconds(now.taken_ns - then.taken_ns) >= kSpeedOver_s;
   };
   seen_.push_back(now);
@@ -332,7 +335,7 @@ Expected<Done> Bench::awaitKey(const Motion& motion) {
   if (!nobody_attached_) {
     return no("", "nobody has confirmed that nobody is attached", "do the step `home` first");
   }
-  if (!person_->holdsKey()) person_->tellMotion(motion, MotionState::kAwaitsKey);
+  if (!person_->holdsKey()) person_->reportMotion(motion, MotionState::kAwaitsKey);
   for (double waited_s = 0.0; !person_->holdsKey(); waited_s += config_.period_s) {
     if (person_->gaveUp()) {
       return no("", "no key can be held: the person gave up, or there is no terminal",
@@ -341,7 +344,7 @@ Expected<Done> Bench::awaitKey(const Motion& motion) {
     if (waited_s > kKeyWithin_s) return no("", "the key was not held", "repeat the step");
     clock_->waitForTick();
   }
-  person_->tellMotion(motion, MotionState::kMoves);
+  person_->reportMotion(motion, MotionState::kMoves);
   return Done{};
 }
 
@@ -418,12 +421,13 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
     now.taken_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
     now.effort = neutral();
     const Expected<wh_sample> read = sample();
-    const Seen seen = look(read ? WH_OK : WH_FAILED, newest_);
-    if (seen == Seen::kOver) return Done{};
-    if (seen == Seen::kJudge || seen == Seen::kProve) {
+    const SampleUse seen = look(read ? WH_OK : WH_FAILED, newest_);
+    if (seen == SampleUse::kOver) return Done{};
+    if (seen == SampleUse::kCheck || seen == SampleUse::kProve) {
       if (!read) return read.errors();
-      Expected<std::vector<double>> position =
-          seen == Seen::kJudge ? watch_.judge(*read, clock_->now_ns()) : watch_.positions(*read);
+      Expected<std::vector<double>> position = seen == SampleUse::kCheck
+                                                   ? watch_.check(*read, clock_->now_ns())
+                                                   : watch_.positions(*read);
       if (!position) return position.errors();
       now.position = std::move(*position);
       const Expected<bool> goes_on = law(now);
@@ -431,7 +435,7 @@ Expected<Done> Bench::guarded(const Look& look, const Law& law) {
       if (!*goes_on) return Done{};
     }
     Expected<Done> sent = now.silent ? Done{} : send(now.effort, ReleaseReason::kNone);
-    refused = sent || seen == Seen::kProve ? 0 : refused + 1;
+    refused = sent || seen == SampleUse::kProve ? 0 : refused + 1;
     if (refused > kRefusedWrites) return sent;
     clock_->waitForTick();
   }
@@ -452,7 +456,7 @@ Expected<Done> Bench::move(const Motion& motion, const Look& look, const Law& la
 
 Expected<Done> Bench::move(const Motion& motion, const Law& law) {
   return move(
-      motion, [](int, const wh_sample&) { return Seen::kJudge; }, law);
+      motion, [](int, const wh_sample&) { return SampleUse::kCheck; }, law);
 }
 
 Expected<std::string> Bench::askWhile(
@@ -488,7 +492,7 @@ Expected<Done> Bench::home() {
 }
 
 Expected<double> Bench::dropWatchdog(double longest_s) {
-  LetGoProof proof(*model_, kPush_s + longest_s + kProve_s, kCommissioningShare);
+  ReleaseCheck proof(*model_, kPush_s + longest_s + kProve_s, kCommissioningShare);
   bool begun = false, dropped = false, let_go = false;
   std::int64_t began_ns = 0, let_go_ns = 0;
   double passed_s = 0.0, prove_s = kProve_s;
@@ -496,29 +500,30 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     return static_cast<double>(clock_->now_ns() - then_ns) * 1e-9;
   };
   const Look look = [&](int result, const wh_sample& now) {
-    if (!begun) return Seen::kJudge;
-    if (let_go) return result < 0 ? Seen::kOver : Seen::kProve;
-    // By the clock, because this machine may be late: the measured silence must not be too short.
+    if (!begun) return SampleUse::kCheck;
+    if (let_go) return result < 0 ? SampleUse::kOver : SampleUse::kProve;
+    // Measured by the clock, not in ticks: this machine may be late, and the measured silence must
+    // not be too short.
     passed_s = since_s(began_ns);
-    if (result < 0 || passed_s > longest_s) return Seen::kOver;
+    if (result < 0 || passed_s > longest_s) return SampleUse::kOver;
     let_go = (now.status & WH_SILENCED) != 0 || (now.status & WH_ENABLED) == 0;
     if (let_go) let_go_ns = clock_->now_ns();
-    return let_go ? Seen::kProve : Seen::kJudge;
+    return let_go ? SampleUse::kProve : SampleUse::kCheck;
   };
   const Law law = [&](Now& now) -> Expected<bool> {
     const double sample_s = static_cast<double>(newest_.monotonic_ns) * 1e-9;
     now.effort = proof.push(now.position);
     if (let_go) {
       now.silent = true;
-      if (since_s(let_go_ns) > kSettles_s) proof.see(sample_s, now.position);
+      if (since_s(let_go_ns) > kSettles_s) proof.addSample(sample_s, now.position);
       return since_s(let_go_ns) < prove_s;
     }
-    // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
+    // If the driver cannot stop feeding the watchdog, sending nothing has the same effect.
     now.silent = begun && !dropped;
-    if (!begun && now.taken_s > kSettles_s) proof.see(sample_s, now.position);
+    if (!begun && now.taken_s > kSettles_s) proof.addSample(sample_s, now.position);
     if (begun || now.taken_s < kPush_s) return true;
     if (!proof.moved() && now.taken_s < kLongestPush_s) return true;
-    prove_s = std::max(kProve_s, now.taken_s);  // as long as it took to see a push
+    prove_s = std::max(kProve_s, now.taken_s);  // at least as long as the push took to show motion
     if (Diagnostics still = proof.still(); !still.empty()) return still;
     proof.forget();
     begun = true;
@@ -543,13 +548,13 @@ namespace {
 
 constexpr double kDampingRatio = 0.7;
 constexpr double kFilter_s = 0.004;   // time constant of the speed filter
-constexpr double kPushGrows_s = 1.5;  // from zero to the allowed share
+constexpr double kPushGrows_s = 1.5;  // time from zero to the allowed share
 constexpr double kMoved = 0.02;       // share of the range that counts as motion
-constexpr double kSweep = 0.04;       // amplitude, share of the range
-constexpr double kSweep_s = 1.2;      // each way
-constexpr double kDrive_s = 2.5;      // duration over the whole range
-constexpr double kArrived = 0.02;     // of the range
-constexpr double kArrive_s = 3.0;     // timeout at the end
+constexpr double kSweep = 0.04;       // amplitude as a share of the range
+constexpr double kSweep_s = 1.2;      // time for each direction
+constexpr double kDrive_s = 2.5;      // time to drive over the whole range
+constexpr double kArrived = 0.02;     // share of the range
+constexpr double kArrive_s = 3.0;     // timeout for the arrival at the target
 constexpr double kIntegral_per_s = 3.0;
 constexpr double kSmooth = 0.1;  // filter share per tick
 
@@ -577,7 +582,7 @@ double SoftHold::effort(std::size_t axis, double target_speed) const {
 void SoftHold::hold(Bench::Now& now) {
   if (target.empty()) target = now.position;
   if (last_.empty()) last_ = now.position;
-  // A late tick's motion took longer.
+  // A late tick covers a longer motion.
   const double t = std::max(bench_->period_s(), now.taken_s - last_s_);
   last_s_ = now.taken_s;
   position_ = now.position;
@@ -639,7 +644,7 @@ Expected<double> carryingEffort(Bench& bench, std::size_t axis, const std::vecto
         const double goal =
             centre + (leg < 0 ? -reach : (up ? 2.0 * part - 1.0 : 1.0 - 2.0 * part) * reach);
         const double wanted_speed = leg < 0 ? 0.0 : (up ? 2.0 : -2.0) * reach / kSweep_s;
-        // Starts at the present position, without a jump.
+        // Begins at the present position, so that the target does not jump.
         hold.target[axis] += (goal - hold.target[axis]) * std::min(1.0, bench.period_s() / 0.05);
         const double w = 2.0 * std::numbers::pi * kSpring_hz;
         integral += kIntegral_per_s * a.mass * w * w * (hold.target[axis] - now.position[axis]) *
@@ -688,14 +693,14 @@ Expected<Done> driveTo(Bench& bench, std::size_t axis, double position,
       });
 }
 
-Expected<Excited> excite(Bench& bench, std::size_t axis, const std::vector<double>& offset,
-                         double duration_s) {
+Expected<AxisExcitation> excite(Bench& bench, std::size_t axis, const std::vector<double>& offset,
+                                double duration_s) {
   const DeviceAxis& a = bench.model().axes[axis];
   ExcitationPlan plan{bench.period_s(),  a.lower,      a.upper,   a.mass,
                       bench.limit(axis), offset[axis], duration_s};
   Excitation excitation(plan);
   SoftHold hold(bench, offset);
-  Excited out;
+  AxisExcitation out;
   out.trace.period_s = bench.period_s();
   const std::size_t axes = offset.size();
   std::vector<double> before, filtered(axes, 0.0);
@@ -712,7 +717,7 @@ Expected<Excited> excite(Bench& bench, std::size_t axis, const std::vector<doubl
         out.trace.position.push_back(now.position[axis]);
         out.taken_s.push_back(now.taken_s);
         if (before.empty()) before = now.position;
-        // Uses acceleration, where inertial coupling is visible.
+        // Compares accelerations, which show inertial coupling.
         for (std::size_t i = 0; i < axes; ++i) {
           const double change = kSmooth * (now.position[i] - before[i] - filtered[i]);
           filtered[i] += change;

@@ -15,36 +15,40 @@
 #include <utility>
 #include <vector>
 
-/// Moves of the commissioning steps. Every move holds the other axes in place by soft springs.
+/// Motions of the commissioning steps. Every motion holds the other axes in place with soft
+/// springs.
 namespace wholehand {
 
-/// Shows by motion whether efforts reach the motors, whatever the drive's bits say. Every axis is
-/// pushed against its weight, or towards the middle of its travel where it has none. What acts on
-/// it follows from its motion and the device file: m q̈ + b q̇ + f_c sign q̇, of which a weight that
-/// falls and a brake have the other sign or nothing.
-class LetGoProof {
+/// Checks by motion whether efforts reach the motors, whatever the drive's status bits say. Every
+/// axis is pushed against its weight, or towards the middle of its travel if it has no weight. The
+/// acting effort follows from the motion and the device file: m q̈ + b q̇ + f_c sign q̇. For an
+/// axis that falls by its weight or is held by a brake, this effort has the opposite sign or is
+/// zero.
+class ReleaseCheck {
  public:
-  /// @param lasts_s a push that never ends stays below half the speed limit for so long
+  /// @param lasts_s a push that does not end stays below half the speed limit for this time
   /// @param share largest share of an effort limit
-  LetGoProof(const DeviceModel& model, double lasts_s, double share);
+  ReleaseCheck(const DeviceModel& model, double lasts_s, double share);
 
-  /// Effort of each axis [N or N·m]; the first positions choose the direction.
+  /// Effort of each axis [N or N·m]. The positions of the first call set the directions.
   [[nodiscard]] const std::vector<double>& push(const std::vector<double>& position);
-  /// One more place of the part that is judged; `at_s` by the sample's own time.
-  void see(double at_s, const std::vector<double>& position);
-  /// The next part begins.
+  /// Adds positions to the part that is evaluated.
+  /// @param at_s the sample's own time
+  void addSample(double at_s, const std::vector<double>& position);
+  /// Begins the next part.
   void forget() { seen_.clear(); }
 
-  /// Whether every axis has moved by enough steps of its encoder to be judged.
+  /// True when every axis has moved by enough encoder steps to be evaluated.
   [[nodiscard]] bool moved() const;
-  /// Axes that the push did not move: nothing would show whether it ends.
+  /// Errors for axes that the push did not move: for them, nothing would show whether the push
+  /// ends.
   [[nodiscard]] Diagnostics still() const;
-  /// Axes on which more than half of the push acts.
-  /// @param when "after its watchdog let go"
+  /// Errors for axes on which more than half of the push still acts.
+  /// @param when used in the error text: "after its watchdog let go"
   [[nodiscard]] Diagnostics acting(const std::string& when) const;
 
  private:
-  struct Seen {
+  struct Observation {
     double at_s = 0.0;
     std::vector<double> position;
   };
@@ -53,46 +57,48 @@ class LetGoProof {
   const DeviceModel* model_;
   double lasts_s_, share_;
   std::vector<double> push_, effort_;
-  std::vector<Seen> seen_;
+  std::vector<Observation> seen_;
 };
 
-/// Checks every sample of a device that is moved under supervision, from the beginning of a move to
+/// Checks every sample of a device that moves under supervision, from the beginning of a motion to
 /// its end. Axes are in the order of the device file.
 class SampleWatch {
  public:
-  /// @param place axis of the file → axis of the driver
-  /// @param period_s between two samples
+  /// @param place for each axis of the file, the index of the driver's axis
+  /// @param period_s time between two samples
   SampleWatch(const DeviceModel& model, std::vector<std::size_t> place, double period_s);
 
-  /// Begins a move and clears the history.
+  /// Begins a motion and clears the history.
   void begin();
   /// Positions of a sample. Refused: an axis without a finite position.
   [[nodiscard]] Expected<std::vector<double>> positions(const wh_sample& sample) const;
   /// Checks a sample and returns its positions. Refused, each with its own message: a drive in
-  /// fault, a watchdog that let go, a device that is not enabled or not homed, samples that stand
-  /// still for longer than longestStill_s(), are older than that and than this machine stood still,
-  /// lie in the future or go back in time, an axis without a position, beyond its range, whose
-  /// encoder jumps, or that is faster than its speed limit by the samples' own times.
-  /// @param now_ns CLOCK_MONOTONIC, or simulated, when it was read
-  [[nodiscard]] Expected<std::vector<double>> judge(const wh_sample& sample, std::int64_t now_ns);
+  /// fault; a released watchdog; a device that is not enabled or not homed; samples that stand
+  /// still for longer than longestStill_s(), that are older than this time and than the stall of
+  /// this machine, or whose times lie in the future or go back; an axis without a position, out of
+  /// its range, with a jump of its encoder, or faster than its speed limit by the samples' own
+  /// times.
+  /// @param now_ns time of the reading, CLOCK_MONOTONIC or simulated
+  [[nodiscard]] Expected<std::vector<double>> check(const wh_sample& sample, std::int64_t now_ns);
 
  private:
-  struct Seen {
+  struct Observation {
     std::int64_t taken_ns = 0;
     std::vector<double> position;
   };
 
   [[nodiscard]] Diagnostic no(const std::string& axis, const std::string& problem,
                               const std::string& remedy) const;
-  [[nodiscard]] Expected<Done> judgeStatus(const wh_sample& sample) const;
-  [[nodiscard]] Expected<Done> judgeAge(const wh_sample& sample, std::int64_t now_ns);
-  [[nodiscard]] Expected<Done> judgeMotion(std::size_t i, const Seen& now) const;
+  [[nodiscard]] Expected<Done> checkStatus(const wh_sample& sample) const;
+  [[nodiscard]] Expected<Done> checkAge(const wh_sample& sample, std::int64_t now_ns);
+  [[nodiscard]] Expected<Done> checkMotion(std::size_t i, const Observation& now) const;
 
   const DeviceModel* model_;
   std::vector<std::size_t> place_;
   double period_s_;
-  std::vector<double> start_;  ///< position at the beginning of the move
-  std::deque<Seen> seen_;      ///< the first: the newest that is kSpeedOver_s old, if there is one
+  std::vector<double> start_;     ///< positions at the beginning of the motion
+  std::deque<Observation> seen_;  ///< the front is the newest sample that is kSpeedOver_s old,
+                                  ///< if there is one
   std::size_t tick_ = 0, still_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t taken_ns_ = 0, now_ns_ = 0, longest_gap_ns_ = 0;
@@ -100,24 +106,25 @@ class SampleWatch {
 
 /// Largest share of the device file's effort limit used in commissioning.
 inline constexpr double kCommissioningShare = 0.2;
-/// From there to neutral [s]. Nobody is attached, and the effort falls no faster than in rendering,
-/// whose ramp takes 80 ms from the whole limit.
+/// Ramp from kCommissioningShare to neutral [s]. Nobody is attached, and the effort falls no faster
+/// than in rendering, whose ramp takes 80 ms from the whole limit.
 inline constexpr double kCommissioningRamp_s = 0.02;
 
-/// A device that is moved under supervision: no person attached, a key held. Every effort passes
-/// the device host's guard (effort_guard.hpp) with a fifth of the file's limits and its full slew
-/// limits. It is enabled only while the key is held: a released key, a fault, a runaway or the end
-/// of a move leads to neutral within kCommissioningRamp_s, by the shape of the ramp in rendering,
-/// and to WH_DISABLE. One thread. Axes are in the order of the device file.
+/// A device that moves under supervision: no person is attached, and somebody holds a key. Every
+/// effort passes the device host's guard (effort_guard.hpp) with a fifth of the file's effort
+/// limits and the full slew limits. The device is enabled only while the key is held. A released
+/// key, a fault, a runaway or the end of a motion ramps it to neutral within kCommissioningRamp_s,
+/// with the shape of the ramp in rendering, and disables it (WH_DISABLE). One thread. Axes are in
+/// the order of the device file.
 class Bench {
  public:
   /// Input and output of a law of motion.
   struct Now {
-    double time_s = 0.0;           ///< since the move began, by ticks of one period each
-    double taken_s = 0.0;          ///< since the move began, by the clock; includes late ticks
+    double time_s = 0.0;           ///< since the motion began, counted in ticks of one period
+    double taken_s = 0.0;          ///< since the motion began, by the clock; includes delays
     std::vector<double> position;  ///< [m or rad]
     std::vector<double> effort;    ///< effort to send: neutral unless the law sets it [N or N·m]
-    bool silent = false;           ///< set by the law: nothing is sent in this tick
+    bool silent = false;           ///< set by the law: send nothing in this tick
   };
   /// The effort sent to the device, and the newest sample before it.
   struct Tick {
@@ -125,47 +132,50 @@ class Bench {
     const wh_sample& sample;
     const wh_command& command;
     HostPhase phase = HostPhase::kIdle;
-    ReleaseReason reason = ReleaseReason::kNone;  ///< why the guard let go
+    ReleaseReason reason = ReleaseReason::kNone;  ///< why the guard ended the motion; kNone: it did
+                                                  ///< not
   };
-  /// Called every tick; returns false when the move is done.
+  /// Law of motion, called every tick. Returns false when the motion is done.
   using Law = std::function<Expected<bool>(Now&)>;
-  /// What is done with a sample: it is judged, waited for a better one, given to the law unjudged
-  /// (the drive says that it let go), or the end of the move.
-  enum class Seen { kJudge, kWait, kProve, kOver };
-  /// Sees the result and the sample of each read() before it is judged.
-  using Look = std::function<Seen(int result, const wh_sample&)>;
+  /// What to do with a sample: check it; wait for a better one; pass it to the law unchecked,
+  /// because the drive reports a release; end the motion.
+  enum class SampleUse { kCheck, kWait, kProve, kOver };
+  /// Receives the result and the sample of each read() before the sample is checked.
+  using Look = std::function<SampleUse(int result, const wh_sample&)>;
 
-  /// Refused: an axis that the driver lacks, and a neutral effort beyond kCommissioningShare.
+  /// Prepares a bench. Refused: an axis that the driver lacks, and a neutral effort above
+  /// kCommissioningShare.
   [[nodiscard]] static Expected<Bench> make(DeviceDriver& driver, const DeviceModel& model,
                                             Operator& person, TickClock& clock, double period_s);
 
-  /// Waits for the key, enables, moves by the law, ramps to neutral and disables. Refused, each
-  /// with its own message: nobody confirmed that no person is attached, the key is not pressed or
-  /// was released (also while enabling), and everything that SampleWatch refuses.
+  /// Waits for the key, enables the device, moves it by the law, ramps to neutral and disables it.
+  /// Refused, each with its own message: nobody confirmed that no person is attached; the key is
+  /// not pressed or was released, also while enabling; and everything that SampleWatch refuses.
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Law& law);
-  /// The same, until `look` says that it is over.
+  /// Moves in the same way until `look` ends the motion.
   [[nodiscard]] Expected<Done> move(const Motion& motion, const Look& look, const Law& law);
-  /// Asks the person while the device is disabled and moved by hand. Refused: the person gave up,
-  /// or the device gave no sample.
-  /// @param look receives every sample
+  /// Asks the person while the device is disabled and is moved by hand. Refused: the person gave
+  /// up, or the device gave no sample.
+  /// @param look receives the positions of every sample
   [[nodiscard]] Expected<std::string> askWhile(
       const Question& question,
       const std::function<void(const std::vector<double>& position)>& look);
-  /// Carries out WH_HOME, which may move the device: only with the key held when it begins. A
-  /// device without that verb has absolute encoders. Refused: it fails, or no sample then has
-  /// WH_HOMED.
+  /// Homes the device (WH_HOME), which may move it. The key must be held when homing begins. A
+  /// device without that verb has absolute encoders. Refused: homing fails, or no sample afterwards
+  /// has WH_HOMED.
   [[nodiscard]] Expected<Done> home();
-  /// As a move: pushes every axis, stops the feeding of the watchdog (where the driver cannot,
-  /// sends nothing more), and waits until the drive lets go. Returns that time [s]. Refused: longer
-  /// than `longest_s`, not enabled when the silence began, an axis that is pushed on (LetGoProof),
-  /// and what a move is refused for.
+  /// Tests the drive's watchdog. Pushes every axis, stops feeding the watchdog, and waits until the
+  /// drive releases the axes. If the driver cannot stop feeding it, nothing more is sent. Returns
+  /// the time to the release [s]. Refused: a time above `longest_s`, a device that was not enabled
+  /// when the silence began, an axis that is still pushed afterwards (ReleaseCheck), and everything
+  /// for which move() is refused.
   [[nodiscard]] Expected<double> dropWatchdog(double longest_s);
 
-  /// Sets a listener, called after every effort that is sent. It must not block.
+  /// Sets a listener that is called after every sent effort. It must not block.
   void listen(std::function<void(const Tick&)> listener) { listener_ = std::move(listener); }
   /// Axis of the file → index in samples and commands.
   [[nodiscard]] const std::vector<std::size_t>& places() const { return place_; }
-  /// Confirms that no person is attached. Without it nothing is enabled.
+  /// Records that no person is attached. The device is not enabled without this confirmation.
   void confirmNobodyAttached(bool nobody) { nobody_attached_ = nobody; }
   [[nodiscard]] Expected<std::vector<double>> position();
 
@@ -177,7 +187,7 @@ class Bench {
   [[nodiscard]] double limit(std::size_t axis) const;
   /// Effort sent to an axis in the last tick [N or N·m].
   [[nodiscard]] double sent(std::size_t axis) const { return command_.effort[place_[axis]]; }
-  /// The largest effort sent so far over the limit of its axis in the file.
+  /// Largest effort sent so far, relative to the limit of its axis in the file.
   [[nodiscard]] double largestShare() const { return largest_share_; }
 
  private:
@@ -185,7 +195,7 @@ class Bench {
   [[nodiscard]] Diagnostic no(const std::string& axis, const std::string& problem,
                               const std::string& remedy) const;
   [[nodiscard]] Expected<wh_sample> sample();
-  [[nodiscard]] std::vector<double> neutral() const;  ///< neutral effort of the file [N or N·m]
+  [[nodiscard]] std::vector<double> neutral() const;  ///< neutral efforts of the file [N or N·m]
   [[nodiscard]] Expected<Done> awaitKey(const Motion& motion);
   [[nodiscard]] Expected<Done> keyStillHeld();
   [[nodiscard]] Expected<Done> enable();
@@ -200,7 +210,7 @@ class Bench {
   GuardConfig config_;
   GuardState guard_;
   wh_command command_{};
-  std::vector<std::size_t> place_;  ///< axis of the file → axis of the driver
+  std::vector<std::size_t> place_;  ///< for each axis of the file, the index of the driver's axis
   SampleWatch watch_;
   bool nobody_attached_ = false;
   std::function<void(const Tick&)> listener_;
@@ -209,7 +219,7 @@ class Bench {
   double largest_share_ = 0.0;
 };
 
-/// Natural frequency of those springs, by the mass of the device file.
+/// Natural frequency of the springs that hold axes, for the mass of the device file [Hz].
 inline constexpr double kSpring_hz = 2.0;
 
 /// Holds axes by springs about their target positions.
@@ -238,28 +248,28 @@ struct Push {
 };
 
 /// Raises the effort of one axis in the direction of `sign` until something moves by 2 % of its
-/// range; `moved` is 0 where nothing does at kCommissioningShare. No springs hold the axes, because
-/// the signs are not known yet.
+/// range; `moved` is 0 if nothing moves up to kCommissioningShare. No springs hold the axes,
+/// because the signs are not known yet.
 [[nodiscard]] Expected<Push> pushSlowly(Bench& bench, std::size_t axis, double sign);
 
-/// Effort that balances an axis where it is [N or N·m]: sweeps slowly to and fro and takes the mean
-/// of both directions, which cancels dry friction.
+/// Effort that balances an axis at its present position [N or N·m]. Sweeps slowly to and fro and
+/// takes the mean of both directions, which cancels dry friction.
 [[nodiscard]] Expected<double> carryingEffort(Bench& bench, std::size_t axis,
                                               const std::vector<double>& offset);
 
-/// Drives one axis slowly to a position. Refused: it does not arrive.
+/// Moves one axis slowly to a position. Refused if it does not arrive.
 [[nodiscard]] Expected<Done> driveTo(Bench& bench, std::size_t axis, double position,
                                      const std::vector<double>& offset);
 
 /// Result of the excitation of one axis (identification/identify_axis.hpp).
-struct Excited {
+struct AxisExcitation {
   AxisTrace trace;
   std::vector<double> taken_s;  ///< actual time of each tick
   /// Response of every axis: acceleration times the root of its mass, relative to the excited axis
   /// (1). Two axes coupled by an inertia c respond with c / √(m₁ m₂).
   std::vector<double> response;
 };
-[[nodiscard]] Expected<Excited> excite(Bench& bench, std::size_t axis,
-                                       const std::vector<double>& offset, double duration_s);
+[[nodiscard]] Expected<AxisExcitation> excite(Bench& bench, std::size_t axis,
+                                              const std::vector<double>& offset, double duration_s);
 
 }  // namespace wholehand

@@ -25,12 +25,12 @@ constexpr std::array<const char*, kCommissioningSteps> kNames = {
     "scale-and-travel", "gravity",  "mass-friction-delay",
     "known-weight",     "watchdog", "emergency-stop",
     "range-stops",      "passport"};
-constexpr double kZeroWithin = 0.01;  // of the range
+constexpr double kZeroWithin = 0.01;  // share of the range
 
 // Measurements and tests of each step.
 
 constexpr double kByHand = 0.05;  // share of the range that counts as moved by hand
-constexpr double kOthers = 0.5;   // share of the pushed axis's motion
+constexpr double kOthers = 0.5;   // share of the motion of the pushed axis
 constexpr double kScaleWithin = 0.05;
 constexpr double kWrapped = 0.25;     // share of the range between two samples
 constexpr double kStopWithin = 0.02;  // share of the range
@@ -38,7 +38,7 @@ constexpr double kWeightWithin = 0.1;
 constexpr double kCross = 0.1;
 constexpr int kMostDelay_ticks = 8;  // largest value of a device file
 
-// Meaning of the + direction for a person in front of the device.
+// The + direction in words for a person in front of the device.
 std::string plus(const DeviceAxis& axis) {
   if (axis.name == "x") return "away from you";
   if (axis.name == "y") return "to your left";
@@ -55,22 +55,23 @@ std::vector<FoundFigure> measured(const DeviceAxis& axis, const PassportAxis& p)
           {axis.name, "delay", "ms", 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper}};
 }
 
-// Steps that test the watchdog and the emergency stop, which act when this program cannot.
+// Steps that test the watchdog and the emergency stop. Both act when this program cannot.
 
 constexpr double kWatchdogSlack_s = 0.05;
 constexpr double kPressWithin_s = 20.0;
-constexpr int kProveTicks_ms = 80, kSettles_ms = 20;  // of pushing after the stop cut it off
+constexpr int kProveTicks_ms = 80, kSettles_ms = 20;  // duration of the push after the stop, and
+                                                      // its skipped beginning
 constexpr int kSilentLooks = 20;  // ticks without a new sample that count as silence
 
-// What the samples showed while the emergency stop was to be pressed.
-struct StopSeen {
-  enum What { kNever, kEnabled, kCut, kWatchdog } what = kNever;
+// What the samples showed while the person was asked to press the emergency stop.
+struct StopObservation {
+  enum Kind { kNever, kEnabled, kCut, kWatchdog } what = kNever;
   std::uint64_t sequence = 0;
-  int ticks = 0, still = 0;  // in all; in a row without a new sample
-  int cut = 0;               // ticks since it was cut off
+  int ticks = 0, still = 0;  // all ticks; consecutive ticks without a new sample
+  int cut = 0;               // ticks since the stop cut the device off
 };
 
-StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
+StopObservation lookAtStop(StopObservation seen, int result, const wh_sample& sample) {
   const bool fresh = result >= 0 && (seen.sequence == 0 || sample.sequence > seen.sequence);
   ++seen.ticks;
   seen.still = fresh ? 0 : seen.still + 1;
@@ -78,20 +79,20 @@ StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
   seen.sequence = sample.sequence;
   const bool enabled = (sample.status & WH_ENABLED) != 0;
   const bool fault = (sample.status & WH_DRIVE_FAULT) != 0;
-  if (seen.what == StopSeen::kEnabled && (!enabled || fault)) {
-    // A drive whose watchdog let go may report disabled without an emergency stop.
+  if (seen.what == StopObservation::kEnabled && (!enabled || fault)) {
+    // A drive whose watchdog was triggered may report disabled without an emergency stop.
     const bool silenced = (sample.status & WH_SILENCED) != 0;
-    seen.what = silenced && !fault ? StopSeen::kWatchdog : StopSeen::kCut;
+    seen.what = silenced && !fault ? StopObservation::kWatchdog : StopObservation::kCut;
   }
-  if (enabled && !fault) seen.what = StopSeen::kEnabled;
+  if (enabled && !fault) seen.what = StopObservation::kEnabled;
   return seen;
 }
 
 Question nextStep(const std::string& text) {
-  return {Asked::kNextStep, text, "", "", 0.0, 0.0};
+  return {QuestionKind::kNextStep, text, "", "", 0.0, 0.0};
 }
 
-// The step that the person chooses; nothing: to end.
+// The step that the person chooses; empty: end.
 std::optional<CommissioningStep> chooseNext(Commissioning& commissioning, Operator& person) {
   const CommissioningStep next = commissioning.next();
   for (;;) {
@@ -105,7 +106,7 @@ std::optional<CommissioningStep> chooseNext(Commissioning& commissioning, Operat
       const auto step = static_cast<CommissioningStep>(i);
       if (*answer == stepName(step)) return step;
     }
-    person.tell(fmt::format("{} is no step.", printable(*answer)), {});
+    person.reportLine(fmt::format("{} is no step.", printable(*answer)), {});
   }
 }
 
@@ -144,7 +145,7 @@ Expected<bool> Commissioning::askYes(const Question& question) {
     if (!answer) return answer.errors();
     if (*answer == "yes") return true;
     if (*answer == "no") return false;
-    tell("Neither yes nor no.");
+    reportLine("Neither yes nor no.");
   }
 }
 
@@ -156,7 +157,7 @@ Expected<double> Commissioning::askNumber(const Question& question, const Look& 
     const double value = std::strtod(answer->c_str(), &end);
     const bool whole = end != answer->c_str() && *end == 0;
     if (whole && std::isfinite(value) && value > 0.0) return value;
-    tell("That is no number above 0: digits only, without a unit.");
+    reportLine("That is no number above 0: digits only, without a unit.");
   }
 }
 
@@ -198,12 +199,12 @@ Expected<Done> Commissioning::report(CommissioningStep step,
                                      const std::function<Expected<Done>()>& do_it) {
   StepNews news{static_cast<int>(step), StepState::kUnderWay, {}};
   step_under_way_ = news.step;
-  bench_.person().tellStep(news);
+  bench_.person().reportStep(news);
   Expected<Done> result = do_it();
   step_under_way_ = -1;
   news.state = result ? StepState::kDone : StepState::kFailed;
   if (!result) news.why = result.errors();
-  bench_.person().tellStep(news);
+  bench_.person().reportStep(news);
   return result;
 }
 
@@ -215,7 +216,7 @@ Expected<Done> Commissioning::identify() {
   }
   (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // optional: the device also has a label
   const auto is_this =
-      askYes({Asked::kThisDevice,
+      askYes({QuestionKind::kThisDevice,
               fmt::format("Is this the device with serial number {} (firmware {}, {})? yes or no",
                           passport_.identity.serial, passport_.identity.firmware, passport_.driver),
               "", "", 0.0, 0.0});
@@ -228,7 +229,7 @@ Expected<Done> Commissioning::identify() {
 Expected<Done> Commissioning::home() {
   bench_.confirmNobodyAttached(false);
   const auto nobody = askYes(
-      {Asked::kNobodyAttached,
+      {QuestionKind::kNobodyAttached,
        "Put the device on its mark, where you will put it every day, and take everybody out of it. "
        "It may move from now on. Is NOBODY attached? yes or no",
        "", "", 0.0, 0.0});
@@ -264,8 +265,9 @@ Expected<Done> Commissioning::gravity() {
                 "state it in the device file, and begin again");
     }
     offset_[i] = *carries;
-    tell(fmt::format("  {}: {:.3g} {} carry it", axis(i).name, *carries, axis(i).effortUnit()),
-         {{axis(i).name, "carried-by", axis(i).effortUnit(), *carries, *carries}});
+    reportLine(
+        fmt::format("  {}: {:.3g} {} carry it", axis(i).name, *carries, axis(i).effortUnit()),
+        {{axis(i).name, "carried-by", axis(i).effortUnit(), *carries, *carries}});
   }
   return Done{};
 }
@@ -276,20 +278,21 @@ Expected<Done> Commissioning::write() {
   passport_.device_sha256 = sha256(*file);
   passport_.measured_at = plan_.now();
   if (auto kept = plan_.write(path_, passportText(passport_)); !kept) return kept;
-  tell("The passport is written: " + path_);
+  reportLine("The passport is written: " + path_);
   const std::string charts = std::filesystem::path(path_).replace_extension(".html").string();
   if (auto drawn = plan_.draw(passportChart(passport_, bench_.model()), charts); drawn) {
-    tell("What was measured, drawn: " + charts);
+    reportLine("What was measured, drawn: " + charts);
   } else {
-    tell("The passport holds, but is not drawn: " + format(drawn.errors()));
+    reportLine("The passport holds, but is not drawn: " + format(drawn.errors()));
   }
-  tell(passport_.identity.simulated
-           ? "It is of the simulated plant: no device is armed with it."
-           : "It lasts 30 days. Before each day's first use: wholehand device commission --daily");
+  reportLine(
+      passport_.identity.simulated
+          ? "It is of the simulated plant: no device is armed with it."
+          : "It lasts 30 days. Before each day's first use: wholehand device commission --daily");
   return Done{};
 }
 
-Expected<Done> Commissioning::atItsMark(const Passport& kept) {
+Expected<Done> Commissioning::checkHomePosition(const Passport& kept) {
   if (auto at_home = home(); !at_home) return at_home;
   for (std::size_t i = 0; i < axes(); ++i) {
     const double off = passport_.axes[i].mark - kept.axes[i].mark;
@@ -323,7 +326,8 @@ Expected<Done> Commissioning::checkToday() {
   const auto kept = passportInForce();
   if (!kept) return kept.errors();
   const DeviceModel& model = bench_.model();
-  if (auto good = report(CommissioningStep::kHome, [&] { return atItsMark(*kept); }); !good) {
+  if (auto good = report(CommissioningStep::kHome, [&] { return checkHomePosition(*kept); });
+      !good) {
     return good;
   }
   if (auto good = report(CommissioningStep::kSigns, [&] { return motorSigns(); }); !good)
@@ -338,17 +342,17 @@ Expected<Done> Commissioning::checkToday() {
   const DailyCheck check{kept->sha256, plan_.operator_name, plan_.now()};
   const std::string path = dailyCheckPath(model.path, passport_.identity.serial);
   if (auto written = plan_.write(path, dailyCheckText(check)); !written) {
-    tell(format(written.errors()));
+    reportLine(format(written.errors()));
     return written;
   }
-  tell("Checked for today: " + path);
+  reportLine("Checked for today: " + path);
   return Done{};
 }
 
 Expected<Done> Commissioning::pushAway(std::size_t i) {
   std::vector<double> first, last;
   const auto answer = bench_.askWhile(
-      {Asked::kPushAway,
+      {QuestionKind::kPushAway,
        fmt::format("Push axis {} {} by about a tenth of its range, leave it there; Enter",
                    axis(i).name, plus(axis(i))),
        axis(i).name, axis(i).positionUnit(), 0.0, 0.0},
@@ -358,6 +362,7 @@ Expected<Done> Commissioning::pushAway(std::size_t i) {
       });
   if (!answer) return answer.errors();
   if (first.empty()) return no(i, "gave no sample", "look at its cable");
+  // Finds the axis that moved most relative to its range.
   std::vector<double> moved;
   for (std::size_t j = 0; j < axes(); ++j) {
     moved.push_back((last[j] - first[j]) / (axis(j).upper - axis(j).lower));
@@ -385,7 +390,7 @@ Expected<Done> Commissioning::pushAway(std::size_t i) {
   return Done{};
 }
 
-// Whether the axis follows its effort; false: nothing moves, as at a stop.
+// True when the axis follows its effort; false when nothing moves, for example at a stop.
 Expected<bool> Commissioning::movesWith(std::size_t i, double sign) {
   const auto push = pushSlowly(bench_, i, sign);
   if (!push) return push.errors();
@@ -405,15 +410,15 @@ Expected<bool> Commissioning::movesWith(std::size_t i, double sign) {
               "carries it, and repeat the step");
   }
   const double share_percent = 100.0 * push->share;
-  tell(fmt::format("  {}: {} effort moves it {}, at {:.0f} % of its limit", axis(i).name,
-                   sign > 0.0 ? '+' : '-', sign > 0.0 ? '+' : '-', share_percent),
-       {{axis(i).name, sign > 0.0 ? "moves-at-plus" : "moves-at-minus", "%", share_percent,
-         share_percent}});
+  reportLine(fmt::format("  {}: {} effort moves it {}, at {:.0f} % of its limit", axis(i).name,
+                         sign > 0.0 ? '+' : '-', sign > 0.0 ? '+' : '-', share_percent),
+             {{axis(i).name, sign > 0.0 ? "moves-at-plus" : "moves-at-minus", "%", share_percent,
+               share_percent}});
   return true;
 }
 
-// Pushes both ways: an axis driven by its own weight would follow one of them whatever its motor
-// does.
+// Pushes in both directions: an axis moved by its own weight would follow one of the two pushes
+// even without its motor.
 Expected<Done> Commissioning::motorSign(std::size_t i) {
   const auto up = movesWith(i, 1.0);
   if (!up) return up.errors();
@@ -436,7 +441,7 @@ Expected<Done> Commissioning::moveBetweenStops(std::size_t i) {
   const DeviceAxis& a = axis(i);
   double least = HUGE_VAL, most = -HUGE_VAL, last = std::nan(""), jump = 0.0;
   const auto stated = askNumber(
-      {Asked::kTravel,
+      {QuestionKind::kTravel,
        fmt::format("Move axis {} slowly to its one stop, then to the other; measure how far that "
                    "is [{}]:",
                    a.name, a.positionUnit()),
@@ -449,6 +454,7 @@ Expected<Done> Commissioning::moveBetweenStops(std::size_t i) {
         most = std::max(most, q);
       });
   if (!stated) return stated.errors();
+  // Checks in this order: wrap-around, scale, travel, position of the stops.
   const double range = a.upper - a.lower, moved = most - least;
   if (jump > kWrapped * range) {
     return no(i,
@@ -476,8 +482,8 @@ Expected<Done> Commissioning::moveBetweenStops(std::size_t i) {
                     least, most, a.positionUnit(), a.lower, a.upper),
         "home it anew, or state the range that it has");
   }
-  tell(fmt::format("  {}: {:.4g} to {:.4g} {}", a.name, least, most, a.positionUnit()),
-       {{a.name, "travel", a.positionUnit(), least, most}});
+  reportLine(fmt::format("  {}: {:.4g} to {:.4g} {}", a.name, least, most, a.positionUnit()),
+             {{a.name, "travel", a.positionUnit(), least, most}});
   return Done{};
 }
 
@@ -489,7 +495,7 @@ Expected<Done> Commissioning::scaleAndTravel() {
 }
 
 Expected<Done> Commissioning::measure(std::size_t i) {
-  // Starts between ends that leave room for the whole motion.
+  // Begins in mid-range, so that the whole motion has room.
   const double middle = 0.5 * (axis(i).lower + axis(i).upper);
   if (auto there = driveTo(bench_, i, middle, offset_); !there) return there;
   const auto excited = excite(bench_, i, offset_, plan_.measure_s);
@@ -519,11 +525,12 @@ Expected<Done> Commissioning::measure(std::size_t i) {
   p.gravity = found->gravity;
   p.delay_s = found->delay_s;
   p.resolution = found->resolution;
-  tell(fmt::format("  {}: mass {:.4g} to {:.4g}, damping {:.4g} to {:.4g}, dry friction {:.4g} to "
-                   "{:.4g}, delay {:.2f} to {:.2f} ms",
-                   axis(i).name, p.mass.lower, p.mass.upper, p.damping.lower, p.damping.upper,
-                   p.coulomb.lower, p.coulomb.upper, 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper),
-       measured(axis(i), p));
+  reportLine(
+      fmt::format("  {}: mass {:.4g} to {:.4g}, damping {:.4g} to {:.4g}, dry friction {:.4g} to "
+                  "{:.4g}, delay {:.2f} to {:.2f} ms",
+                  axis(i).name, p.mass.lower, p.mass.upper, p.damping.lower, p.damping.upper,
+                  p.coulomb.lower, p.coulomb.upper, 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper),
+      measured(axis(i), p));
   return Done{};
 }
 
@@ -539,7 +546,7 @@ Expected<Done> Commissioning::hang(std::size_t i) {
   if (!before) return before.errors();
   const double room = bench_.limit(i) - std::abs(*before) - passport_.axes[i].coulomb.upper;
   const auto force = askNumber(
-      {Asked::kKnownForce,
+      {QuestionKind::kKnownForce,
        fmt::format("Let a known force pull axis {} against its + direction, {:.2g} to {:.2g} {} (a "
                    "weight over a pulley); its force:",
                    axis(i).name, 0.25 * room, 0.6 * room, axis(i).effortUnit()),
@@ -556,10 +563,10 @@ Expected<Done> Commissioning::hang(std::size_t i) {
                           *force, axis(i).effortUnit(), found, *force / found),
               "set the torque constant in the driver, and begin again with mass-friction-delay");
   }
-  tell(fmt::format("  {}: {:.4g} {} were carried with {:.4g}", axis(i).name, *force,
-                   axis(i).effortUnit(), found),
-       {{axis(i).name, "known-force", axis(i).effortUnit(), *force, *force},
-        {axis(i).name, "carried-with", axis(i).effortUnit(), found, found}});
+  reportLine(fmt::format("  {}: {:.4g} {} were carried with {:.4g}", axis(i).name, *force,
+                         axis(i).effortUnit(), found),
+             {{axis(i).name, "known-force", axis(i).effortUnit(), *force, *force},
+              {axis(i).name, "carried-with", axis(i).effortUnit(), found, found}});
   return Done{};
 }
 
@@ -567,7 +574,7 @@ Expected<Done> Commissioning::knownWeight() {
   for (std::size_t i = 0; i < axes(); ++i) {
     if (auto good = hang(i); !good) return good;
   }
-  tell("Take the weight off.");
+  reportLine("Take the weight off.");
   return Done{};
 }
 
@@ -587,46 +594,48 @@ Expected<Done> Commissioning::watchdog() {
   for (const wh_axis& a : bench_.driver().axes()) silence_s = std::max(silence_s, a.silence_s);
   const auto took = bench_.dropWatchdog(silence_s + kWatchdogSlack_s);
   if (!took) return took.errors();
-  tell(fmt::format("  the drive let go after {:.0f} ms of silence", 1e3 * *took),
-       {{"", "let-go-after", "ms", 1e3 * *took, 1e3 * *took}});
+  reportLine(fmt::format("  the drive let go after {:.0f} ms of silence", 1e3 * *took),
+             {{"", "let-go-after", "ms", 1e3 * *took, 1e3 * *took}});
   return Done{};
 }
 
-// The person holds the key and presses the stop: it is enabled under the key only. As soon as it
-// says that it is cut off it is pushed a little, and must not move.
+// Tests the emergency stop, which the person presses while holding the key, because the device is
+// enabled only then. When the device reports that it is cut off, it is pushed a little and must not
+// move.
 Expected<Done> Commissioning::emergencyStop() {
-  using Seen = Bench::Seen;
-  StopSeen seen;
-  LetGoProof proof(bench_.model(), 1e-3 * kProveTicks_ms, kCommissioningShare);
+  using SampleUse = Bench::SampleUse;
+  StopObservation seen;
+  ReleaseCheck proof(bench_.model(), 1e-3 * kProveTicks_ms, kCommissioningShare);
   const double most_ticks = kPressWithin_s / bench_.period_s();
   double sample_s = 0.0;
   auto rested = bench_.move(
       {MotionKind::kEmergencyStop, "press the emergency stop while you hold it", "", 0.0},
       [&](int result, const wh_sample& sample) {
         sample_s = static_cast<double>(sample.monotonic_ns) * 1e-9;
-        if (seen.what == StopSeen::kCut) return result < 0 ? Seen::kOver : Seen::kProve;
+        if (seen.what == StopObservation::kCut)
+          return result < 0 ? SampleUse::kOver : SampleUse::kProve;
         seen = lookAtStop(seen, result, sample);
-        if (seen.what == StopSeen::kCut) return Seen::kProve;
-        if (seen.what == StopSeen::kWatchdog) return Seen::kOver;
-        if (seen.still >= kSilentLooks || seen.ticks > most_ticks) return Seen::kOver;
-        return seen.still > 0 ? Seen::kWait : Seen::kJudge;
+        if (seen.what == StopObservation::kCut) return SampleUse::kProve;
+        if (seen.what == StopObservation::kWatchdog) return SampleUse::kOver;
+        if (seen.still >= kSilentLooks || seen.ticks > most_ticks) return SampleUse::kOver;
+        return seen.still > 0 ? SampleUse::kWait : SampleUse::kCheck;
       },
       [&](Bench::Now& now) -> Expected<bool> {
-        if (seen.what != StopSeen::kCut) return true;
+        if (seen.what != StopObservation::kCut) return true;
         now.effort = proof.push(now.position);
         const double pushed_ms = 1e3 * bench_.period_s() * ++seen.cut;
-        if (pushed_ms > kSettles_ms) proof.see(sample_s, now.position);
+        if (pushed_ms > kSettles_ms) proof.addSample(sample_s, now.position);
         return pushed_ms < kProveTicks_ms;
       });
   if (!rested) return rested;
-  if (seen.what == StopSeen::kCut) {
+  if (seen.what == StopObservation::kCut) {
     Diagnostics acting = proof.acting("while the emergency stop is pressed");
     if (!acting.empty()) return acting;
   }
   const auto refuse = [](const char* why, const char* remedy) {
     return Diagnostic{"", 0, "step", "emergency-stop", why, remedy};
   };
-  if (seen.what == StopSeen::kWatchdog) {
+  if (seen.what == StopObservation::kWatchdog) {
     return refuse(
         "its watchdog let go first, since this program was late: of the stop nothing was seen",
         "let nothing else run on this machine, and repeat the step");
@@ -635,12 +644,12 @@ Expected<Done> Commissioning::emergencyStop() {
     return refuse("the device fell silent with the stop: nothing says that its motors are off",
                   "let the stop cut the power of the motors, not that of their controller");
   }
-  if (seen.what == StopSeen::kEnabled) {
+  if (seen.what == StopObservation::kEnabled) {
     return refuse("the device stayed enabled: the emergency stop does not cut it off",
                   "wire it so that it cuts the power of the motors, and repeat the step");
   }
   const auto released = bench_.askWhile(
-      {Asked::kEmergencyStop, "It cut the device off. Release it; Enter", "", "", 0.0, 0.0},
+      {QuestionKind::kEmergencyStop, "It cut the device off. Release it; Enter", "", "", 0.0, 0.0},
       [](const auto&) {});
   if (!released) return released.errors();
   return Done{};
@@ -651,7 +660,7 @@ bool leadCommissioning(Commissioning& commissioning, Operator& person) {
   while (step) {
     const auto done = commissioning.carryOut(*step);
     if (commissioning.done(CommissioningStep::kPassport)) return true;
-    // After success the next step follows automatically.
+    // After a success, the next step follows automatically.
     step = done ? std::optional(commissioning.next()) : chooseNext(commissioning, person);
   }
   return false;

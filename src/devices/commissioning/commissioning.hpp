@@ -31,7 +31,7 @@ inline constexpr int kCommissioningSteps = 11;
 
 struct CommissioningPlan {
   std::string operator_name;
-  std::function<PlaceTime()> now;  ///< the clock and the place
+  std::function<PlaceTime()> now;  ///< clock and place
   double measure_s = 20.0;         ///< duration of the measurement of an axis
   /// Writes the passport; tests write it elsewhere.
   std::function<Expected<Done>(const std::string& path, const std::string& text)> write;
@@ -39,9 +39,10 @@ struct CommissioningPlan {
   std::function<Expected<Done>(const ChartPage& charts, const std::string& path)> draw;
 };
 
-/// Leads a device through its commissioning (docs/commissioning.md). Each step tells the person
-/// what to do and what was found, can be repeated, and is refused by name when an earlier step is
-/// missing. A failed step counts as not done. Not real-time safe.
+/// Leads a person through the commissioning of a device (docs/commissioning.md). Each step tells
+/// the person what to do and what was found, and can be repeated. A step is refused, naming the
+/// missing one, when an earlier step is not done. A failed step counts as not done. Not real-time
+/// safe.
 class Commissioning {
  public:
   /// @pre bench outlives it
@@ -49,7 +50,7 @@ class Commissioning {
 
   [[nodiscard]] Expected<Done> carryOut(CommissioningStep step);
   [[nodiscard]] bool done(CommissioningStep step) const;
-  /// The first step that is not done; kPassport where all are.
+  /// First step that is not done; kPassport when all are done.
   [[nodiscard]] CommissioningStep next() const;
   /// Number of the current step; -1: none.
   [[nodiscard]] int stepUnderWay() const { return step_under_way_; }
@@ -57,7 +58,7 @@ class Commissioning {
   [[nodiscard]] const Passport& passport() const { return passport_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// The passport for the daily check. Refused where there is none or it is invalid.
+  /// The passport for the daily check. Refused when there is none or it is invalid.
   [[nodiscard]] Expected<Passport> passportInForce() const;
   /// Runs the daily check of a device with a passport: zero, signs, watchdog, emergency stop.
   /// Writes its file if all pass.
@@ -87,17 +88,17 @@ class Commissioning {
   [[nodiscard]] Diagnostic no(std::size_t i, const std::string& problem,
                               const std::string& remedy) const;
   using Look = std::function<void(const std::vector<double>& position)>;
-  /// Asks with the device disabled until the answer is yes or no.
+  /// Asks while the device is disabled, until the answer is yes or no.
   [[nodiscard]] Expected<bool> askYes(const Question& question);
-  /// Asks with the device disabled until the answer is a number above 0.
+  /// Asks while the device is disabled, until the answer is a number above 0.
   [[nodiscard]] Expected<double> askNumber(const Question& question, const Look& look);
-  void tell(const std::string& line, const std::vector<FoundFigure>& findings = {}) {
-    bench_.person().tell(line, findings);
+  void reportLine(const std::string& line, const std::vector<FoundFigure>& findings = {}) {
+    bench_.person().reportLine(line, findings);
   }
   /// Runs one step or part of the daily check and reports its beginning and end.
   [[nodiscard]] Expected<Done> report(CommissioningStep step,
                                       const std::function<Expected<Done>()>& do_it);
-  [[nodiscard]] Expected<Done> atItsMark(const Passport& kept);
+  [[nodiscard]] Expected<Done> checkHomePosition(const Passport& kept);
   [[nodiscard]] Expected<Done> motorSigns();
 
   Bench& bench_;
@@ -109,10 +110,12 @@ class Commissioning {
   int step_under_way_ = -1;
 };
 
-/// Leads the person through all steps. True: the passport was written; false: the person ended it.
+/// Leads the person through all steps. True: the passport was written; false: the person ended the
+/// commissioning.
 [[nodiscard]] bool leadCommissioning(Commissioning& commissioning, Operator& person);
 
-/// Runs the daily check, again after each failure while the person wants. True: it was written.
+/// Runs the daily check, and repeats it after a failure if the person wants. True: the check was
+/// written.
 [[nodiscard]] bool leadDailyCheck(Commissioning& commissioning, Operator& person);
 
 }  // namespace wholehand

@@ -251,7 +251,7 @@ constexpr const char* kCommission =
     "attached: --without-passport";
 constexpr const char* kCheck = "do today's check: wholehand device commission --daily";
 
-Expected<Done> judgeTime(const PlaceTime& done, const std::string& path, const PlaceTime& now) {
+Expected<Done> checkTime(const PlaceTime& done, const std::string& path, const PlaceTime& now) {
   const auto no = [&](const std::string& why, const char* remedy) {
     return Diagnostic{path, 0, "done_at", format(done), why, remedy};
   };
@@ -298,8 +298,8 @@ Expected<DailyCheck> readDailyCheck(const std::string& path) {
   return check;
 }
 
-Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
-                             double rate_hz, const PlaceTime& now) {
+Expected<CheckedPermit> checkArmingPermit(const DriverIdentity& identity, const DeviceModel& model,
+                                          double rate_hz, const PlaceTime& now) {
   if (identity.simulated) {
     return keyFault(model.path, "driver", "", "is a simulated plant: it arms nothing",
                     "name the device's driver");
@@ -328,12 +328,12 @@ Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& 
   }
   const Expected<DailyCheck> check = readDailyCheck(check_path);
   if (!check) return check.errors();
-  if (auto timely = judgeTime(check->done_at, check_path, now); !timely) return timely.errors();
+  if (auto timely = checkTime(check->done_at, check_path, now); !timely) return timely.errors();
   if (check->passport_sha256 != passport->sha256) {
     return keyFault(check_path, "passport_sha256", "",
                     "today's check was done with another passport", kCheck);
   }
-  return Cleared(std::move(*passport));
+  return CheckedPermit(std::move(*passport));
 }
 
 }  // namespace wholehand

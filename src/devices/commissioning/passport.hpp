@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-/// Measurements of one device, stored beside its device file. Not real-time safe.
+/// Measurements of one device, stored next to its device file. Not real-time safe.
 namespace wholehand {
 
 struct ChartPage;
@@ -37,7 +37,7 @@ struct Passport {
   DriverIdentity identity;
   std::string driver;         ///< name that the driver gives itself
   std::string device;         ///< name in the device file
-  std::string device_sha256;  ///< of the device file's bytes
+  std::string device_sha256;  ///< digest of the device file's bytes
   std::string operator_name;
   PlaceTime measured_at;
   double rate_hz = 1000.0;  ///< tick rate of the measurement
@@ -59,38 +59,38 @@ struct Passport {
 /// True if the passport has the axes of this device, in order and kind.
 [[nodiscard]] bool sameAxes(const Passport& passport, const DeviceModel& model);
 
-/// Verifies that the passport is valid for this device and file now. Refused, each by name:
-/// another serial, firmware, SDK, driver or setting of it, a device file changed since, differing
-/// axes, a passport older than kPassportLasts or from the future.
+/// Checks that the passport is valid for this device and file now. Refused, each with its own
+/// message: another serial, firmware, SDK, driver or setting of the driver; a device file changed
+/// since; differing axes; a passport that is older than kPassportLasts or from the future.
 [[nodiscard]] Expected<Done> checkPassport(const Passport& passport, const DriverIdentity& identity,
                                            const DeviceModel& model, const PlaceTime& now);
 
-/// The device at the worst corners of the measurement, for the certificate: least damping and dry
-/// friction, longest delay and coarsest position, with every mass at its lower and at its upper
-/// end. A value of the file is kept where it is worse. Delays are whole periods, rounded up where
-/// they exceed one by more than a tenth.
+/// Device models at the worst corners of the measurement, for the certificate: least damping and
+/// dry friction, longest delay and coarsest position, with every mass at its lower and at its upper
+/// end. A worse value in the file is kept. Delays are whole periods, rounded up where they exceed
+/// one by more than a tenth.
 /// @pre sameAxes()
 [[nodiscard]] std::vector<DeviceModel> worstCorners(const DeviceModel& model,
                                                     const Passport& passport, double period_s);
 
-/// Chart of the measurement against the device file: for each axis and figure its interval relative
-/// to the file's value, which lies at 1. Where the file states 0, the interval is given in words
-/// only. Not real-time safe.
+/// Chart of the measurement against the device file. For each axis and figure it shows the interval
+/// relative to the file's value, which lies at 1. Where the file states 0, the interval is given in
+/// words only. Not real-time safe.
 /// @pre sameAxes()
 [[nodiscard]] ChartPage passportChart(const Passport& passport, const DeviceModel& device);
 
-/// A check opens the device on the place's day on which it was done, and no longer than this.
+/// Longest validity of a daily check. It is valid only on the local day on which it was done.
 inline constexpr std::chrono::hours kCheckLasts{12};
 
 /// Daily check of a device with a passport: zero, signs, watchdog and emergency stop. Written only
 /// if all four passed.
 struct DailyCheck {
-  std::string passport_sha256;  ///< of the passport used
+  std::string passport_sha256;  ///< digest of the passport that was used
   std::string operator_name;
   PlaceTime done_at;
 };
 
-/// mine.toml and serial S-1 make mine.S-1.check.toml.
+/// Path of the daily check: mine.toml and serial S-1 give mine.S-1.check.toml.
 [[nodiscard]] std::string dailyCheckPath(const std::string& device_file, const std::string& serial);
 
 /// Text of the file, with its seal.
@@ -100,19 +100,20 @@ struct DailyCheck {
 /// kind.
 [[nodiscard]] Expected<DailyCheck> readDailyCheck(const std::string& path);
 
-/// A passport that is valid for a device now, and the proof of it.
-struct Cleared {
-  explicit Cleared(Passport valid) : passport(std::move(valid)), clearance(passport.sha256) {}
+/// A passport that is valid for a device now, and the clearance based on it.
+struct CheckedPermit {
+  explicit CheckedPermit(Passport valid) : passport(std::move(valid)), permit(passport.sha256) {}
   Passport passport;
-  Clearance clearance;
+  ArmingPermit permit;
 };
 
-/// Verifies that a real device may be armed. It needs a passport valid for this device, this file
-/// and this rate now, and a check done with that passport on this day of the place, within
+/// Checks that a real device may be armed. It needs a passport that is valid now for this device,
+/// file and rate. It also needs a check done with that passport on the present local day, within
 /// kCheckLasts. Refused, each with its remedy: no serial number, no passport, a passport that
 /// readPassport() or checkPassport() refuses, no check, a check of another day or passport, an
-/// expired one, and one of the future: the clock was set back.
-[[nodiscard]] Expected<Cleared> clearToArm(const DriverIdentity& identity, const DeviceModel& model,
-                                           double rate_hz, const PlaceTime& now);
+/// expired check, and a check from the future, because the clock was set back.
+[[nodiscard]] Expected<CheckedPermit> checkArmingPermit(const DriverIdentity& identity,
+                                                        const DeviceModel& model, double rate_hz,
+                                                        const PlaceTime& now);
 
 }  // namespace wholehand

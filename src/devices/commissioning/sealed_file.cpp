@@ -61,7 +61,7 @@ PlaceTime readTime(TomlTable& table, std::string_view key) {
   const std::string text = table.text(key);
   int year_number = 0;
   unsigned month_number = 0, day_number = 0;
-  std::array<int, 5> clock{};  // hours, minutes, seconds; of the offset: hours, minutes
+  std::array<int, 5> clock{};  // hours, minutes, seconds; hours and minutes of the offset
   char sign = 0, rest = 0;
   const int read =
       std::sscanf(text.c_str(), "%4d-%2u-%2uT%2d:%2d:%2d%c%2d:%2d%c", &year_number, &month_number,

@@ -50,12 +50,12 @@ DriverBench::DriverBench(DriverLocation location, std::vector<KnownAxis> known)
 }
 
 DriverBench::~DriverBench() {
-  calm();
+  disableAtNeutral();
   if (device_ != nullptr) plugin_->close(device_);
 }
 
 void DriverBench::take(void* self, const char* line) {
-  static_cast<DriverBench*>(self)->said_.emplace_back(line != nullptr ? line : "(null)");
+  static_cast<DriverBench*>(self)->host_lines_.emplace_back(line != nullptr ? line : "(null)");
 }
 
 std::string DriverBench::reach(DriverStage stage) {
@@ -101,11 +101,11 @@ std::string DriverBench::takePlugin() {
 
 std::string DriverBench::open() {
   if (device_ != nullptr) return {};
-  const std::size_t lines = said_.size();
+  const std::size_t lines = host_lines_.size();
   if (openAnother(location_.locator.c_str(), &device_) < 0 || device_ == nullptr) {
     device_ = nullptr;
     return "the device does not open" +
-           (said_.size() > lines ? ": " + said_.back() : std::string());
+           (host_lines_.size() > lines ? ": " + host_lines_.back() : std::string());
   }
   std::array<wh_axis, WH_MAX_AXES> axes{};
   for (wh_axis& axis : axes) axis.size = sizeof(wh_axis);
@@ -118,20 +118,20 @@ std::string DriverBench::open() {
 }
 
 std::string DriverBench::enable() {
-  calm();
+  disableAtNeutral();
   sequence_ = 0;
   if (control(WH_ENABLE) < 0) return "the device cannot be enabled";
   enabled_ = true;
   bool says_so = false;
   everyMillisecond(kEnabledWithin_s, [&] {
-    const Sampled now = read();
+    const SampleRead now = read();
     says_so = now.result >= 0 && (now.sample.status & WH_ENABLED) != 0;
     return !says_so;
   });
   return says_so ? std::string() : "no sample says that it is enabled";
 }
 
-void DriverBench::calm() {
+void DriverBench::disableAtNeutral() {
   if (!std::exchange(enabled_, false)) return;
   (void)writeNeutral();
   (void)control(WH_DISABLE);
@@ -152,8 +152,8 @@ int DriverBench::control(std::uint32_t verb) {
   return plugin_->control(device_, verb, 0.0);
 }
 
-Sampled DriverBench::read() const {
-  Sampled out;
+SampleRead DriverBench::read() const {
+  SampleRead out;
   out.sample.size = sizeof(wh_sample);
   std::fill(std::begin(out.sample.effort), std::end(out.sample.effort), kNan);
   std::fill(std::begin(out.sample.temperature_c), std::end(out.sample.temperature_c), kNan);
@@ -221,7 +221,7 @@ int DriverBench::writeShare(std::size_t axis, double share) {
   return writeShares(shares);
 }
 
-const std::vector<Sampled>& DriverBench::samples() {
+const std::vector<SampleRead>& DriverBench::samples() {
   if (samples_.empty()) samples_ = idle(static_cast<int>(kSamplesFor_s * 1e3), false);
   return samples_;
 }
@@ -233,8 +233,8 @@ const std::vector<PushedAxis>& DriverBench::pushed() {
   return *pushed_;
 }
 
-std::vector<Sampled> DriverBench::idle(int milliseconds, bool writing) {
-  std::vector<Sampled> out;
+std::vector<SampleRead> DriverBench::idle(int milliseconds, bool writing) {
+  std::vector<SampleRead> out;
   everyMillisecond(milliseconds * 1e-3, [&] {
     if (writing) (void)writeNeutral();
     out.push_back(read());

@@ -90,7 +90,7 @@ CheckFinding name(DriverBench& bench) {
   return plain ? passed(name) : failed("has control characters");
 }
 
-// Index of the first byte from `from` on that lost its mark; -1: none.
+// Index of the first byte from `from` on that was overwritten; -1: none.
 long firstWritten(const unsigned char* bytes, std::size_t from, std::size_t size) {
   for (std::size_t i = from; i < size; ++i) {
     if (bytes[i] != kMark) return static_cast<long>(i);
@@ -98,19 +98,19 @@ long firstWritten(const unsigned char* bytes, std::size_t from, std::size_t size
   return -1;
 }
 
-// Reads into a sample whose size field is `says`, followed by marks.
-CheckFinding readInto(DriverBench& bench, std::size_t says) {
+// Reads into a sample whose size field is `says`, with marked bytes behind it.
+CheckFinding readInto(DriverBench& bench, std::size_t stated_size) {
   alignas(wh_sample) std::array<unsigned char, sizeof(wh_sample) + 256> bytes{};
   bytes.fill(kMark);
-  const auto size = static_cast<std::uint32_t>(says);
+  const auto size = static_cast<std::uint32_t>(stated_size);
   std::memcpy(bytes.data(), &size, sizeof(size));
   const int result =
       bench.plugin().read(bench.device(), reinterpret_cast<wh_sample*>(bytes.data()));
-  const std::size_t end = std::min(says, sizeof(wh_sample));
+  const std::size_t end = std::min(stated_size, sizeof(wh_sample));
   const long at = firstWritten(bytes.data(), end, bytes.size());
   if (at >= 0) {
     return failed("read writes byte " + std::to_string(at) + " of a sample of " +
-                  std::to_string(says) + " bytes");
+                  std::to_string(stated_size) + " bytes");
   }
   std::uint32_t left = 0;
   std::memcpy(&left, bytes.data(), sizeof(left));

@@ -64,7 +64,7 @@ std::string refused(DriverBench& bench, std::size_t axis, double effort, std::ui
   std::array<double, WH_MAX_AXES> efforts{};
   efforts.at(axis) = effort;
   const int result = bench.write(efforts, axes);
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   (void)bench.writeNeutral();
   if (now.result < 0) return "no sample comes after " + what;
   if (!std::isfinite(now.sample.position[axis])) return what + " reaches the position";
@@ -86,12 +86,12 @@ CheckFinding moreAxes(DriverBench& bench) {
                         "a command of one axis too many"));
 }
 
-// Fails with the first axis that takes efforts for which `wrong` returns a text.
-template <class Wrong>
-CheckFinding eachEffort(DriverBench& bench, Wrong wrong) {
+// Fails with the first axis that takes efforts and for which `wrong` returns a text.
+template <class Violation>
+CheckFinding eachEffort(DriverBench& bench, Violation violation) {
   for (std::size_t a = 0; a < bench.axes().size(); ++a) {
     if (bench.axes()[a].effort_meaning != WH_EFFORT) continue;
-    const std::string text = wrong(a);
+    const std::string text = violation(a);
     if (!text.empty()) return failed(std::string(bench.axes()[a].name) + ": " + text);
   }
   return passed();
@@ -114,7 +114,7 @@ CheckFinding stillThereAfterBad(DriverBench& bench) {
   efforts.at(bench.axes().size() - 1) = std::numeric_limits<double>::quiet_NaN();
   (void)bench.write(efforts);
   const int result = bench.writeNeutral();
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   if (now.result < 0) return failed("no sample comes any more");
   const bool disabled = (now.sample.status & WH_ENABLED) == 0;
   if (result >= 0 || disabled) return passed(disabled ? "has disabled itself" : "goes on");
@@ -135,7 +135,7 @@ CheckFinding pulses(DriverBench& bench) {
   return passed("±" + number(50.0 * kEffortShare) + " % of each limit");
 }
 
-// The effort measured on an axis while one is commanded, as soon as it is not zero.
+// Measured effort of an axis while one is commanded, as soon as it is not zero.
 double answerTo(DriverBench& bench, std::size_t axis, double share) {
   double measured = 0.0;
   everyMillisecond(kSoon_s, [&] {
@@ -162,21 +162,21 @@ CheckFinding measuredSign(DriverBench& bench) {
   return known ? passed() : skipped("efforts are not measured");
 }
 
-// Judges the effort measured on each axis after it was pushed. Passes where all that are measured
-// are right.
-template <class Wrong>
-CheckFinding eachMeasured(DriverBench& bench, Wrong wrong) {
+// Checks the measured effort of each axis after it was pushed. Passes when all measured efforts are
+// right.
+template <class Violation>
+CheckFinding eachMeasured(DriverBench& bench, Violation violation) {
   bool known = false;
   CheckFinding out = eachEffort(bench, [&](std::size_t a) -> std::string {
     const double measured = answerTo(bench, a, kEffortShare);
     if (std::isnan(measured)) return {};
     known = true;
-    return wrong(a, measured);
+    return violation(a, measured);
   });
   return known || out.outcome == Outcome::kFailed ? out : skipped("efforts are not measured");
 }
 
-// Effort that may be measured where none is asked for.
+// Largest measured effort that is accepted when none is commanded.
 double mostLeft(const DriverBench& bench, std::size_t a) {
   return std::abs(bench.neutral(a)) + 0.02 * bench.axes()[a].effort_limit;
 }
@@ -217,13 +217,13 @@ CheckFinding enabledIsNeutral(DriverBench& bench) {
   });
 }
 
-// Asks one axis for more than its limit. Returns what is wrong.
+// Commands more than the limit to one axis. Returns what is wrong.
 std::string beyond(DriverBench& bench, std::size_t a, double share) {
   bool reported = false;
   double most = 0.0;
   everyMillisecond(kBeyond_s, [&] {
     if (bench.writeShare(a, share) < 0) return false;
-    const Sampled now = bench.read();
+    const SampleRead now = bench.read();
     reported = reported || (now.sample.status & WH_SATURATED) != 0;
     const double given = std::abs(now.sample.effort[a]);
     if (std::isfinite(given)) most = std::max(most, given);

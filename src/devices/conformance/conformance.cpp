@@ -29,7 +29,7 @@ constexpr int kReady = 99;  // exit code of a child that has run all checks
 /// Message of the child; shorter than PIPE_BUF, so that it is written atomically.
 struct Message {
   std::uint32_t check;
-  std::uint32_t begins;  ///< 1: the check begins; 0: this is its finding
+  std::uint32_t begins;  ///< 1: the check begins; 0: this is its result
   std::uint32_t outcome;
   char text[500];
 };
@@ -45,15 +45,15 @@ void limit(int what, rlim_t value) {
   (void)::setrlimit(what, &both);
 }
 
-// A stall of this machine between two commands triggers the watchdog. A check that failed then is
-// repeated; where the machine never keeps up it is not judged.
+// Runs a check. A stall of this machine between two commands triggers the watchdog, so a check that
+// failed then is repeated. If the machine stalls every time, the check is skipped.
 CheckFinding lookAt(DriverBench& bench, const Check& check) {
   CheckFinding finding;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (std::string why = bench.reach(check.before); !why.empty()) return skipped(std::move(why));
     finding = check.look(bench);
     const bool judged = finding.outcome != Outcome::kFailed || !bench.stalled();
-    bench.calm();
+    bench.disableAtNeutral();
     if (judged || check.before != DriverStage::kEnabled) return finding;
   }
   return skipped("this machine stood still between two commands: " + finding.text);
@@ -64,14 +64,15 @@ CheckFinding lookAt(DriverBench& bench, const Check& check) {
   const pid_t self = ::getpid();
   (void)::setpgid(0, 0);
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // The driver runs without this program's signal handlers, crash handlers included.
+  // Resets the signal handlers, so that the driver runs without this program's handlers, including
+  // crash handlers.
   for (const int signal :
        {SIGPIPE, SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTRAP, SIGSYS}) {
     std::signal(signal, SIG_DFL);
   }
   limit(RLIMIT_CORE, 0);
   if (!WHOLEHAND_SANITIZED) limit(RLIMIT_AS, kMostMemory_bytes);  // sanitizers reserve far more
-  (void)::dup2(STDERR_FILENO, STDOUT_FILENO);  // keeps the driver's printf out of our results
+  (void)::dup2(STDERR_FILENO, STDOUT_FILENO);  // keeps the driver's printf out of the results
   {
     DriverBench bench(driver, known);
     for (std::size_t i = 0; i < checks.size(); ++i) {
@@ -110,7 +111,7 @@ class GroupProcess {
         end = stop();
       }
     }
-    (void)::kill(-child_, SIGKILL);  // and the driver's child processes
+    (void)::kill(-child_, SIGKILL);  // also kills the driver's child processes
     ::close(pipe_);
     if (end != "done") blame(end);
     return std::move(findings_);
@@ -152,7 +153,8 @@ class GroupProcess {
     }
     return "the driver ended the process with exit code " + std::to_string(WEXITSTATUS(status));
   }
-  // A driver that dies when the device is finally closed fails the last check.
+  // Assigns the failure to a check. A driver that dies when the device is closed at the end fails
+  // the last check.
   void blame(const std::string& end) {
     const std::size_t at = under_way_.value_or(reached_);
     findings_[at] = failed(under_way_ ? end : end + ", when the device was closed at the end");
@@ -170,8 +172,8 @@ class GroupProcess {
 };
 
 /// Runs checks in a child process, in order, and returns a finding for each. If the child dies or a
-/// check exceeds `longest_check_s`, the current check fails and the rest is not run. Processes that
-/// the driver leaves behind are killed.
+/// check exceeds `longest_check_s`, the current check fails and the rest are not run. Processes
+/// that the driver leaves behind are killed.
 std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
                                        const std::vector<KnownAxis>& known,
                                        const std::vector<const Check*>& checks,
@@ -182,19 +184,19 @@ std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
                                      skipped(std::string(what) + ": " + std::strerror(errno)));
   };
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return impossible("no pipe");
-  std::fflush(nullptr);  // otherwise the child prints it again
+  std::fflush(nullptr);  // otherwise the child prints the buffered text again
   const pid_t child = ::fork();
   if (child < 0) return impossible("no process");
   if (child == 0) {
     ::close(ends[0]);
     carryOut(driver, known, checks, ends[1]);
   }
-  (void)::setpgid(child, child);  // in parent and child, whichever runs first
+  (void)::setpgid(child, child);  // called in parent and child, because either may run first
   ::close(ends[1]);
   return GroupProcess(child, ends[0], checks.size(), longest_check_s).follow();
 }
 
-// Why a check is left out; empty: it runs.
+// Reason why a check is left out; empty: it runs.
 std::string whyLeftOut(const Check& check, const ConformanceOptions& options) {
   if (check.effect == Effect::kLooks) return {};
   if (!options.allow_effort) return "moves the device: --allow-effort, with nobody attached";

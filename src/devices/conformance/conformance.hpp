@@ -31,15 +31,16 @@ struct CheckFinding {
   return {Outcome::kSkipped, std::move(text)};
 }
 /// Passed if `wrong` is empty, else failed with that text.
-[[nodiscard]] inline CheckFinding unless(std::string wrong) {
-  return wrong.empty() ? passed() : failed(std::move(wrong));
+[[nodiscard]] inline CheckFinding unless(std::string violation) {
+  return violation.empty() ? passed() : failed(std::move(violation));
 }
 
 /// Effect of a check on the device.
 enum class Effect {
   kLooks,       ///< nothing moves or is enabled
-  kMoves,       ///< enables it, sends up to kEffortShare of its limit: no person may be attached
-  kOverreaches  ///< commands more than the limit for 5 ms, which the drive has to clip
+  kMoves,       ///< enables the device and sends up to kEffortShare of its limit: no person may be
+                ///< attached
+  kOverreaches  ///< commands more than the limit for 5 ms, which the drive must clip
 };
 
 /// One requirement of device.h.
@@ -74,7 +75,7 @@ struct CheckGroup {
 
 struct ConformanceOptions {
   DriverLocation driver;
-  std::vector<KnownAxis> known;     ///< of the device file; empty: none is given
+  std::vector<KnownAxis> known;     ///< axes of the device file; empty: no file is given
   std::string only;                 ///< only checks whose id begins with this; empty: all
   bool allow_effort = false;        ///< nobody is attached: allows Effect::kMoves
   bool allow_beyond_limit = false;  ///< also allows Effect::kOverreaches
@@ -88,8 +89,8 @@ struct CheckResult {
 
 /// Runs every check of device.h against a driver. Each group runs in its own process, forked from
 /// this one. A driver that crashes, hangs or ends the process fails the current check; the rest of
-/// its group is not run.
-/// @pre this process has one thread. Not real-time safe.
+/// its group is not run. Not real-time safe.
+/// @pre this process has one thread
 [[nodiscard]] std::vector<CheckResult> conform(const ConformanceOptions& options);
 
 }  // namespace wholehand

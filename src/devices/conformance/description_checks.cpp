@@ -25,11 +25,11 @@ bool turns(const wh_axis& axis) {
 }
 
 // Fails with the first axis for which `wrong` returns a text.
-template <class Wrong>
-CheckFinding eachAxis(DriverBench& bench, Wrong wrong) {
+template <class Violation>
+CheckFinding eachAxis(DriverBench& bench, Violation violation) {
   if (bench.axes().empty()) return skipped("has no axes");
   for (const wh_axis& axis : bench.axes()) {
-    const std::string text = wrong(axis);
+    const std::string text = violation(axis);
     if (!text.empty()) return failed(std::string(axis.name) + ": " + text);
   }
   return passed();
@@ -40,28 +40,28 @@ std::string outside(double value, double least, double most, const char* unit) {
   return number(value) + " " + unit + " is not from " + number(least) + " to " + number(most);
 }
 
-// Result of a call of describe.
-struct Described {
+// Result of a call of describe().
+struct DescribeResult {
   int result = WH_FAILED;
   std::uint32_t count = 0;
   std::array<wh_axis, WH_MAX_AXES> axes{};
 };
-Described describeAgain(DriverBench& bench) {
-  Described out;
+DescribeResult describeAgain(DriverBench& bench) {
+  DescribeResult out;
   for (wh_axis& axis : out.axes) axis.size = sizeof(wh_axis);
   out.result = bench.plugin().describe(bench.device(), out.axes.data(), WH_MAX_AXES, &out.count);
   return out;
 }
 
 CheckFinding count(DriverBench& bench) {
-  const Described now = describeAgain(bench);
+  const DescribeResult now = describeAgain(bench);
   if (now.result < 0) return failed("describe fails");
   if (now.count >= 1 && now.count <= WH_MAX_AXES) return passed(std::to_string(now.count));
   return failed("has " + std::to_string(now.count) + " axes; 1 to 16 can be rendered to");
 }
 
 CheckFinding stable(DriverBench& bench) {
-  const Described first = describeAgain(bench), second = describeAgain(bench);
+  const DescribeResult first = describeAgain(bench), second = describeAgain(bench);
   const auto equal = [](const wh_axis& a, const wh_axis& b) {
     return std::strncmp(a.name, b.name, sizeof(a.name)) == 0 && a.kind == b.kind &&
            a.effort_meaning == b.effort_meaning && a.lower == b.lower && a.upper == b.upper &&
@@ -75,7 +75,7 @@ CheckFinding stable(DriverBench& bench) {
 }
 
 CheckFinding namesEnd(DriverBench& bench) {
-  const Described now = describeAgain(bench);
+  const DescribeResult now = describeAgain(bench);
   for (std::uint32_t i = 0; i < std::min<std::uint32_t>(now.count, WH_MAX_AXES); ++i) {
     const char(&name)[32] = now.axes.at(i).name;
     if (::strnlen(name, sizeof(name)) == sizeof(name)) {

@@ -10,20 +10,20 @@ constexpr const char* kNowhere = "no device is called this";
 constexpr std::size_t kLongestLine = 200;
 
 CheckFinding noDriveFault(DriverBench& bench) {
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   if (now.result < 0) return skipped("no sample");
   if ((now.sample.status & WH_DRIVE_FAULT) == 0) return passed();
   return failed("a drive is in fault, code " + std::to_string(now.sample.vendor_code));
 }
 
 CheckFinding homed(DriverBench& bench) {
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   if (now.result < 0) return skipped("no sample");
   return (now.sample.status & WH_HOMED) != 0 ? passed() : failed("is not homed");
 }
 
 CheckFinding faultHasCode(DriverBench& bench) {
-  for (const Sampled& s : bench.samples()) {
+  for (const SampleRead& s : bench.samples()) {
     if ((s.sample.status & WH_DRIVE_FAULT) != 0 && s.sample.vendor_code == 0) {
       return failed("WH_DRIVE_FAULT comes without a vendor_code");
     }
@@ -32,14 +32,14 @@ CheckFinding faultHasCode(DriverBench& bench) {
 }
 
 CheckFinding notSilenced(DriverBench& bench) {
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   if (now.result < 0) return skipped("no sample");
   return (now.sample.status & WH_SILENCED) == 0 ? passed()
                                                 : failed("is silenced before it was enabled");
 }
 
 CheckFinding coolAtRest(DriverBench& bench) {
-  const Sampled now = bench.read();
+  const SampleRead now = bench.read();
   if (now.result < 0) return skipped("no sample");
   return (now.sample.status & (WH_HOT | WH_DERATING)) == 0 ? passed()
                                                            : failed("is hot before it was enabled");
@@ -58,18 +58,18 @@ CheckFinding failedOpenGivesNothing(DriverBench& bench) {
 }
 
 CheckFinding failedOpenSaysWhy(DriverBench& bench) {
-  const std::size_t lines = bench.said().size();
+  const std::size_t lines = bench.hostLines().size();
   wh_device* device = nullptr;
   if (bench.openAnother(kNowhere, &device) >= 0) {
     if (device != nullptr) bench.plugin().close(device);
     return skipped("opens whatever the name is");
   }
-  return bench.said().size() > lines ? passed(bench.said().back())
-                                     : failed("open fails and does not say why");
+  return bench.hostLines().size() > lines ? passed(bench.hostLines().back())
+                                          : failed("open fails and does not say why");
 }
 
 CheckFinding linesAreLines(DriverBench& bench) {
-  for (const std::string& line : bench.said()) {
+  for (const std::string& line : bench.hostLines()) {
     if (line.empty() || line.size() > kLongestLine) return failed("a line of no or over 200 bytes");
     const bool plain = std::none_of(line.begin(), line.end(),
                                     [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -84,8 +84,8 @@ CheckFinding readsAfterDisable(DriverBench& bench) {
 }
 
 CheckFinding noneAfterUse(DriverBench& bench) {
-  const std::vector<Sampled> samples = bench.idle(100, true);
-  for (const Sampled& s : samples) {
+  const std::vector<SampleRead> samples = bench.idle(100, true);
+  for (const SampleRead& s : samples) {
     if (s.result < 0) return failed("a read fails while commands come");
     if ((s.sample.status & WH_DRIVE_FAULT) != 0) return failed("a drive goes into fault");
   }

@@ -10,16 +10,16 @@ namespace {
 constexpr std::uint32_t kNoVerb = 1000;
 constexpr double kSoon_s = 0.5;
 
-bool says(const Sampled& s, std::uint32_t bits) {
+bool hasBits(const SampleRead& s, std::uint32_t bits) {
   return s.result >= 0 && (s.sample.status & bits) == bits;
 }
 
 // Waits until a sample has the bit set or cleared; false on timeout.
-bool comesToSay(const DriverBench& bench, std::uint32_t bit, bool set) {
+bool reaches(const DriverBench& bench, std::uint32_t bit, bool set) {
   bool reached = false;
   everyMillisecond(kSoon_s, [&] {
-    const Sampled now = bench.read();
-    reached = now.result >= 0 && says(now, bit) == set;
+    const SampleRead now = bench.read();
+    reached = now.result >= 0 && hasBits(now, bit) == set;
     return !reached;
   });
   return reached;
@@ -38,7 +38,8 @@ CheckFinding open(DriverBench& bench) {
 }
 
 CheckFinding openNotEnabled(DriverBench& bench) {
-  return says(bench.read(), WH_ENABLED) ? failed("it is enabled as soon as it is open") : passed();
+  return hasBits(bench.read(), WH_ENABLED) ? failed("it is enabled as soon as it is open")
+                                           : passed();
 }
 
 CheckFinding openTwice(DriverBench& bench) {
@@ -110,7 +111,7 @@ CheckFinding enable(DriverBench& bench) {
   if (const int result = bench.control(WH_ENABLE); result < 0) {
     return failed("WH_ENABLE returns " + std::to_string(result));
   }
-  const bool enabled = comesToSay(bench, WH_ENABLED, true);
+  const bool enabled = reaches(bench, WH_ENABLED, true);
   (void)bench.control(WH_DISABLE);
   return enabled ? passed() : failed("no sample says WH_ENABLED");
 }
@@ -119,7 +120,7 @@ CheckFinding enableTwice(DriverBench& bench) {
   if (const int result = bench.control(WH_ENABLE); result < 0) {
     return failed("a second WH_ENABLE returns " + std::to_string(result));
   }
-  return comesToSay(bench, WH_ENABLED, true) ? passed() : failed("is not enabled after it");
+  return reaches(bench, WH_ENABLED, true) ? passed() : failed("is not enabled after it");
 }
 
 CheckFinding disable(DriverBench& bench) {
@@ -127,8 +128,7 @@ CheckFinding disable(DriverBench& bench) {
   if (const int result = bench.control(WH_DISABLE); result < 0) {
     return failed("WH_DISABLE returns " + std::to_string(result));
   }
-  return comesToSay(bench, WH_ENABLED, false) ? passed()
-                                              : failed("samples go on to say WH_ENABLED");
+  return reaches(bench, WH_ENABLED, false) ? passed() : failed("samples go on to say WH_ENABLED");
 }
 
 CheckFinding disableTwice(DriverBench& bench) {
@@ -141,7 +141,7 @@ CheckFinding enableAgain(DriverBench& bench) {
   for (int i = 0; i < 3; ++i) {
     if (bench.control(WH_DISABLE) < 0) return failed("WH_DISABLE fails");
     if (bench.control(WH_ENABLE) < 0) return failed("WH_ENABLE fails after WH_DISABLE");
-    if (!comesToSay(bench, WH_ENABLED, true)) return failed("is not enabled any more");
+    if (!reaches(bench, WH_ENABLED, true)) return failed("is not enabled any more");
   }
   return passed();
 }
@@ -149,8 +149,8 @@ CheckFinding enableAgain(DriverBench& bench) {
 CheckFinding closeWhileEnabled(DriverBench& bench) {
   (void)bench.writeNeutral();
   if (std::string why = bench.reopen(); !why.empty()) return failed(why);
-  return says(bench.read(), WH_ENABLED) ? failed("is still enabled when it is opened again")
-                                        : passed();
+  return hasBits(bench.read(), WH_ENABLED) ? failed("is still enabled when it is opened again")
+                                           : passed();
 }
 
 using enum DriverStage;

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-// Checks by what moves: each axis is pushed by up to kEffortShare of its limit while nobody holds
-// it, and its own positions are held against what was asked. Bits and measured efforts count for
-// nothing here, but in motion.measured.
+// Checks by motion: each axis is pushed by up to kEffortShare of its limit while nobody holds it,
+// and the resulting positions are compared with the commands. Status bits and measured efforts are
+// not used, except in motion.measured.
 namespace wholehand {
 namespace {
 
-// What the checks share: words for a person, and who is judged.
+// Shared by the checks: texts for people, and the choice of axes.
 
-/// Measurements that must agree before a check fails.
+/// Number of measurements that must agree before a check fails.
 constexpr int kMotionAttempts = 2;
 
 std::string nameOf(const DriverBench& bench, std::size_t a) {
@@ -39,7 +39,7 @@ std::string percent(double share) {
   return number(std::round(100.0 * share)) + " %";
 }
 
-/// Why no axis, or not every one, is judged; empty: all are.
+/// Reason why some or all axes are not checked; empty: all are checked.
 std::string whyNotAll(const DriverBench& bench, const std::vector<PushedAxis>& axes) {
   std::string late, still;
   for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -51,24 +51,24 @@ std::string whyNotAll(const DriverBench& bench, const std::vector<PushedAxis>& a
   return still.empty() ? still : still + ": does not move (motion.moves)";
 }
 
-/// Judges every axis that takes efforts and moved, by one measurement; where it fails a second one
-/// must agree. All that fail are named.
-template <class Wrong>
-CheckFinding eachMoved(DriverBench& bench, Wrong wrong) {
+/// Checks every axis that takes efforts and moved. A failure must be confirmed by a second
+/// measurement. The finding names all axes that fail.
+template <class Violation>
+CheckFinding eachMoved(DriverBench& bench, Violation violation) {
   CheckFinding out;
   for (int attempt = 0; attempt < kMotionAttempts; ++attempt) {
     std::string failures;
     const std::vector<PushedAxis>& axes = bench.pushed();
     for (std::size_t a = 0; a < axes.size(); ++a) {
       if (!axes[a].asked || !axes[a].moved || axes[a].late) continue;
-      const std::string text = wrong(axes[a], a);
+      const std::string text = violation(axes[a], a);
       if (!text.empty()) failures += (failures.empty() ? "" : "; ") + nameOf(bench, a) + " " + text;
     }
     bench.forgetStalls();
     if (failures.empty()) {
       const std::string why = whyNotAll(bench, axes);
       if (why.empty()) return passed();
-      return attempt > 0 ? out : skipped(why);  // what failed may keep it from being pushed again
+      return attempt > 0 ? out : skipped(why);  // the failure may prevent another push
     }
     out = failed(failures);
     if (attempt + 1 == kMotionAttempts || !bench.reach(DriverStage::kEnabled).empty()) break;
@@ -77,18 +77,19 @@ CheckFinding eachMoved(DriverBench& bench, Wrong wrong) {
   return out;
 }
 
-// How a push ends, and what moves at neutral, by the motion of every axis.
+// How a push ends, and what moves at neutral, judged by the motion of every axis.
 
-constexpr double kLeft = 0.25;  // of the push
-constexpr double kOwn = 0.05;   // of the limit
+constexpr double kLeft = 0.25;  // share of the push that may be left
+constexpr double kOwn = 0.05;   // share of the limit that may act at neutral
 constexpr double kOver_s = 0.005, kOverShare = 1.5, kClipped = 1.2;
-constexpr double kSoon_s = 0.01;  // beyond the stated delay
+constexpr double kSoon_s = 0.01;  // allowed beyond the stated delay
 constexpr double kSilences = 1.5, kSilenceMore_s = 0.02;
 constexpr double kLongestReopen_s = 0.3;
 
-// Fails with the axes whose push is not over, in the words of `when`.
+// Fails for the axes on which the push still acts after it should have ended. `when` is part of the
+// text.
 CheckFinding over(DriverBench& bench, double allow_s, bool writes, const std::string& when,
-                  const std::function<std::string(Course&)>& stop) {
+                  const std::function<std::string(PushSequence&)>& stop) {
   const std::vector<PushedAxis>& axes = bench.pushed();
   const LeftOver left = leftAfter(bench, axes, allow_s, writes, stop);
   bench.forgetStalls();
@@ -120,12 +121,13 @@ double longestSilence_s(const DriverBench& bench) {
 constexpr double kNeutral_s = 0.1;
 constexpr double kEnd = 0.01, kGone = 0.02;  // shares of the travel
 
-// Axes that have left where they rested.
-std::string gone(const DriverBench& bench, const Course& course, const std::vector<double>& from) {
+// Axes that have left their resting position.
+std::string gone(const DriverBench& bench, const PushSequence& sequence,
+                 const std::vector<double>& from) {
   std::string out;
   for (std::size_t a = 0; a < from.size(); ++a) {
     const wh_axis& axis = bench.axes()[a];
-    const double moved = course.position(a) - from[a];
+    const double moved = sequence.position(a) - from[a];
     const double most = kGone * (axis.upper - axis.lower) + 3.0 * axis.resolution;
     if (axis.effort_meaning != WH_EFFORT || std::abs(moved) <= most) continue;
     out += (out.empty() ? "" : "; ") + nameOf(bench, a) +
@@ -135,58 +137,61 @@ std::string gone(const DriverBench& bench, const Course& course, const std::vect
   return out;
 }
 
-// Axes that lie on an end of their travel: an effort into it would not show.
-std::string onEnd(const DriverBench& bench, const Course& course) {
+// Axes at an end of their travel, where an effort towards the end would not show.
+std::string onEnd(const DriverBench& bench, const PushSequence& sequence) {
   std::string out;
   for (std::size_t a = 0; a < bench.axes().size(); ++a) {
     const wh_axis& axis = bench.axes()[a];
-    const double room = std::min(axis.upper - course.position(a), course.position(a) - axis.lower);
+    const double room =
+        std::min(axis.upper - sequence.position(a), sequence.position(a) - axis.lower);
     if (axis.effort_meaning != WH_EFFORT || room > kEnd * (axis.upper - axis.lower)) continue;
     out += (out.empty() ? "" : ", ") + nameOf(bench, a);
   }
   return out.empty() ? out : out + ": on the end of its travel";
 }
 
-// From rest to neutral. Returns what is wrong, or why it is not judged.
+// Checks that nothing moves when the device is enabled at neutral from rest. Skips, with the
+// reason, when this cannot be checked.
 CheckFinding neutralFromRest(DriverBench& bench) {
-  bench.calm();
+  bench.disableAtNeutral();
   if (awaitRest(bench) >= 0) return skipped("does not rest (motion.rests)");
-  Course before(bench);
+  PushSequence before(bench);
   before.watch(0.002);
   std::vector<double> from;
   for (std::size_t a = 0; a < bench.axes().size(); ++a) from.push_back(before.position(a));
   if (std::string why = bench.reach(DriverStage::kEnabled); !why.empty()) return skipped(why);
-  Course course(bench);
-  course.push({}, kNeutral_s);
+  PushSequence sequence(bench);
+  sequence.push({}, kNeutral_s);
   bench.forgetStalls();
-  if (std::string why = gone(bench, course, from); !why.empty()) return failed(why);
-  if (course.late()) return skipped("this machine stood still meanwhile");
-  const std::string end = onEnd(bench, course);
+  if (std::string why = gone(bench, sequence, from); !why.empty()) return failed(why);
+  if (sequence.late()) return skipped("this machine stood still meanwhile");
+  const std::string end = onEnd(bench, sequence);
   return end.empty() ? passed() : skipped(end);
 }
 
-// Speed that a pulse beyond the limit gives, over what the limit would give in that time.
+// Speed caused by a pulse beyond the limit, relative to the speed that the limit would cause in
+// that time.
 double overLimit(DriverBench& bench, const PushedAxis& pushed, std::size_t a, double sign) {
   if (!bench.reach(DriverStage::kEnabled).empty()) return 0.0;
   bringToMiddle(bench, bench.pushed());
-  Course course(bench);
+  PushSequence sequence(bench);
   Shares shares{};
   shares.at(a) = sign * kOverShare;
-  course.push({}, 0.02);
-  const double from_s = course.now_s();
-  course.push(shares, kOver_s);
-  course.push({}, 0.04);
-  const PushTrace trace = course.trace(a, a);
+  sequence.push({}, 0.02);
+  const double from_s = sequence.now_s();
+  sequence.push(shares, kOver_s);
+  sequence.push({}, 0.04);
+  const PushTrace trace = sequence.trace(a, a);
   double given_s = 0.0, ended_s = from_s;
   for (std::size_t i = 0; i + 1 < trace.given.size(); ++i) {
     if (trace.given[i].share == 0.0) continue;
     given_s += trace.given[i + 1].at_s - trace.given[i].at_s;
     ended_s = trace.given[i + 1].at_s;
   }
-  if (given_s == 0.0) return 0.0;  // refused
+  if (given_s == 0.0) return 0.0;  // the command was refused
   const double delay_s = pushed.response.delay_s;
   const Parabola before = parabolaThrough(trace, 0.0, from_s);
-  const double since_s = ended_s + delay_s + 0.002, until_s = course.now_s();
+  const double since_s = ended_s + delay_s + 0.002, until_s = sequence.now_s();
   const Parabola after = parabolaThrough(trace, since_s, until_s);
   const double middle_s = 0.5 * (since_s + until_s) - ended_s - delay_s;
   const double lost = std::exp(std::max(0.0, pushed.response.damping) * middle_s);
@@ -196,13 +201,13 @@ double overLimit(DriverBench& bench, const PushedAxis& pushed, std::size_t a, do
 CheckFinding pushReleased(DriverBench& bench) {
   const double allow_s = kSoon_s + longestDelay_s(bench);
   return over(bench, allow_s, true, ms(allow_s) + " after the command went back to neutral",
-              [](Course&) { return std::string(); });
+              [](PushSequence&) { return std::string(); });
 }
 
 CheckFinding pushSilenced(DriverBench& bench) {
   if (longestSilence_s(bench) == 0.0) return skipped("states no watchdog");
   const double allow_s = kSilences * longestSilence_s(bench) + kSilenceMore_s;
-  return over(bench, allow_s, false, ms(allow_s) + " after the last command", [&](Course&) {
+  return over(bench, allow_s, false, ms(allow_s) + " after the last command", [&](PushSequence&) {
     bench.fallSilent();
     return std::string();
   });
@@ -210,23 +215,24 @@ CheckFinding pushSilenced(DriverBench& bench) {
 
 CheckFinding pushDisabled(DriverBench& bench) {
   const double allow_s = kSoon_s + longestDelay_s(bench);
-  return over(bench, allow_s, false, ms(allow_s) + " after WH_DISABLE", [&](Course&) {
+  return over(bench, allow_s, false, ms(allow_s) + " after WH_DISABLE", [&](PushSequence&) {
     return bench.control(WH_DISABLE) < 0 ? std::string("WH_DISABLE fails") : std::string();
   });
 }
 
 CheckFinding pushClosed(DriverBench& bench) {
   const double allow_s = kSoon_s + longestDelay_s(bench);
-  return over(bench, allow_s, false, ms(allow_s) + " after closing", [&](Course& course) {
-    const double began_s = course.now_s();
+  return over(bench, allow_s, false, ms(allow_s) + " after closing", [&](PushSequence& sequence) {
+    const double began_s = sequence.now_s();
     if (std::string why = bench.reopen(); !why.empty()) return why;
-    return course.now_s() - began_s > kLongestReopen_s
+    return sequence.now_s() - began_s > kLongestReopen_s
                ? std::string("opens again so slowly that a push would have ended at a stop")
                : std::string();
   });
 }
 
-// Where it rests, before anything was pushed; and, with what the pushes show, in the middle.
+// Checks twice: at the resting position before any push, and in the middle of the travel, where the
+// responses to pushes are known.
 CheckFinding stillAtNeutral(DriverBench& bench) {
   CheckFinding first = neutralFromRest(bench);
   if (first.outcome == Outcome::kFailed) return first;
@@ -247,17 +253,17 @@ CheckFinding stillAtNeutral(DriverBench& bench) {
 CheckFinding stillEnabledAgain(DriverBench& bench) {
   const std::vector<PushedAxis>& axes = bench.pushed();
   std::string moved;
-  const auto stop = [&](Course& course) -> std::string {
+  const auto stop = [&](PushSequence& sequence) -> std::string {
     if (bench.control(WH_DISABLE) < 0) return "WH_DISABLE fails";
     if (awaitRest(bench) >= 0) return "does not rest (motion.rests)";
-    course.watch(0.002);
+    sequence.watch(0.002);
     std::vector<double> before;
-    for (std::size_t a = 0; a < axes.size(); ++a) before.push_back(course.position(a));
+    for (std::size_t a = 0; a < axes.size(); ++a) before.push_back(sequence.position(a));
     if (bench.control(WH_ENABLE) < 0) return "cannot be enabled again";
-    course.watch(0.002);
+    sequence.watch(0.002);
     for (std::size_t a = 0; a < axes.size(); ++a) {
       const wh_axis& axis = bench.axes()[a];
-      const double steps = std::abs(course.position(a) - before[a]) / axis.resolution;
+      const double steps = std::abs(sequence.position(a) - before[a]) / axis.resolution;
       if (steps > 3.0 + 0.002 * (axis.upper - axis.lower) / axis.resolution)
         moved = nameOf(bench, a) + " jumps by " + number(steps) + " steps when it is enabled";
     }
@@ -293,15 +299,16 @@ CheckFinding pushLimited(DriverBench& bench) {
   });
 }
 
-// How a push begins and goes on.
+// How a push begins and continues.
 
-constexpr double kAlong = 0.25;         // of another axis, over its own response
-constexpr double kAlike = 0.3;          // gains of pushes of other sizes and the other way
+constexpr double kAlong = 0.25;         // motion of another axis, relative to its own response
+constexpr double kAlike = 0.3;          // deviation of the gains of pushes of other sizes and of
+                                        // the other direction
 constexpr double kUnexplained = 0.11;   // share of the motion
-constexpr double kDelayMore_s = 0.003;  // two periods of the loop, and what the fit leaves open
+constexpr double kDelayMore_s = 0.003;  // two periods of the loop and the uncertainty of the fit
 constexpr double kMeasuredWithin = 0.25;
-constexpr double kMassWithin = 1.5;  // times, and its inverse
-constexpr double kRubs = 0.25;       // of the push: dry friction that hides what is asked here
+constexpr double kMassWithin = 1.5;  // factor, and its inverse
+constexpr double kRubs = 0.25;       // share of the push: greater dry friction hides the answer
 constexpr double kLightest_kg = 0.002, kHeaviest_kg = 200.0;
 constexpr double kLightest_kgm2 = 1e-8, kHeaviest_kgm2 = 20.0;
 
@@ -363,7 +370,7 @@ CheckFinding follows(DriverBench& bench) {
 
 CheckFinding proportional(DriverBench& bench) {
   return eachMoved(bench, [&](const PushedAxis& axis, std::size_t a) -> std::string {
-    // Dry friction turns no push round, and what rubs as much as the push does not move at all.
+    // Dry friction cannot reverse a push, and friction as large as the push prevents all motion.
     const double rubs = axis.response.friction / kEffortShare;
     if (rubs > kRubs && rubs <= 1.0 && axis.back >= 0.0) return {};
     const auto off = [](double ratio) { return !(std::abs(ratio - 1.0) <= kAlike); };
@@ -410,7 +417,7 @@ CheckFinding measured(DriverBench& bench) {
   return any || out.outcome != Outcome::kPassed ? out : skipped("efforts are not measured");
 }
 
-// Effort over acceleration is the mass: it reveals a wrong unit; with a device file, any wrong
+// Effort over acceleration is the mass. It reveals a wrong unit and, with a device file, any wrong
 // effort.
 CheckFinding mass(DriverBench& bench) {
   bool all_known = true;

@@ -17,18 +17,20 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-constexpr double kSlopeOver_s = 0.004;  // each side
+constexpr double kSlopeOver_s = 0.004;  // to each side
 constexpr double kCoarse_s = 0.002, kFine_s = 0.00025;
-constexpr double kDiffer = 0.3;  // residual with a gain for each way over that with one gain
+constexpr double kDiffer = 0.3;          // limit of the residual with a gain per direction over the
+                                         // residual with one gain
 constexpr double kMotionExplains = 3.0;  // times the step before or after
 constexpr double kStepsOfJump = 3.0;
-constexpr double kSampleGap_s = 0.004;  // between two samples: this machine was late
+constexpr double kSampleGap_s = 0.004;  // longer gaps between samples mean that this machine was
+                                        // late
 
-// Columns before those of the efforts.
+// Columns of the fit before those of the efforts.
 enum : Eigen::Index { kPlace, kSpeed, kOwn, kDamping, kFriction, kBefore };
 
-// The integral of the integral, up to `at_s`, of efforts of one kind that come `delay_s` late.
-double pushedTo(const std::vector<PushTrace::Given>& given, double at_s, double delay_s,
+// Double integral, up to `at_s`, of efforts of one kind that act `delay_s` late.
+double pushedTo(const std::vector<PushTrace::EffortChange>& given, double at_s, double delay_s,
                 const std::function<double(double share)>& weight) {
   double sum = 0.0;
   const auto since = [at_s](double from_s) {
@@ -44,8 +46,9 @@ double pushedTo(const std::vector<PushTrace::Given>& given, double at_s, double 
   return sum;
 }
 
-// Speeds over a few milliseconds around each place; a stall of this machine is not looked across.
-Vector speeds(const std::vector<PushTrace::Seen>& seen) {
+// Speed at each position, averaged over a few milliseconds. The average does not span a stall of
+// this machine.
+Vector speeds(const std::vector<PushTrace::Observation>& seen) {
   const auto near = [&](std::size_t j, std::size_t next, std::size_t k) {
     return std::abs(seen[next].at_s - seen[j].at_s) <= kSampleGap_s &&
            std::abs(seen[next].at_s - seen[k].at_s) <= kSlopeOver_s;
@@ -70,7 +73,7 @@ Matrix own(const PushTrace& trace) {
   Matrix m = Matrix::Zero(static_cast<Eigen::Index>(seen.size()), kBefore);
   const Vector v = speeds(seen);
   const double least_speed = trace.resolution / (4.0 * kSlopeOver_s) + 1e-12;
-  // Mean direction of motion while the speed goes evenly from one to the other.
+  // Mean direction of motion while the speed changes linearly from one value to the other.
   const auto soft = [&](double speed) {
     return std::abs(speed) - least_speed * std::log1p(std::abs(speed) / least_speed);
   };
@@ -78,7 +81,7 @@ Matrix own(const PushTrace& trace) {
     if (std::abs(to - from) < least_speed) return to / (std::abs(to) + least_speed);
     return (soft(to) - soft(from)) / (to - from);
   };
-  // Near 0 where the axis sticks: friction then holds what it has of its own.
+  // Close to 0 where the axis sticks, because friction then balances its own effort.
   const auto moving = [&](double speed) {
     return std::abs(speed) / (std::abs(speed) + least_speed);
   };
@@ -90,7 +93,7 @@ Matrix own(const PushTrace& trace) {
       const auto& before = seen[static_cast<std::size_t>(k - 1)];
       const double dt = now.at_s - before.at_s;
       const double sign = direction(v[k - 1], v[k]);
-      // By a cubic: between two samples may lie a stall.
+      // Integrated with a cubic, because there may be a stall between two samples.
       travelled += 0.5 * dt * (now.position + before.position - 2.0 * seen.front().position) +
                    dt * dt / 12.0 * (v[k - 1] - v[k]);
       rubbed_twice += dt * (rubbed + 0.5 * dt * sign);
@@ -110,7 +113,7 @@ Matrix own(const PushTrace& trace) {
 
 struct Fit {
   Vector found;
-  double left = 0.0;  // RMS
+  double left = 0.0;  // RMS of the residual
 };
 
 Fit fit(const PushTrace& trace, const Matrix& own_columns, double delay_s, int kinds,
@@ -169,7 +172,8 @@ AxisResponse findResponse(const PushTrace& trace, double longest_delay_s) {
   };
   const auto [one_s, one_left] = best_delay(1, anyPush);
   const auto [each_s, each_left] = best_delay(2, eachWay);
-  // Where the two ways differ, one gain for both would be made up for by the delay.
+  // If the two directions differ, a fit with one gain would compensate the difference by a wrong
+  // delay.
   out.delay_s = each_left < kDiffer * one_left ? each_s : one_s;
   const Fit best = fit(trace, columns, out.delay_s, 1, anyPush);
   const Fit ways = fit(trace, columns, out.delay_s, 2, eachWay);
@@ -193,7 +197,7 @@ std::vector<double> gainsByKind(const PushTrace& trace, double delay_s, int kind
 }
 
 Parabola parabolaThrough(const PushTrace& trace, double from_s, double until_s) {
-  std::vector<PushTrace::Seen> seen;
+  std::vector<PushTrace::Observation> seen;
   for (const auto& place : trace.seen) {
     if (place.at_s >= from_s && place.at_s <= until_s) seen.push_back(place);
   }
@@ -240,20 +244,20 @@ namespace {
 
 constexpr double kSpeedOver_s = 0.005;
 
-constexpr double kMoved = 0.01, kMovedSteps = 30.0;  // share of the travel, steps of the encoder
+constexpr double kMoved = 0.01, kMovedSteps = 30.0;  // share of the travel; steps of the encoder
 constexpr double kShortest_s = 0.008, kLongest_s = 0.15;
 constexpr double kBeyond = 0.02;  // share of the travel
-constexpr double kFar = 0.2;      // of the travel, from where a course began
-constexpr double kOthers = 4.0;   // times kMoved of another axis end a push
+constexpr double kFar = 0.2;      // share of the travel, from the beginning of a course
+constexpr double kOthers = 4.0;   // motion of another axis by this many times kMoved ends a push
 constexpr double kLongestDelay_s = 0.08;
-constexpr double kFew = 0.75;  // shares from here on are whole pushes
+constexpr double kWholePush = 0.75;  // larger shares count as whole pushes
 constexpr double kBring_hz = 2.5, kBring_s = 0.8;
 constexpr double kNear = 0.05, kSlow = 0.002, kSlowOver_s = 0.05;  // shares of the travel
 constexpr double kRests = 5e-4, kRestSteps = 3.0, kRestOver_s = 0.05, kRest_s = 1.0;
 constexpr double kPush_s = 0.04, kWindow_s = 0.06;
-constexpr double kRoom = 0.3;    // of the travel that a push which does not end may use
-constexpr double kEnds = 0.005;  // of the travel
-constexpr double kGap_s = 0.01;  // between two samples: a stall of this machine
+constexpr double kRoom = 0.3;    // share of the travel that an unending push may use
+constexpr double kEnds = 0.005;  // share of the travel
+constexpr double kGap_s = 0.01;  // a longer gap between two samples is a stall of this machine
 constexpr int kAttempts = 5;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -279,25 +283,27 @@ Shares only(std::size_t axis, double share) {
   return out;
 }
 
-bool within(const DriverBench& bench, const Course& course) {
+bool within(const DriverBench& bench, const PushSequence& sequence) {
   for (std::size_t a = 0; a < bench.axes().size(); ++a) {
     const wh_axis& axis = bench.axes()[a];
-    const double out = std::max(course.position(a) - axis.upper, axis.lower - course.position(a));
+    const double out =
+        std::max(sequence.position(a) - axis.upper, axis.lower - sequence.position(a));
     if (out > kBeyond * travel(axis)) return false;
   }
   return true;
 }
 
-// Where every axis was when a course began.
+// Position of every axis at the beginning of a course.
 class Start {
  public:
-  Start(const DriverBench& bench, const Course& course) : bench_(bench), course_(course) {
-    for (std::size_t j = 0; j < bench.axes().size(); ++j) places_.push_back(course.position(j));
+  Start(const DriverBench& bench, const PushSequence& sequence)
+      : bench_(bench), sequence_(sequence) {
+    for (std::size_t j = 0; j < bench.axes().size(); ++j) places_.push_back(sequence.position(j));
   }
   [[nodiscard]] bool moved(std::size_t a, double times) const {
     return gone(a) >= times * movedBy(bench_.axes()[a]);
   }
-  // An axis that runs away is left alone, before it meets its end.
+  // True when an axis runs away; it is then no longer pushed, before it reaches its end.
   [[nodiscard]] bool far() const {
     for (std::size_t j = 0; j < places_.size(); ++j) {
       if (gone(j) > kFar * travel(bench_.axes()[j])) return true;
@@ -307,29 +313,31 @@ class Start {
 
  private:
   [[nodiscard]] double gone(std::size_t a) const {
-    return std::abs(course_.position(a) - places_[a]);
+    return std::abs(sequence_.position(a) - places_[a]);
   }
   const DriverBench& bench_;
-  const Course& course_;
+  const PushSequence& sequence_;
   std::vector<double> places_;
 };
 
-// One push until the axis has moved, or another one has far more. Returns how long it took; nothing
-// moved: 0.
-double pushUntilMoved(Course& course, const Start& start, std::size_t axes, std::size_t a,
+// Pushes until the axis has moved, or another one has moved far more. Returns the duration [s]; 0
+// when nothing moved.
+double pushUntilMoved(PushSequence& sequence, const Start& start, std::size_t axes, std::size_t a,
                       double share) {
-  const double began_s = course.now_s();
+  const double began_s = sequence.now_s();
   bool moved = false;
-  course.push(only(a, share), kLongest_s, [&] {
+  sequence.push(only(a, share), kLongest_s, [&] {
     moved = start.moved(a, 1.0);
     for (std::size_t j = 0; j < axes; ++j) moved = moved || start.moved(j, kOthers);
-    return (moved && course.now_s() - began_s >= kShortest_s) || start.far();
+    return (moved && sequence.now_s() - began_s >= kShortest_s) || start.far();
   });
-  return moved ? course.now_s() - began_s : 0.0;
+  return moved ? sequence.now_s() - began_s : 0.0;
 }
 
-// To and fro with whole and half pushes, each returning to where it began; then slowly, and back.
-void pushToAndFro(Course& course, const Start& start, std::size_t a, double share, double push_s) {
+// Pushes to and fro with whole and half pushes, each time back to the beginning; then slowly, and
+// back.
+void pushToAndFro(PushSequence& sequence, const Start& start, std::size_t a, double share,
+                  double push_s) {
   const double half = 0.5 * share, half_s = 1.4 * push_s;
   const std::pair<double, double> pushes[] = {
       {-share, push_s}, {-share, push_s},     {share, push_s},
@@ -337,20 +345,22 @@ void pushToAndFro(Course& course, const Start& start, std::size_t a, double shar
       {half, half_s},   {0.0, 0.02},          {0.1 * share, 3.0 * push_s},
       {0.0, 0.2},       {-share, kShortest_s}};
   for (const auto& [asked, seconds] : pushes) {
-    if (!start.far()) course.push(only(a, asked), seconds, [&] { return start.far(); });
+    if (!start.far()) sequence.push(only(a, asked), seconds, [&] { return start.far(); });
   }
-  course.push({}, 0.03);
+  sequence.push({}, 0.03);
 }
 
-// How the measured effort follows the one asked for: at each lag, and at the best.
-void judgeMeasured(const DriverBench& bench, const Course& course, std::size_t a, PushedAxis& out) {
+// Correlates the measured effort with the commanded one at each lag, and keeps the best.
+void checkMeasured(const DriverBench& bench, const PushSequence& sequence, std::size_t a,
+                   PushedAxis& out) {
   const double limit = bench.axes()[a].effort_limit;
   double best = 0.0;
   out.measured = kNan;
   for (double lag_s = 0.0; lag_s <= kLongestDelay_s; lag_s += 0.001) {
     double both = 0.0, asked = 0.0, reported = 0.0;
-    for (const Sampled& s : course.samples()) {
-      const double e = s.sample.effort[a], u = limit * course.shareAt(a, course.timeOf(s) - lag_s);
+    for (const SampleRead& s : sequence.samples()) {
+      const double e = s.sample.effort[a],
+                   u = limit * sequence.shareAt(a, sequence.timeOf(s) - lag_s);
       if (!std::isfinite(e)) continue;
       both += e * u;
       asked += u * u;
@@ -365,11 +375,11 @@ void judgeMeasured(const DriverBench& bench, const Course& course, std::size_t a
     out.measured_late_s = lag_s;
   }
   double asked = 0.0;
-  for (const Sampled& s : course.samples())
-    asked += std::pow(course.shareAt(a, course.timeOf(s)), 2);
+  for (const SampleRead& s : sequence.samples())
+    asked += std::pow(sequence.shareAt(a, sequence.timeOf(s)), 2);
   for (std::size_t j = 0; j < bench.axes().size(); ++j) {
     double reported = 0.0;
-    for (const Sampled& s : course.samples()) {
+    for (const SampleRead& s : sequence.samples()) {
       const double e = s.sample.effort[j] / bench.axes()[j].effort_limit;
       if (std::isfinite(e)) reported += e * e;
     }
@@ -382,43 +392,44 @@ PushedAxis pushAxis(DriverBench& bench, std::size_t a) {
   const wh_axis& axis = bench.axes()[a];
   out.asked = takesEffort(axis);
   if (!out.asked) return out;
-  Course course(bench);
-  course.push({}, 0.01);
-  const Start start(bench, course);
+  PushSequence sequence(bench);
+  sequence.push({}, 0.01);
+  const Start start(bench, sequence);
   const std::size_t axes = bench.axes().size();
-  double share = course.position(a) <= middle(axis) ? kEffortShare : -kEffortShare;
-  double push_s = pushUntilMoved(course, start, axes, a, share);
+  double share = sequence.position(a) <= middle(axis) ? kEffortShare : -kEffortShare;
+  double push_s = pushUntilMoved(sequence, start, axes, a, share);
   if (push_s == 0.0) {
-    course.push({}, 0.02);
-    push_s = pushUntilMoved(course, start, axes, a, share = -share);
+    sequence.push({}, 0.02);
+    push_s = pushUntilMoved(sequence, start, axes, a, share = -share);
   }
   out.tried_s = push_s > 0.0 ? push_s : kLongest_s;
-  if (push_s > 0.0) pushToAndFro(course, start, a, share, push_s);
-  out.late = course.late();
-  out.within = within(bench, course);
-  bench.calm();  // what is computed from here on takes longer than the drive's patience
-  const PushTrace trace = course.trace(a, a);
+  if (push_s > 0.0) pushToAndFro(sequence, start, a, share, push_s);
+  out.late = sequence.late();
+  out.within = within(bench, sequence);
+  bench.disableAtNeutral();  // the following computation takes longer than the drive's watchdog
+                             // allows
+  const PushTrace trace = sequence.trace(a, a);
   const auto [least, most] =
       std::minmax_element(trace.seen.begin(), trace.seen.end(),
                           [](const auto& p, const auto& q) { return p.position < q.position; });
   out.moved =
       push_s > 0.0 && !trace.seen.empty() && most->position - least->position >= movedBy(axis);
-  bench.alive();  // a busy machine computes for seconds
-  judgeMeasured(bench, course, a, out);
+  bench.alive();  // the computation takes seconds on a busy machine
+  checkMeasured(bench, sequence, a, out);
   bench.alive();
   out.response = findResponse(trace, kLongestDelay_s);
   out.jump = largestJump(trace);
   const auto gains = gainsByKind(trace, out.response.delay_s, 5, [&](double asked) {
     if (std::abs(asked) < 0.4 * kEffortShare) return 4;  // the slow push
-    return (std::abs(asked) > kFew * kEffortShare ? 0 : 2) + (asked > 0.0 ? 0 : 1);
+    return (std::abs(asked) > kWholePush * kEffortShare ? 0 : 2) + (asked > 0.0 ? 0 : 1);
   });
   out.back = gains[1] / gains[0];
   out.half_forth = gains[2] / gains[0];
   out.half_back = gains[3] / gains[0];
   for (std::size_t j = 0; j < bench.axes().size(); ++j) {
     bench.alive();
-    const PushTrace other = course.trace(a, j);
-    // At the delay of the pushed axis; where that does not move, at the other's own.
+    const PushTrace other = sequence.trace(a, j);
+    // Uses the delay of the pushed axis; if that axis does not move, the delay of the other one.
     const double delay_s =
         out.moved ? out.response.delay_s : findResponse(other, kLongestDelay_s).delay_s;
     out.along.push_back(gainsByKind(other, delay_s, 1, [](double) { return 0; }).front());
@@ -426,7 +437,7 @@ PushedAxis pushAxis(DriverBench& bench, std::size_t a) {
   return out;
 }
 
-// Share that moves the axis by no more than its room even where the push never ends.
+// Share at which the axis stays within its room, even if the push never ends.
 double roomyShare(const wh_axis& axis, const AxisResponse& response, double until_s) {
   const double room = kRoom * travel(axis) / (0.5 * std::abs(response.gain) * until_s * until_s);
   return std::min(kEffortShare, room);
@@ -434,23 +445,23 @@ double roomyShare(const wh_axis& axis, const AxisResponse& response, double unti
 
 }  // namespace
 
-Course::Course(DriverBench& bench) : bench_(bench), from_ns_(monotonicNow_ns()) {
+PushSequence::PushSequence(DriverBench& bench) : bench_(bench), from_ns_(monotonicNow_ns()) {
   askNothing();
 }
 
-double Course::now_s() const {
+double PushSequence::now_s() const {
   return static_cast<double>(monotonicNow_ns() - from_ns_) * 1e-9;
 }
 
-double Course::timeOf(const Sampled& sampled) const {
+double PushSequence::timeOf(const SampleRead& sampled) const {
   return static_cast<double>(sampled.sample.monotonic_ns - from_ns_) * 1e-9;
 }
 
-void Course::askNothing() {
+void PushSequence::askNothing() {
   given_.emplace_back(now_s(), Shares{});
 }
 
-void Course::push(const Shares& shares, double seconds, const std::function<bool()>& done) {
+void PushSequence::push(const Shares& shares, double seconds, const std::function<bool()>& done) {
   everyMillisecond(seconds, [&] {
     const double now = now_s();
     if (written_s_ >= 0.0) longest_write_gap_s_ = std::max(longest_write_gap_s_, now - written_s_);
@@ -462,28 +473,28 @@ void Course::push(const Shares& shares, double seconds, const std::function<bool
   });
 }
 
-void Course::watch(double seconds, const std::function<bool()>& done) {
+void PushSequence::watch(double seconds, const std::function<bool()>& done) {
   everyMillisecond(seconds, [&] {
     take();
     return !done || !done();
   });
 }
 
-void Course::take() {
-  const Sampled now = bench_.read();
+void PushSequence::take() {
+  const SampleRead now = bench_.read();
   const bool newer = samples_.empty() || now.sample.sequence != samples_.back().sample.sequence;
   if (now.result >= 0 && newer) samples_.push_back(now);
 }
 
-bool Course::late() const {
+bool PushSequence::late() const {
   return longest_write_gap_s_ > 0.5 * bench_.patience_s() || longestGap_s(0.0) > kGap_s;
 }
 
-PushTrace Course::trace(std::size_t pushed, std::size_t seen) const {
+PushTrace PushSequence::trace(std::size_t pushed, std::size_t seen) const {
   PushTrace out;
   out.resolution = bench_.axes()[seen].resolution;
   for (const auto& [at_s, shares] : given_) out.given.push_back({at_s, shares.at(pushed)});
-  for (const Sampled& s : samples_) {
+  for (const SampleRead& s : samples_) {
     const bool valid = (s.sample.valid >> seen & 1U) != 0;
     const double at_s = timeOf(s);
     const bool later = out.seen.empty() || at_s > out.seen.back().at_s;
@@ -494,7 +505,7 @@ PushTrace Course::trace(std::size_t pushed, std::size_t seen) const {
   return out;
 }
 
-double Course::shareAt(std::size_t axis, double at_s) const {
+double PushSequence::shareAt(std::size_t axis, double at_s) const {
   double share = 0.0;
   for (const auto& [from_s, shares] : given_) {
     if (from_s <= at_s) share = shares.at(axis);
@@ -502,11 +513,11 @@ double Course::shareAt(std::size_t axis, double at_s) const {
   return share;
 }
 
-double Course::position(std::size_t axis) const {
+double PushSequence::position(std::size_t axis) const {
   return samples_.empty() ? 0.0 : samples_.back().sample.position[axis];
 }
 
-double Course::speed(std::size_t axis) const {
+double PushSequence::speed(std::size_t axis) const {
   if (samples_.empty()) return 0.0;
   const double now_s = timeOf(samples_.back());
   for (auto s = samples_.rbegin(); s != samples_.rend(); ++s) {
@@ -516,9 +527,9 @@ double Course::speed(std::size_t axis) const {
   return 0.0;
 }
 
-double Course::longestGap_s(double from_s) const {
+double PushSequence::longestGap_s(double from_s) const {
   double longest = 0.0, last_s = from_s;
-  for (const Sampled& s : samples_) {
+  for (const SampleRead& s : samples_) {
     const double at_s = timeOf(s);
     if (at_s < from_s) continue;
     longest = std::max(longest, at_s - last_s);
@@ -541,19 +552,20 @@ std::vector<PushedAxis> pushEveryAxis(DriverBench& bench) {
     if (!bench.reach(DriverStage::kEnabled).empty()) break;
     bringToMiddle(bench, out);
   }
-  while (out.size() < bench.axes().size()) {  // it cannot be enabled any more
+  while (out.size() < bench.axes().size()) {  // the device can no longer be enabled
     PushedAxis left_out;
     left_out.asked = left_out.late = true;
     left_out.along.assign(bench.axes().size(), 0.0);
     out.push_back(left_out);
   }
-  // Gains over the own gain of each axis: only now are they all known.
+  // Divides by the own gain of each axis; all of them are known only now.
   for (PushedAxis& axis : out) {
     for (std::size_t j = 0; j < axis.along.size(); ++j) {
       const double own = out[j].moved ? std::abs(out[j].response.gain) : 0.0;
       const double least = movedBy(bench.axes()[j]);
       const double seen = std::abs(axis.along[j]);
-      // An axis that does not follow its own effort is held against what moves it at all.
+      // An axis that does not follow its own effort is compared with the smallest motion that
+      // counts.
       const double per = 2.0 * least / (kEffortShare * axis.tried_s * axis.tried_s + 1e-300);
       axis.along[j] = seen / (own > 0.0 ? own : per);
     }
@@ -563,41 +575,41 @@ std::vector<PushedAxis> pushEveryAxis(DriverBench& bench) {
 
 void bringToMiddle(DriverBench& bench, const std::vector<PushedAxis>& axes) {
   const double w = 2.0 * std::numbers::pi * kBring_hz;
-  Course course(bench);
-  course.push({}, 0.008);
-  const double began_s = course.now_s();
-  while (course.now_s() - began_s < kBring_s) {
+  PushSequence sequence(bench);
+  sequence.push({}, 0.008);
+  const double began_s = sequence.now_s();
+  while (sequence.now_s() - began_s < kBring_s) {
     Shares shares{};
     bool there = true;
     for (std::size_t a = 0; a < axes.size(); ++a) {
       const AxisResponse& r = axes[a].response;
       if (!axes[a].moved || !(r.gain > 0.0)) continue;
-      const double off = course.position(a) - middle(bench.axes()[a]), v = course.speed(a);
+      const double off = sequence.position(a) - middle(bench.axes()[a]), v = sequence.speed(a);
       const double range = travel(bench.axes()[a]);
       there = there && std::abs(off) < kNear * range && std::abs(v) * kSlowOver_s < kSlow * range;
       shares.at(a) =
           std::clamp((-w * w * off - 2.0 * w * v) / r.gain - r.own, -kEffortShare, kEffortShare);
     }
     if (there) break;
-    course.push(shares, 0.001);
+    sequence.push(shares, 0.001);
   }
   (void)bench.writeNeutral();
 }
 
 int awaitRest(DriverBench& bench) {
-  Course course(bench);
+  PushSequence sequence(bench);
   int moving = -1;
   for (double waited_s = 0.0; waited_s < kRest_s; waited_s += kRestOver_s) {
-    course.watch(0.002);
-    const std::size_t from = course.samples().size();
-    course.watch(kRestOver_s);
-    if (from == 0 || course.samples().size() <= from) continue;
+    sequence.watch(0.002);
+    const std::size_t from = sequence.samples().size();
+    sequence.watch(kRestOver_s);
+    if (from == 0 || sequence.samples().size() <= from) continue;
     moving = -1;
-    const wh_sample& before = course.samples()[from - 1].sample;
+    const wh_sample& before = sequence.samples()[from - 1].sample;
     for (std::size_t a = 0; a < bench.axes().size(); ++a) {
       const wh_axis& axis = bench.axes()[a];
       const double most = kRests * travel(axis) + kRestSteps * axis.resolution;
-      if (std::abs(course.position(a) - before.position[a]) > most) moving = static_cast<int>(a);
+      if (std::abs(sequence.position(a) - before.position[a]) > most) moving = static_cast<int>(a);
     }
     if (moving < 0) break;
   }
@@ -605,7 +617,7 @@ int awaitRest(DriverBench& bench) {
 }
 
 LeftOver leftAfter(DriverBench& bench, const std::vector<PushedAxis>& axes, double allow_s,
-                   bool writes, const std::function<std::string(Course&)>& stop) {
+                   bool writes, const std::function<std::string(PushSequence&)>& stop) {
   LeftOver out;
   out.share.assign(axes.size(), 0.0);
   out.own = out.pushed = out.share;
@@ -616,25 +628,25 @@ LeftOver leftAfter(DriverBench& bench, const std::vector<PushedAxis>& axes, doub
     if (way > 0 || attempts > 0) out.not_judged = bench.reach(DriverStage::kEnabled);
     if (!out.not_judged.empty()) return out;
     bringToMiddle(bench, axes);
-    Course course(bench);
+    PushSequence sequence(bench);
     Shares shares{};
     for (std::size_t a = 0; a < axes.size(); ++a) {
       if (!axes[a].moved) continue;
       out.pushed[a] = roomyShare(bench.axes()[a], axes[a].response, kPush_s + allow_s + kWindow_s);
       shares.at(a) = sign * out.pushed[a];
     }
-    course.push(shares, kPush_s);
-    const bool late = course.late();
-    if (out.not_judged = stop(course); !out.not_judged.empty()) return out;
-    course.askNothing();
+    sequence.push(shares, kPush_s);
+    const bool late = sequence.late();
+    if (out.not_judged = stop(sequence); !out.not_judged.empty()) return out;
+    sequence.askNothing();
     const auto go_on = [&](double seconds) {
-      if (writes) course.push({}, seconds);
-      if (!writes) course.watch(seconds);
+      if (writes) sequence.push({}, seconds);
+      if (!writes) sequence.watch(seconds);
     };
     go_on(allow_s);
-    const double from_s = course.now_s();
+    const double from_s = sequence.now_s();
     go_on(kWindow_s);
-    if (late || course.longestGap_s(from_s) > kGap_s) {
+    if (late || sequence.longestGap_s(from_s) > kGap_s) {
       if (++attempts < kAttempts) continue;
       out.not_judged = "this machine stood still meanwhile";
       return out;
@@ -644,12 +656,12 @@ LeftOver leftAfter(DriverBench& bench, const std::vector<PushedAxis>& axes, doub
     for (std::size_t a = 0; a < axes.size(); ++a) {
       if (!axes[a].moved) continue;
       const wh_axis& axis = bench.axes()[a];
-      const Parabola p = parabolaThrough(course.trace(a, a), from_s, course.now_s());
+      const Parabola p = parabolaThrough(sequence.trace(a, a), from_s, sequence.now_s());
       const double damping = std::max(0.0, axes[a].response.damping);
       double left = (p.acceleration + damping * p.speed) / axes[a].response.gain;
       const double end =
-          sign > 0.0 ? axis.upper - course.position(a) : course.position(a) - axis.lower;
-      if (end < kEnds * travel(axis)) left = sign * out.pushed[a];  // it ran on to its end
+          sign > 0.0 ? axis.upper - sequence.position(a) : sequence.position(a) - axis.lower;
+      if (end < kEnds * travel(axis)) left = sign * out.pushed[a];  // it moved on to its end
       out.share[a] += 0.5 * sign * left / out.pushed[a];
       out.own[a] += 0.5 * left;
     }

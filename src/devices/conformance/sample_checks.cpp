@@ -1,4 +1,4 @@
-// Checks of samples without commands, 1,000 a second for 0.25 s. A person may move the device.
+// Checks of samples without commands, 1,000 per second for 0.25 s. A person may move the device.
 #include "devices/conformance/conformance.hpp"
 
 #include <algorithm>
@@ -11,44 +11,44 @@ namespace {
 constexpr std::uint32_t kStatus =
     WH_ENABLED | WH_HOMED | WH_SATURATED | WH_DRIVE_FAULT | WH_HOT | WH_DERATING | WH_SILENCED;
 constexpr std::int64_t kStill_ns = 20'000'000;  // default of watch.longest_gap_s
-constexpr double kAge_s = 0.003;  // two periods of the loop and its cycle, beside the delay
+constexpr double kAge_s = 0.003;  // two periods of the loop and its cycle, in addition to the delay
 constexpr double kClockRate = 0.01;
 constexpr std::int64_t kAhead_ns = 1'000'000;
 constexpr std::int64_t kOtherClock_ns = 1'000'000'000;
-constexpr double kMargin = 0.02;  // of the travel, default of a device file
+constexpr double kMargin = 0.02;  // share of the travel; default of a device file
 constexpr double kMostEffort = 2.0;
 constexpr double kColdest_c = -40.0, kHottest_c = 200.0;
 constexpr std::size_t kEnoughSteps = 20;
 
 // Fails with the first sample for which `wrong` returns a text.
-template <class Wrong>
-CheckFinding eachSample(DriverBench& bench, Wrong wrong) {
+template <class Violation>
+CheckFinding eachSample(DriverBench& bench, Violation violation) {
   const auto& samples = bench.samples();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (samples[i].result < 0) continue;
-    const std::string text = wrong(samples[i].sample);
+    const std::string text = violation(samples[i].sample);
     if (!text.empty()) return failed("sample " + std::to_string(i) + ": " + text);
   }
   return passed();
 }
 
-// The same for a sample and its predecessor.
-template <class Wrong>
-CheckFinding eachPair(DriverBench& bench, Wrong wrong) {
+// Fails with the first pair of successive samples for which `wrong` returns a text.
+template <class Violation>
+CheckFinding eachPair(DriverBench& bench, Violation violation) {
   const auto& samples = bench.samples();
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (samples[i].result < 0 || samples[i - 1].result < 0) continue;
-    const std::string text = wrong(samples[i - 1], samples[i]);
+    const std::string text = violation(samples[i - 1], samples[i]);
     if (!text.empty()) return failed("sample " + std::to_string(i) + ": " + text);
   }
   return passed();
 }
 
-template <class Wrong>
-CheckFinding eachAxis(DriverBench& bench, Wrong wrong) {
+template <class Violation>
+CheckFinding eachAxis(DriverBench& bench, Violation violation) {
   return eachSample(bench, [&](const wh_sample& sample) -> std::string {
     for (std::size_t a = 0; a < bench.axes().size(); ++a) {
-      const std::string text = wrong(sample, a);
+      const std::string text = violation(sample, a);
       if (!text.empty()) return std::string(bench.axes()[a].name) + " " + text;
     }
     return {};
@@ -57,14 +57,14 @@ CheckFinding eachAxis(DriverBench& bench, Wrong wrong) {
 
 CheckFinding succeed(DriverBench& bench) {
   const auto& samples = bench.samples();
-  const auto lost =
-      std::count_if(samples.begin(), samples.end(), [](const Sampled& s) { return s.result < 0; });
+  const auto lost = std::count_if(samples.begin(), samples.end(),
+                                  [](const SampleRead& s) { return s.result < 0; });
   if (lost == 0) return passed(std::to_string(samples.size()) + " samples");
   return failed(std::to_string(lost) + " of " + std::to_string(samples.size()) + " reads fail");
 }
 
 CheckFinding results(DriverBench& bench) {
-  for (const Sampled& s : bench.samples()) {
+  for (const SampleRead& s : bench.samples()) {
     if (s.result < 0 || s.result == WH_OK || s.result == WH_NOTHING_NEW) continue;
     return failed("read returns " + std::to_string(s.result));
   }
@@ -78,7 +78,7 @@ CheckFinding status(DriverBench& bench) {
 }
 
 CheckFinding sequence(DriverBench& bench) {
-  return eachPair(bench, [](const Sampled& before, const Sampled& now) {
+  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
     return now.sample.sequence >= before.sample.sequence ? std::string()
                                                          : "sequence runs backwards";
   });
@@ -100,7 +100,7 @@ CheckFinding movesOn(DriverBench& bench) {
 }
 
 CheckFinding newIsNew(DriverBench& bench) {
-  return eachPair(bench, [](const Sampled& before, const Sampled& now) {
+  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
     if (now.result == WH_OK && now.sample.sequence == before.sample.sequence) {
       return std::string("is said to be new and has the sequence of the last one");
     }
@@ -113,7 +113,7 @@ CheckFinding newIsNew(DriverBench& bench) {
 
 CheckFinding filledWithLast(DriverBench& bench) {
   bool any = false;
-  CheckFinding found = eachPair(bench, [&](const Sampled& before, const Sampled& now) {
+  CheckFinding found = eachPair(bench, [&](const SampleRead& before, const SampleRead& now) {
     if (now.result != WH_NOTHING_NEW) return std::string();
     any = true;
     const std::size_t axes = bench.axes().size();
@@ -128,14 +128,14 @@ CheckFinding filledWithLast(DriverBench& bench) {
 }
 
 CheckFinding clockForwards(DriverBench& bench) {
-  return eachPair(bench, [](const Sampled& before, const Sampled& now) {
+  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
     return now.sample.monotonic_ns >= before.sample.monotonic_ns ? std::string()
                                                                  : "monotonic_ns runs backwards";
   });
 }
 
 CheckFinding clockIsMonotonic(DriverBench& bench) {
-  for (const Sampled& s : bench.samples()) {
+  for (const SampleRead& s : bench.samples()) {
     if (s.result < 0) continue;
     const std::int64_t age_ns = s.read_ns - s.sample.monotonic_ns;
     if (age_ns < -kAhead_ns) return failed("a sample is of the future");
@@ -147,12 +147,12 @@ CheckFinding clockIsMonotonic(DriverBench& bench) {
   return passed();
 }
 
-// Age of the younger quarter of the samples: a machine that is late makes some of them older.
+// Checks the age of the youngest quarter of the samples: a late machine makes some samples older.
 CheckFinding age(DriverBench& bench) {
   double delay_s = 0.0;
   for (const wh_axis& axis : bench.axes()) delay_s = std::max(delay_s, axis.delay_s);
   std::vector<std::int64_t> ages;
-  for (const Sampled& s : bench.samples()) ages.push_back(s.read_ns - s.sample.monotonic_ns);
+  for (const SampleRead& s : bench.samples()) ages.push_back(s.read_ns - s.sample.monotonic_ns);
   const auto young = ages.begin() + static_cast<long>(ages.size() / 4);
   std::nth_element(ages.begin(), young, ages.end());
   const double age_s = static_cast<double>(*young) * 1e-9;
@@ -162,7 +162,7 @@ CheckFinding age(DriverBench& bench) {
 
 CheckFinding clockRate(DriverBench& bench) {
   const auto& samples = bench.samples();
-  const Sampled &first = samples.front(), &last = samples.back();
+  const SampleRead &first = samples.front(), &last = samples.back();
   const auto read_s = static_cast<double>(last.read_ns - first.read_ns) * 1e-9;
   const auto stated_s =
       static_cast<double>(last.sample.monotonic_ns - first.sample.monotonic_ns) * 1e-9;
@@ -201,7 +201,8 @@ CheckFinding positionInTravel(DriverBench& bench) {
   });
 }
 
-// Finds an encoder step coarser than stated: all position steps are multiples of the smallest one.
+// Finds an encoder step coarser than stated: all position steps are then multiples of a larger
+// step.
 std::string coarse(const wh_axis& axis, const std::set<double>& places) {
   std::vector<double> steps;
   for (auto at = places.begin(), next = at; at != places.end() && ++next != places.end();
@@ -224,10 +225,11 @@ CheckFinding quantised(DriverBench& bench) {
   bool moved = false;
   for (std::size_t a = 0; a < bench.axes().size(); ++a) {
     std::set<double> places;
-    for (const Sampled& s : bench.samples()) {
+    for (const SampleRead& s : bench.samples()) {
       if (s.result >= 0 && std::isfinite(s.sample.position[a])) places.insert(s.sample.position[a]);
     }
-    if (std::string wrong = coarse(bench.axes()[a], places); !wrong.empty()) return failed(wrong);
+    if (std::string violation = coarse(bench.axes()[a], places); !violation.empty())
+      return failed(violation);
     moved = moved || places.size() > kEnoughSteps;
   }
   return moved ? passed() : skipped("it stood still: move it by hand meanwhile");

@@ -45,7 +45,7 @@ CheckFinding cpuTime(DriverBench& bench, Call call) {
   return typical_us <= kMostCpu_us ? passed(text) : failed("takes " + text);
 }
 
-// A driver for hosts may block, but not until its samples are stale.
+// A driver for hosts may block, but only for so long that its samples are not stale.
 CheckFinding wallTime(DriverBench& bench, Call call) {
   std::vector<double> times_ms;
   for (int i = 0; i < kFewCalls; ++i) {
@@ -64,7 +64,7 @@ long waitsOfThread() {
   return use.ru_nvcsw;
 }
 
-// Counts voluntary context switches: a thread that blocks makes one, a preempted thread does not.
+// Counts voluntary context switches: a blocking thread makes one, a preempted thread does not.
 CheckFinding waits(DriverBench& bench, Call call) {
   if (!bench.neverWaits()) return skipped("does not say WH_NEVER_WAITS");
   long least = kCalls;
@@ -132,10 +132,11 @@ CheckFinding processes(DriverBench& bench, Call call) {
   return children() == before ? passed() : failed("starts a process");
 }
 
-CheckFinding says(DriverBench& bench, Call call) {
-  const std::size_t before = bench.said().size();
+CheckFinding hostLinesDuring(DriverBench& bench, Call call) {
+  const std::size_t before = bench.hostLines().size();
   for (int i = 0; i < kFewCalls; ++i) (void)call(bench);
-  return bench.said().size() == before ? passed() : failed("says \"" + bench.said().back() + "\"");
+  return bench.hostLines().size() == before ? passed()
+                                            : failed("says \"" + bench.hostLines().back() + "\"");
 }
 
 template <CheckFinding (*Measure)(DriverBench&, Call), Call Which>
@@ -160,7 +161,7 @@ std::span<const Check> timeChecks() {
        kThread, of<systemCalls, readOnce>},
       {"time.read_allocations", "read allocates nothing", kBuffers, of<allocations, readOnce>},
       {"time.read_processes", "read starts no process", kThread, of<processes, readOnce>},
-      {"time.read_says", "read does not call say", kSay, of<says, readOnce>},
+      {"time.read_says", "read does not call say", kSay, of<hostLinesDuring, readOnce>},
       {"time.write_wall", "write returns within 20 ms", kThread, of<wallTime, writeOnce>, kEnabled},
       {"time.write_cpu", "write takes at most 100 µs of CPU time", kThread, of<cpuTime, writeOnce>,
        kEnabled},
@@ -172,7 +173,8 @@ std::span<const Check> timeChecks() {
        kEnabled},
       {"time.write_processes", "write starts no process", kThread, of<processes, writeOnce>,
        kEnabled},
-      {"time.write_says", "write does not call say", kSay, of<says, writeOnce>, kEnabled},
+      {"time.write_says", "write does not call say", kSay, of<hostLinesDuring, writeOnce>,
+       kEnabled},
   };
   return kChecks;
 }

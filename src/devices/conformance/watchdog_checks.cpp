@@ -10,7 +10,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kBeforeFirst_s = 1.0;
-constexpr double kLatest = 1.5, kLatestMore_s = 0.02;  // on silence_s; for clock and one sample
+constexpr double kLatest = 1.5, kLatestMore_s = 0.02;  // factor on silence_s, and reserve for the
+                                                       // clock and one sample
 constexpr double kGiveUp_s = 10.0;
 constexpr double kFed_s = 0.2;
 
@@ -23,14 +24,14 @@ double silence_s(const DriverBench& bench) {
   return longest;
 }
 
-bool letGo(const Sampled& s) {
+bool letGo(const SampleRead& s) {
   return s.result >= 0 &&
          ((s.sample.status & WH_SILENCED) != 0 || (s.sample.status & WH_ENABLED) == 0);
 }
 
-// Why the drive did not let go in time after commands end now; empty: it did. Only a sample that
-// was requested too late and shows no release counts, so that a stall of this machine has no
-// effect.
+// Reason why the drive did not release in time after the commands end now; empty: it did. Only a
+// sample that was requested too late and shows no release counts as a failure, so that a stall of
+// this machine has no effect.
 std::string lateSilence(DriverBench& bench, bool writing) {
   const double latest_s = kLatest * silence_s(bench) + kLatestMore_s;
   const std::int64_t last_ns = monotonicNow_ns();
@@ -106,7 +107,7 @@ CheckFinding latched(DriverBench& bench) {
   (void)bench.writeNeutral();
   if (std::string late = lateSilence(bench, false); !late.empty())
     return skipped("does not let go");
-  const std::vector<Sampled> after = bench.idle(30, true);
+  const std::vector<SampleRead> after = bench.idle(30, true);
   return std::all_of(after.begin(), after.end(), letGo)
              ? passed()
              : failed("comes back with the next command");
@@ -119,7 +120,7 @@ CheckFinding enabledAnew(DriverBench& bench) {
   if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
     return failed("cannot be enabled again");
   }
-  const std::vector<Sampled> after = bench.idle(30, true);
+  const std::vector<SampleRead> after = bench.idle(30, true);
   return letGo(after.back()) ? failed("stays silenced after WH_ENABLE") : passed();
 }
 

@@ -89,7 +89,7 @@ DeviceHost::DeviceHost(DeviceDriver& driver, SharedFrame& frame, const GuardConf
 
 bool DeviceHost::cycle(int elapsed_periods) noexcept {
   const int read_result = driver_.read(sample_.sample);
-  const std::int64_t now_ns = now_ns_();  // taken late: a driver may have blocked
+  const std::int64_t now_ns = now_ns_();  // read late, because a driver may have blocked
   if (last_cycle_ns_ != 0) longest_gap_ns_ = std::max(longest_gap_ns_, now_ns - last_cycle_ns_);
   last_cycle_ns_ = now_ns;
 
@@ -101,7 +101,8 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   if (ending) let_go = ReleaseReason::kHostEnds;
   commanded_ = frame_.command.take(command_) || commanded_;
   if (asked && request_.verb == WH_DISABLE) {
-    // The loop sent its last command before its end request. Both may arrive between two cycles.
+    // The loop sent its last command before its end request. Both may arrive between two cycles, so
+    // the command is taken first.
     if (commanded_ && isNew(command_)) {
       asked = false;
     } else {
@@ -118,7 +119,7 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
     sample_.write_result = driver_.write(out_);
   }
   if (asked && guard_.phase != HostPhase::kRamping) serve();
-  tell(before, now_ns);
+  reportChange(before, now_ns);
   publish(read_result, now_ns);
   if (!ending || guard_.phase == HostPhase::kRamping) return true;
   if (guard_.phase == HostPhase::kIdle && !held_) return false;
@@ -137,7 +138,7 @@ void DeviceHost::publish(int read_result, std::int64_t now_ns) noexcept {
   frame_.sample.publish(sample_);
 }
 
-void DeviceHost::tell(HostPhase before, std::int64_t now_ns) noexcept {
+void DeviceHost::reportChange(HostPhase before, std::int64_t now_ns) noexcept {
   if (guard_.phase == before) return;
   HostEvent event;
   event.phase = guard_.phase;
@@ -160,7 +161,8 @@ bool DeviceHost::isRendering() const noexcept {
   return guard_.phase == HostPhase::kRendering || guard_.phase == HostPhase::kRamping;
 }
 
-// Takes as long as the driver needs; nothing is rendered meanwhile.
+// Carries out a request of the loop. It takes as long as the driver needs; nothing is rendered
+// meanwhile.
 void DeviceHost::serve() {
   HostAnswer answer{};
   answer.number = request_.number;
@@ -171,7 +173,7 @@ void DeviceHost::serve() {
     copyText(answer.text, error.what());
   }
   answered_ = request_.number;
-  last_cycle_ns_ = 0;  // the duration of a verb is not a gap
+  last_cycle_ns_ = 0;  // the duration of a verb does not count as a gap
   frame_.answer.publish(answer);
 }
 

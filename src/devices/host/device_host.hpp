@@ -14,7 +14,7 @@ namespace wholehand {
 
 /// An event of a host, for people and logs.
 struct HostEvent {
-  HostPhase phase = HostPhase::kIdle;  ///< phase that has begun
+  HostPhase phase = HostPhase::kIdle;  ///< phase that began
   ReleaseReason reason = ReleaseReason::kNone;
   std::uint64_t session = 0;
   std::int64_t at_ns = 0;           ///< CLOCK_MONOTONIC
@@ -37,23 +37,23 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
                     std::int64_t host_pid);
 
 /// Serves one device to a loop in another process. Each cycle reads a sample, publishes it, takes
-/// the loop's newest command and writes what the guard admits.
+/// the loop's newest command and writes the effort that the guard allows.
 ///
-/// A device that weighs something is enabled with its neutral efforts, and keeps them between two
-/// sessions until the host ends.
+/// A device with weight is enabled with its neutral efforts, and keeps them between two sessions
+/// until the host ends.
 ///
 /// Only the thread of cycle() calls the driver. It also carries out the verbs of the loop while
 /// nothing is rendered; such a cycle takes as long as the verb.
 class DeviceHost {
  public:
-  /// @pre driver and frame outlive it; describeDevice() has filled the frame
+  /// @pre driver and frame outlive this object; describeDevice() has filled the frame
   /// @param now_ns clock: CLOCK_MONOTONIC, or a simulated one
   DeviceHost(DeviceDriver& driver, SharedFrame& frame, const GuardConfig& config,
              std::int64_t (*now_ns)() noexcept);
   DeviceHost(const DeviceHost&) = delete;
   DeviceHost& operator=(const DeviceHost&) = delete;
 
-  /// One cycle. False once a requested end is complete: neutral and disabled.
+  /// Runs one cycle. False when a requested end is complete: neutral and disabled.
   /// @param elapsed_periods 1 + skipped periods of the host
   [[nodiscard]] bool cycle(int elapsed_periods) noexcept;
 
@@ -64,10 +64,10 @@ class DeviceHost {
 
  private:
   void publish(int read_result, std::int64_t now_ns) noexcept;
-  void tell(HostPhase before, std::int64_t now_ns) noexcept;
+  void reportChange(HostPhase before, std::int64_t now_ns) noexcept;
   void serve();
-  // Whether the command is of this session and newer than the last one taken; false where the guard
-  // takes none any more.
+  // True when the command belongs to this session and is newer than the last one taken; false when
+  // the guard takes no more commands.
   [[nodiscard]] bool isNew(const HostCommand& command) const noexcept;
   [[nodiscard]] bool isRendering() const noexcept;
   void carryOut(const HostRequest& request, HostAnswer& answer);
@@ -87,7 +87,7 @@ class DeviceHost {
   std::uint64_t sessions_ = 0;
   std::int64_t last_cycle_ns_ = 0, longest_gap_ns_ = 0;
   bool commanded_ = false;  ///< a command was received
-  bool held_ = false;       ///< enabled, between two sessions
+  bool held_ = false;       ///< enabled between two sessions
   std::atomic<bool> end_{false};
   SpscQueue<HostEvent> events_{64};
 };

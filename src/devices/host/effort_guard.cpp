@@ -22,9 +22,9 @@ AxisEffort effortOf(const HostCommand& command, const GuardConfig& config) noexc
   return limitEffort(asked, config.limit).effort;
 }
 
-// Accepts the command if it is new. Returns why the loop must be let go; kNone otherwise.
-ReleaseReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
-                   const GuardConfig& config, AxisEffort& wanted) noexcept {
+// Takes the command if it is new. Returns why the loop must be ignored from now on; else kNone.
+ReleaseReason receiveCommand(GuardState& s, const HostCommand* command, std::int64_t now_ns,
+                             const GuardConfig& config, AxisEffort& wanted) noexcept {
   if (command == nullptr || command->session != s.session || command->sequence <= s.sequence) {
     return ReleaseReason::kNone;
   }
@@ -35,7 +35,7 @@ ReleaseReason hear(GuardState& s, const HostCommand* command, std::int64_t now_n
   return wanted.size() == 0 ? ReleaseReason::kBadCommand : ReleaseReason::kNone;
 }
 
-ReleaseReason judgeSilence(const GuardState& s, std::int64_t now_ns) noexcept {
+ReleaseReason checkSilence(const GuardState& s, std::int64_t now_ns) noexcept {
   const bool waits = s.phase == HostPhase::kWaiting;
   const std::int64_t patience_ns = waits ? kFirstCommand_ns : kLoopSilence_ns;
   if (now_ns - s.last_command_ns <= patience_ns) return ReleaseReason::kNone;
@@ -46,7 +46,7 @@ void letGo(GuardState& s, ReleaseReason why, const GuardConfig& config) noexcept
   const bool neutral = isNeutral(s.ramp.sent, config.neutral);
   s.reason = why;
   if (neutral && why == ReleaseReason::kLoopSilent) s.reason = ReleaseReason::kSilentAtNeutral;
-  // A loop that ended at neutral ended well, even if a late host has yet to bring the device there.
+  // A loop that ended at neutral ended well, even if a late host must still bring the device there.
   const bool ended_well = why == ReleaseReason::kLoopEnded && isNeutral(s.wanted, config.neutral);
   if (ended_well) s.reason = ReleaseReason::kNone;
   s.phase = neutral ? HostPhase::kLatched : HostPhase::kRamping;
@@ -70,7 +70,7 @@ GuardState beginSession(std::uint64_t session, std::int64_t now_ns,
   s.last_command_ns = now_ns;
   s.wanted = config.neutral;
   s.ramp = engageFrom(config.neutral);
-  s.ramp.again = true;  // fully engaged: the loop blends in by itself
+  s.ramp.again = true;  // fully engaged, because the loop blends in by itself
   s.ramp.authority = 1.0;
   s.given = SlewWindow(slewTicks(config.period_s));
   s.given.note(config.neutral);
@@ -93,8 +93,8 @@ GuardState advanceGuard(const GuardState& state, const HostCommand* command, Rel
   if (state.phase == HostPhase::kWaiting || state.phase == HostPhase::kRendering) {
     AxisEffort wanted = state.wanted;
     why = let_go;
-    if (why == ReleaseReason::kNone) why = hear(next, command, now_ns, config, wanted);
-    if (why == ReleaseReason::kNone) why = judgeSilence(next, now_ns);
+    if (why == ReleaseReason::kNone) why = receiveCommand(next, command, now_ns, config, wanted);
+    if (why == ReleaseReason::kNone) why = checkSilence(next, now_ns);
     // The ramp begins at the effort that the device holds, not at a command that came too late.
     if (why == ReleaseReason::kNone) {
       next.wanted = wanted;

@@ -77,10 +77,10 @@ namespace fs = std::filesystem;
 constexpr const char* kPrefix = "wholehand-";
 constexpr const char* kLock = ".lock";
 
-// An open file, mapped for reading if it has this version's size.
-class Mapped {
+// An open file, mapped for reading if it has the size of this version.
+class FileMapping {
  public:
-  explicit Mapped(const std::string& path) : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  explicit FileMapping(const std::string& path) : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
     struct stat file {};
     if (fd_ < 0 || ::fstat(fd_, &file) != 0) {
       problem_ = std::string("cannot be read: ") + std::strerror(errno);
@@ -91,12 +91,12 @@ class Mapped {
       if (at_ == MAP_FAILED) problem_ = std::string("cannot be mapped: ") + std::strerror(errno);
     }
   }
-  ~Mapped() {
+  ~FileMapping() {
     if (problem_.empty()) ::munmap(at_, sizeof(SharedFrame));
     if (fd_ >= 0) ::close(fd_);
   }
-  Mapped(const Mapped&) = delete;
-  Mapped& operator=(const Mapped&) = delete;
+  FileMapping(const FileMapping&) = delete;
+  FileMapping& operator=(const FileMapping&) = delete;
 
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const SharedFrame& frame() const { return *static_cast<const SharedFrame*>(at_); }
@@ -117,11 +117,11 @@ class Mapped {
 HostFacts look(const std::string& path, const std::string& name) {
   HostFacts out;
   out.name = name;
-  const Mapped mapped(path);
+  const FileMapping mapped(path);
   out.problem = mapped.problem();
   if (!out.problem.empty()) return out;
   const SharedFrame& frame = mapped.frame();
-  out.problem = whyForeign(frame);
+  out.problem = incompatibility(frame);
   if (!out.problem.empty()) return out;
   out.driver.assign(frame.driver, ::strnlen(frame.driver, sizeof(frame.driver)));
   out.pid = frame.host_pid;
@@ -139,7 +139,7 @@ HostFacts look(const std::string& path, const std::string& name) {
 
 }  // namespace
 
-std::string whyForeign(const SharedFrame& frame) {
+std::string incompatibility(const SharedFrame& frame) {
   if (frame.magic.load(std::memory_order_acquire) != kFrameMagic) return "is not set up by a host";
   if (frame.layout != kFrameLayout) {
     return "shares memory of version " + std::to_string(frame.layout) + ", this is " +
@@ -173,7 +173,7 @@ Expected<std::unique_ptr<HostLock>> HostLock::take(const std::string& name) {
   if (fd.get() < 0) {
     return no(name, withErrno("cannot be locked"), "does it belong to another user? See /dev/shm");
   }
-  // A lock of the process, which its children do not inherit.
+  // A lock of the process; its children do not inherit it.
   struct flock lock = wholeFile();
   if (::fcntl(fd.get(), F_SETLK, &lock) == 0) {
     return std::unique_ptr<HostLock>(new HostLock(name, fd.take()));
@@ -221,11 +221,11 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& na
   SharedFrame* const frame = mapped(fd.get());
   if (frame == nullptr) return no(name, withErrno("cannot be mapped"), "is there memory left?");
   std::unique_ptr<HostSegment> segment(new HostSegment(path, fd.take(), frame, false));
-  if (const std::string why = whyForeign(*frame); !why.empty()) {
+  if (const std::string why = incompatibility(*frame); !why.empty()) {
     return no(name, why, "run the same version as the host");
   }
   if (!segment->hostLives()) return no(name, "is gone", kStartHost);
-  // A lock of the open file description: it also refuses a second loop in this process.
+  // A lock of the open file description, because it also refuses a second loop in this process.
   struct flock lock = wholeFile();
   if (::fcntl(segment->fd_, F_OFD_SETLK, &lock) != 0) {
     HostRequest last{};

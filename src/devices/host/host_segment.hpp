@@ -16,14 +16,14 @@ namespace wholehand {
 
 /// Phase of the host.
 enum class HostPhase : std::uint32_t {
-  kIdle = 0,       ///< not enabled: nothing is written
-  kWaiting = 1,    ///< enabled at the neutral effort, until the loop's first command
-  kRendering = 2,  ///< writes what the loop commands
+  kIdle = 0,       ///< not enabled; nothing is written
+  kWaiting = 1,    ///< enabled at the neutral effort until the loop's first command
+  kRendering = 2,  ///< writes the loop's commands
   kRamping = 3,    ///< ramps the effort to neutral by itself
   kLatched = 4     ///< holds neutral until a loop enables again
 };
 
-/// Host → loop, once a cycle of the host.
+/// Message from host to loop, once per cycle of the host.
 struct HostSample {
   std::uint64_t cycle;        ///< increments every cycle
   std::int64_t monotonic_ns;  ///< time of the cycle, CLOCK_MONOTONIC
@@ -35,7 +35,7 @@ struct HostSample {
   wh_sample sample;
 };
 
-/// Loop → host, once a tick.
+/// Message from loop to host, once per tick.
 struct HostCommand {
   std::uint64_t session;   ///< its session; commands of another session are ignored
   std::uint64_t sequence;  ///< increases with every command of a session
@@ -44,20 +44,20 @@ struct HostCommand {
   double effort[WH_MAX_AXES];  ///< [N or N·m], in the driver's order
 };
 
-/// Loop → host: a verb of device.h, outside the tick.
+/// Request from loop to host: a verb of device.h, outside the tick.
 struct HostRequest {
   std::uint64_t number;  ///< increases with every request
-  std::int64_t pid;      ///< of the loop
+  std::int64_t pid;      ///< process id of the loop
   std::uint64_t verb;
   double argument;
 };
 
-/// Host → loop.
+/// Answer from host to loop.
 struct HostAnswer {
-  std::uint64_t number;   ///< of the request
+  std::uint64_t number;   ///< number of the request
   std::uint64_t session;  ///< session begun by WH_ENABLE
-  std::int64_t ok;        ///< 1: done
-  char text[232];         ///< reason otherwise
+  std::int64_t ok;        ///< 1: success
+  char text[232];         ///< reason of a failure
 };
 
 inline constexpr std::uint64_t kFrameMagic = 0x57484f4c'45484e44ULL;
@@ -72,11 +72,11 @@ struct SharedFrame {
   std::int64_t host_pid;
   std::uint32_t axis_count;     ///< 1 .. WH_MAX_AXES
   char driver[64];              ///< name that the driver gives itself
-  wh_identity identity;         ///< of the device; empty where unknown
+  wh_identity identity;         ///< identity of the device; fields are empty where unknown
   char driver_sha256[65];       ///< DriverIdentity::driver_sha256
   wh_axis axes[WH_MAX_AXES];    ///< as described by the driver, plus the host's delay
   double neutral[WH_MAX_AXES];  ///< neutral effort that the host ramps to [N or N·m]
-  double limit[WH_MAX_AXES];    ///< of the efforts that the host lets through [N or N·m]
+  double limit[WH_MAX_AXES];    ///< limits of the efforts that the host allows [N or N·m]
 
   alignas(64) NewestValue<HostSample> sample;
   alignas(64) NewestValue<HostCommand> command;
@@ -87,18 +87,18 @@ struct SharedFrame {
 static_assert(std::is_standard_layout_v<SharedFrame>);
 static_assert(std::is_trivially_destructible_v<SharedFrame>);
 
-/// Why shared memory does not belong to a host of this version; empty: it does.
-[[nodiscard]] std::string whyForeign(const SharedFrame& frame);
+/// Reason why shared memory does not belong to a host of this version; empty: it does.
+[[nodiscard]] std::string incompatibility(const SharedFrame& frame);
 
-/// Whether a process lives. False for a zombie.
+/// True when the process exists and is not a zombie.
 [[nodiscard]] bool processLives(std::int64_t pid);
 
 /// Lock that allows one host per name, held until destruction or until the process ends. Child
 /// processes forked by a driver do not inherit it.
 class HostLock {
  public:
-  /// Refused: a name that is not 1 to 32 of a-z, 0-9 and -, and a name whose host runs, with its
-  /// process id.
+  /// Takes the lock. Refused: a name that is not 1 to 32 of a-z, 0-9 and -, and a name whose host
+  /// runs, with its process id.
   [[nodiscard]] static Expected<std::unique_ptr<HostLock>> take(const std::string& name);
   ~HostLock();
   HostLock(const HostLock&) = delete;
@@ -130,11 +130,11 @@ class HostSegment {
   HostSegment& operator=(const HostSegment&) = delete;
 
   [[nodiscard]] SharedFrame& frame() noexcept { return *frame_; }
-  /// Whether the process of the host exists. It may be stopped.
+  /// True when the process of the host exists. It may be stopped.
   [[nodiscard]] bool hostLives() const;
-  /// Whether another host of the name has replaced this memory.
+  /// True when another host of the name has replaced this memory.
   [[nodiscard]] bool replaced() const;
-  /// Whether the host publishes samples. Waits up to a second, usually a millisecond.
+  /// True when the host publishes samples. Waits up to a second, usually a millisecond.
   [[nodiscard]] bool publishesSamples() const;
 
  private:
@@ -149,9 +149,9 @@ class HostSegment {
 /// State that a host publishes in its shared memory. Reading it does not disturb a loop.
 struct HostFacts {
   std::string name;         ///< the host's --name
-  std::string problem;      ///< why the rest is unknown; empty: it is known
+  std::string problem;      ///< why the other members are unknown; empty: they are known
   std::string driver;       ///< name that the driver gives itself
-  std::int64_t pid = 0;     ///< of the host
+  std::int64_t pid = 0;     ///< process id of the host
   bool lives = false;       ///< its process exists
   bool in_use = false;      ///< a loop is connected
   double sample_age_s = 0;  ///< time since its last cycle; < 0: no cycle yet
@@ -160,8 +160,8 @@ struct HostFacts {
   std::vector<wh_axis> axes;
 };
 
-/// Hosts whose shared memory is in /dev/shm, sorted by name; also of ended processes. Not real-time
-/// safe.
+/// Hosts whose shared memory is in /dev/shm, sorted by name, including ended processes. Not
+/// real-time safe.
 [[nodiscard]] std::vector<HostFacts> listHosts(const std::string& folder = "/dev/shm");
 
 /// Name of a phase for people: "rendering".

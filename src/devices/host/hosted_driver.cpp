@@ -31,7 +31,7 @@ DriverIdentity identityOf(const SharedFrame& frame) {
           text(frame.driver_sha256)};
 }
 
-// Of whatever loop: the host answers another number only. 0: nobody has asked.
+// Number of the last request of any loop: the host answers only another number. 0: no request yet.
 std::uint64_t lastRequestOf(const SharedFrame& frame) {
   HostRequest last{};
   return frame.request.take(last) ? last.number : 0;
@@ -117,7 +117,8 @@ Expected<HostAnswer> HostedDriver::ask(std::uint32_t verb, double argument) {
   return answer;
 }
 
-// Waits for samples of the new session. Earlier ones still say that the device is not enabled.
+// Waits for samples of the new session. Earlier samples still report that the device is not
+// enabled.
 Expected<Done> HostedDriver::awaitSession() {
   const std::int64_t until_ns = monotonicNow_ns() + kSampleWithin_ns;
   HostSample sample{};

@@ -18,11 +18,11 @@ namespace wholehand {
 /// PluginDevice reports Fault::kStaleSample.
 class HostedDriver final : public DeviceDriver {
  public:
-  /// Refused like HostSegment::attach().
+  /// Connects to a host. Refused like HostSegment::attach().
   [[nodiscard]] static Expected<std::shared_ptr<HostedDriver>> connect(const std::string& name);
 
   /// Differences between the loop's device file and the host's. The host ramps to the neutral
-  /// effort of its own file and clamps to its limits, so the files must agree.
+  /// effort of its own file and clamps to its own limits, so the files must agree.
   [[nodiscard]] Diagnostics differences(const DeviceModel& model) const;
 
   /// Time of the newest cycle of the host that the loop has read, CLOCK_MONOTONIC [ns]; 0: none.
@@ -30,7 +30,7 @@ class HostedDriver final : public DeviceDriver {
   [[nodiscard]] std::int64_t cycleNs() const noexcept {
     return cycle_ns_.load(std::memory_order_relaxed);
   }
-  /// Why the host let go in this session, as read by the loop. Any thread.
+  /// Reason why the host released the device in this session, as read by the loop. Any thread.
   [[nodiscard]] ReleaseReason reason() const noexcept {
     return reason_.load(std::memory_order_relaxed);
   }
@@ -38,14 +38,15 @@ class HostedDriver final : public DeviceDriver {
   [[nodiscard]] std::string where() const override { return "the host " + name_; }
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
-  /// Attaches to a host that was started again. Refused when it has other axes.
+  /// Attaches to a restarted host. Refused when its axes differ.
   [[nodiscard]] Expected<Done> reconnect() override;
   /// Carries out a verb. WH_ENABLE begins a session of the host.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
   /// The host enables with the neutral efforts of its device file, and holds them until it ends.
   [[nodiscard]] bool enablesAtNeutral() const noexcept override { return true; }
   [[nodiscard]] bool holds() const noexcept override { return true; }
-  /// Reads the newest sample. It has WH_SILENCED from the cycle in which the host let go.
+  /// Reads the newest sample. It has WH_SILENCED from the cycle on in which the host released the
+  /// device.
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 

@@ -12,14 +12,14 @@
 namespace wholehand {
 
 /// Latest value of one writer for one reader, which may be processes that share the memory.
-/// Wait-free on both sides. A writer that is killed or stopped in the middle of a value leaves the
-/// previous one readable.
+/// Wait-free on both sides. A writer that is killed or stopped while writing leaves the previous
+/// value readable.
 ///
-/// Double buffer: value n stands in buffer n mod 2. The writer fills the buffer of n + 2 only after
-/// it has published n + 1. A reader that sees n as the newest before and after its copy has
-/// therefore copied value n. Memory order: a reader that acquires a word of n + 2 sees that n + 1
-/// is published, because the writer released the word after that. No locks and no fences; every
-/// word is atomic.
+/// Double buffer: value n is in buffer n mod 2. The writer fills the buffer of n + 2 only after it
+/// has published n + 1. A reader that sees n as the newest before and after its copy has therefore
+/// copied value n. Memory order: a reader that acquires a word of n + 2 sees that n + 1 is
+/// published, because the writer released the word after that. No locks and no fences; every word
+/// is atomic.
 template <class Value>
 class NewestValue {
   static_assert(std::is_trivially_copyable_v<Value>);
@@ -27,7 +27,7 @@ class NewestValue {
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
  public:
-  /// Writer only. Real-time safe.
+  /// Publishes a value. Writer only. Real-time safe.
   WHOLEHAND_RT void publish(const Value& value) noexcept {
     Words words;
     std::memcpy(words.data(), &value, sizeof(Value));
@@ -37,8 +37,8 @@ class NewestValue {
     published_.store(number, std::memory_order_release);
   }
 
-  /// Reader only. False when nothing was published yet, or when the writer overtook a few attempts;
-  /// `value` is then unchanged. Real-time safe.
+  /// Copies the latest value. Reader only. False when nothing was published yet, or when the writer
+  /// overtook several attempts; `value` is then unchanged. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool take(Value& value) const noexcept {
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       const std::uint64_t number = published_.load(std::memory_order_acquire);
@@ -59,7 +59,7 @@ class NewestValue {
   using Words = std::array<std::uint64_t, kWords>;
   using Buffer = std::array<std::atomic<std::uint64_t>, kWords>;
 
-  std::atomic<std::uint64_t> published_{0};  ///< number of values so far
+  std::atomic<std::uint64_t> published_{0};  ///< number of published values
   std::array<Buffer, 2> buffers_{};
 };
 

@@ -18,7 +18,7 @@ DeviceFacts ObservedDriver::facts() const noexcept {
 
 Expected<Done> ObservedDriver::control(std::uint32_t verb, double argument) {
   Expected<Done> done = driver_->control(verb, argument);
-  // No samples follow, so the flag is cleared here.
+  // The flag is cleared here because no samples follow.
   if (verb == WH_DISABLE && done) {
     status_.fetch_and(~static_cast<std::uint32_t>(WH_ENABLED), std::memory_order_relaxed);
   }
@@ -30,7 +30,7 @@ int ObservedDriver::read(wh_sample& sample) noexcept {
   if (result < 0) return result;
   double highest_c = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
-    highest_c = std::fmax(highest_c, sample.temperature_c[i]);  // ignores NaN
+    highest_c = std::fmax(highest_c, sample.temperature_c[i]);  // fmax ignores NaN
   }
   status_.store(sample.status, std::memory_order_relaxed);
   temperature_c_.store(highest_c, std::memory_order_relaxed);

@@ -14,17 +14,19 @@
 
 namespace wholehand {
 
-/// Identity of the device in the driver's words; empty where unknown.
+/// Identity of the device as the driver reports it; fields are empty where unknown.
 struct DriverIdentity {
   std::string serial, firmware, sdk;
-  std::string driver_sha256;  ///< of the driver's file, its settings, and the files that these name
-  bool simulated = false;     ///< of a plant that is simulated, on which commissioning is learned
+  std::string driver_sha256;  ///< digest of the driver's file, its settings, and the files that
+                              ///< these name
+  bool simulated = false;     ///< identity of a simulated plant, on which people learn
+                              ///< commissioning
 };
 
 /// Prefix of control()'s error for a verb that the device does not support.
 inline constexpr const char* kUnsupportedPrefix = "the device has no way to ";
 
-/// A driver behind the interface of device.h, in this process or in a host. One thread at a time:
+/// A driver with the interface of device.h, in this process or in a host. One thread at a time:
 /// control() is not called while a loop reads and writes.
 class DeviceDriver {
  public:
@@ -36,19 +38,20 @@ class DeviceDriver {
   [[nodiscard]] virtual std::string name() const = 0;
   /// Axes in the order of positions and efforts; constant.
   [[nodiscard]] virtual const std::vector<wh_axis>& axes() const noexcept = 0;
-  /// Finds the device again where it was lost. Not real-time safe.
+  /// Finds a lost device again. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> reconnect() { return Done{}; }
   /// Carries out a verb of device.h; returns when it is done. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> control(std::uint32_t verb, double argument) = 0;
-  /// As WH_ENABLE, with these efforts from the first moment. Not real-time safe.
+  /// Enables the device like WH_ENABLE, with these efforts from the first moment. Not real-time
+  /// safe.
   [[nodiscard]] virtual Expected<Done> enable(const wh_command& /*neutral*/) {
     return control(WH_ENABLE, 0.0);
   }
-  /// Whether enable() begins with the efforts that it is given.
+  /// True when enable() begins with the given efforts.
   [[nodiscard]] virtual bool enablesAtNeutral() const noexcept { return false; }
-  /// Whether the device is held at its neutral efforts between two sessions.
+  /// True when the device is held at its neutral efforts between two sessions.
   [[nodiscard]] virtual bool holds() const noexcept { return false; }
-  /// As wh_plugin.read and wh_plugin.write: >= 0 is success.
+  /// Like wh_plugin.read and wh_plugin.write: >= 0 is success.
   [[nodiscard]] WHOLEHAND_RT virtual int read(wh_sample& sample) noexcept = 0;
   [[nodiscard]] WHOLEHAND_RT virtual int write(const wh_command& command) noexcept = 0;
 
@@ -59,10 +62,10 @@ class DeviceDriver {
   DriverIdentity identity_;
 };
 
-/// State of a device for display, beside its positions.
+/// State of a device for display, without its positions.
 struct DeviceFacts {
   bool enabled = false, homed = false, silenced = false;
-  /// Highest of all axes; NaN: unknown.
+  /// Highest temperature of all axes [°C]; NaN: unknown.
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
   std::int64_t sampled_ns = 0;  ///< time of the newest sample, CLOCK_MONOTONIC; 0: none yet
 };
@@ -73,7 +76,8 @@ class ObservedDriver final : public DeviceDriver {
  public:
   explicit ObservedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
 
-  /// Any thread. Each field is of the newest sample; the fields are not read atomically together.
+  /// Any thread. Each field comes from the newest sample; the fields are not read atomically
+  /// together.
   [[nodiscard]] DeviceFacts facts() const noexcept;
 
   [[nodiscard]] std::string where() const override { return driver_->where(); }

@@ -22,7 +22,7 @@ class Comparison {
   void refuse(const DeviceAxis& axis, const std::string& why, const std::string& remedy) {
     out_.push_back({model_.path, 0, "axes", axis.name, driver_.where() + " " + why, remedy});
   }
-  // The file must not state more than the device has.
+  // Refuses a file that states more than the device has.
   void atLeast(const DeviceAxis& axis, const char* what, double has, double stated) {
     if (has >= stated - kTolerance * std::max(1.0, std::abs(stated))) return;
     refuse(axis,
@@ -73,10 +73,10 @@ PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceMod
 
 Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
     const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
-    std::optional<Clearance> clearance, std::int64_t (*now_ns)() noexcept) {
+    std::optional<ArmingPermit> permit, std::int64_t (*now_ns)() noexcept) {
   Comparison compare(model, *driver);
   std::unique_ptr<PluginDevice> device(new PluginDevice(driver, model, period_s, now_ns));
-  device->clearance_ = std::move(clearance);
+  device->permit_ = std::move(permit);
   const std::vector<wh_axis>& offered = driver->axes();
   for (int a = 0; a < model.axisCount(); ++a) {
     const DeviceAxis& axis = model.axes[a];
@@ -119,7 +119,8 @@ Diagnostic PluginDevice::no(const std::string& why, const std::string& remedy) c
   return fileFault(driver_->where(), why, remedy);
 }
 
-// Disabling an axis that weighs something lets it fall, unless it locks or a host goes on holding.
+// Refuses when disabling would let an axis with weight fall. An axis that locks, or that a host
+// holds, does not fall.
 Expected<Done> PluginDevice::mayFall() const {
   if (driver_->holds()) return Done{};
   for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
@@ -159,9 +160,9 @@ Expected<Done> PluginDevice::ready() {
 }
 
 Expected<Done> PluginDevice::cleared() const {
-  if (clearance_) return Done{};
+  if (permit_) return Done{};
   return no("nobody has shown the passport and today's check of the device",
-            "make the device with what clearToArm() gives");
+            "make the device with what checkArmingPermit() gives");
 }
 
 Expected<Done> PluginDevice::enable() {
@@ -193,7 +194,7 @@ Expected<Done> PluginDevice::enable() {
   return Done{};
 }
 
-Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept {
+Fault PluginDevice::check(const wh_sample& sample, int elapsed_periods) noexcept {
   Fault faults = Fault::kNone;
   if ((sample.status & WH_DRIVE_FAULT) != 0) faults |= Fault::kDriveFault;
   const bool reaches = (sample.status & kNeeded) == kNeeded && (sample.status & WH_SILENCED) == 0;
@@ -206,19 +207,20 @@ Fault PluginDevice::judge(const wh_sample& sample, int elapsed_periods) noexcept
       sample.sequence < last_.sequence || sample.monotonic_ns < last_.monotonic_ns;
   if (backwards || still_periods_ > most_still_periods_) faults |= Fault::kStaleSample;
   current_ = current_ || newer;
-  return current_ ? faults | judgeAge(sample) | judgeEfforts(sample) : faults;
+  return current_ ? faults | checkAge(sample) | checkEfforts(sample) : faults;
 }
 
-// Sequence numbers that rise prove nothing: a driver may count what it repeats.
-Fault PluginDevice::judgeAge(const wh_sample& sample) noexcept {
+// Checks times instead of sequence numbers: a driver may also count repeated samples.
+Fault PluginDevice::checkAge(const wh_sample& sample) noexcept {
   const double age_s = static_cast<double>(now_ns_() - sample.monotonic_ns) * 1e-9;
   mean_age_s_ += std::min(period_s_ / kMeanOver_s, 1.0) * (age_s - mean_age_s_);
   if (age_s > most_age_s_ || age_s < -period_s_) return Fault::kStaleSample;
   return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
 }
 
-// Both means lag alike, so that the drive's delay matters little beside them.
-Fault PluginDevice::judgeEfforts(const wh_sample& sample) noexcept {
+// Compares means of sent and measured efforts. Both means lag equally, so the drive's delay has
+// little effect.
+Fault PluginDevice::checkEfforts(const wh_sample& sample) noexcept {
   const double share = std::min(period_s_ / kMeanOver_s, 1.0);
   const bool derates = (sample.status & WH_DERATING) != 0;
   Fault faults = Fault::kNone;
@@ -248,7 +250,7 @@ Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
     if ((sample.valid >> from & 1U) == 0) return Fault::kDeviceRead;
     reading.q_m[a] = sample.position[from];
   }
-  const Fault faults = judge(sample, elapsed_periods);
+  const Fault faults = check(sample, elapsed_periods);
   begun_ = true;
   last_ = sample;
   return faults;

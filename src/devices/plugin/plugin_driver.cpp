@@ -38,13 +38,14 @@ std::string namesIn(const std::vector<std::string>& folders) {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSymbol = "wh_plugin_v1";
-// End of the functions that every driver has, and of those of versions 1.1 and 1.2.
+// Ends of the structure: of the functions that every driver has, and of those of versions 1.1 and
+// 1.2.
 constexpr std::size_t kSixFunctions = offsetof(wh_plugin, close) + sizeof(wh_plugin::close);
 constexpr std::size_t kIdentifies = offsetof(wh_plugin, identify) + sizeof(wh_plugin::identify);
 constexpr std::size_t kEnables = offsetof(wh_plugin, enable) + sizeof(wh_plugin::enable);
 constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
 
-// Why the driver cannot be used; empty: it can.
+// Reason why the driver cannot be used; empty: it can.
 std::string whyNot(const wh_plugin* plugin, CalledBy called_by) {
   if (plugin == nullptr) return "gives no driver";
   if (plugin->size < offsetof(wh_plugin, open)) return "gives a structure that is too short";
@@ -88,8 +89,8 @@ std::string contentOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// What settings may name as a file: each word, the value of each word "key=value", and the settings
-// as a whole, since a path may hold a blank or '='.
+// Paths that settings may contain: each word, the value of each word "key=value", and the settings
+// as a whole, since a path may contain a blank or '='.
 std::vector<std::string> pathsIn(const std::string& settings) {
   std::vector<std::string> paths;
   std::istringstream words(settings);
@@ -102,7 +103,7 @@ std::vector<std::string> pathsIn(const std::string& settings) {
   return paths;
 }
 
-// Everything of this machine between an effort and the motor.
+// Digest of everything on this machine between an effort and the motor.
 std::string digestOf(const std::string& path, const std::string& settings) {
   std::string all = sha256(contentOf(path)) + settings;
   for (const std::string& named : pathsIn(settings)) {
@@ -145,8 +146,8 @@ Expected<std::string> findDriver(const std::string& name, const std::vector<std:
                       : "give one of " + known + ", or the path of a driver's shared object");
 }
 
-PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std::string&)> say)
-    : location_(std::move(location)), say_(std::move(say)) {
+PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std::string&)> report)
+    : location_(std::move(location)), report_(std::move(report)) {
   host_.size = sizeof(host_);
   host_.context = this;
   host_.say = &PluginDriver::take;
@@ -155,7 +156,7 @@ PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std
 void PluginDriver::take(void* self, const char* line) {
   auto& driver = *static_cast<PluginDriver*>(self);
   driver.last_line_ = line != nullptr ? line : "";
-  if (driver.say_) driver.say_("driver: " + driver.last_line_);
+  if (driver.report_) driver.report_("driver: " + driver.last_line_);
 }
 
 Diagnostic PluginDriver::failed(const std::string& what, const std::string& remedy) const {
@@ -173,17 +174,17 @@ Expected<PluginFacts> pluginFacts(const std::string& name) {
 }
 
 Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
-    const DriverLocation& location, std::function<void(const std::string&)> say,
+    const DriverLocation& location, std::function<void(const std::string&)> report,
     CalledBy called_by) {
   auto path = findDriver(location.path, shippedDriverFolders());
   if (!path) return path.errors();
   auto plugin = findPlugin(*path, called_by);
   if (!plugin) return plugin.errors();
-  std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(say)));
+  std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(report)));
   driver->plugin_ = *plugin;
   driver->identity_.driver_sha256 = digestOf(*path, location.settings);
   if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
-  // A driver that opens others knows only after opening whether all of them never block.
+  // A driver that opens other drivers knows only after opening whether all of them never block.
   if (const std::string why = whyNot(driver->plugin_, called_by); !why.empty()) {
     return fileFault(location.path, why, "let a host hold it");
   }

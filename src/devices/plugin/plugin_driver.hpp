@@ -10,35 +10,35 @@
 
 namespace wholehand {
 
-/// Folders of the drivers shipped with this program: `drivers` beside it (build tree), and
-/// `../lib/wholehand/drivers` (installation).
+/// Folders of the drivers shipped with this program: `drivers` in the program's folder (build
+/// tree), and `../lib/wholehand/drivers` (installation).
 [[nodiscard]] std::vector<std::string> shippedDriverFolders();
 
-/// The path of a driver. A name with a slash or the ending .so is a path; without a slash it is
+/// Path of a driver. A name with a slash or the ending .so is a path; without a slash it is
 /// relative to the working directory. Any other name is looked up in the folders in order. Refused:
 /// a name in none of them; the error lists the available ones.
 [[nodiscard]] Expected<std::string> findDriver(const std::string& name,
                                                const std::vector<std::string>& folders);
 
-/// Why the last dlopen() of `path` failed, without the path, which dlerror() puts first.
+/// Reason why the last dlopen() of `path` failed, without the path, which dlerror() puts first.
 [[nodiscard]] std::string loaderProblem(const std::string& path);
 
 /// Location and settings of a driver.
 struct DriverLocation {
-  std::string path;      ///< of the shared object, or the name of a shipped driver (findDriver)
-  std::string locator;   ///< which device: a port, a serial number; format of the driver
-  std::string settings;  ///< format of the driver
+  std::string path;      ///< path of the shared object, or name of a shipped driver (findDriver)
+  std::string locator;   ///< device to open, e.g. a port or a serial number, in the driver's format
+  std::string settings;  ///< in the driver's format
 };
 
 /// Caller of a driver's read and write.
 enum class CalledBy {
   kLoop,  ///< the tick: drivers that may block are refused
-  kHost   ///< a process of its own (device/host)
+  kHost   ///< a separate process (devices/host)
 };
 
 /// Description of a shared object before any device is opened.
 struct PluginFacts {
-  std::string name;  ///< for a person
+  std::string name;  ///< name for people
   int major = 0, minor = 0;
   bool never_waits = false;
 };
@@ -56,7 +56,7 @@ class PluginDriver final : public DeviceDriver {
   /// function, a driver that may block where the loop calls it, a device that is not found.
   /// @param say receives the driver's log lines; may be null
   [[nodiscard]] static Expected<std::shared_ptr<PluginDriver>> load(
-      const DriverLocation& location, std::function<void(const std::string&)> say = nullptr,
+      const DriverLocation& location, std::function<void(const std::string&)> report = nullptr,
       CalledBy called_by = CalledBy::kLoop);
   /// Closes the device. The code stays loaded because the driver's own threads may still run in it.
   ~PluginDriver() override;
@@ -64,7 +64,7 @@ class PluginDriver final : public DeviceDriver {
   PluginDriver& operator=(const PluginDriver&) = delete;
 
   [[nodiscard]] const DriverLocation& location() const noexcept { return location_; }
-  /// Whether read and write never block (WH_NEVER_WAITS).
+  /// True when read and write never block (WH_NEVER_WAITS).
   [[nodiscard]] bool neverWaits() const noexcept { return never_waits_; }
   [[nodiscard]] std::string where() const override { return "the driver " + location_.path; }
   [[nodiscard]] std::string name() const override;
@@ -76,7 +76,7 @@ class PluginDriver final : public DeviceDriver {
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 
  private:
-  PluginDriver(DriverLocation location, std::function<void(const std::string&)> say);
+  PluginDriver(DriverLocation location, std::function<void(const std::string&)> report);
   [[nodiscard]] Expected<Done> open();
   [[nodiscard]] Expected<Done> describe();
   void identify();
@@ -84,7 +84,7 @@ class PluginDriver final : public DeviceDriver {
   static void take(void* self, const char* line);
 
   DriverLocation location_;
-  std::function<void(const std::string&)> say_;
+  std::function<void(const std::string&)> report_;
   std::string last_line_;  ///< last log line of the driver
   wh_host host_{};
   const wh_plugin* plugin_ = nullptr;

@@ -28,7 +28,7 @@ namespace wholehand {
 
 namespace {
 
-/// A step as in the file; its dispenser depends on the level.
+/// A step as the file states it; the level decides its dispenser.
 struct StepPart {
   int liquid = -1;
   double amount_l = 0.0;
@@ -36,7 +36,7 @@ struct StepPart {
 struct DrinkPart {
   std::string name;
   std::vector<StepPart> steps;
-  bool sound = true;  ///< no faults in its steps
+  bool sound = true;  ///< its steps have no faults
 };
 struct LevelPart {
   std::string name;
@@ -110,7 +110,7 @@ void readScoring(TomlTable& table, BarScoring& scoring) {
   }
 }
 
-/// The name of a table, added to `names`; one that an earlier table has is reported.
+/// Reads the name of a table and adds it to `names`; reports a name that an earlier table has.
 std::string newName(TomlTable& t, std::vector<std::string>& names) {
   std::string name = t.text("name");
   (void)checkNewName(t, name, names);
@@ -195,6 +195,7 @@ void checkDispensers(TomlTable& t, const LevelPart& level, const BarParts& parts
 /// Checks a level's drinks against its dispensers and the glass.
 void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, const Bar& bar) {
   std::map<int, double> asked_l;  // required volume of each liquid in the level
+  // Checks each drink: its dispensers, the tolerance and the glass.
   for (const int index : level.drinks) {
     const DrinkPart& drink = parts.drinks[index];
     if (!drink.sound) continue;
@@ -220,6 +221,7 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
           fmt::format("its steps may add up to {} l at most", formatNumber(bar.glass.capacity_l)));
     }
   }
+  // Checks that each dispenser holds enough for all drinks of the level.
   for (const auto& [liquid, volume_l] : asked_l) {
     const int at = dispenserWith(liquid, level, parts);
     if (at < 0) continue;
@@ -301,8 +303,8 @@ std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts) {
   return levels;
 }
 
-/// A squeeze in the zone presses out enough: A (f − p₀)/k_s of every digit, until the shell's
-/// return holds it.
+/// Checks that a squeeze in the zone presses out enough liquid. The stroke of every digit is A (f −
+/// p₀)/k_s, at which the shell's return spring balances the force.
 void checkStroke(TomlTable& t, const LevelPart& level, const Bar& bar) {
   constexpr double kLeast_ml = 5.0;
   double shut_n = 0.0;
@@ -317,7 +319,7 @@ void checkStroke(TomlTable& t, const LevelPart& level, const Bar& bar) {
                      kLeast_ml));
 }
 
-/// Cross-checks tables: every drink of a level can be poured with the level's dispensers.
+/// Checks across tables that every drink of a level can be poured with the level's dispensers.
 void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
   if (!root.isGood("levels")) return;
   std::vector<TomlTable> tables = root.tables("levels", 1);
@@ -420,7 +422,7 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     bar.walls.soft_m = std::max(bar.walls.soft_m, d.soft_m);
     d.free = !body->fixed;
     const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
-    if (narrow && root.table("row").isGood("spacing_m")) {  // reported once
+    if (narrow && root.table("row").isGood("spacing_m")) {  // reports it once
       root.table("row").fail("spacing_m", "is less than the width of " + d.body, "must be more");
     }
     if (d.free && bar.row.slides) {
@@ -468,7 +470,7 @@ void keepBodies(const BarParts& parts, Side side, Bar& bar, SceneModel& scene) {
   if (!first.free) glass_m.head<2>() = (first.home_m + first.nozzle_m).head<2>();
 }
 
-/// Reads the tables of the file that are independent of others.
+/// Reads the tables that do not depend on other tables.
 void readPlain(TomlTable& root, const DeviceModel& device, Bar& bar) {
   TomlTable wall = root.table("wall");
   readWall(wall, device, bar);
@@ -553,14 +555,15 @@ BarReach reachOf(const BarLayout& layout, double slack_m) noexcept {
 
 namespace {
 
-constexpr double kRamp_s = 1.0;  // ramp time over the whole range
-/// Lateral offset of the hand's lane beside a dispenser, on the side of its back; the same in the
-/// pages.
+constexpr double kRamp_s = 1.0;  // ramp time of a parameter over its whole range
+/// Lateral offset of the hand's path beside a dispenser, on the side of the back of the hand. The
+/// pages use the same value.
 constexpr double kLane_m = 0.024;
-/// A dispenser needs room beside the hand. Half-bent fingers of a withdrawn hand must clear the
-/// row, or it stops on its way.
+/// Least reach to the side and forward. A dispenser needs room beside the hand; the half-bent
+/// fingers of a withdrawn hand must clear the row, or the sliding row stops.
 constexpr double kLeastAside_m = 0.03, kLeastForward_m = 0.06;
-/// A bottle is gripped at about 131 degrees; half-bent fingers pass beside it.
+/// Limits of the finger range: a bottle is gripped at about 131 degrees, and half-bent fingers pass
+/// beside it.
 constexpr double kLeastClosed_rad = 140.0 * kDeg, kMostOpen_rad = 45.0 * kDeg;
 constexpr double kFinest_l = 0.001, kWidest_l = 0.012;
 constexpr double kShortestFade_s = 0.3, kLongestFade_s = 5.0;
@@ -610,7 +613,7 @@ int BarParameters::add(LiveParameter parameter) {
 RowReach BarParameters::reach(const double* v) const noexcept {
   RowReach out{row_.reach_lower_m, row_.reach_upper_m, 0.0};
   if (left_ >= 0) {
-    // The hand stays between its lane, on the side of its back, and the grip.
+    // The hand moves between its path beside the dispenser, on the side of its back, and the grip.
     const double lane_left_m = beside_ < 0.0 ? kLane_m : 0.0;
     const double lane_right_m = beside_ > 0.0 ? kLane_m : 0.0;
     const double lower_m = -v[right_] + lane_right_m - grip_y_m_;

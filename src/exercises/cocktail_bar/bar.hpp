@@ -29,15 +29,15 @@ struct BarLiquid {
   double viscosity_pa_s = 1.0;
 };
 
-/// The least viscosity of them.
+/// Lowest viscosity of the liquids [Pa·s].
 [[nodiscard]] double thinnest_pa_s(const std::vector<BarLiquid>& liquids);
 
 struct BarDispenser {
   std::string body;
-  int body_index = -1;                    ///< in the level's scene
+  int body_index = -1;                    ///< index in the level's scene
   int liquid = 0;                         ///< index into Bar::liquids
   bool free = false;                      ///< may be carried
-  double radius_m = 0.0, height_m = 0.0;  ///< of the drawn body
+  double radius_m = 0.0, height_m = 0.0;  ///< size of the drawn body
   double soft_m = 0.0;                    ///< thickness of the soft shell around the core
   double start_l = 0.0;                   ///< initial volume
   Eigen::Vector3d nozzle_m, grip_m;       ///< from the centre of mass, body frame
@@ -84,22 +84,22 @@ struct BarReach {
 
 /// Condition for a withdrawn hand. Bodies may then slide or be put upright.
 struct BarDrawnBack {
-  double x_m = 0.0;     ///< the hand's x is less ...
-  double palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
+  double x_m = 0.0;     ///< withdrawn: the hand's x is below this ...
+  double palm_m = 0.0;  ///< ... and the palm is at least this far from every dispenser
 };
 
-/// Squeeze: force on the digits that grip a dispenser, low-passed [N at the fingertips].
+/// Squeeze: low-passed force on the digits that grip a dispenser [N at the fingertips].
 struct BarSqueeze {
   double filter_hz = 5.0;
-  double threshold_n = 0.0;  ///< less leaves the nozzle closed
+  double threshold_n = 0.0;  ///< a smaller squeeze leaves the nozzle closed
   double low_n = 0.0, high_n = 0.0, full_n = 0.0;
   double let_go_n = 0.0;
 };
 
 /// A free dispenser that was knocked over or pushed out of reach.
 struct BarTipOver {
-  double tilt_rad = 0.9;    ///< knocked over: tilt beyond this, held by nobody
-  double leak_l_s = 0.0;    ///< leak of a lying dispenser, thinnest liquid
+  double tilt_rad = 0.9;    ///< knocked over: tilted by more than this and not held
+  double leak_l_s = 0.0;    ///< leak of a lying dispenser with the thinnest liquid
   double stand_up_s = 3.0;  ///< put upright after lying this long with the hand withdrawn
   double dropped_m = 0.05;  ///< also put upright this far below its start
 };
@@ -116,8 +116,8 @@ struct Bar {
   std::vector<std::string> level_names;
   double lead_in_m = 0.0;
   TransitionConfig transition;
-  FingerWallConfig walls;   ///< the shells' stiffness
-  Bottle bottle;            ///< of every dispenser, without its liquid
+  FingerWallConfig walls;   ///< walls with the stiffness of the shells
+  Bottle bottle;            ///< common to all dispensers, without liquid
   AxisEffort effort_limit;  ///< limit of the device
   BarSqueeze squeeze;
   BarGlass glass;
@@ -127,7 +127,7 @@ struct Bar {
   BarReach reach;
   BarScoring scoring;
   double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, underside of the rail
-  int rail_index = -1;                       ///< in the level's scene
+  int rail_index = -1;                       ///< index in the level's scene
   Eigen::Vector3d rail_home_m;               ///< centre of mass of the rail
   int x_axis = -1;                           ///< x axis of the device; -1: none
   std::vector<BarLiquid> liquids;
@@ -135,9 +135,9 @@ struct Bar {
   std::vector<BarDrink> drinks;          ///< drinks of the level
 };
 
-/// Reads the rest of a bar's file against its scene, and reduces the scene to the level's
-/// dispensers in their row, with the glass under the first nozzle. Reports every fault at once. Not
-/// real-time safe.
+/// Reads the rest of a bar's file, checks it against the scene, and reduces the scene to the
+/// level's dispensers in their row with the glass under the first nozzle. Reports every fault at
+/// once. Not real-time safe.
 [[nodiscard]] Expected<Bar> loadBar(TomlFile& file, const ExerciseSource& source);
 
 /// Geometry that a player of the bar needs: the hand's reach, bodies of dispensers and glass.
@@ -164,19 +164,20 @@ struct BarLayout : PlayerReach {
 /// Range of the row for the reach of an arm.
 struct RowReach {
   double lower_m = 0.0, upper_m = 0.0;  ///< y range of the target dispenser
-  double nearer_m = 0.0;                ///< the row is nearer than in the scene by this, >= 0
+  double nearer_m = 0.0;  ///< distance by which the row is nearer than in the scene, >= 0
 };
 
-/// Live parameters of the bar, set by a therapist. Parameters of axes that the device lacks are
-/// left out.
+/// Live parameters of the bar, set by a therapist. Parameters of axes that the device lacks do not
+/// exist.
 ///
-///   wall_stiffness_ratio, viscosity_ratio   factors on those of the file
-///   lead_in_m, squeeze_threshold_ratio         as in the file; factor on those of the level
-///   line_tolerance_l    of every step; at least a tenth of what it asks for stays to be poured
-///   wall_fade_s         T_on: how long a wall takes to fade in
-///   reach_left_m, reach_right_m, reach_forward_m   from the device's middle: how far the person's
-///                       hand goes. The row comes within it; pages keep their aim within it
-///   fingers_open_rad, fingers_close_rad   how far the fingers open and close: pages ask no more
+///   wall_stiffness_ratio, viscosity_ratio   factors on the values of the file
+///   lead_in_m                the value of the file
+///   squeeze_threshold_ratio  factor on the thresholds of the level
+///   line_tolerance_l         tolerance of every step, at most nine tenths of the step's amount
+///   wall_fade_s              T_on: time in which a wall fades in
+///   reach_left_m, reach_right_m, reach_forward_m   reach of the person's hand from the device's
+///                            middle. The row stays within it; pages keep their aim within it
+///   fingers_open_rad, fingers_close_rad   range of the fingers; pages require no more
 class BarParameters {
  public:
   BarParameters(const Bar& bar, const BarLayout& layout);

@@ -12,25 +12,26 @@ namespace {
 
 // Speeds of the fingers' target while pressing.
 constexpr double kClosing_rad_s = 0.9, kPressing_rad_s = 0.6;
-constexpr int kMostTries = 4;             // most squeezes per grasp
-constexpr double kGivesUp_s = 8.0;        // a squeeze is given up after this time without ...
-constexpr double kWorthwhile_l = 2e-3;    // ... this volume into the glass
-constexpr double kFartherOff_m = 2e-3;    // growth of the aiming error with every failed grasp ...
+constexpr int kMostTries = 4;           // most squeezes per grasp
+constexpr double kGivesUp_s = 8.0;      // the player gives up a squeeze after this time without ...
+constexpr double kWorthwhile_l = 2e-3;  // ... this volume into the glass
+constexpr double kFartherOff_m = 2e-3;  // growth of the aiming error with every failed grasp ...
 constexpr double kFarthestOff_m = 0.012;  // ... at most
-constexpr double kHoldShare = 0.82;       // share of the zone's lower end: holds without pouring
-constexpr double kHeld = 0.08;            // relative tolerance of a hold
-constexpr double kReleaseLag_s = 0.1;     // time that a flow continues after letting go
-constexpr double kEaseLag_s = 1.1;        // and after easing the grip
-constexpr double kSettled_s = 0.3;        // a hold is stable after this time
-constexpr double kSlowerAtFirst = 2.0;    // the first motion of a hand that somebody else led
-constexpr double kNear_m = 0.06;          // the hand is at a dispenser within this distance
+// Share of the zone's lower end at which the hand holds without pouring.
+constexpr double kHoldShare = 0.82;
+constexpr double kHeld = 0.08;          // relative tolerance of a hold
+constexpr double kReleaseLag_s = 0.1;   // time for which a flow continues after the release ...
+constexpr double kEaseLag_s = 1.1;      // ... and after easing the grip
+constexpr double kSettled_s = 0.3;      // a hold is stable after this time
+constexpr double kSlowerAtFirst = 2.0;  // duration factor of the first motion after others led
+constexpr double kNear_m = 0.06;        // the hand counts as at a dispenser within this distance
 
 using namespace approach;
 
 constexpr double kDrawnBack_m = 0.001;  // tolerance of a withdrawn hand
-constexpr double kHeldBack_m = 0.01;    // a hand farther from where it was drawn back to ...
-constexpr double kHeldBack_s = 1.0;     // ... after this time is held by something
-constexpr double kBeside_m = 0.024;     // sideways from the contact of the palm
+constexpr double kHeldBack_m = 0.01;    // a hand farther than this from its withdrawn position ...
+constexpr double kHeldBack_s = 1.0;     // ... after this time is blocked by something
+constexpr double kBeside_m = 0.024;     // lateral distance from the palm's contact
 
 // Motion of the fingers' target while pressing.
 constexpr double kGripFilter_s = 0.05;
@@ -101,7 +102,7 @@ void BarPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noex
   tremble(period_s, q, qd);
 }
 
-void BarPlayer::see(const TickRecord& record) noexcept {
+void BarPlayer::onRecord(const TickRecord& record) noexcept {
   if (steeredByOthers(record)) {
     near_ = comeNear(record);
     touches_ = record.contact_count > 0;
@@ -117,7 +118,7 @@ void BarPlayer::see(const TickRecord& record) noexcept {
   if (!lost_) decide(remember(), record);
 }
 
-/// The status one reaction time ago.
+/// The status of one reaction time ago.
 const BarStatus& BarPlayer::remember() const noexcept {
   const int ago = std::min(static_cast<int>(character_.reaction_s / kLook_s), remembered_ - 1);
   return memory_[(newest_ - ago + kMemory) % kMemory];
@@ -157,7 +158,7 @@ void BarPlayer::aimOverGlass(const TickRecord& record) noexcept {
   if (hand_.y >= 0) over_.y() = q_[hand_.y] + off.y();
 }
 
-/// Continues with the dispenser at the hand; false where there is none.
+/// Continues with the dispenser near the hand; false if there is none.
 bool BarPlayer::comeNear(const TickRecord& record) noexcept {
   for (int i = 0; i < bar_.dispenser_count; ++i) {
     aimAt(record, i);
@@ -171,7 +172,7 @@ bool BarPlayer::comeNear(const TickRecord& record) noexcept {
   return false;
 }
 
-/// Counts the failed grasps when a new one begins.
+/// Updates the count of failed grasps at the beginning of a new grasp.
 void BarPlayer::countFailedGrasp(const BarStatus& seen) noexcept {
   const bool again = seen.drink == drink_ && seen.step == step_;
   const bool failed = again && seen.poured_l - poured_before_l_ < kWorthwhile_l;
@@ -236,10 +237,11 @@ void BarPlayer::next(const BarStatus& seen, const TickRecord& record) noexcept {
       lifted_ = false;
       return go(Phase::kOpen);
     case Phase::kOpen:
-      // Too little yet: squeezes again from here. A failed grasp is restarted.
+      // Too little was poured: the hand squeezes again without a new grasp. A failed grasp starts
+      // again.
       if (more && !free && seen.stage == BarStage::kBreathe) {
         if (since_s_ < kGivesUp_s) return;
-        tries_ = kMostTries;  // it does not open far enough
+        tries_ = kMostTries;  // the hand does not open far enough
       }
       if (more && !free && tries_ < kMostTries) return go(Phase::kSqueeze);
       return go(dispenser_ >= 0 ? Phase::kLeave : Phase::kDrawBack);
@@ -272,13 +274,14 @@ void BarPlayer::pressBy(const BarStatus& seen) noexcept {
     if (since_s_ > kGivesUp_s) return go(lifted_ ? Phase::kReturn : Phase::kOpen);
     return;
   }
-  const bool pouring = wantsToGrasp(seen) || seen.stage == BarStage::kLetGo;  // before the line
+  // The line is not reached yet.
+  const bool pouring = wantsToGrasp(seen) || seen.stage == BarStage::kLetGo;
   const bool other =
       !pouring || seen.target != dispenser_ || seen.step != step_ || seen.drink != drink_;
   const double lag_s = character_.reaction_s + (free ? kEaseLag_s : kReleaseLag_s);
   const double coming_l = character_.judgement * seen.flow_l_s * lag_s;
   const bool enough = seen.asked_l > 0.0 && seen.poured_l + coming_l >= seen.asked_l;
-  // A spent stroke is no failed try: air comes back, and the hand squeezes again.
+  // A spent stroke is not a failed try: air flows back in, and the hand squeezes again.
   if (seen.stage == BarStage::kBreathe && since_s_ > character_.reaction_s) {
     return go(free ? Phase::kEase : Phase::kOpen);
   }
@@ -288,7 +291,7 @@ void BarPlayer::pressBy(const BarStatus& seen) noexcept {
   if (worthwhile) poured_l_ = seen.poured_l;
   if (stalled_s_ > kGivesUp_s) tries_ = kMostTries;
   if ((other && since_s_ > character_.reaction_s) || enough || wrong || tries_ == kMostTries) {
-    share_ *= 0.5;  // the rest is poured with less force
+    share_ *= 0.5;  // pours the rest with less force
     ++tries_;
     go(free ? Phase::kEase : Phase::kOpen);
   }
@@ -303,7 +306,8 @@ bool BarPlayer::drawnBack() const noexcept {
   return hand_.x < 0 || q_[hand_.x] < back_m(hand_) + kDrawnBack_m;
 }
 
-/// A hand between two dispensers is clamped by the force that pulls it sideways.
+/// True when something blocks the withdrawal. A hand between two dispensers is clamped by the force
+/// that pulls it sideways.
 bool BarPlayer::isHeldBack() const noexcept {
   return hand_.x >= 0 && since_s_ > kHeldBack_s && measured_[hand_.x] > back_m(hand_) + kHeldBack_m;
 }
@@ -345,7 +349,7 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
   return goal.at();
 }
 
-// Times the axes so that fingers pass beside dispensers and not through them.
+// Sets the timing of the axes so that the fingers pass beside dispensers and not through them.
 void BarPlayer::shape(Phase phase) noexcept {
   const auto during = [this](int axis, double from, double to) {
     if (axis >= 0) reach_.during(axis, from, to);
@@ -399,11 +403,11 @@ void BarPlayer::tremble(double period_s, AxisPosition& q, AxisVelocity& qd) noex
   }
 }
 
-// Moves fingers and thumb by rates; the arm rests.
+// Moves fingers and thumb with rates while the arm rests.
 void BarPlayer::press(double period_s) noexcept {
   if (hand_.fingers < 0) return;
-  // A large hand on a bottle is far from closed. A firm grip needs a target beyond the fingers'
-  // range.
+  // A large hand around a bottle is far from closed, so that a firm grip needs a target beyond the
+  // fingers' range.
   const double end = hand_.upper[hand_.fingers] + (grips_ ? kPastRange : 0.0);
   const double wanted =
       std::clamp(wanted_rate_, -(fingers_ - kHalfBent) / kGripEnd_s, (end - fingers_) / kGripEnd_s);

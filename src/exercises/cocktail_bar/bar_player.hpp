@@ -9,35 +9,36 @@
 
 namespace wholehand {
 
-/// A virtual patient who plays the cocktail bar from the records, with a reaction time: withdraws
-/// while row or glass slide, approaches the dispenser from behind and beside it, closes the hand,
-/// squeezes by the meter, anticipates the line and lets go, withdraws. A free dispenser is lifted
-/// until its nozzle is over the glass, then put back. A squeeze that pours nothing into the glass
-/// is given up. A failed grasp is repeated with another aim, whose error may grow every time. The
-/// seed sets the start pose, the accuracy, the strength and pace of this person, and the tremor;
-/// the hand opens no faster than its reflexes allow. Deterministic.
+/// A virtual patient who plays the cocktail bar. It sees the records after a reaction time. It
+/// withdraws while row or glass slide, approaches the dispenser from behind and from the side,
+/// closes the hand, squeezes according to the meter, releases shortly before the line, and
+/// withdraws. A free dispenser is lifted until its nozzle is over the glass, then put back. It
+/// gives up a squeeze that pours nothing into the glass. It repeats a failed grasp with another
+/// aim, whose error may grow every time. The seed sets the start pose, the accuracy, strength and
+/// pace of this person, and the tremor. The hand opens only as fast as no reflex is triggered.
+/// Deterministic.
 class BarPlayer final : public approach::ReachingPlayer {
  public:
   BarPlayer(const BarLayout& layout, const PlayerTraits& traits);
 
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
+  WHOLEHAND_RT void onRecord(const TickRecord& record) noexcept override;
 
  private:
   /// Phases of the person's behaviour.
   enum class Phase {
     kDrawBack,  ///< straight back, away from the row
-    kFree,      ///< back with stretched fingers from where something holds the hand
-    kWait,      ///< withdrawn, until there is a dispenser to reach for
-    kAlign,     ///< sideways, withdrawn, to a free way in
-    kEnter,     ///< beside the dispenser, fingers stretched
-    kTouch,     ///< presses the palm against it
-    kSqueeze,   ///< closes the hand and presses by the felt force
-    kEase,      ///< a free dispenser: presses less, and holds
+    kFree,      ///< backwards with stretched fingers when something blocks the hand
+    kWait,      ///< stays withdrawn until there is a dispenser to reach for
+    kAlign,     ///< sideways while withdrawn, to a free path
+    kEnter,     ///< forward beside the dispenser with stretched fingers
+    kTouch,     ///< presses the palm against the dispenser
+    kSqueeze,   ///< closes the hand and controls the squeeze force
+    kEase,      ///< free dispenser: presses less and holds
     kOpen,
-    kLeave,   ///< sideways off the dispenser
-    kLift,    ///< a free dispenser: up ...
+    kLeave,   ///< sideways away from the dispenser
+    kLift,    ///< free dispenser: up ...
     kCarry,   ///< ... over the glass ...
     kReturn,  ///< ... back ...
     kLower    ///< ... and down
@@ -47,10 +48,11 @@ class BarPlayer final : public approach::ReachingPlayer {
   struct Character {
     double reaction_s = 0.2;
     double pace = 1.0;       ///< factor on the speed of movements
-    double share = 0.5;      ///< aimed share of the zone "just right"
+    double share = 0.5;      ///< target position within the force zone, 0 .. 1
     double aim_m = 0.002;    ///< largest aiming error
-    double judgement = 1.0;  ///< estimate of the flow after letting go: 1 is exact
-    double tremor_m = 0.0;   ///< amplitude of the arm; of the fingers tenfold in rad
+    double judgement = 1.0;  ///< estimate of the flow after the release; 1 is exact
+    /// Amplitude of the arm; the fingers' amplitude is ten times this number [rad].
+    double tremor_m = 0.0;
     double tremor_rad_s = 50.0;
     double tremor_phase = 0.0;
   };
@@ -87,24 +89,24 @@ class BarPlayer final : public approach::ReachingPlayer {
   double since_s_ = 0.0;  // time in the present phase
   double period_s_ = 1e-3;
   bool near_ = false;      // someone else steered the hand to a dispenser
-  bool touches_ = false;   // ... or against something
+  bool touches_ = false;   // ... or against an object
   AxisPosition measured_;  // device position of the newest record
 
   int dispenser_ = -1;  // dispenser to grasp; -1: none yet
   int drink_ = -1, step_ = -1;
   int tries_ = 0;                                   // squeezes of this grasp
   int failures_ = 0;                                // consecutive grasps without success
-  double poured_before_l_ = 0.0;                    // volume of the step before this grasp
+  double poured_before_l_ = 0.0;                    // volume of the step at the start of this grasp
   double poured_l_ = 0.0;                           // volume at the last worthwhile progress ...
   double stalled_s_ = 0.0;                          // ... and time since then
   bool lifted_ = false;                             // a free dispenser is over the glass
   Eigen::Vector3d grip_ = Eigen::Vector3d::Zero();  // target of the hand's base
   Eigen::Vector3d over_ = Eigen::Vector3d::Zero();  // target over the glass, free dispenser
-  double share_ = 0.5;                              // aimed share of the zone in this squeeze
-  double settled_s_ = 0.0;                          // time within the wanted hold
-  double fingers_ = 0.0, thumb_ = 0.0;              // targets while pressing; thumb at half bent
-  double rate_ = 0.0, wanted_rate_ = 0.0;           // speed of the fingers' target [rad/s]
-  bool grips_ = false;                              // last seen: something between the fingers
+  double share_ = 0.5;                     // target position within the zone in this squeeze
+  double settled_s_ = 0.0;                 // time within the wanted hold
+  double fingers_ = 0.0, thumb_ = 0.0;     // targets while pressing; thumb at half bent
+  double rate_ = 0.0, wanted_rate_ = 0.0;  // speed of the fingers' target [rad/s]
+  bool grips_ = false;                     // the last status had an object between the fingers
 
   std::array<BarStatus, kMemory> memory_{};
   int remembered_ = 0;  // stored statuses, at most kMemory

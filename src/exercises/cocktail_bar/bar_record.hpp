@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// Values and events of the bar in a tick's ExerciseRecord, and their reading.
+/// Values and events of the bar in a tick's ExerciseRecord, and functions that read them.
 namespace wholehand {
 
 /// Current instruction to the person; the numbers are those of the value "stage".
@@ -23,20 +23,20 @@ enum class BarStage : std::int32_t {
   kDrinkDone,
   kLevelDone,
   kDrawBack,
-  kBreathe  ///< the stroke is spent: let go, until air has filled the shell
+  kBreathe  ///< the stroke is spent: the person lets go until air has refilled the shell
 };
 
 /// Events of the bar.
 enum class BarEvent : std::int32_t {
   kApproached,      ///< palm near a dispenser; value: distance [m]
-  kTouched,         ///< first contact with it
+  kTouched,         ///< first contact with a dispenser
   kEngaged,         ///< walls fade in
   kDisengaged,      ///< walls fade out
   kPourBegan,       ///< flow into the glass begins
   kPourEnded,       ///< value: volume of the step so far [l]
   kLineReached,     ///< index: step
   kOverfilled,      ///< index: step; further flow counts as spilt
-  kSpilt,           ///< spilling begins; value: spilt so far in the level [l]
+  kSpilt,           ///< spilling begins; value: total spilt in the level [l]
   kWrongDispenser,  ///< engaged a dispenser that is not the target
   kKnockedOver,
   kStoodUp,
@@ -60,7 +60,7 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(BarEvent::kCou
 /// Adds an event to the record; dropped when it is full. Real-time safe.
 WHOLEHAND_RT inline void addEvent(ExerciseRecord& out, BarEvent type, int index = -1,
                                   double value = 0.0) noexcept {
-  tell(out, static_cast<std::int32_t>(type), index, value);
+  addEvent(out, static_cast<std::int32_t>(type), index, value);
 }
 
 /// Values of the bar in ExerciseRecord::values. They are followed by left_l/<liquid> of each

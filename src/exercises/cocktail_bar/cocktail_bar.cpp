@@ -14,16 +14,16 @@
 #include <limits>
 #include <utility>
 
-/// The paper's game (§II-F): reach the dispenser of the liquid in the recipe, grasp it and squeeze
-/// until the glass is filled to the line. Rules: docs/exercises.md.
+/// The paper's game (§II-F). The person reaches for the dispenser of the recipe's liquid, grasps it
+/// and squeezes until the glass is filled to the line. Rules: docs/exercises.md.
 namespace wholehand::cocktail_bar {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// Margin on the engaging distance within which the closure is queried and the approach is
-/// reported.
+/// Margin added to the engage and release distances: the closure is queried and the approach is
+/// reported within it.
 constexpr double kApproach_m = 0.05;
-/// The nozzle's slit is wide open from this share over its threshold on.
+/// The nozzle's slit is fully open when the squeeze exceeds its threshold by this share.
 constexpr double kOpens = 0.07;
 
 class CocktailBar final : public Exercise {
@@ -84,13 +84,13 @@ class CocktailBar final : public Exercise {
     BarObservation senses = observeBar(bar_, seen, posture_, input.period_s);
     recipe_.setTolerance(parameters_.tolerance_l(input.parameters));
     takeActions(seen, out);
-    tellTouches(senses, out);
+    addTouchEvents(senses, out);
     engage(senses, input, out);
     push(senses, input, closed_on_to, out);
     feelSqueeze(seen, out.effort, senses);
     serving_.tick(senses, posture_, recipe_.order().dispenser, parameters_.reach(input.parameters),
                   !paused_, placements);
-    tellUpsets(out);
+    addUpsetEvents(out);
     pouring_.tick(senses, recipe_.order(), held(), stroke_, serving_.leaking(),
                   parameters_.threshold(input.parameters), !paused_, out);
     if (!paused_) {
@@ -104,7 +104,7 @@ class CocktailBar final : public Exercise {
   }
 
  private:
-  /// The dispenser held by the palm; -1: none.
+  /// Index of the dispenser whose walls are engaged; -1: none.
   [[nodiscard]] int held() const noexcept { return transition_.engaged ? at_ : -1; }
 
   void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
@@ -135,7 +135,7 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  void tellTouches(const BarObservation& senses, ExerciseRecord& out) noexcept {
+  void addTouchEvents(const BarObservation& senses, ExerciseRecord& out) noexcept {
     constexpr double kAgain_s = 0.2;  // debounce: contacts flicker for some ticks
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
       if (senses.touched[i] && untouched_s_[i] > kAgain_s) {
@@ -151,8 +151,8 @@ class CocktailBar final : public Exercise {
     if (close || senses.palm_m > bar_.transition.release_m + kApproach_m) approached_ = approached;
   }
 
-  /// Advances the transition, Eq. (16), of one dispenser at a time. The dispenser, and with it the
-  /// walls' gains, changes only at α = 0.
+  /// Advances the transition, Eq. (16), of one dispenser at a time. The dispenser and thereby the
+  /// walls' gains change only at α = 0.
   void engage(const BarObservation& senses, const ExerciseInput& input,
               ExerciseRecord& out) noexcept {
     if (!(transition_.u > 0.0) && at_ != senses.nearest) {
@@ -179,7 +179,8 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  /// Computes f_e, Eq. (15) to (17). @param closed_on_to the dispenser of the queried closure
+  /// Computes f_e, Eq. (15) to (17). @param closed_on_to dispenser for which the closure was
+  /// queried
   void push(const BarObservation& senses, const ExerciseInput& input, int closed_on_to,
             ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
@@ -207,8 +208,9 @@ class CocktailBar final : public Exercise {
     if (at_ >= 0) press(senses, input, alpha, out);
   }
 
-  /// The cushions of the dispenser with the walls. Its nozzle opens to the digits on their palmar
-  /// side, while the hand holds it, from the squeeze's threshold on.
+  /// Advances the cushions of the dispenser with the walls. Its nozzle is open for digits that
+  /// press with their palmar side, while the hand holds the dispenser and the squeeze exceeds the
+  /// threshold.
   void press(const BarObservation& senses, const ExerciseInput& input, double alpha,
              ExerciseRecord& out) noexcept {
     const double threshold = parameters_.threshold(input.parameters);
@@ -238,11 +240,13 @@ class CocktailBar final : public Exercise {
     stroke_ = {kPerM3 * pressed.out_m3, kPerM3 * pressed.pressed_m3};
     out.effort = pressed.effort;
     for (int a = 0; a < bar_.walls.axes; ++a) {
-      if (walls_.known[a]) out.wall[a] += travel_[a];  // the shell stands where the liquid has gone
+      if (walls_.known[a])
+        out.wall[a] += travel_[a];  // adds the shell's travel, because liquid has left
     }
   }
 
-  /// Squeeze of every dispenser at the fingertips: contacts, and the walls of one.
+  /// Computes the squeeze on every dispenser at the fingertips [N], from contacts and from the
+  /// walls of dispenser at_.
   void feelSqueeze(const TickRecord& seen, const AxisEffort& wall,
                    BarObservation& senses) const noexcept {
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
@@ -258,7 +262,7 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  void tellUpsets(ExerciseRecord& out) const noexcept {
+  void addUpsetEvents(ExerciseRecord& out) const noexcept {
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
       const int index = static_cast<int>(i);
       if ((serving_.knockedOver() >> i & 1U) != 0U) addEvent(out, BarEvent::kKnockedOver, index);
@@ -270,7 +274,7 @@ class CocktailBar final : public Exercise {
             ExerciseRecord& out) const noexcept;
 
   const Bar bar_;
-  const DeviceModel device_;  ///< device and hand serve makePlayer()
+  const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   const BarParameters parameters_;
@@ -280,13 +284,13 @@ class CocktailBar final : public Exercise {
   Pouring pouring_;
   Recipe recipe_;
   TransitionState transition_;
-  std::vector<Cushions> cushions_;  ///< of each dispenser
+  std::vector<Cushions> cushions_;  ///< one for each dispenser
   FingerWallState walls_;
-  AxisPosition travel_;  ///< of the cushions of the dispenser with the walls
+  AxisPosition travel_;  ///< travel of the cushions of dispenser at_
   Stroke stroke_;
-  SoftTouches soft_touches_;  ///< of the dispenser with the walls
+  SoftTouches soft_touches_;  ///< soft contacts with dispenser at_
   int at_ = -1;               ///< dispenser with the walls; changes only at α = 0
-  int near_ = -1;             ///< dispenser of the next closure query
+  int near_ = -1;             ///< dispenser for the next closure query
   int approached_ = -1;       ///< last approach reported
   std::array<double, kMaxDispensers> untouched_s_{};
   bool paused_ = false;

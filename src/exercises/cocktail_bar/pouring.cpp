@@ -24,7 +24,7 @@ void senseContacts(const Bar& bar, const TickRecord& record, BarObservation& out
     const int at = dispenserOf(bar, c.body);
     if (at < 0 && c.body != bar.glass.body_index) continue;
     const double normal_n = c.force_n.eigen().dot(c.normal.eigen());
-    if (!(normal_n > 0.0)) continue;  // a nearby point without force
+    if (!(normal_n > 0.0)) continue;  // a close point pair without force
     out.touches_any = true;
     if (at < 0) continue;
     out.force_n[at] += normal_n;
@@ -68,11 +68,12 @@ bool BarObservation::overGlass(int dispenser, const BarGlass& glass) const noexc
 namespace {
 
 constexpr double kPerLitre = 1e12;
-/// A stroke that pressed the shell in by this is spent when its flow is less than this, and than
-/// this share of its fastest, for this long; one of less, when nothing comes for longer. It ends
-/// when air has brought the shell back to this share, when it flows again, or when the hand has
-/// rested for so long. A hand that cannot open has let go of a dispenser that hangs when it has
-/// rested for kAtRest_s.
+/// Limits of a stroke. A stroke that pressed out at least kLeastStroke_l is spent when its flow has
+/// been below kSlow_l_s and below kSlow times its fastest flow for kSlow_s. A smaller stroke is
+/// spent when its flow has been below kNothing_l_s for kNothing_s. The spent state ends when the
+/// shell has returned to kBack times the pressed volume, when the flow exceeds kSlow_l_s, or when
+/// the hand has rested for kRested_s. A hand that cannot open counts as released from a hanging
+/// dispenser after a rest of kAtRest_s.
 constexpr double kAtRest_s = 1.0;
 constexpr double kLeastStroke_l = 0.002, kSlow_l_s = 0.001, kSlow = 0.15, kNothing_l_s = 5e-5,
                  kSlow_s = 0.3, kNothing_s = 1.0, kBack = 0.15, kRested_s = 1.5;
@@ -210,11 +211,11 @@ void Pouring::tick(const BarObservation& senses, const PourOrder& order, int eng
     const double thicker = bar_.liquids[bar_.dispensers[i].liquid].viscosity_pa_s / thinnest_pa_s_;
     (void)ledger_.spill(static_cast<int>(i), bar_.upset.leak_l_s / thicker * senses.elapsed_s);
   }
-  tellOf(order, before_l, spilt_before_l, was_into_glass, out);
+  addEvents(order, before_l, spilt_before_l, was_into_glass, out);
 }
 
-void Pouring::tellOf(const PourOrder& order, double before_l, double spilt_before_l,
-                     bool was_into_glass, ExerciseRecord& out) noexcept {
+void Pouring::addEvents(const PourOrder& order, double before_l, double spilt_before_l,
+                        bool was_into_glass, ExerciseRecord& out) noexcept {
   const double now_l = ledger_.layer_l(order.step);
   const bool spills = ledger_.spilt_l() > spilt_before_l;
   if (into_glass_ && !was_into_glass) addEvent(out, BarEvent::kPourBegan, order.dispenser);

@@ -46,7 +46,7 @@ int Recipe::steps() const noexcept {
 PourOrder Recipe::order() const noexcept {
   const BarStep& s = bar_.drinks[drink_].steps[step_];
   const bool over = stage_ == BarStage::kDrinkDone || stage_ == BarStage::kLevelDone;
-  constexpr double kMostShare = 0.9;  // share of the requested amount
+  constexpr double kMostShare = 0.9;  // largest tolerance, as a share of the requested amount
   const double tolerance_l =
       tolerance_l_ > 0.0 ? std::min(tolerance_l_, kMostShare * s.amount_l) : s.tolerance_l;
   return {over ? -1 : s.dispenser, step_, s.amount_l, tolerance_l};

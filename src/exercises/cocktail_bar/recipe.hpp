@@ -10,13 +10,13 @@
 
 namespace wholehand {
 
-/// Accuracy, 0 .. 1: 1 at the requested amount, 0.8 at the tolerance's edge, 0 from three
-/// tolerances on.
+/// Accuracy, 0 .. 1: 1 at the requested amount, 0.8 at the edge of the tolerance, 0 at three
+/// tolerances and more.
 [[nodiscard]] WHOLEHAND_RT double pourAccuracy(double poured_l, double asked_l,
                                                double tolerance_l) noexcept;
 
 /// Score of a drink, 0 .. 100: (100 − time_points) · accuracy + time_points, minus the cost of
-/// spills. The time points are full up to par and zero from twice par on.
+/// spills. The time points are full up to par and zero at twice par and more.
 [[nodiscard]] WHOLEHAND_RT double drinkScore(const BarScoring& scoring, double accuracy,
                                              double spilt_l, double time_s, int steps) noexcept;
 
@@ -26,7 +26,7 @@ class Recipe {
   explicit Recipe(const Bar& bar) : bar_(bar) {}
 
   void reset() noexcept;
-  /// Like reset(), but begins at that drink; an invalid number begins at the first. @pre nothing
+  /// Resets and begins at the given drink; an invalid number selects the first drink. @pre nothing
   /// was poured yet. Real-time safe.
   WHOLEHAND_RT void beginAt(double drink) noexcept;
   /// Overrides the level's tolerance from now on; the tolerance of a step stays below its amount.

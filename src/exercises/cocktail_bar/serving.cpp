@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-/// A body nearer than this to its place has arrived.
+/// A body closer than this to its place has arrived.
 constexpr double kThere_m = 1e-6;
 /// A free dispenser within this distance of its place is home; within this tilt it stands.
 constexpr double kHome_m = 2e-3, kUpright_rad = 0.02;
@@ -44,7 +44,7 @@ void Serving::tick(const BarObservation& senses, const HandPosture& hand, int ta
   placements.count = 0;
   reach_ = reach;
   knocked_over_ = stood_up_ = 0;
-  if (!placed_) {  // read from the world: a slide may have been interrupted
+  if (!placed_) {  // reads positions from the world, because a slide may have been interrupted
     row_y_m_ = row_to_m_ = senses.at_m[0].y();
     nearer_m_ = nearer_to_m_ = bar_.dispensers[0].home_m.x() - senses.at_m[0].x();
     glass_m_ = glass_to_m_ = senses.glass_m;
@@ -64,7 +64,7 @@ double Serving::wantedRowY_m(int target) const noexcept {
   return std::clamp(from_m + offset_m, reach_.lower_m, reach_.upper_m) - offset_m;
 }
 
-/// Begins a slide if the row is not where the target needs it.
+/// Begins a slide if the row is not at the position that the target requires.
 void Serving::startRow(int target) noexcept {
   const double to_m = wantedRowY_m(target);
   const double way_m = std::hypot(to_m - row_y_m_, reach_.nearer_m - nearer_m_);
@@ -142,13 +142,13 @@ bool Serving::isNear(const HandPosture& hand, const BarObservation& senses) cons
   return near;
 }
 
-/// Whether a dispenser occupies the place of another.
+/// True when a dispenser occupies the place of another.
 bool Serving::blocksHome(const BarObservation& senses, std::size_t other,
                          std::size_t dispenser) const noexcept {
   const BarDispenser& own = bar_.dispensers[dispenser];
   const BarDispenser& d = bar_.dispensers[other];
   const Eigen::Vector3d apart_m = senses.at_m[other] - own.home_m;
-  // A lying body needs its length in every direction.
+  // A lying body may extend by its length in any direction.
   const double needs_m = own.radius_m + (lying_[other] ? 0.5 * d.height_m : 0.0) + d.radius_m;
   return other != dispenser && apart_m.head<2>().norm() < needs_m &&
          std::abs(apart_m.z()) < 0.5 * (own.height_m + d.height_m);
@@ -161,16 +161,16 @@ void Serving::noteLying(const BarObservation& senses, std::size_t i, bool may_mo
   const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
   const bool upset = leans || dropped || !bar_.reach.contains(senses.at_m[i]);
   const unsigned bit = 1U << i;
-  // A dispenser against a withdrawn hand that grips nothing is not held.
+  // A dispenser that only touches a withdrawn hand without a grip is not held.
   if (senses.touched[i] && !may_move) {
-    lying_[i] = lying_[i] && upset;  // picked up
+    lying_[i] = lying_[i] && upset;  // the dispenser was picked up
   } else if (!lying_[i] && upset) {
     lying_[i] = true;
     away_s_[i] = 0.0;
     knocked_over_ |= bit;
   }
   if (!lying_[i]) leaking_ &= ~bit;
-  if (lying_[i] && leans) leaking_ |= bit;  // continues in any orientation
+  if (lying_[i] && leans) leaking_ |= bit;  // the leak continues in any orientation
   called_[i] = called_[i] && !atHome(senses, i);
 }
 
@@ -186,8 +186,8 @@ void Serving::standUp(const BarObservation& senses, const HandPosture& hand, boo
     goes[i] = may_move && (called_[i] || (lying_[i] && away_s_[i] >= bar_.upset.stand_up_s)) &&
               hand.clearance_m(d.home_m, d.radius_m, d.height_m) >= kClear_m;
   }
-  // A dispenser can return only if those in its place return too. Each round removes the blocked
-  // ones.
+  // A dispenser can return only if the dispensers in its place return too. Each round removes
+  // blocked dispensers.
   for (std::size_t round = 0; round < count; ++round) {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < count; ++k) {

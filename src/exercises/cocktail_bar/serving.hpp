@@ -37,7 +37,8 @@ struct Slide {
 
 /// Moves the target dispenser within reach and the glass under its nozzle, only while the hand is
 /// withdrawn and touches nothing. Returns free dispensers that lie or are out of reach to their
-/// places, only while the hand is withdrawn, grips nothing and is clear of those places.
+/// places; this happens only while the hand is withdrawn, grips nothing and is clear of those
+/// places.
 class Serving {
  public:
   explicit Serving(const Bar& bar) : bar_(bar) {}
@@ -51,14 +52,15 @@ class Serving {
   WHOLEHAND_RT void tick(const BarObservation& senses, const HandPosture& hand, int target,
                          const RowReach& reach, bool running, BodyPlacements& placements) noexcept;
 
-  /// The target is not in place yet: row or glass moves, or waits for the hand to withdraw.
+  /// True while the target is not in place: row or glass moves or waits for the hand to withdraw.
   [[nodiscard]] bool pending() const noexcept { return pending_; }
   /// y of the first dispenser.
   [[nodiscard]] double rowY_m() const noexcept { return row_y_m_; }
-  /// Bits of the dispensers that fell over, and that were put upright, since the last tick.
+  /// Bit masks of the dispensers that fell over and that were put upright since the last tick.
   [[nodiscard]] unsigned knockedOver() const noexcept { return knocked_over_; }
   [[nodiscard]] unsigned stoodUp() const noexcept { return stood_up_; }
-  /// Bits of the dispensers that lie until they are picked up or put upright.
+  /// Bit mask of the lying dispensers that leak; a bit is cleared when the dispenser is picked up
+  /// or put upright.
   [[nodiscard]] unsigned leaking() const noexcept { return leaking_; }
 
  private:
@@ -80,14 +82,16 @@ class Serving {
   bool placed_ = false;  ///< positions of row and glass are known
   bool pending_ = false;
   double row_y_m_ = 0.0, row_from_m_ = 0.0, row_to_m_ = 0.0;
-  double nearer_m_ = 0.0, nearer_from_m_ = 0.0, nearer_to_m_ = 0.0;  ///< of the row, to the hand
+  /// Shift of the row towards the hand: now, at the start and at the end of a slide.
+  double nearer_m_ = 0.0, nearer_from_m_ = 0.0, nearer_to_m_ = 0.0;
   RowReach reach_;
   Slide row_;
   Eigen::Vector3d glass_m_, glass_from_m_, glass_to_m_;
   Slide glass_;
-  bool row_home_ = false;                        ///< the row returns to its place, too
-  std::array<bool, kMaxDispensers> lying_{};     ///< lying, or standing out of reach
-  std::array<bool, kMaxDispensers> called_{};    ///< to return home from anywhere
+  bool row_home_ = false;                     ///< the row also returns to its place
+  std::array<bool, kMaxDispensers> lying_{};  ///< lying, or standing out of reach
+  std::array<bool, kMaxDispensers>
+      called_{};  ///< dispensers that return to their place from anywhere
   std::array<double, kMaxDispensers> away_s_{};  ///< time lying with the hand withdrawn
   unsigned leaking_ = 0;
   unsigned knocked_over_ = 0, stood_up_ = 0;

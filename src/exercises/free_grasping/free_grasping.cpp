@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-/// Free grasping: no task, no walls, no effort. Every body is a target of the palm.
+/// Free grasping without task, walls or effort. Every body is a target of the palm.
 namespace wholehand::free_grasping {
 namespace {
 
@@ -44,7 +44,7 @@ class FreeGrasping final : public Exercise {
   }
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
-    return nullptr;  // the motion or the person steers a free hand
+    return nullptr;  // a motion file or the person steers the hand
   }
 
  private:

@@ -7,14 +7,14 @@
 #include <cstdint>
 #include <utility>
 
-/// A world for the bodies of a game: no task, no walls, no effort. The file's [budget] says how
-/// many bodies the game may put into it and how large they are; events report what becomes of them.
+/// A world for the bodies of a game, without task, walls or effort. The file's [budget] limits the
+/// number and size of the bodies; events report their state changes.
 namespace wholehand::game_scene {
 namespace {
 
 enum Value : std::int32_t { kBodies, kGhosts, kMoving, kValues };
-// index: the slot, −1 for shapes. value: the body's generation; of kRefused the BodyRefusal, of
-// kTouched an impulse.
+// Events. Index: the slot, −1 for shapes. Value: the body's generation, the BodyRefusal for
+// kRefused, the impulse [N·s] for kTouched.
 enum Event : std::int32_t {
   kAppeared,
   kSolid,
@@ -25,8 +25,8 @@ enum Event : std::int32_t {
   kTouched
 };
 
-constexpr double kFree_s = 0.1;     ///< without contact; the next one is a new touch
-constexpr double kStrike_s = 0.01;  ///< in which the impulse of a touch is summed
+constexpr double kFree_s = 0.1;     ///< time without contact after which a contact is a new touch
+constexpr double kStrike_s = 0.01;  ///< time over which the impulse of a touch is summed
 
 class GameScene final : public Exercise {
  public:
@@ -50,33 +50,35 @@ class GameScene final : public Exercise {
     if (input.pool == nullptr) return;
     for (int i = 0; i < input.pool->refused_count; ++i) {
       const RefusedOrder& refused = input.pool->refused[i];
-      tell(out, kRefused, refused.slot, static_cast<double>(refused.refusal));
+      addEvent(out, kRefused, refused.slot, static_cast<double>(refused.refusal));
     }
     const int quarantined = input.pool->quarantined;
-    if (quarantined >= 0) tell(out, kQuarantined, quarantined, reported_[quarantined].generation);
+    if (quarantined >= 0)
+      addEvent(out, kQuarantined, quarantined, reported_[quarantined].generation);
     watchTouches(input, out);
     for (int slot = 0; slot < input.pool->count; ++slot) follow(slot, *input.pool, out);
     out.values[kMoving] = input.pool->moving;
   }
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {
-    return nullptr;  // the motion or the person steers a free hand
+    return nullptr;  // a motion file or the person steers the hand
   }
 
  private:
-  /// A body against the hand.
+  /// Contact of one body with the hand.
   struct Touch {
     std::int32_t generation = 0;
-    double free_s = kFree_s;  ///< since the last contact
-    double strikes_s = -1.0;  ///< since the touch began; −1: reported, or none
-    Vec3 impulse_ns;          ///< on the hand, since then
+    double free_s = kFree_s;  ///< time since the last contact
+    double strikes_s = -1.0;  ///< time since the touch began; −1: reported, or no touch
+    Vec3 impulse_ns;          ///< impulse on the hand since the touch began
   };
 
-  /// Reports the impulse of a touch when kStrike_s is over, or when the body leaves before.
+  /// Reports the impulse of a touch after kStrike_s, or earlier if the body leaves the scene.
   void watchTouches(const ExerciseInput& input, ExerciseRecord& out) noexcept {
     const PoolReport& pool = *input.pool;
     std::array<Vec3, kMaxSlots> force_n{};
     std::array<bool, kMaxSlots> touching{};
+    // Sums the contact forces of each slot.
     for (int i = 0; i < input.observed->contact_count; ++i) {
       const Contact& contact = input.observed->contacts[i];
       const int slot = contact.body - pool.first_body;
@@ -87,10 +89,12 @@ class GameScene final : public Exercise {
     }
     for (int slot = 0; slot < pool.count; ++slot) {
       Touch& touch = touches_[slot];
+      // A new body in the slot ends the touch of the old one.
       const bool same = touch.generation == pool.slots[slot].generation;
-      if (!same && touch.strikes_s >= 0.0 && !tellTouch(slot, out)) continue;
+      if (!same && touch.strikes_s >= 0.0 && !addTouchEvent(slot, out)) continue;
       if (!same) touch = Touch{};
       touch.generation = pool.slots[slot].generation;
+      // A contact after kFree_s without contact begins a touch.
       if (touching[slot] && touch.strikes_s < 0.0 && touch.free_s >= kFree_s) {
         touch.strikes_s = 0.0;
         touch.impulse_ns = Vec3{};
@@ -103,13 +107,13 @@ class GameScene final : public Exercise {
             Vec3::from(touch.impulse_ns.eigen() + input.period_s * force_n[slot].eigen());
         touch.strikes_s += input.period_s;
       }
-      if (over()) tellTouch(slot, out);
+      if (over()) addTouchEvent(slot, out);
     }
   }
 
-  bool tellTouch(int slot, ExerciseRecord& out) noexcept {
+  bool addTouchEvent(int slot, ExerciseRecord& out) noexcept {
     Touch& touch = touches_[slot];
-    if (!tell(out, kTouched, slot, touch.impulse_ns.eigen().norm())) return false;
+    if (!addEvent(out, kTouched, slot, touch.impulse_ns.eigen().norm())) return false;
     touch.strikes_s = -1.0;
     return true;
   }
@@ -120,12 +124,12 @@ class GameScene final : public Exercise {
     if (now.state != SlotState::kParked) out.values[kBodies] += 1.0;
     if (now.state == SlotState::kGhost) out.values[kGhosts] += 1.0;
     if (reported.generation != 0 && reported.generation != now.generation) {
-      if (!tell(out, kLeft, slot, reported.generation)) return;
+      if (!addEvent(out, kLeft, slot, reported.generation)) return;
       reported = SlotReport{};
     }
     if (now.state == SlotState::kParked) return;
     if (reported.generation != now.generation) {
-      if (!tell(out, kAppeared, slot, now.generation)) return;
+      if (!addEvent(out, kAppeared, slot, now.generation)) return;
       reported = now;
       reported.state = SlotState::kGhost;
     }
@@ -134,13 +138,14 @@ class GameScene final : public Exercise {
     if (reported.state == now.state && !solid_again) return;
     const bool ghost = now.state == SlotState::kGhost;
     const Event event = ghost ? kAppeared : now.state == SlotState::kSolid ? kSolid : kLettingGo;
-    if (!tell(out, event, slot, now.generation)) return;
+    if (!addEvent(out, event, slot, now.generation)) return;
     reported.state = now.state;
     reported.solid_count = now.solid_count;
   }
 
   int axes_;
-  std::array<SlotReport, kMaxSlots> reported_{};  ///< what events have reported of every slot
+  std::array<SlotReport, kMaxSlots>
+      reported_{};  ///< last state of every slot that events have reported
   std::array<Touch, kMaxSlots> touches_{};
 };
 

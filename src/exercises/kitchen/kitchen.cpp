@@ -14,7 +14,7 @@
 #include <numbers>
 #include <utility>
 
-/// Tasks of daily life: steps of a file at things of a scene, which may move on joints.
+/// Tasks of daily life. A file lists steps at objects of a scene; the objects may move on joints.
 namespace wholehand::kitchen {
 namespace {
 
@@ -24,8 +24,8 @@ using Json = nlohmann::ordered_json;
 enum Event : std::int32_t { kStepDone, kLevelDone, kRestarted };
 enum Parameter : std::int32_t { kForceRatio };
 
-/// Things return to their places once the palm is farther from all of them and nothing touches
-/// them.
+/// Things return to their places when the palm is farther than this from all of them and the hand
+/// touches none.
 constexpr double kClear_m = 0.06;
 static_assert(kMaxPlacements >= kMostThings);
 
@@ -33,7 +33,8 @@ Json numbers(const Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-/// How the thing of a step is met, with its joint where the steps before have left it.
+/// Describes how the hand meets the thing of a step, with the thing's joint where the previous
+/// steps left it.
 Json metJson(const KitchenTask& task, const KitchenPlayer& player, int now) {
   const Step& step = task.steps[now];
   const Thing& thing = task.things[step.thing];
@@ -105,7 +106,7 @@ class Kitchen final : public Exercise {
     handle_n_.setZero();
     paused_ = false;
     returns_ = true;
-    last_ = Seen{};
+    last_ = ThingObservation{};
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -127,8 +128,8 @@ class Kitchen final : public Exercise {
     look(seen, ratio, elapsed_s);
     if (returns_) giveBack(seen, placements);
     if (!paused_ && !returns_ && steps_.tick(last_, elapsed_s)) {
-      tell(out, kStepDone, steps_.step() - 1, steps_.score());
-      if (steps_.done()) tell(out, kLevelDone, -1, steps_.score());
+      addEvent(out, kStepDone, steps_.step() - 1, steps_.score());
+      if (steps_.done()) addEvent(out, kLevelDone, -1, steps_.score());
     }
     show(out, ratio);
   }
@@ -140,7 +141,8 @@ class Kitchen final : public Exercise {
  private:
   [[nodiscard]] const Thing& nowThing() const noexcept { return task_.things[steps_.now().thing]; }
 
-  /// Forces are those of the last step, low-passed; a person's strength divides by the ratio.
+  /// Updates what the tick shows of the current step's thing. Forces are low-passed. They are
+  /// divided by `ratio`, the therapist's factor on the required force.
   void look(const TickRecord& seen, double ratio, double elapsed_s) noexcept {
     const Thing& thing = nowThing();
     const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * task_.filter_hz * elapsed_s);
@@ -150,7 +152,8 @@ class Kitchen final : public Exercise {
     }
     handle_n_ += share * (force_n - handle_n_);
     squeeze_n_ += share * (gripForce_n(seen, thing.body, posture_) - squeeze_n_);
-    // Of a thing that is pushed the palm looks elsewhere: the distance counts to every side.
+    // The palm does not face a thing that it pushes, so the distance counts on either side of the
+    // palm.
     last_.palm_m = seen.palm_body == thing.body ? std::abs(seen.palm_target_distance_m)
                                                 : std::numeric_limits<double>::infinity();
     last_.squeeze_n = squeeze_n_ / ratio;
@@ -160,8 +163,8 @@ class Kitchen final : public Exercise {
     last_.q = q_[steps_.now().thing];
   }
 
-  /// q of every thing, through whole turns of hinges without range. While things return it is that
-  /// nearest to their places.
+  /// Updates q of every thing and counts whole turns of hinges without a range. While things
+  /// return, q is the value nearest to 0.
   void countTurns(const TickRecord& seen) noexcept {
     constexpr double kTurn = 2.0 * std::numbers::pi;
     for (std::size_t i = 0; i < task_.things.size(); ++i) {
@@ -180,7 +183,7 @@ class Kitchen final : public Exercise {
     return {turned, body.position_m.eigen() - turned * thing.com_m};
   }
 
-  /// Puts all things where they were at the start, once the hand is clear of them.
+  /// Puts all things back to their start poses when the hand is clear of them.
   void giveBack(const TickRecord& seen, BodyPlacements& placements) noexcept {
     const auto of_a_thing = [this](const Contact& c) {
       return std::any_of(task_.things.begin(), task_.things.end(),
@@ -222,27 +225,28 @@ class Kitchen final : public Exercise {
   }
 
   const KitchenTask task_;
-  const DeviceModel device_;  ///< device and hand serve makePlayer()
+  const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
   HandPosture posture_;
   TaskSteps steps_;
-  Seen last_;
-  std::array<double, kMostThings> q_{};  ///< of every thing's joint
+  ThingObservation last_;
+  std::array<double, kMostThings> q_{};  ///< joint position of every thing
   Vector3d handle_n_ = Vector3d::Zero();
   double squeeze_n_ = 0.0;
   bool paused_ = false;
-  bool returns_ = true;  ///< things are to be put back where they were
+  bool returns_ = true;  ///< things must return to their start poses
 };
 
 constexpr const char* kBaseAxes[] = {"x", "y", "z"};
-/// Half of what a finger needs behind a bar.
+/// Half of the space that a finger needs behind a bar.
 constexpr double kFinger_m = 0.009;
 
 Vector3d vectorFrom(const std::vector<double>& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Reads the file against the scene. Places are those of a right hand.
+/// Reads the file and checks it against the scene. Positions are for a right hand and are mirrored
+/// for a left one.
 class TaskReader {
  public:
   TaskReader(TomlTable& root, SceneModel& scene, const ExerciseSource& source)
@@ -266,14 +270,14 @@ class TaskReader {
       const auto is_taken = [i](const Step& step) {
         return step.verb == Verb::kTake && step.thing == static_cast<int>(i);
       };
-      if (std::any_of(task.steps.begin(), task.steps.end(), is_taken)) judgeRoom(things[i], thing);
-      if (thing.jointed) judgeResistance(things[i], thing);
+      if (std::any_of(task.steps.begin(), task.steps.end(), is_taken)) checkRoom(things[i], thing);
+      if (thing.jointed) checkResistance(things[i], thing);
     }
   }
 
  private:
-  /// Fingers need room behind what they close around.
-  void judgeRoom(TomlTable& t, const Thing& thing) {
+  /// Reports a grip without enough room for the fingers behind it.
+  void checkRoom(TomlTable& t, const Thing& thing) {
     const Vector3d grip_m = thing.start * (thing.grip_m + thing.com_m);
     const Vector3d behind_m = grip_m + (thing.radius_m + kFinger_m) * Vector3d::UnitX();
     for (const SceneBody& body : scene_.bodies) {
@@ -281,7 +285,7 @@ class TaskReader {
       for (const Shape& shape : body.shapes) {
         if (signedDistance(shape, to_body * grip_m) < 0.0 &&
             signedDistance(shape, to_body * behind_m) > 0.0) {
-          continue;  // what it closes around
+          continue;  // the shape that the hand closes around
         }
         if (signedDistance(shape, to_body * behind_m) >= kFinger_m) continue;
         t.fail("grip_m", "is buried: fingers meet \"" + printable(body.name) + "\" behind it",
@@ -293,8 +297,8 @@ class TaskReader {
     }
   }
 
-  /// Warns of a joint that the device cannot move where the hand takes it: nobody could open it.
-  void judgeResistance(TomlTable& t, const Thing& thing) {
+  /// Warns of a joint that resists more at the grip than the device can push.
+  void checkResistance(TomlTable& t, const Thing& thing) {
     const SceneJoint& joint = thing.joint;
     const Vector3d axis = thing.start.rotation * joint.axis;
     Vector3d way = axis;
@@ -413,7 +417,7 @@ class TaskReader {
     }
   }
 
-  /// A level scales the joints' friction and the forces that are asked for.
+  /// Reads the levels. A level scales the joints' friction and the required forces.
   void readLevels(KitchenTask& task, int level, int& levels) {
     std::vector<TomlTable> tables = root_.tables("levels", 0);
     levels = std::max<int>(1, static_cast<int>(tables.size()));

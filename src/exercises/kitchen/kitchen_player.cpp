@@ -18,7 +18,8 @@ bool movesThing(Verb verb) noexcept {
   return verb == Verb::kMove || verb == Verb::kHold || verb == Verb::kPress || verb == Verb::kPut;
 }
 
-/// Sign of the change of q that a step wants; a press goes where there is way.
+/// Sign of the change of q that a step requires. A press goes towards the end that still has
+/// travel.
 double signOf(const Step& step, const Thing& thing, double q) noexcept {
   if (step.verb == Verb::kPress) return thing.joint.most > q ? 1.0 : -1.0;
   return step.to < q ? -1.0 : 1.0;
@@ -31,11 +32,11 @@ Vector3d nearestAxis(const Vector3d& direction) noexcept {
   return std::copysign(1.0, direction[k]) * Vector3d::Unit(k);
 }
 
-/// Takes the direction in which the point met is to move.
+/// Chooses the means from the required direction of motion of the contact point.
 void decide(const Vector3d& direction, double beside, Meeting& out) noexcept {
   out.toward = nearestAxis(direction);
   if (out.toward.x() < -0.5) {
-    out.means = Means::kGrasp;  // only a closed hand pulls
+    out.means = Means::kGrasp;  // only a closed hand can pull
   } else if (beside * out.toward.y() < -0.5) {
     out.means = Means::kSqueeze;
   } else {
@@ -51,7 +52,7 @@ void meetOnJoint(const Thing& thing, double q, double beside, Meeting& out) noex
   const Vector3d way_m = axis.cross(arm_m);
   if (way_m.norm() > thing.radius_m) return decide(out.sign * way_m, beside, out);
   const Vector3d away = Vector3d::UnitX(), lateral = out.sign * away.cross(axis);
-  if (lateral.norm() < 0.5) return;  // a knob that looks at the person is grasped
+  if (lateral.norm() < 0.5) return;  // a knob that faces the person is grasped
   out.means = Means::kPush;
   out.toward = away;
   out.side_m = pose.rotation.transpose() * (thing.radius_m * lateral.normalized());
@@ -130,20 +131,21 @@ using Eigen::Vector3d;
 using namespace approach;
 
 constexpr double kStraight = 0.0;
-// The fingers point sideways: they pass behind a bar that stands before a front.
+// At this flexion the fingers point sideways and pass behind a bar in front of a surface.
 constexpr double kHooked = 100.0 * kDeg;
 constexpr double kBeside_m = 0.09, kAside_m = 0.06, kBefore_m = 0.05, kGently_m = 0.01;
 constexpr double kClosing_rad_s = 1.0;
-// A thing is carried at this speed of the grip, with a force of so much more than was asked.
+// Speed of the grip while carrying, factor on the required force, least grip force.
 constexpr double kCarry_m_s = 0.06, kFirmly = 2.0, kLeastGrip_n = 3.0;
-// The intention is ahead of what it carries by at most so much; further where nothing is felt yet.
+// Largest lead of the intention over the carried thing. The search lead applies while the force on
+// the hand is below kFelt_n.
 constexpr double kAhead_m = 0.05, kSearch_m = 0.15, kFelt_n = 0.02;
 constexpr double kNear_m = 0.01, kBend_rad = 0.2, kPush_m_s = 0.15;
-// Share of the fingers' posture that is new with each record.
+// Low-pass share of each new record in the observed finger flexion.
 constexpr double kSeen = 0.01;
-// While it is not yet gripped the hand follows a thing that gives way.
+// Below this grip force the hand follows a thing that moves away, at this speed.
 constexpr double kLoose_n = 0.3, kFollow_m_s = 0.05;
-// Who has felt nothing for so long begins anew.
+// The player starts the step's approach again after this time without force on the hand.
 constexpr double kPatience_s = 2.0;
 
 }  // namespace
@@ -156,7 +158,8 @@ KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
       opening_rad_s_(traits.opening_rad_s),
       pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)) {
   start_ = approach::start(hand_);
-  // Aside: the things of a task are before the palm, also of a device that cannot draw back far.
+  // Starts beside the things, so that they are in front of the palm even if the device cannot draw
+  // back far.
   if (hand_.y >= 0) {
     start_[hand_.y] =
         std::clamp(-hand_.beside * kAside_m, hand_.lower[hand_.y], hand_.upper[hand_.y]);
@@ -182,7 +185,7 @@ bool KitchenPlayer::isHeld() const noexcept {
   return phase_ == Phase::kClose || phase_ == Phase::kCarry;
 }
 
-/// Decides how the present step's thing is met.
+/// Decides how the hand meets the current step's thing.
 void KitchenPlayer::meet() noexcept {
   met_ = now().thing;
   meeting_ = meetingOf(task_, step_, joint_q_, bodies_[met_].position_m.eigen(), hand_.beside);
@@ -191,27 +194,27 @@ void KitchenPlayer::meet() noexcept {
                  : Vector3d(-hand_.beside * kBeside_m * Vector3d::UnitY());
 }
 
-/// The base from the point where a thing is met.
+/// Offset of the hand's base from the contact point on a thing [m].
 Vector3d KitchenPlayer::baseFrom(const Meeting& meeting, const Thing& thing,
                                  double flexion_rad) const noexcept {
   if (meeting.means == Means::kPush) return -fingertips_.foremost(meeting.toward, flexion_rad);
   return -hand_.grip_m - hand_.beside * thing.radius_m * Vector3d::UnitY();
 }
 
-KitchenPlayer::Met KitchenPlayer::metAt(int step, double q,
-                                        const Vector3d& center_m) const noexcept {
+KitchenPlayer::MeetingPose KitchenPlayer::metAt(int step, double q,
+                                                const Vector3d& center_m) const noexcept {
   const std::size_t at = std::min<std::size_t>(step, task_.steps.size() - 1);
   const Meeting meeting = meetingOf(task_, step, q, center_m, hand_.beside);
   return {meeting, baseFrom(meeting, task_.things[task_.steps[at].thing], kStraight)};
 }
 
-/// The same now. Fingers may be more bent than their owner wants.
+/// The same offset for the current thing. The actual flexion may exceed the intended one.
 Vector3d KitchenPlayer::baseFromPoint(double flexion_rad) const noexcept {
   return baseFrom(meeting_, task_.things[met_], flexion_rad);
 }
 
-/// As pointAt() at an intended q, which may be ahead of the thing's: far along a path that turns it
-/// leads straight on.
+/// Calls pointAt() for an intended q that may be ahead of the thing's q. Beyond kBend_rad on a
+/// hinge the path continues along its tangent.
 Vector3d KitchenPlayer::pointAhead(double q) const noexcept {
   const Thing& thing = task_.things[met_];
   if (!thing.jointed || !thing.joint.isHinge()) return pointAt(q);
@@ -220,12 +223,12 @@ Vector3d KitchenPlayer::pointAhead(double q) const noexcept {
   return pointAt(near) + (q - near) / kStep * (pointAt(near + kStep) - pointAt(near));
 }
 
-/// Where the thing is met, now.
+/// Current contact point on the thing [world].
 Vector3d KitchenPlayer::pointMet() const noexcept {
   return worldPoint(bodies_[met_], task_.things[met_].grip_m + meeting_.side_m);
 }
 
-/// The same at q of its joint; without one so far along its way [m].
+/// Contact point at joint position q; for a thing without joint, at distance q along its path [m].
 Vector3d KitchenPlayer::pointAt(double q) const noexcept {
   const Thing& thing = task_.things[met_];
   if (thing.jointed) {
@@ -294,7 +297,7 @@ void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
       carry(period_s);
     } else if (squeeze_n_ < kLoose_n && meeting_.means == Means::kGrasp) {
       moveBaseTo(pointMet() + baseFromPoint(flexion_rad_),
-                 kFollow_m_s * period_s);  // it may have given way
+                 kFollow_m_s * period_s);  // follows a thing that moved away
     }
     for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
   } else {
@@ -304,10 +307,10 @@ void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   qd = qd_;
 }
 
-/// How fast the hand closes, -1 .. 1 of its speed: until the grip is firm; a thing that is squeezed
-/// follows to where it is wanted.
+/// Closing speed as a share of the largest, -1 .. 1. A grasp closes until the grip is firm; a
+/// squeeze moves the thing towards its goal.
 double KitchenPlayer::closing() const noexcept {
-  if (meeting_.means == Means::kSqueeze) return meeting_.sign * hurry();
+  if (meeting_.means == Means::kSqueeze) return meeting_.sign * speedFactor();
   double asked_n = kLeastGrip_n;
   for (const Step& each : task_.steps) {
     if (each.verb == Verb::kTake) asked_n = std::max(asked_n, kFirmly * each.force_n);
@@ -315,8 +318,8 @@ double KitchenPlayer::closing() const noexcept {
   return (asked_n - squeeze_n_) / asked_n;
 }
 
-/// How fast q is to change, -1 .. 1 of the speed, and in which sense; 0: not at all.
-double KitchenPlayer::hurry() const noexcept {
+/// Required rate of q as a share of the largest, with sign, -1 .. 1; 0: no motion.
+double KitchenPlayer::speedFactor() const noexcept {
   const Step& step = now();
   if (step.verb == Verb::kPress) {
     const double asked_n = kFirmly * step.force_n;
@@ -337,13 +340,13 @@ void KitchenPlayer::close(double period_s) noexcept {
   closeBy(hand_, wanted_rad_s, pace_, kHooked, opening_rad_s_, period_s, rate_rad_s_, q_);
 }
 
-// Leads the thing along its joint's path: the hand goes on ahead until the thing is where it is
-// wanted, since friction and the arm's softness hold it back.
+// Leads the thing along its joint's path. The intention moves ahead of the thing until the thing
+// reaches its goal, because friction and the compliance of the arm hold it back.
 void KitchenPlayer::carry(double period_s) noexcept {
   const bool jointed = task_.things[met_].jointed;
   const double way_m =
       jointed ? std::max(1e-3, (pointAt(aim_q_ + 1e-3) - pointAt(aim_q_)).norm() / 1e-3) : 1.0;
-  const double rate = pace_ * hurry() * kCarry_m_s / way_m;
+  const double rate = pace_ * speedFactor() * kCarry_m_s / way_m;
   const double ahead = (handle_n_ < kFelt_n ? kSearch_m : kAhead_m) / way_m;
   const double from = jointed ? joint_q_ : free_way_.dot(pointMet() - free_from_m_);
   const double next = aim_q_ + rate * period_s;
@@ -353,7 +356,7 @@ void KitchenPlayer::carry(double period_s) noexcept {
   moveBaseTo(pointAhead(aim_q_) + base_m, (pushes ? kPush_m_s : kArm_m_s) * period_s);
 }
 
-/// Moves the base towards a place, by so much along each axis at most.
+/// Moves the base towards `base_m` by at most `most_m` along each axis.
 void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double most_m) noexcept {
   const int axes[] = {hand_.x, hand_.y, hand_.z};
   for (int k = 0; k < 3; ++k) {
@@ -365,10 +368,10 @@ void KitchenPlayer::moveBaseTo(const Vector3d& base_m, double most_m) noexcept {
   }
 }
 
-void KitchenPlayer::see(const TickRecord& record) noexcept {
+void KitchenPlayer::onRecord(const TickRecord& record) noexcept {
   steeredByOthers(record);
   const ExerciseRecord& reported = record.exercise;
-  if (reported.value_count != kValues) return;  // no values on the way to neutral
+  if (reported.value_count != kValues) return;  // records have no values during the ramp to neutral
   done_ = reported.values[kDone] > 0.5;
   step_ = static_cast<int>(reported.values[kStep]);
   squeeze_n_ = reported.values[kSqueeze];
@@ -381,7 +384,7 @@ void KitchenPlayer::see(const TickRecord& record) noexcept {
   if (!lost_) next();
 }
 
-/// The next phase, where this one is over.
+/// Enters the next phase if the current one is over.
 void KitchenPlayer::next() noexcept {
   const Verb verb = now().verb;
   const bool lets_go = done_ || verb == Verb::kLetGo || verb == Verb::kReach ||

@@ -5,8 +5,8 @@
 namespace wholehand::kitchen {
 namespace {
 
-// What is to be taken or let go must be so for a moment: contacts come and go at first touch. A
-// grip that trembles counts as long as it does not open.
+// A thing counts as taken or released after kMoment_s, because contacts flicker at first touch. A
+// trembling grip keeps its time while its force exceeds kOpens times the required force.
 constexpr double kMoment_s = 0.2, kOpens = 0.25;
 constexpr double kFree_n = 0.05;
 
@@ -21,7 +21,7 @@ const Step& TaskSteps::now() const noexcept {
   return task_.steps[std::min(step_, static_cast<int>(task_.steps.size()) - 1)];
 }
 
-bool TaskSteps::holds(const Step& step, const Seen& seen) const noexcept {
+bool TaskSteps::holds(const Step& step, const ThingObservation& seen) const noexcept {
   switch (step.verb) {
     case Verb::kReach:
       return seen.palm_m <= step.within_m;
@@ -40,7 +40,7 @@ bool TaskSteps::holds(const Step& step, const Seen& seen) const noexcept {
   return false;
 }
 
-bool TaskSteps::tick(const Seen& seen, double elapsed_s) noexcept {
+bool TaskSteps::tick(const ThingObservation& seen, double elapsed_s) noexcept {
   if (done()) return false;
   const Step& step = now();
   time_s_ += elapsed_s;

@@ -13,22 +13,23 @@
 
 namespace wholehand::kitchen {
 
-/// What a step asks for; kVerbs are the words of the file.
+/// Action that a step requires; kVerbs are the words in the file.
 enum class Verb : std::int32_t { kReach, kTake, kMove, kHold, kPress, kPut, kLetGo };
 inline constexpr const char* kVerbs[] = {"reach", "take", "move", "hold", "press", "put", "let_go"};
 
-/// Most things of a task.
+/// Maximum number of things of a task.
 inline constexpr std::size_t kMostThings = 8;
 
-/// A thing of the task: a body of the scene and where the hand takes or pushes it.
+/// A thing of the task: a body of the scene and the point where the hand takes or pushes it.
 struct Thing {
   int body = -1;           ///< index in the scene
   Eigen::Vector3d grip_m;  ///< from the centre of mass, body axes
-  /// Of what the hand closes around; of a rocker, from its hinge to where it is pushed.
+  /// Radius of the part that the hand closes around; for a rocker the distance from its hinge to
+  /// the pushed point.
   double radius_m = 0.0;
-  Pose start;             ///< of the body frame at q = 0
+  Pose start;             ///< pose of the body frame at q = 0
   Eigen::Vector3d com_m;  ///< body frame
-  SceneJoint joint;       ///< of a body on a joint
+  SceneJoint joint;       ///< valid for a body on a joint
   bool jointed = false;
 };
 
@@ -36,10 +37,10 @@ struct Thing {
 struct Step {
   Verb verb = Verb::kReach;
   int thing = 0;                          ///< index of Thing
-  double within_m = 0.0;                  ///< reach: distance of the palm
-  double force_n = 0.0;                   ///< take, press: at least this
-  double to = 0.0, tolerance = 0.0;       ///< move, hold: of q [m or rad]
-  double for_s = 0.0;                     ///< hold, press: so long in all
+  double within_m = 0.0;                  ///< reach: largest distance of the palm
+  double force_n = 0.0;                   ///< take, press: least force
+  double to = 0.0, tolerance = 0.0;       ///< move, hold: goal of q [m or rad]
+  double for_s = 0.0;                     ///< hold, press: total time
   Eigen::Vector3d center_m, half_size_m;  ///< put: box for the centre of mass
 };
 
@@ -48,7 +49,7 @@ struct KitchenTask {
   std::string name;
   std::vector<Thing> things;
   std::vector<Step> steps;
-  double par_s = 20.0;     ///< a step within this time has all points
+  double par_s = 20.0;     ///< a step within this time gets all points
   double filter_hz = 5.0;  ///< low-pass of forces
 };
 
@@ -74,39 +75,39 @@ inline constexpr const char* kValueNames[] = {
     "goal_high",   "handle_n", "squeeze_n", "held_s", "time_s", "paused"};
 static_assert(std::size(kValueNames) == kValues);
 
-/// What a tick shows of the present step's thing.
-struct Seen {
+/// Observation of the current step's thing in a tick.
+struct ThingObservation {
   double palm_m = 0.0;     ///< distance of the palm
   double squeeze_n = 0.0;  ///< grip force
   double handle_n = 0.0;   ///< force of the hand
-  double q = 0.0;          ///< of its joint [m or rad]
+  double q = 0.0;          ///< joint position [m or rad]
   Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
 };
 
-/// State machine of a task: the present step, the time held in it, the score. Pure; real-time safe.
+/// State machine of a task: current step, time held in it, score. Pure; real-time safe.
 class TaskSteps {
  public:
   /// @pre task outlives this and has a step
   explicit TaskSteps(const KitchenTask& task) : task_(task) {}
 
   void reset() noexcept;
-  /// @return true: the present step ended
-  WHOLEHAND_RT bool tick(const Seen& seen, double elapsed_s) noexcept;
+  /// @return true when the current step ended
+  WHOLEHAND_RT bool tick(const ThingObservation& seen, double elapsed_s) noexcept;
 
   [[nodiscard]] bool done() const noexcept { return step_ == static_cast<int>(task_.steps.size()); }
-  /// Index; the number of steps when done.
+  /// Index of the current step; the number of steps when done.
   [[nodiscard]] int step() const noexcept { return step_; }
-  /// The present step; the last one when done.
+  /// The current step; the last one when done.
   [[nodiscard]] const Step& now() const noexcept;
   [[nodiscard]] double held_s() const noexcept { return held_s_; }
-  /// Time since the start, without pauses; stands when done.
+  /// Time since the start without pauses; stops when done.
   [[nodiscard]] double time_s() const noexcept { return time_s_; }
-  /// 0 .. 100: mean over all steps, each whole within par_s and nothing from 3 par_s on. Later
-  /// steps count 0.
+  /// Score, 0 .. 100: mean over all steps. A step counts fully within par_s and 0 from 3 par_s on.
+  /// Steps not reached count 0.
   [[nodiscard]] double score() const noexcept;
 
  private:
-  [[nodiscard]] bool holds(const Step& step, const Seen& seen) const noexcept;
+  [[nodiscard]] bool holds(const Step& step, const ThingObservation& seen) const noexcept;
 
   const KitchenTask& task_;
   int step_ = 0;

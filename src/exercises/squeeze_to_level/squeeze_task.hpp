@@ -13,7 +13,7 @@
 
 namespace wholehand::squeeze_to_level {
 
-/// A band of force to hold, ends included.
+/// A band of force to hold; both ends belong to it.
 struct Band {
   double low_n = 0.0, high_n = 0.0;
 };
@@ -27,14 +27,13 @@ struct BandRules {
 /// Current instruction: index of [[panel.instructions]].
 enum class Instruction { kReach, kMore, kHold, kLess, kLetGo, kDone };
 
-/// Changes in a tick.
+/// Changes in one tick.
 struct BandChange {
   int held = -1;  ///< band completed in this tick; -1: none
   bool entered = false, done = false;
 };
 
-/// State machine of the bands: the band to hold, the time held, and the score. Pure; real-time
-/// safe.
+/// State machine of the bands: current band, time held, score. Pure; real-time safe.
 class BandSteps {
  public:
   /// @pre rules outlives this and has a band
@@ -51,10 +50,10 @@ class BandSteps {
   [[nodiscard]] int bandsDone() const noexcept { return bands_done_; }
   [[nodiscard]] double held_s() const noexcept { return held_s_; }
   [[nodiscard]] bool done() const noexcept { return instruction_ == Instruction::kDone; }
-  /// The band to hold, at that ratio; 0 .. let_go_n while releasing or done [N].
+  /// The band to hold, scaled by `ratio`; 0 .. let_go_n while releasing or done [N].
   [[nodiscard]] WHOLEHAND_RT Band goal(double ratio) const noexcept;
   /// Score, 0 .. 100: mean over all bands of the share of time within the band, from first entering
-  /// it until it was held. Later bands count 0.
+  /// it until it was held. Bands not reached count 0.
   [[nodiscard]] WHOLEHAND_RT double score() const noexcept;
 
  private:
@@ -77,7 +76,7 @@ struct SqueezeTask {
   double filter_hz = 5.0;  ///< low-pass of the squeeze
   BandRules rules;
   FingerWallFile wall;
-  Bottle bottle;  ///< what is squeezed
+  Bottle bottle;  ///< the squeezed object
 };
 
 /// Indices of ExerciseRecord::values; kValueNames are their names.

@@ -13,27 +13,27 @@
 #include <numbers>
 #include <utility>
 
-/// Exercise: squeeze one object to a level. Bands of force, each to hold for a while, with releases
-/// between. Template for new exercises (docs/exercises.md).
+/// Exercise in which the person squeezes one object into bands of force, holds each band for a time
+/// and releases in between. Template for new exercises (docs/exercises.md).
 namespace wholehand::squeeze_to_level {
 namespace {
 
 using namespace approach;
 
-constexpr double kBeside_m = 0.024;  // sideways from the contact of the palm
+constexpr double kBeside_m = 0.024;  // lateral distance from the palm's contact
 // Speeds of the fingers' target while pressing.
 constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5;
 
-/// A virtual patient who follows what a page shows: approaches the object from beside it, closes
-/// until the force is within the goal band, releases when asked, draws back at the end. The seed
-/// sets the pace and the aimed part of a band. Deterministic.
+/// A virtual patient who follows the instructions of the page. It approaches the object from the
+/// side, closes until the force is in the goal band, releases when instructed, and draws back at
+/// the end. The seed sets the pace and the target position within a band. Deterministic.
 class SqueezePlayer final : public approach::ReachingPlayer {
  public:
   SqueezePlayer(const PlayerReach& hand, int body, const PlayerTraits& traits);
 
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
+  WHOLEHAND_RT void onRecord(const TickRecord& record) noexcept override;
 
  private:
   /// Phases, in order; kSqueeze lasts until the exercise is done.
@@ -45,11 +45,11 @@ class SqueezePlayer final : public approach::ReachingPlayer {
 
   int body_;              ///< index of the object in the scene
   double opening_rad_s_;  ///< fastest opening without a reflex
-  double pace_, share_;   ///< pace of movements; aimed share of a band
+  double pace_, share_;   ///< pace of movements; target position within a band, 0 .. 1
   Phase phase_ = Phase::kDrawBack;
   Eigen::Vector3d grip_m_ = Eigen::Vector3d::Zero();  ///< target of the hand's base
   bool near_ = false;                   ///< someone else steered the hand to the object
-  bool done_ = false, let_go_ = false;  ///< as in the last record
+  bool done_ = false, let_go_ = false;  ///< from the last record
   double squeeze_n_ = 0.0, wanted_n_ = 0.0;
   double rate_rad_s_ = 0.0;  ///< speed of the fingers' target while pressing
 };
@@ -110,7 +110,7 @@ void SqueezePlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   qd = qd_;
 }
 
-// Moves fingers and thumb by a rate; the arm rests.
+// Moves fingers and thumb with a rate while the arm rests.
 void SqueezePlayer::press(double period_s) noexcept {
   double wanted_rad_s = kClosing_rad_s;
   if (let_go_) {
@@ -124,10 +124,10 @@ void SqueezePlayer::press(double period_s) noexcept {
   for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
 }
 
-void SqueezePlayer::see(const TickRecord& record) noexcept {
+void SqueezePlayer::onRecord(const TickRecord& record) noexcept {
   if (steeredByOthers(record)) near_ = record.exercise.alpha > 0.0;
   const ExerciseRecord& reported = record.exercise;
-  if (reported.value_count != kValues) return;  // no values on the way to neutral
+  if (reported.value_count != kValues) return;  // records have no values during the ramp to neutral
   done_ = reported.values[kDone] > 0.5;
   let_go_ = static_cast<Instruction>(reported.values[kInstruction]) == Instruction::kLetGo || done_;
   squeeze_n_ = reported.values[kSqueeze];
@@ -146,7 +146,8 @@ void SqueezePlayer::see(const TickRecord& record) noexcept {
 enum Parameter : std::int32_t { kWallStiffness, kViscosity, kLeadIn, kLevelRatio };
 enum Event : std::int32_t { kEntered, kBandHeld, kLevelDone, kRestarted };
 
-/// The fingers' closure on the object is queried when the palm is nearer than release_m plus this.
+/// The closure of the fingers on the object is queried when the palm is nearer than release_m plus
+/// this.
 constexpr double kApproach_m = 0.05;
 
 class SqueezeToLevel final : public Exercise {
@@ -212,11 +213,13 @@ class SqueezeToLevel final : public Exercise {
     const double distance_m = seen.palm_body == task_.body && to_palm_m >= 0.0
                                   ? to_palm_m
                                   : std::numeric_limits<double>::infinity();
+    // Fades the walls in and out with the distance of the palm.
     transition_ = advanceTransition(transition_, distance_m, input.may_push && !paused_,
                                     task_.wall.transition, static_cast<int>(seen.elapsed_periods),
                                     input.period_s);
+    // Finds the digits that touch the object.
     FingerWallInput sight{{}, seen.q_m, seen.q_s, 0, 0};
-    std::uint32_t open = 0;  // only what presses from the palmar side squeezes
+    std::uint32_t open = 0;  // only digits that press from the palmar side squeeze
     touches_ = SoftTouches{};
     if (near_) {  // the closure is valid for this object
       sight.closure = seen.closure;
@@ -231,6 +234,7 @@ class SqueezeToLevel final : public Exercise {
     }
     near_ = transition_.u > 0.0 || distance_m < task_.wall.transition.release_m + kApproach_m;
     out.alpha = transitionAlpha(transition_);
+    // Moves the walls with the closure and presses the cushions behind them.
     walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], out.alpha, task_.wall.walls,
                            elapsed_s);
     const CushionRatios ratios{input.parameters[kWallStiffness], input.parameters[kViscosity]};
@@ -246,13 +250,13 @@ class SqueezeToLevel final : public Exercise {
     flow_ml_s_ = 1e6 * press.out_m3 / elapsed_s;
     out.effort = press.effort;
     out.wall_active = walls_.known;
-    out.wall = walls_.position;  // the shell stands where the liquid has gone
+    out.wall = walls_.position;  // includes the shell's travel, because liquid has left
     for (int a = 0; a < out.wall.size(); ++a) {
       if (walls_.known[a]) out.wall[a] += travel_[a];
     }
   }
 
-  /// Low-passes the squeeze at the fingertips (docs/exercises.md).
+  /// Updates the low-passed squeeze at the fingertips (docs/exercises.md).
   void feel(const TickRecord& seen, const ExerciseRecord& out, double elapsed_s) noexcept {
     const FeltBody felt{task_.body, out.effort, touches_};
     const double now_n =
@@ -264,9 +268,9 @@ class SqueezeToLevel final : public Exercise {
   void advanceSteps(double ratio, double elapsed_s, ExerciseRecord& out) noexcept {
     const int band = steps_.band();
     const BandChange news = steps_.tick(squeeze_n_, transition_.engaged, ratio, elapsed_s);
-    if (news.entered) tell(out, kEntered, band, squeeze_n_);
-    if (news.held >= 0) tell(out, kBandHeld, news.held, steps_.score());
-    if (news.done) tell(out, kLevelDone, -1, steps_.score());
+    if (news.entered) addEvent(out, kEntered, band, squeeze_n_);
+    if (news.held >= 0) addEvent(out, kBandHeld, news.held, steps_.score());
+    if (news.done) addEvent(out, kLevelDone, -1, steps_.score());
   }
 
   void show(double ratio, ExerciseRecord& out) const noexcept {
@@ -286,7 +290,7 @@ class SqueezeToLevel final : public Exercise {
   }
 
   const SqueezeTask task_;
-  const DeviceModel device_;  ///< device and hand serve makePlayer()
+  const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   HandPosture posture_;
@@ -294,7 +298,7 @@ class SqueezeToLevel final : public Exercise {
   BandSteps steps_;
   TransitionState transition_;
   FingerWallState walls_;
-  AxisPosition travel_;  ///< of the cushions
+  AxisPosition travel_;  ///< travel of the cushions
   SoftTouches touches_{};
   double squeeze_n_ = 0.0, flow_ml_s_ = 0.0;
   bool near_ = false;  ///< the next observation includes the closure on the object

@@ -7,7 +7,7 @@
 
 namespace wholehand {
 std::string unitOfKey(std::string_view key) {
-  // Longer endings first: "_tip_n" before "_n".
+  // Longer endings come first, so that "_tip_n" is found before "_n".
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kUnits = {{
       {"_tip_n_s_m", "N·s/m at the tip"},
       {"_tip_n_m", "N/m at the tip"},

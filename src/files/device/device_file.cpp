@@ -32,11 +32,11 @@ constexpr AxisQuantity kNeutral{
 constexpr double kSlewOfLimit_per_s = 250.0;  // zero to the effort limit in 4 ms
 constexpr double kMarginOfRange = 0.02;
 constexpr WatchLimits kWatch{5, 0.02, 1.0};
-// Steepest slope, with some margin, of a smoothstep over 80 ms from +limit to -limit: a slower
-// device could not follow the ramp to neutral.
+// Steepest slope, with some margin, of a smoothstep over 80 ms from +limit to -limit. A device with
+// a lower slew limit could not follow the ramp to neutral.
 constexpr double kLeastSlewOfLimit_per_s = 40.0;
 
-/// Every quantity of an axis that has keys of its own for each kind.
+/// Quantities that have separate keys for translations and for rotations.
 constexpr std::array<AxisQuantity, 11> kOfOneKind{{{"range_m", "range_rad"},
                                                    {"", "lever_arm_m"},
                                                    kEffortLimit,
@@ -49,8 +49,8 @@ constexpr std::array<AxisQuantity, 11> kOfOneKind{{{"range_m", "range_rad"},
                                                    kCoulomb,
                                                    kNeutral}};
 
-/// Kind of an axis whose `type` is unusable, by the keys that it has; empty where they are as many
-/// of the one as of the other.
+/// Kind of an axis whose `type` is unusable, guessed from the units of its keys; empty when both
+/// kinds have equally many.
 std::optional<AxisKind> kindOfKeys(const TomlTable& table) {
   int translations = 0, rotations = 0;
   for (const AxisQuantity& quantity : kOfOneKind) {
@@ -113,7 +113,7 @@ void checkSlew(TomlTable& table, const DeviceAxis& axis) {
                  " times the effort limit, per second");
 }
 
-/// Reads all but type, group and name.
+/// Reads every key except type, group and name.
 void readQuantities(TomlTable& table, DeviceAxis& axis) {
   const bool turns = axis.kind == AxisKind::kRotation;
   const std::array<double, 2> range =
@@ -152,7 +152,7 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
   readName(table, axis, earlier);
   if (!table.isGood("type")) {
     const std::optional<AxisKind> kind = kindOfKeys(table);
-    if (!kind) {  // no key has a known unit: further messages would mislead
+    if (!kind) {  // the kind stays unknown: further messages would mislead
       table.ignoreUnknownKeys();
       return axis;
     }

@@ -74,8 +74,9 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Reports an axis that the device does not have. Names the axis without gains that was probably
-/// meant as the remedy, and removes it from `without_gains`: one mistake, one message.
+/// Reports an axis that the device does not have. The remedy names the axis without gains that was
+/// probably meant; that axis is removed from `without_gains`, so that one mistake gives one
+/// message.
 void refuseAxis(NamedAxis& axis, const DeviceModel& device, bool only_one,
                 std::vector<std::string>& without_gains) {
   std::string meant = nearestWord(axis.name, without_gains);

@@ -9,10 +9,10 @@ namespace wholehand {
 
 class TomlTable;
 
-/// Reads the table [panel]. Not for the tick.
+/// Reads the table [panel]. Not real-time safe.
 [[nodiscard]] ExercisePanel readExercisePanel(TomlTable& panel);
 
-/// Reports every name that the exercise does not have.
+/// Reports every name in the panel that the exercise does not define.
 /// @param panel the table that `parsed` was read from
 void checkExercisePanel(TomlTable& panel, const ExercisePanel& parsed,
                         const std::vector<std::string>& value_names,

@@ -10,7 +10,7 @@ namespace wholehand {
 namespace {
 
 struct ForeignKind {
-  std::string_view name;  ///< of the first element of XML; or the ending of the file's name
+  std::string_view name;  ///< name of the first XML element, or file name extension
   const char *problem, *remedy;
 };
 
@@ -87,7 +87,7 @@ Diagnostic asFault(const ForeignKind& kind) {
   return fileFault("", kind.problem, kind.remedy);
 }
 
-/// Name of the first element of an XML text; empty when it is none.
+/// Name of the first element of an XML text; empty when the text is not XML.
 std::string_view firstElement(std::string_view text) {
   for (std::size_t at = text.find_first_not_of(" \t\r\n"); at < text.size() && text[at] == '<';
        at = text.find_first_not_of(" \t\r\n", at)) {
@@ -104,7 +104,7 @@ std::string_view firstElement(std::string_view text) {
   return {};
 }
 
-/// True when a line of the text is that word alone, but for blanks.
+/// True when a line of the text consists of that word only, blanks aside.
 bool hasLine(std::string_view text, std::string_view word) {
   for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
     const std::size_t before = text.substr(0, at).find_last_not_of(" \t");
@@ -155,7 +155,7 @@ std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view en
   if (head.starts_with("#VRML_SIM")) return asFault(kWebots);
   if (head.starts_with("PathFileType")) return asFault(kTrc);
   if (hasLine(head, "endheader")) return asFault(kOpenSim);
-  // The block of its parameters, then the mark of C3D.
+  // C3D: the number of the parameter block, then the byte 0x50.
   if (head.size() > 2 && head[0] > 0 && head[0] < '\t' && head[1] == 0x50) return asFault(kC3d);
   const std::size_t brace = head.find_first_not_of(" \t\r\n");
   if (brace != head.npos && head[brace] == '{' && head.find("\"asset\"") != head.npos) {

@@ -8,18 +8,21 @@
 
 namespace wholehand {
 
-/// What a file of another program is, by its first bytes and the ending of its name: problem ("is
-/// ...") and remedy, the command that converts it; file and key are the caller's. Empty: not known.
-/// Known are MJCF, SDF, xacro, URDF, glTF, USD, Webots, STEP, C3D, BVH, TRC and OpenSim's MOT and
-/// STO, further meshes, web pages and pointers of Git LFS.
-/// @param ending "step"; in any case
+/// Recognises the format of a file of another program by its first bytes and its file name
+/// extension. The Diagnostic holds the problem ("is ...") and the remedy, the command that converts
+/// the file; the caller adds file and key. Empty: unknown format. Known formats: MJCF, SDF, xacro,
+/// URDF, glTF, USD, Webots, STEP, C3D, BVH, TRC, OpenSim's MOT and STO, further meshes, web pages,
+/// and pointer files of Git LFS.
+/// @param ending file name extension without the dot ("step"), in upper or lower case
 [[nodiscard]] std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view ending);
 
-/// A text of characters of 2 or 4 bytes: by its byte order mark, or because all but one byte of its
-/// first characters are 0. Part of the above; also to be asked of what may be read as binary.
+/// Recognises text with 2 or 4 bytes per character (UTF-16, UTF-32) by its byte order mark, or
+/// because all bytes but one of each of its first 4 characters are 0. foreignFile() includes this
+/// check; readers of binary formats call it separately.
 [[nodiscard]] std::optional<Diagnostic> wideText(std::string_view head);
 
-/// As foreignFile(), of a file. Empty also when it cannot be read.
+/// Calls foreignFile() with the first 4096 bytes and the extension of a file. Empty also when the
+/// file cannot be read.
 [[nodiscard]] std::optional<Diagnostic> foreignFileAt(const std::string& path);
 
 }  // namespace wholehand

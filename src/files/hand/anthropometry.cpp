@@ -19,8 +19,8 @@ constexpr double kMm = 1e-3;
 /// Size of the hand in the tables.
 constexpr double kTableLength_m = 0.188;
 constexpr double kTableBreadth_m = 0.085;
-/// The model hand's knuckles stand too close together for its own finger radii; measured hand
-/// breadth asks for 1.22 times the distance.
+/// Factor on the distance between knuckles. The knuckles of the tables are too close together for
+/// the finger radii of the tables; the measured hand breadth requires 1.22 times their distance.
 constexpr double kKnuckleSpread = 1.22;
 /// The tables end at the tip site; the pulp extends further.
 constexpr double kPulp_mm = 5.0;
@@ -71,7 +71,7 @@ Digit makeDigit(const DigitRow& row, const Proportions& size, double spread) {
   return digit;
 }
 
-/// A capsule in the palm's table [mm]; the knuckles' y is spread where marked.
+/// A capsule in the palm's table [mm]. Marked ends have y multiplied by kKnuckleSpread.
 struct PalmRow {
   const char* name;
   std::array<double, 3> a_mm, b_mm;
@@ -109,9 +109,9 @@ constexpr std::array<PalmRow, 22> kPalm = {{
 }};
 
 constexpr double kWebRadius_mm = 7.0;
-constexpr double kWebAlong = 0.24;       ///< share of the first phalanx at which the web ends
-constexpr double kWebReach = 0.5;        ///< share of the gap: the neighbour's own skin is the rest
-constexpr double kWebFlexion_rad = 0.6;  ///< half of what a knuckle flexes
+constexpr double kWebAlong = 0.24;  ///< share of the first phalanx at which the web ends
+constexpr double kWebReach = 0.5;   ///< share of the gap; the neighbour's capsule fills the rest
+constexpr double kWebFlexion_rad = 0.6;  ///< half of the flexion of a knuckle
 constexpr double kThenarRadius_mm = 10.6;
 constexpr double kThenarAlong = 0.46;  ///< share of the thumb's metacarpal
 
@@ -269,7 +269,8 @@ MassProperties unionMass(const std::vector<PlacedCapsule>& capsules, double dens
     low = low.cwiseMin(c.a_m.cwiseMin(c.b_m) - swell);
     high = high.cwiseMax(c.a_m.cwiseMax(c.b_m) + swell);
   }
-  // Sums relative to the centre of the box, to preserve precision in the parallel-axis step.
+  // Sums are relative to the centre of the bounding box, which keeps the parallel-axis step
+  // precise.
   const Vector3d center = (low + high) / 2.0;
   const Eigen::Vector3i cells = ((high - low) / step_m).array().ceil().cast<int>();
   const double cell_kg = density_kg_m3 * step_m * step_m * step_m;

@@ -26,7 +26,7 @@ struct Digit {
   std::array<std::string, 3> segments;       ///< names of the capsules, without the digit's name
   std::array<std::string, 3> joints;         ///< flexion joint of each segment
   std::array<double, 3> joint_to_joint_m{};  ///< the last one: to the fingertip
-  std::array<double, 3> segment_m{};         ///< of the capsule's axis, from its joint
+  std::array<double, 3> segment_m{};         ///< length of the capsule's axis, from its joint
   std::array<double, 3> radius_m{};
   Eigen::Vector3d base_m = Eigen::Vector3d::Zero();  ///< first joint in the palm frame
   double abduction_rad = 0.0;  ///< fixed turn about dorsal, towards radial (fingers)

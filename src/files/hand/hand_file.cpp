@@ -78,7 +78,7 @@ void readReference(TomlTable& root, HandFile& hand) {
   std::optional<TomlTable> reference = root.optionalTable("reference");
   if (!reference) return;
   for (const std::string& key : reference->keys()) {
-    // As everywhere, the key states the unit; coordinates of a hand are angles.
+    // The key ends in the unit. Coordinates of a hand are angles.
     constexpr std::string_view kUnit = "_rad";
     const double value = reference->number(key, kAngle);
     if (!key.ends_with(kUnit)) {
@@ -142,7 +142,7 @@ Expected<HandFile> loadHandFile(const std::string& path) {
   hand.path = path;
   hand.name = root.text("name");
   hand.side = root.choice("side", {"right", "left"}) == "left" ? Side::kLeft : Side::kRight;
-  // From an infant's to the largest hand on record: beyond it, the unit is wrong.
+  // From an infant's hand to the largest on record. Values outside have the wrong unit.
   hand.length_m = root.number("length_m", between(0.05, 0.35, "m"));
   hand.breadth_m = root.number("breadth_m", between(0.02, 0.20, "m"));
   hand.mass_kg = root.number("mass_kg", between(0.01, 5.0, "kg"));
@@ -169,7 +169,7 @@ constexpr double kCarrierInertia_kg_m2 = 1e-9;
 /// Keeps the palm's mass and inertia accurate to one per cent.
 constexpr double kPalmGrid_m = 2e-3;
 
-/// A hand model under construction and what it is built from.
+/// Builds a hand model from a hand file and a device.
 class LinkBuilder {
  public:
   LinkBuilder(const HandFile& hand, const DeviceModel& device) : hand_(hand), device_(device) {}
@@ -227,9 +227,9 @@ class LinkBuilder {
     addLink(std::move(link));
   }
 
-  /// x, y, z along the world, then roll, pitch, yaw about the hand's x, y, z, as the device has
-  /// them. The mount turns the first link whose frame is the hand's: the first rotation or, without
-  /// one, the last translation.
+  /// Adds the device's base axes: x, y, z along the world's axes, then roll, pitch, yaw about the
+  /// hand's x, y, z. The mount orientation applies to the first link that has the hand's frame: the
+  /// first rotation, or the last translation if the device has no rotation.
   void addBase() {
     static const std::array<const char*, 3> kTranslations = {"x", "y", "z"};
     static const std::array<const char*, 3> kRotations = {"roll", "pitch", "yaw"};
@@ -281,7 +281,8 @@ class LinkBuilder {
     setMass(model_.links[model_.palm_link], unionMass(palm, kHandDensity_kg_m3, kPalmGrid_m));
   }
 
-  /// A hinge of the hand: driven, or locked at rest with its angle in the placement.
+  /// Adds a hinge of the hand. A hinge without a driving axis is locked at rest; its rest angle
+  /// becomes part of the placement.
   int addHinge(const std::string& name, int parent, const Vector3d& axis, const Pose& placement) {
     const JointRange& joint = *findJoint(hand_, name);
     HandLink link;
@@ -300,7 +301,7 @@ class LinkBuilder {
     return addLink(std::move(link));
   }
 
-  /// Three segments in a row along x, each turned about `axis` of its own frame.
+  /// Adds the three segments of a digit along x. Each turns about `axis` in its own frame.
   /// @return the link of the first segment
   int addSegments(const Digit& digit, int parent, Pose placement, const Vector3d& axis) {
     int first = -1;
@@ -351,8 +352,8 @@ class LinkBuilder {
     addSegments(digit, carrier, pointing, -Vector3d::UnitZ());
   }
 
-  /// The mirror image in y of everything from the palm on; the device stays as it is. A rotation
-  /// axis is a pseudo-vector: mirrored, it turns round as well.
+  /// Mirrors the palm and every link after it in y; the device's links stay unchanged. A rotation
+  /// axis is a pseudo-vector, so mirroring also reverses its sign.
   void mirror() {
     const Vector3d flip(1.0, -1.0, 1.0);
     const auto s = flip.asDiagonal();
@@ -372,7 +373,7 @@ class LinkBuilder {
     }
   }
 
-  /// Scales every link of the hand alike to the file's mass; carriers stay as they are.
+  /// Scales all links of the hand by one factor to the file's mass; base links stay unchanged.
   void scaleMass() {
     const std::size_t palm = model_.palm_link;
     double carriers_kg = 0.0;

@@ -38,7 +38,7 @@ struct HandFile {
   Side side = Side::kRight;
   double length_m = 0.188;   ///< wrist crease to middle fingertip
   double breadth_m = 0.085;  ///< across the knuckles
-  double mass_kg = 0.25;     ///< of the whole avatar; all links are scaled by the same factor
+  double mass_kg = 0.25;     ///< mass of the whole avatar; all links are scaled by the same factor
   std::vector<JointRange> joints;
   std::vector<SynergyTerm> synergy;
   std::vector<std::pair<std::string, double>> reference;  ///< coordinate -> position, q_ref

@@ -42,7 +42,7 @@ PlacedSegment placed(const HandModel& model, const std::vector<Pose>& poses, int
   return {at * c.a_m, at * c.b_m, c.radius_m};
 }
 
-/// The link that moves with its joint and carries this one, fixed joints between; -1: the world.
+/// The nearest link at or above `link` that has a movable joint; -1: the world.
 int movingLink(const HandModel& model, int link) {
   while (link >= 0 && model.links[link].type == JointType::kFixed) {
     link = model.links[link].parent;

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// Reads `[self_contacts]`: a capsule = the capsules that it may touch. Unknown names, a capsule
-/// paired with itself and repeated pairs are faults of the file.
+/// Reads `[self_contacts]`: each key is a capsule, its value lists the capsules that it may touch.
+/// Unknown names, a capsule paired with itself and repeated pairs are faults of the file.
 void readSelfContacts(TomlTable& root, HandFile& hand);
 
 /// Faults of pairs that are impossible with any device that drives all coordinates of [synergy]:

@@ -24,8 +24,8 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-/// True when all points lie between two planes nearer than 1e-6 of their extent. Qhull would call
-/// some of these an internal error.
+/// True when all points lie between two planes that are less than 1e-6 of the points' extent apart.
+/// Qhull reports some such inputs as internal errors.
 bool isFlat(const std::vector<Vector3d>& points) {
   Vector3d lower = points.front(), upper = lower, sum = Vector3d::Zero();
   for (const Vector3d& p : points) {
@@ -46,7 +46,7 @@ bool isFlat(const std::vector<Vector3d>& points) {
   return above - below <= 1e-6 * (upper - lower).norm();
 }
 
-/// One computation of Qhull, and its memory.
+/// Owner of one Qhull computation and of its memory.
 class Qhull {
  public:
   /// Computes the hull of `count` points. @return Qhull's exit code; 0: done
@@ -91,7 +91,8 @@ class Qhull {
   std::FILE* messages_ = nullptr;
 };
 
-constexpr double kOutsideShare = 1e-5;  ///< of the extent
+/// Share of the extent; points nearer to the hull count as inside.
+constexpr double kOutsideShare = 1e-5;
 
 /// The point for which `measure` is largest; the first of equal ones.
 template <class Measure>

@@ -17,12 +17,13 @@ namespace wholehand {
 /// within 1e-6 of their extent of one plane.
 [[nodiscard]] Expected<MeshSurface> convexHull(const std::vector<Eigen::Vector3d>& points);
 
-/// Convex hull of points with a bounded number of vertices, which are points of the input rounded
-/// to floats: what an OBJ file keeps. Starts with four extreme points and adds the point farthest
-/// outside until `most_vertices` are taken, or none is outside by 1e-5 of the extent.
+/// Convex hull with at most `most_vertices` vertices. Vertices are input points rounded to floats,
+/// the precision of an OBJ file. Starts with four extreme points and adds the point farthest
+/// outside until `most_vertices` are taken or no point lies outside by more than 1e-5 of the
+/// extent.
 ///
 /// @pre most_vertices >= 4, points finite and not empty
-/// @return as convexHull(). The order depends only on the input. Not real-time safe.
+/// @return the same as convexHull(). The order depends only on the input. Not real-time safe.
 [[nodiscard]] Expected<MeshSurface> reducedHull(const std::vector<Eigen::Vector3d>& points_m,
                                                 int most_vertices);
 

@@ -26,7 +26,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double kConvexShare = 1e-4;  ///< of the size: smaller dents are rounding
+constexpr double kConvexShare = 1e-4;  ///< share of the size; smaller dents count as rounding
 
 /// True for a triangle so thin that its normal is rounding noise; it counts for closedness only.
 bool isSliver(const WeldedMesh& mesh, const Vector3i& t) {
@@ -44,7 +44,7 @@ void windOutward(WeldedMesh& mesh, const Vector3d& inside) {
   }
 }
 
-/// Drops triangles that are there already, as a surface of two sides has each twice.
+/// Drops repeated triangles: a two-sided surface contains each triangle twice.
 void dropRepeated(WeldedMesh& mesh) {
   std::set<std::array<int, 3>> known;
   std::erase_if(mesh.triangles, [&](const Vector3i& t) {
@@ -99,12 +99,13 @@ std::vector<int> welded(const MeshSurface& mesh) {
   return weld(mesh.points, kWeldShare * diagonal(mesh.points));
 }
 
-/// Volume that a surface encloses [m³], by the divergence theorem; negative where it is wound
-/// inwards. Empty when it is not closed or not wound one way: some edge is then not passed as often
-/// in one direction as in the other.
+/// Volume that a surface encloses [m³], by the divergence theorem; negative when the surface is
+/// wound inward. Empty when the surface is not closed or not wound consistently: then some edge is
+/// not passed equally often in both directions.
 std::optional<double> enclosedVolume(const MeshSurface& mesh) {
   const std::vector<int> same = welded(mesh);
-  std::map<std::pair<int, int>, int> passes;  // upwards less downwards
+  std::map<std::pair<int, int>, int>
+      passes;  // passes from lower to higher index, minus passes back
   const Vector3d inside = mean(mesh.points);
   double volume_m3 = 0.0;
   for (const Vector3i& t : mesh.triangles) {
@@ -120,8 +121,8 @@ std::optional<double> enclosedVolume(const MeshSurface& mesh) {
   return closed ? std::optional<double>(volume_m3) : std::nullopt;
 }
 
-/// Of many points, those that lie farthest in one of kMaxMeshPoints directions, which are spread
-/// evenly over the sphere.
+/// Selects the points that lie farthest along kMaxMeshPoints directions spread evenly over the
+/// sphere.
 std::vector<Vector3d> farthestCorners(const std::vector<Vector3d>& points_m) {
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   std::set<std::size_t> taken;
@@ -157,12 +158,14 @@ double farthestOutside(const MeshSurface& hull, const std::vector<Vector3d>& poi
 /// A convex hull that stands for a mesh.
 struct StandIn {
   Shape shape;
-  double hull_m3 = 0.0;                 ///< of the whole hull
-  std::optional<double> outside_m;      ///< of the hull's corners; empty: none was left out
-  std::optional<double> enclosed_m3{};  ///< by the mesh; empty: unknown
+  double hull_m3 = 0.0;                 ///< volume of the unreduced hull
+  std::optional<double> outside_m;      ///< distance of the dropped corners from the reduced hull;
+                                        ///< empty: no corner was dropped
+  std::optional<double> enclosed_m3{};  ///< volume that the mesh encloses; empty: unknown
 };
 
-/// Convex hull of a mesh, its corners further apart than convexMesh() merges.
+/// Convex hull of a mesh. Its corners are farther apart than the distance at which convexMesh()
+/// merges.
 Expected<StandIn> standIn(const MeshSurface& mesh) {
   std::vector<bool> used(mesh.points.size());
   for (const Vector3i& t : mesh.triangles) used[t[0]] = used[t[1]] = used[t[2]] = true;
@@ -192,8 +195,8 @@ Expected<StandIn> standIn(const MeshSurface& mesh) {
   found.shape = std::move(*shape);
   std::optional<double> enclosed_m3 = enclosedVolume(mesh);
   if (enclosed_m3) enclosed_m3 = std::abs(*enclosed_m3);
-  // A surface that overlaps itself counts some space twice; one that is double counts all against
-  // itself.
+  // A surface that overlaps itself counts some space twice. In a two-sided surface the two sides
+  // cancel. Both give a volume outside these bounds.
   if (enclosed_m3 && *enclosed_m3 > kConvexShare * found.hull_m3 &&
       *enclosed_m3 <= found.hull_m3 * (1.0 + kConvexShare)) {
     found.enclosed_m3 = enclosed_m3;
@@ -208,7 +211,8 @@ std::string volumeChange(double is_m3, double was_m3) {
                      percent < -1e-4 ? "smaller" : "larger");
 }
 
-/// Message for the user when a hull takes the place of a mesh. @param why the mesh is no collider
+/// Message for the user when a hull replaces a mesh. @param why reason why the mesh is not a
+/// collider
 Diagnostic hullNotice(std::string why, const StandIn& hull) {
   const double is_m3 = moments(hull.shape).volume_m3;
   why += "; its convex hull takes its place, ";
@@ -229,13 +233,15 @@ Diagnostic hullNotice(std::string why, const StandIn& hull) {
                    "(wholehand decompose makes them)");
 }
 
-constexpr int kMostParts = 256;         ///< of one mesh
-constexpr double kNearlyConvex = 1.05;  ///< a part whose hull is larger is not convex
+constexpr int kMostParts = 256;  ///< maximum number of parts of one mesh
+/// Ratio of hull volume to part volume; a part above it is not convex.
+constexpr double kNearlyConvex = 1.05;
 
 /// The triangles of each part as a surface with its own corners. Empty: more than kMostParts.
 std::vector<MeshSurface> divided(const MeshSurface& mesh, const std::vector<int>& part) {
   std::map<int, MeshSurface> parts;
-  std::map<std::pair<int, int>, int> index;  // of a part's corner
+  std::map<std::pair<int, int>, int>
+      index;  // (part, corner of the mesh) to corner of the part's surface
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     MeshSurface& own = parts[part[i]];
     if (parts.size() > std::size_t{kMostParts}) return {};
@@ -256,19 +262,19 @@ std::vector<MeshSurface> divided(const MeshSurface& mesh, const std::vector<int>
 /// A convex part.
 struct ConvexPart {
   Shape shape;
-  double enclosed_m3 = 0.0;  ///< by the part itself; of a convex one: the shape's volume
+  double enclosed_m3 = 0.0;  ///< volume of the part itself; for a convex part the volume of `shape`
   bool inward = false;       ///< wound inwards
 };
 
-/// True when every corner of `inner` lies in `outer`.
+/// True when every corner of `inner` lies inside `outer`.
 bool liesIn(const Shape& inner, const Shape& outer) {
   const double near_m = kWeldShare * diagonal(outer.points_m);
   return std::all_of(inner.points_m.begin(), inner.points_m.end(),
                      [&](const Vector3d& p) { return signedDistance(outer, p) <= near_m; });
 }
 
-/// Takes away the parts inside another, of which nothing is felt. False when one is a hollow: it is
-/// wound the other way.
+/// Removes parts that lie inside another part and cannot be touched. Returns false when such a part
+/// is wound the opposite way, because it is then a hollow.
 bool dropInner(std::vector<ConvexPart>& parts) {
   for (std::size_t outer = 0; outer < parts.size(); ++outer) {
     for (std::size_t inner = parts.size(); inner-- > 0;) {
@@ -281,8 +287,9 @@ bool dropInner(std::vector<ConvexPart>& parts) {
   return true;
 }
 
-/// The part as itself, or its hull; an error when it has no volume, or is smaller than a collider
-/// may be. Of a part that is not convex within kNearlyConvex, `enclosed_m3` is 0.
+/// The part's own shape if it is convex, else its hull; an error when the part has no volume or is
+/// smaller than a collider may be. `enclosed_m3` is 0 when the hull exceeds the part by more than
+/// kNearlyConvex.
 Expected<ConvexPart> convexPart(const MeshSurface& mesh) {
   ConvexPart part;
   part.inward = enclosedVolume(mesh).value_or(0.0) < 0.0;
@@ -299,12 +306,14 @@ Expected<ConvexPart> convexPart(const MeshSurface& mesh) {
   return part;
 }
 
-/// The colliders of parts that are convex, each within kNearlyConvex; empty when one is not, or
-/// there is but one, or one is a hollow of another. Parts without volume, smaller than a collider
-/// may be, or inside another are left out, with a notice.
+/// One collider for each part, when every part is convex within kNearlyConvex. Empty when a part is
+/// not convex, when there is only one part, or when one part is a hollow of another. Parts that
+/// have no volume, are smaller than a collider may be, or lie inside another part are left out with
+/// a notice.
 std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vector<int>& part) {
   const std::vector<MeshSurface> parts = divided(mesh, part);
   if (parts.size() < 2) return std::nullopt;
+  // Makes a shape of each part that has volume.
   std::vector<ConvexPart> convex;
   for (const MeshSurface& one : parts) {
     Expected<ConvexPart> found = convexPart(one);
@@ -314,6 +323,7 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
   }
   const std::size_t with_volume = convex.size();
   if (convex.empty() || !dropInner(convex)) return std::nullopt;
+  // Collects the shapes and compares their volume with that of the parts.
   MeshCollider found;
   double is_m3 = 0.0, was_m3 = 0.0;
   for (ConvexPart& one : convex) {
@@ -347,10 +357,11 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
   return found;
 }
 
-/// Numbers of the connected components: triangles of one part that share a corner's place.
+/// Numbers the connected components. Triangles are connected when they belong to one part and share
+/// the position of a corner.
 std::vector<int> components(const MeshSurface& mesh, const std::vector<int>& part) {
   const std::vector<int> same = welded(mesh);
-  std::map<std::pair<int, int>, int> node;  // of a part's place
+  std::map<std::pair<int, int>, int> node;  // (part, merged corner) to node of the union-find
   std::vector<int> parent;
   const auto root = [&](int i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -411,7 +422,8 @@ Expected<MeshCollider> meshCollider(const MeshFile& file) {
   std::vector<int> part = file.part;
   part.resize(mesh.triangles.size());
   const std::vector<int> one(mesh.triangles.size());
-  // Objects, their pieces, and the pieces of a surface that is divided by its looks.
+  // Tries the file's objects, then the connected pieces of each object, then the connected pieces
+  // of the whole surface: some programs divide a surface only by its materials.
   if (auto found = convexParts(mesh, part)) return std::move(*found);
   if (auto found = convexParts(mesh, components(mesh, part))) return std::move(*found);
   if (auto found = convexParts(mesh, components(mesh, one))) return std::move(*found);

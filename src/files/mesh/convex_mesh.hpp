@@ -10,7 +10,7 @@
 
 namespace wholehand {
 
-/// Limit of a convex mesh's vertices: engines search all of them in every contact.
+/// Maximum number of vertices of a convex mesh. Engines search all of them in every contact.
 inline constexpr int kMaxMeshPoints = 1024;
 
 /// Makes a collider from triangles and verifies that it is closed and convex: vertices nearer than
@@ -21,28 +21,29 @@ inline constexpr int kMaxMeshPoints = 1024;
 [[nodiscard]] Expected<Shape> convexMesh(const std::vector<Eigen::Vector3d>& points_m,
                                          const std::vector<Eigen::Vector3i>& triangles);
 
-/// Limit of a mesh file's triangles.
+/// Maximum number of triangles of a mesh file.
 inline constexpr int kMaxMeshTriangles = 200'000;
 
 class MeshLoadTime;  // files/mesh/mesh_file.hpp
 struct MeshFile;     // files/mesh/mesh_file.hpp
 struct MeshSurface;  // files/mesh/mesh_file.hpp
 
-/// The surface as a collider: convex, closed and turned outwards already.
+/// Converts a surface to a collider. @pre the surface is convex, closed and wound outward
 [[nodiscard]] Shape shapeOf(const MeshSurface& surface);
 
 /// The collider of a mesh.
 struct MeshCollider {
   std::vector<Shape> shapes;  ///< one, or one for each convex part
-  Diagnostics notices;        ///< why and how `shapes` differ from the mesh; empty: they do not
+  Diagnostics notices;        ///< why and how `shapes` differ from the mesh; empty: no difference
 };
 
-/// As convexMesh(). A mesh that is not convex becomes one shape for each part, when every part (an
-/// object, group or solid of the file; else every connected piece) is convex; a hull 5 % larger
-/// than its part is, too. A part inside another is left out; if it is wound the other way, it is a
-/// hollow, and the mesh not convex. Otherwise its convex hull (convexHull()) takes its place. Of a
-/// hull beyond 2 kMaxMeshPoints triangles, kMaxMeshPoints corners are kept. Notices say how much
-/// the volume differs.
+/// Makes colliders from a mesh file. A convex mesh becomes one shape by convexMesh(). A mesh whose
+/// parts are all convex becomes one shape for each part; a part is an object, group or solid of the
+/// file, else a connected piece, and counts as convex when its hull is at most 5 % larger in
+/// volume. A part inside another part is left out, unless it is wound the opposite way: then it is
+/// a hollow, and the mesh is not convex. Any other mesh is replaced by its convex hull
+/// (convexHull()). A hull of more than 2 kMaxMeshPoints triangles keeps kMaxMeshPoints corners.
+/// Notices say how much the volume differs.
 ///
 /// @return the collider, or one Diagnostic with problem and remedy: no faces, no volume, not 0.001
 /// to 10 m across, more than kMaxMeshTriangles.
@@ -51,14 +52,14 @@ struct MeshCollider {
 /// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) and makes a collider of it. Coordinates times
 /// `scale` are metres; axes are taken as in the file (the up axis of DAE and GLB is ignored, with a
 /// notice). A child process (meshReaderProgram()) reads the file; without that program, this
-/// process does (docs/adr/0027-untrusted-files-in-children.md).
+/// process does (docs/adr/0027-untrusted-files-in-child-processes.md).
 ///
-/// @return as meshCollider(), the path in problem and notices; also a Diagnostic when the file is
-/// missing or unreadable.
+/// @return the same as meshCollider(), with the path in problem and notices; also a Diagnostic when
+/// the file is missing or unreadable.
 [[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
                                                       const Eigen::Vector3d& scale);
-/// As above, for one of several meshes: its time is added to `time`.
-/// @return also a Diagnostic when that time is over
+/// The same for one of several meshes; its reading time is added to `time`.
+/// @return also a Diagnostic when that time is used up
 [[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
                                                       const Eigen::Vector3d& scale,
                                                       MeshLoadTime& time);

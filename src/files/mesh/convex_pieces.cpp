@@ -24,12 +24,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// How well convex pieces stand for a solid. Distances are of points on the triangles, at most a
-// fortieth of the solid's size apart. Not real-time safe.
+// Measures of how well convex pieces approximate a solid. Distances are measured at points on the
+// triangles that are at most a fortieth of the solid's size apart. Not real-time safe.
 
-constexpr int kSamplesAcross = 40;  ///< of the solid's size, on a surface
+constexpr int kSamplesAcross = 40;  ///< sample points on a surface per size of the solid
 
-/// Points on a triangle, about `apart_m` from each other.
+/// Calls `take` with points on a triangle, about `apart_m` from each other.
 template <class Take>
 void forSamples(const Vector3d& a, const Vector3d& b, const Vector3d& c, double apart_m,
                 Take take) {
@@ -40,7 +40,7 @@ void forSamples(const Vector3d& a, const Vector3d& b, const Vector3d& c, double 
   }
 }
 
-/// Largest distance of a piece's surface outside the solid [m]; what is below `small_m` counts as
+/// Largest distance of a piece's surface outside the solid [m]; distances below `small_m` count as
 /// 0.
 /// @param distance to the solid's surface
 double farthestOutside(const MeshSurface& piece, const ClosedSurface& solid,
@@ -59,8 +59,8 @@ double farthestOutside(const MeshSurface& piece, const ClosedSurface& solid,
   return 0.0;
 }
 
-/// Largest distance of the solid's surface outside of all pieces [m].
-/// @param pieces the surfaces of all, in one
+/// Largest distance of the solid's surface outside all pieces [m].
+/// @param pieces the surfaces of all pieces, combined into one
 double farthestMissing(const ClosedSurface& solid, const MeshSurface& pieces) {
   const SurfaceDistance distance(pieces);
   double farthest = 0.0;
@@ -91,7 +91,7 @@ double overlapOf(const MeshSurface& a, const MeshSurface& b, double snap_m) {
   return std::max(volumeOf(facets), 0.0);
 }
 
-/// Share of about 200 of the solid's triangles whose two sides are both inside the solid.
+/// Share of triangles whose both sides are inside the solid, from a sample of about 200.
 /// @param distance to the solid's surface
 double shareInside(const ClosedSurface& solid, const SurfaceDistance& distance) {
   const auto& s = solid.surface;
@@ -108,30 +108,34 @@ double shareInside(const ClosedSurface& solid, const SurfaceDistance& distance) 
   return static_cast<double>(inside) / count;
 }
 
-constexpr int kPartsForPiece = 4;         ///< parts that are cut before merging, for each piece
-constexpr int kCutsAlongDirection = 7;    ///< places that are tried
-constexpr double kSnapShare = 1e-9;       ///< of the size: nearer corners lie on a cut
-constexpr double kOnSurfaceShare = 1e-7;  ///< of the size: nearer points lie on the surface
-constexpr double kVolumeShare = 1e-6;     ///< of the solid's volume: no difference
-constexpr double kBalanceWeight = 0.01;   ///< of equal halves against a smaller volume
-constexpr double kReflexWeight = 0.05;    ///< of reflex edges on the cut against the same
-constexpr double kSmallGain = 0.02;       ///< of a cut: the next ones are looked at, too
-constexpr std::size_t kCutsAhead = 12;    ///< that are looked at
-constexpr double kTie = 1e-6;             ///< of costs: the first one counts
+constexpr int kPartsForPiece = 4;       ///< number of parts cut before merging, per allowed piece
+constexpr int kCutsAlongDirection = 7;  ///< number of positions tried along each direction
+constexpr double kSnapShare = 1e-9;  ///< share of the size; corners nearer to a cut plane lie on it
+/// Share of the size; points nearer to the surface lie on it.
+constexpr double kOnSurfaceShare = 1e-7;
+/// Share of the solid's volume; smaller differences are ignored.
+constexpr double kVolumeShare = 1e-6;
+/// Weight of unequal halves in the cost of a cut, against its volume.
+constexpr double kBalanceWeight = 0.01;
+constexpr double kReflexWeight = 0.05;  ///< weight of reflex edges on the cut, against its volume
+constexpr double kSmallGain = 0.02;  ///< cuts that gain less are also judged by the cuts after them
+constexpr std::size_t kCutsAhead = 12;  ///< maximum number of cuts judged by the cuts after them
+/// Relative: costs nearer than this are equal, and the first cut is taken.
+constexpr double kTie = 1e-6;
 
-/// A convex cell's share of the solid.
+/// The part of the solid inside a convex cell.
 struct Part {
   std::vector<Facet> facets;
   std::vector<CutPlane> cell;      ///< the part is behind each of these
-  std::vector<Vector3d> points_m;  ///< whose hull is `hull`
+  std::vector<Vector3d> points_m;  ///< points whose convex hull is `hull`
   MeshSurface hull;
-  double excess_m3 = 0.0;  ///< volume of the hull less that of the part
+  double excess_m3 = 0.0;  ///< volume of the hull minus volume of the part
   bool done = false;
 };
 
 struct Cut {
   CutPlane plane;
-  double cost = 0.0;  ///< costOf(), less the reward for reflex edges
+  double cost = 0.0;  ///< costOf() minus the reward for reflex edges
 };
 
 struct Piece {
@@ -163,7 +167,7 @@ class Decomposition {
     ConvexPieces result;
     for (const Piece& piece : pieces_) {
       auto hull = reducedHull(piece.hull.points, options_.most_vertices);
-      if (!hull) continue;  // thinner than the rounding of its coordinates
+      if (!hull) continue;  // thinner than the rounding of its coordinates to floats
       result.pieces_m3 += signedVolume(*hull);
       result.pieces.push_back(std::move(*hull));
     }
@@ -206,7 +210,7 @@ class Decomposition {
     return corners;
   }
 
-  /// Points of the part behind the plane, but for the inner corners.
+  /// Points of the part behind the plane, without the inner corners.
   [[nodiscard]] std::vector<Vector3d> pointsBehind(const Part& part, const CutPlane& plane) const {
     std::vector<Vector3d> points;
     for (const Vector3d& p : part.points_m) {
@@ -225,7 +229,7 @@ class Decomposition {
     return points;
   }
 
-  /// Share of the hull's volume that stays when the part is cut, plus a penalty for unequal halves.
+  /// Share of the hull's volume that remains after the cut, plus a penalty for unequal halves.
   [[nodiscard]] double costOf(const Part& part, const CutPlane& plane,
                               const Eigen::AlignedBox3d& box) const {
     const std::vector<Vector3d> inner = innerCorners(part.cell, plane, box);
@@ -271,7 +275,7 @@ class Decomposition {
     return planes;
   }
 
-  /// The part behind a plane. Empty: nothing, or flat.
+  /// The part behind a plane. Empty: nothing lies behind it, or a flat remainder.
   [[nodiscard]] std::optional<Part> partBehind(const Part& part, const CutPlane& plane,
                                                const std::vector<Vector3d>& inner) const {
     Part half;
@@ -292,7 +296,7 @@ class Decomposition {
     return part;
   }
 
-  /// Box of a part's hull, a little larger.
+  /// Bounding box of a part's hull, slightly enlarged.
   [[nodiscard]] Eigen::AlignedBox3d boxOf(const Part& part) const {
     Eigen::AlignedBox3d box;
     for (const Vector3d& p : part.hull.points) box.extend(p);
@@ -315,7 +319,7 @@ class Decomposition {
     return cuts;
   }
 
-  /// Both parts of a cut. Empty: one has no volume
+  /// Both parts of a cut. Empty: one of them has no volume.
   [[nodiscard]] std::optional<std::pair<Part, Part>> halvesOf(const Part& part,
                                                               const CutPlane& plane) const {
     const std::vector<Vector3d> inner = innerCorners(part.cell, plane, boxOf(part));
@@ -337,8 +341,8 @@ class Decomposition {
     return volume_m3;
   }
 
-  /// The best cut. Where the first ones hardly differ and gain little, as those of a tube, the cuts
-  /// that may follow decide.
+  /// The best cut. When the cheapest cuts hardly differ and gain little, as for a tube, the cuts
+  /// that may follow them decide.
   [[nodiscard]] std::optional<CutPlane> bestCut(const Part& part) const {
     const std::vector<Cut> cuts = cutsOf(part);
     if (cuts.empty()) return std::nullopt;
@@ -355,7 +359,7 @@ class Decomposition {
     return std::isfinite(lowest_m3) ? std::optional(best) : std::nullopt;
   }
 
-  /// Cuts the part in two. @return false when no plane does
+  /// Cuts the part in two. @return false when no plane divides it
   bool divide(std::size_t index) {
     const auto plane = bestCut(parts_[index]);
     if (!plane) return false;
@@ -379,7 +383,7 @@ class Decomposition {
     parts_.push_back(std::move(*part));
     const int most = options_.most_pieces == 1 ? 1 : kPartsForPiece * options_.most_pieces;
     while (std::cmp_less(parts_.size(), most)) {
-      tell("cutting, parts", parts_.size());
+      reportProgress("cutting, parts", parts_.size());
       std::size_t worst = parts_.size();
       for (std::size_t i = 0; i < parts_.size(); ++i) {
         if (parts_[i].done || parts_[i].excess_m3 <= kVolumeShare * solid_.volume_m3) continue;
@@ -398,7 +402,8 @@ class Decomposition {
     std::size_t first, second;
     double added_m3;
     Piece piece;
-    double outside_m;  ///< of the piece's surface; negative: not known yet
+    double outside_m;  ///< largest distance of the piece's surface outside the solid; negative: not
+                       ///< computed yet
   };
 
   [[nodiscard]] std::optional<Merge> mergeOf(std::size_t i, std::size_t j) const {
@@ -411,7 +416,7 @@ class Decomposition {
     return Merge{i, j, added_m3, {std::move(*hull), volume_m3}, -1.0};
   }
 
-  /// The cheapest merge that may be done. @param must there are too many pieces
+  /// Index of the cheapest allowed merge. @param must true when there are too many pieces
   std::optional<std::size_t> nextMerge(std::vector<Merge>& merges, bool must) const {
     std::sort(merges.begin(), merges.end(), [](const Merge& a, const Merge& b) {
       if (a.added_m3 != b.added_m3) return a.added_m3 < b.added_m3;
@@ -427,16 +432,18 @@ class Decomposition {
   }
 
   void mergePieces() {
+    // Computes the merges of all pairs.
     std::vector<Merge> merges;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (auto merge = mergeOf(j, i)) merges.push_back(std::move(*merge));
       }
     }
+    // Applies the cheapest merge until none is allowed, and recomputes the merges of the new piece.
     std::vector<bool> gone(pieces_.size(), false);
     auto left = pieces_.size();
     while (left > 1) {
-      tell("merging, pieces", left);
+      reportProgress("merging, pieces", left);
       const bool must = std::cmp_greater(left, options_.most_pieces);
       const auto next = nextMerge(merges, must);
       if (!next) break;
@@ -461,12 +468,12 @@ class Decomposition {
     pieces_ = std::move(kept);
   }
 
-  void tell(const char* doing, std::size_t count) const {
+  void reportProgress(const char* doing, std::size_t count) const {
     if (options_.progress) options_.progress(doing, static_cast<int>(count));
   }
 
   void measure(ConvexPieces& result) const {
-    tell("measuring, pieces", result.pieces.size());
+    reportProgress("measuring, pieces", result.pieces.size());
     MeshSurface all;
     for (const MeshSurface& piece : result.pieces) {
       result.beyond_m = std::max(result.beyond_m, outside(piece, result.beyond_m));

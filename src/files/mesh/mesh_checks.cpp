@@ -41,10 +41,11 @@ double diagonal(const std::vector<Vector3d>& points_m) {
   return (upper - lower).norm();
 }
 
-/// Index of the first point within `near_m` of each point. It connects files that store the
-/// vertices of each triangle separately (STL).
+/// For each point, the index of the first point within `near_m`. This connects the triangles of
+/// files that store the vertices of each triangle separately (STL).
 std::vector<int> weld(const std::vector<Vector3d>& points, double near_m) {
-  // Sorted along a direction across which few faces lie: points of one face are far apart in it.
+  // Sorts along an oblique direction. Few faces are perpendicular to it, so that few points have
+  // similar coordinates along it.
   const Vector3d direction = Vector3d(0.48, 0.61, 0.77).normalized();
   std::vector<double> along_m(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) along_m[i] = direction.dot(points[i]);
@@ -103,7 +104,7 @@ Vector3d areaVector(const WeldedMesh& mesh, const Vector3i& t) {
 
 std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
   if (mesh.size_m >= kMinSize_m && mesh.size_m <= kMaxSize_m) return std::nullopt;
-  // Files are in metres or millimetres; a scale may stand for one that is in the other.
+  // Files are in metres or millimetres. A wrong scale is off by a factor of 1000.
   const double factor = mesh.size_m > kMaxSize_m ? 1e-3 : 1e3;
   return fileFault(
       "", fmt::format("is {:.4g} m across", mesh.size_m),
@@ -127,7 +128,8 @@ std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
   if (auto d = countFault(triangles.size(), most_triangles, "give its convex hull, simplified")) {
     return d;
   }
-  if (std::cmp_greater(points.size(), 3 * most_triangles)) {  // its triangles have no more
+  if (std::cmp_greater(points.size(),
+                       3 * most_triangles)) {  // triangles have three points each at most
     return fileFault("", fmt::format("has {} corners", points.size()),
                      "remove those that belong to no face");
   }

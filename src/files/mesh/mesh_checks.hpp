@@ -11,10 +11,11 @@
 
 namespace wholehand {
 
-// Checks that every use of a mesh shares. Faults name problem and remedy; file and key are the
-// caller's. Not real-time safe.
+// Checks shared by all users of a mesh. Faults name problem and remedy; the caller adds file and
+// key. Not real-time safe.
 
-inline constexpr double kWeldShare = 1e-6;  ///< of the size: nearer vertices are merged
+/// Vertices nearer to each other than this share of the size are merged.
+inline constexpr double kWeldShare = 1e-6;
 
 /// Triangles whose vertices are merged, so that neighbours share them.
 struct WeldedMesh {
@@ -23,8 +24,8 @@ struct WeldedMesh {
   double size_m = 0.0;  ///< diagonal of the bounding box
 };
 
-/// Fault of a mesh without volume, and whether a fault is that one, whatever names the mesh before
-/// it.
+/// Fault of a mesh without volume. isFlatFault() recognises it, even with the mesh's name put
+/// before the problem.
 [[nodiscard]] Diagnostic flatFault();
 [[nodiscard]] bool isFlatFault(const Diagnostic& fault);
 
@@ -34,8 +35,8 @@ struct WeldedMesh {
 /// Diagonal of the points' bounding box [m]. @pre not empty
 [[nodiscard]] double diagonal(const std::vector<Eigen::Vector3d>& points_m);
 
-/// Index of the first point within `near_m` of each point. It connects files that store the
-/// vertices of each triangle separately (STL).
+/// For each point, the index of the first point within `near_m`. This connects the triangles of
+/// files that store the vertices of each triangle separately (STL).
 [[nodiscard]] std::vector<int> weld(const std::vector<Eigen::Vector3d>& points, double near_m);
 
 /// The merged vertices in use, and triangles with three different vertices. @pre no inputFault()

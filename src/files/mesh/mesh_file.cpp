@@ -34,7 +34,7 @@ double seconds(MeshLoadTime::Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
-// The documented formats, whose readers are tested against damage.
+// Readers of the documented formats. They are tested with damaged files.
 constexpr std::array<std::pair<std::string_view, MeshFile (*)(std::string_view)>, 5> kReaders = {
     {{"stl", readStl}, {"obj", readObj}, {"ply", readPly}, {"dae", readDae}, {"glb", readGlb}}};
 constexpr std::uintmax_t kLargestFile_bytes = 64U << 20U;
@@ -80,7 +80,7 @@ std::optional<Diagnostic> nameFault(const std::string& path) {
                    kExport);
 }
 
-/// @param longest limit of the time to read the file
+/// @param longest time limit for reading the file
 Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector3d& scale,
                                     std::chrono::milliseconds longest) {
   Expected<MeshFile> file = readMesh(path, longest);
@@ -109,7 +109,7 @@ UnreadableMesh withoutTriangles(const MeshSurface& surface) {
           "make a surface of them (MeshLab), or give their convex hull"};
 }
 
-/// Takes away the points that belong to no triangle.
+/// Removes points that belong to no triangle.
 void dropUnused(MeshSurface& surface) {
   std::vector<int> index(surface.points.size(), -1);
   for (const Eigen::Vector3i& t : surface.triangles) {
@@ -132,7 +132,8 @@ constexpr std::uint32_t kSurface = 0x31534857, kRefusal = 0x31524857;  // "WHS1"
 
 struct Head {
   std::uint32_t what = 0;
-  /// Points, triangles, bytes of the notices; or bytes of the problem, of the remedy.
+  /// For a surface: number of points, number of triangles, bytes of the notices. For a refusal:
+  /// bytes of the problem, bytes of the remedy.
   std::uint32_t first = 0, second = 0, third = 0;
 };
 
@@ -182,7 +183,7 @@ Expected<MeshFile> decodeSurface(const Head& head, std::string_view body) {
   return file;
 }
 
-/// Why a reader without a result ended.
+/// Describes why a reader process ended without a result.
 std::string ending(const ChildResult& child, std::chrono::milliseconds longest) {
   switch (child.ending) {
     case ChildEnding::kLate:
@@ -252,12 +253,12 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
     MeshFile file = readerOf(endingOf(path))(bytes.view());
     if (file.surface.triangles.empty()) throw withoutTriangles(file.surface);
     dropUnused(file.surface);
-    file.part.resize(file.surface.triangles.size());  // one part where the kind has none
+    file.part.resize(file.surface.triangles.size());  // one part if the format has no parts
     std::sort(file.notices.begin(), file.notices.end());
     file.notices.erase(std::unique(file.notices.begin(), file.notices.end()), file.notices.end());
     return file;
   } catch (const UnreadableMesh& why) {
-    // A file of another program under a name of ours.
+    // A file of another format may carry the extension of a mesh format.
     const auto foreign = foreignFile(bytes.view().substr(0, 4096), "");
     if (foreign && !foreign->problem.starts_with("is a mesh"))
       return fileFault("", name + foreign->problem, foreign->remedy);

@@ -13,35 +13,36 @@
 
 namespace wholehand {
 
-/// Triangles.
+/// A surface of triangles.
 struct MeshSurface {
   std::vector<Eigen::Vector3d> points;     ///< in the file's own unit
   std::vector<Eigen::Vector3i> triangles;  ///< indices into points
 };
 
-/// What a mesh file holds: its triangles, unchanged but placed by the file's own nodes.
+/// Content of a mesh file: its triangles, placed by the file's nodes and otherwise unchanged.
 struct MeshFile {
   MeshSurface surface;
-  /// Of each triangle: the number of its object, group, solid or placed geometry.
+  /// For each triangle the number of its object, group, solid or placed geometry.
   std::vector<int> part;
-  std::vector<std::string> notices;  ///< what of the file is not applied, as "has ..." or "is ..."
+  std::vector<std::string>
+      notices;  ///< content of the file that is not applied, as "has ..." or "is ..."
 };
 
-/// Limit of the time to read one mesh file.
+/// Time limit for reading one mesh file.
 inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::seconds(10);
 
-/// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) in a child process (meshReaderProgram()); without
-/// that program, in this process, without a limit of time.
+/// Reads a mesh file (STL, OBJ, PLY, DAE, GLB) in a child process (meshReaderProgram()). If that
+/// program is not found, reads it in this process without a time limit.
 /// @return as readMeshHere()
 [[nodiscard]] Expected<MeshFile> readMesh(const std::string& path,
                                           std::chrono::milliseconds longest = kLongestMeshRead);
 
 /// Reads a mesh file in this process.
-/// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
+/// @return the surface, or one Diagnostic with problem and remedy (the caller adds file and key)
 [[nodiscard]] Expected<MeshFile> readMeshHere(const std::string& path);
 
-/// Path of wholehand-read-mesh, the program that reads a mesh in a child process: beside this
-/// program, or in lib/wholehand of the parent folder. Empty: not found.
+/// Path of wholehand-read-mesh, the program that reads a mesh in a child process: in the folder of
+/// this program, or in lib/wholehand of the parent folder. Empty: not found.
 [[nodiscard]] std::string meshReaderProgram();
 
 /// Runs `program FILE` with limits of `longest` and 1 GB, and reads its result. Survives a crash of
@@ -55,11 +56,11 @@ inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::secon
 /// the same build on the same machine.
 [[nodiscard]] std::string encodeMesh(const Expected<MeshFile>& file);
 /// @param text any bytes
-/// @return the input of encodeMesh(). Every index is valid.
+/// @return the argument that encodeMesh() got. Every index is valid.
 [[nodiscard]] Expected<MeshFile> decodeMesh(std::string_view text);
 
-/// Time that all meshes of one scene or URDF may take together. One file alone is limited to
-/// kLongestMeshRead, too.
+/// Time that all meshes of one scene or URDF may take together. Each single file is also limited to
+/// kLongestMeshRead.
 class MeshLoadTime {
  public:
   using Duration = std::chrono::milliseconds;
@@ -70,7 +71,7 @@ class MeshLoadTime {
   explicit MeshLoadTime(Duration total = kTotal, Clock clock = std::chrono::steady_clock::now)
       : total_(total), clock_(std::move(clock)) {}
 
-  /// Runs `load` and adds its time to that of the file.
+  /// Runs `load` and adds its duration to the file's time.
   template <class Load>
   auto measure(const std::string& path, Load load) {
     const auto begin = clock_();
@@ -78,10 +79,11 @@ class MeshLoadTime {
     add(path, std::chrono::duration_cast<Duration>(clock_() - begin));
     return result;
   }
-  /// Time that is left, >= 0.
+  /// Remaining time, >= 0.
   [[nodiscard]] Duration left() const;
   [[nodiscard]] bool isOver() const { return !files_.empty() && taken_ >= total_; }
-  /// Problem and remedy once the time is over: which files took how long, the slowest first.
+  /// Problem and remedy when the time is used up: lists the files with their times, the slowest
+  /// first.
   [[nodiscard]] Diagnostic fault() const;
 
  private:

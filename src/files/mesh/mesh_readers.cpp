@@ -18,9 +18,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::string_view kWordEnds = " \t\r\n\v\f";
-constexpr std::size_t kMostEars = 256;  ///< corners of a polygon that is cut; the search is cubic
+/// Largest number of corners of a polygon cut into ears; the search takes cubic time.
+constexpr std::size_t kMostEars = 256;
 
-/// Normal of a polygon, by Newell's sum over its edges: also of one that is not convex.
+/// Normal of a polygon by Newell's sum over its edges; also valid for a polygon that is not convex.
 Vector3d polygonNormal(const MeshSurface& surface, const std::vector<int>& corners) {
   const Vector3d& origin = surface.points[corners.front()];
   Vector3d sum = Vector3d::Zero();
@@ -31,8 +32,8 @@ Vector3d polygonNormal(const MeshSurface& surface, const std::vector<int>& corne
   return sum;
 }
 
-/// True when every corner sticks out: the fan from its first corner is the polygon, and what other
-/// programs make of four corners that are not in one plane.
+/// True when every corner of the polygon is convex. The fan from its first corner is then the
+/// polygon itself; other programs divide four corners that are not in one plane in the same way.
 bool isConvex(const MeshSurface& surface, const std::vector<int>& corners, const Vector3d& normal) {
   const std::size_t n = corners.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -43,7 +44,7 @@ bool isConvex(const MeshSurface& surface, const std::vector<int>& corners, const
   return true;
 }
 
-/// True when the corner `i` sticks out, and no other corner lies in its triangle.
+/// True when corner `i` is convex and no other corner lies in its triangle.
 bool isEar(const MeshSurface& surface, const std::vector<int>& corners, std::size_t i,
            const Vector3d& normal) {
   const std::size_t n = corners.size();
@@ -79,7 +80,7 @@ bool isCorner(double value, std::size_t count) {
 
 std::string_view MeshWords::next() {
   for (; at_ < text_.size() && kWordEnds.find(text_[at_]) != kWordEnds.npos; ++at_) {
-    // A carriage return alone ends a line, too.
+    // A carriage return without a newline also ends a line.
     if (text_[at_] == '\n' || (text_[at_] == '\r' && !text_.substr(at_).starts_with("\r\n")))
       ++line_;
   }

@@ -14,10 +14,11 @@
 
 namespace wholehand {
 
-// One reader for each kind of mesh file. The bytes may be anything. Each returns the surface, or
-// throws an UnreadableMesh.
+// One reader for each mesh format. Arbitrary bytes are safe. Each reader returns the surface or
+// throws UnreadableMesh.
 
-/// Why a file's bytes give no surface: "the mesh file cup.obj " + problem.
+/// Reason why a file's bytes give no surface. `problem` completes the sentence "the mesh file
+/// cup.obj ...".
 struct UnreadableMesh {
   std::string problem;
   std::string remedy;
@@ -29,19 +30,19 @@ struct UnreadableMesh {
 [[nodiscard]] MeshFile readDae(std::string_view bytes);
 [[nodiscard]] MeshFile readGlb(std::string_view bytes);
 
-/// Limit of triangles that nodes of one file may place together: a node may place the same mesh
-/// again and again.
+/// Maximum number of triangles that all nodes of one file may place. Nodes may place the same mesh
+/// repeatedly.
 inline constexpr std::size_t kMostPlacedTriangles = 4'000'000;
-/// Limit of nodes in nodes.
+/// Maximum nesting depth of nodes.
 inline constexpr int kMostNestedNodes = 64;
 
-/// Number in any locale: "1", "+.5", "2.", "1e-3"; empty when the word is none. A number too small
-/// for a double is 0.
+/// Reads a number independently of the locale: "1", "+.5", "2.", "1e-3"; empty when the word is not
+/// a number. A number too small for a double gives 0.
 [[nodiscard]] std::optional<double> meshNumber(std::string_view word);
-/// True for the number of one of `count` corners, from 0.
+/// True when the value is an index of one of `count` corners, starting at 0.
 [[nodiscard]] bool isCorner(double value, std::size_t count);
 
-/// Words of a text between blanks and line ends, with the line that each stands in.
+/// Splits a text into words separated by blanks and line ends, and counts lines.
 class MeshWords {
  public:
   explicit MeshWords(std::string_view text) : text_(text) {}
@@ -50,16 +51,16 @@ class MeshWords {
   std::string_view next();
   /// The rest of the line, without its blanks at both ends.
   std::string_view restOfLine();
-  /// Goes on at the start of a part of what was returned.
+  /// Continues at the start of `part`. @pre `part` lies in a word or line that was returned
   void resumeAt(std::string_view part) {
     at_ = static_cast<std::size_t>(part.data() - text_.data());
   }
-  /// The next word as a number. @throws UnreadableMesh with line and word, when it is none
+  /// The next word as a number. @throws UnreadableMesh with line and word when it is not a number
   double number();
-  /// As number(), a whole one. @throws also when it is not within [least, most]
+  /// The next word as an integer. @throws UnreadableMesh also when it is outside [least, most]
   std::int64_t whole(std::int64_t least, std::int64_t most);
   [[nodiscard]] int line() const { return line_; }
-  /// Where the rest of the text starts.
+  /// Offset of the unread rest of the text [bytes].
   [[nodiscard]] std::size_t position() const { return at_; }
 
  private:
@@ -68,18 +69,19 @@ class MeshWords {
   int line_ = 1;
 };
 
-/// Text without a byte order mark of UTF-8.
+/// The text without a leading UTF-8 byte order mark.
 [[nodiscard]] std::string_view withoutByteOrderMark(std::string_view text);
 
-/// Appends a polygon as triangles: a fan from its first corner; where it is not convex, by cutting
-/// ears.
+/// Appends a polygon as triangles: a fan from its first corner, or by ear cutting when it is not
+/// convex.
 /// @pre every corner is an index of surface.points
 void addPolygon(MeshSurface& surface, const std::vector<int>& corners);
-/// Appends a strip of triangles, every second one turned, or a fan about the first corner.
+/// addStrip() appends a strip of triangles and reverses every second one; addFan() appends a fan
+/// about the first corner.
 void addStrip(MeshSurface& surface, const std::vector<int>& corners);
 void addFan(MeshSurface& surface, const std::vector<int>& corners);
 
-/// Appends a surface, placed by an affine map, as a part of its own. A map that mirrors turns the
+/// Appends a surface, transformed by an affine map, as a new part. A mirroring map reverses the
 /// winding. @throws UnreadableMesh beyond kMostPlacedTriangles
 void place(const MeshSurface& surface, const Eigen::Matrix4d& map, MeshFile& file);
 

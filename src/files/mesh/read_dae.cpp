@@ -18,7 +18,7 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
-/// Calls `take` for each child element; of one name, if given.
+/// Calls `take` for each child element, or only for those with the name if one is given.
 template <class Take>
 void eachChild(const XMLElement& parent, const char* name, Take take) {
   for (const XMLElement* e = parent.FirstChildElement(name); e != nullptr;
@@ -36,7 +36,7 @@ std::string attribute(const XMLElement& e, const char* name) {
   throw UnreadableMesh{fmt::format("{}, in line {}", problem, at.GetLineNum()), "export it again"};
 }
 
-/// The text of an element: of all its pieces, for comments divide it.
+/// The text of an element. Comments divide it into pieces, which are joined.
 std::string textOf(const XMLElement& e) {
   std::string text;
   for (const auto* node = e.FirstChild(); node != nullptr; node = node->NextSibling()) {
@@ -72,7 +72,7 @@ Matrix4d matrixOf(const XMLElement& e) {
   return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(n.data());
 }
 
-/// A node's view from `eye` to `interest`: its -z points there.
+/// The map of a <lookat>: located at `eye`, with -z pointing to `interest`.
 Matrix4d lookAt(const XMLElement& e) {
   const std::vector<double> n = numbersOf(e, 9);
   const Vector3d eye(n[0], n[1], n[2]), interest(n[3], n[4], n[5]), up(n[6], n[7], n[8]);
@@ -85,7 +85,7 @@ Matrix4d lookAt(const XMLElement& e) {
   return map;
 }
 
-/// The map of one transformation element; the identity of any other element.
+/// The map of one transformation element; identity for any other element.
 Matrix4d mapOf(const XMLElement& e) {
   const std::string_view kind = e.Name();
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
@@ -148,7 +148,7 @@ class DaeReader {
     if (const XMLElement* unit = given("unit");
         unit != nullptr && unit->Attribute("meter") != nullptr) {
       std::string text = attribute(*unit, "meter");
-      std::replace(text.begin(), text.end(), ',', '.');  // as some locales write it
+      std::replace(text.begin(), text.end(), ',', '.');  // some locales write a decimal comma
       const auto metres = meshNumber(text);
       if (!metres || !(*metres > 0.0) || !std::isfinite(*metres)) {
         failDae(*unit, "has a <unit> that is no length");
@@ -158,7 +158,7 @@ class DaeReader {
     const XMLElement* up = given("up_axis");
     const std::string text = up != nullptr ? textOf(*up) : "";
     std::string_view axis = MeshWords(text).next();
-    if (axis.empty()) axis = "Y_UP";  // by the specification
+    if (axis.empty()) axis = "Y_UP";  // default of the specification
     if (axis != "Z_UP") {
       file_.notices.push_back(
           fmt::format("has <up_axis> {}, which is ignored: its axes are taken as they are",
@@ -166,7 +166,7 @@ class DaeReader {
     }
   }
 
-  /// Elements by their id: of libraries, and nodes within.
+  /// Collects elements by their id, in libraries and nested nodes.
   void collect(const XMLElement& e, int depth) {
     if (depth > 2 * kMostNestedNodes) failDae(e, "has elements nested too deeply");
     if (e.Attribute("id") != nullptr) by_id_.try_emplace(e.Attribute("id"), &e);
@@ -216,7 +216,7 @@ class DaeReader {
   MeshSurface surfaceOf(const XMLElement& geometry) {
     MeshSurface surface;
     const XMLElement* mesh = geometry.FirstChildElement("mesh");
-    if (mesh == nullptr) return surface;        // a spline, or the hull of another geometry
+    if (mesh == nullptr) return surface;        // it is a <spline> or a <convex_mesh>
     std::map<const XMLElement*, int> first_of;  // sources whose points are in the surface
     eachChild(*mesh, nullptr, [&](const XMLElement& e) {
       const std::string_view kind = e.Name();
@@ -228,8 +228,8 @@ class DaeReader {
     return surface;
   }
 
-  /// The points of a source: its accessor picks of each stride the numbers named X, Y and Z, else
-  /// the first three that have a name.
+  /// The points of a source. From each stride the accessor selects the numbers named X, Y and Z,
+  /// else the first three named ones.
   std::vector<Vector3d> pointsOf(const XMLElement& source) {
     const XMLElement* common = source.FirstChildElement("technique_common");
     const XMLElement* accessor =
@@ -263,7 +263,7 @@ class DaeReader {
     return points;
   }
 
-  /// The source of the points of a <vertices>.
+  /// The source that holds the points of a <vertices>.
   const XMLElement& positionOf(const XMLElement& vertices) {
     const XMLElement* found = nullptr;
     eachChild(vertices, "input", [&](const XMLElement& input) {
@@ -317,7 +317,7 @@ class DaeReader {
   template <class Corners>
   void readPolylist(const XMLElement& e, const Corners& corners, MeshSurface& surface) {
     const XMLElement *counts = e.FirstChildElement("vcount"), *p = e.FirstChildElement("p");
-    if (counts == nullptr || p == nullptr) return;  // of no face
+    if (counts == nullptr || p == nullptr) return;  // without faces
     const std::vector<int> all = corners(*p);
     std::size_t next = 0;
     for (const double count : numbersOf(*counts)) {
@@ -348,7 +348,7 @@ class DaeReader {
   Matrix4d unit_ = Matrix4d::Identity();
   std::map<std::string, const XMLElement*> by_id_;
   std::map<const XMLElement*, MeshSurface> surfaces_;
-  std::map<const XMLElement*, int> count_of_;  ///< points of a source
+  std::map<const XMLElement*, int> count_of_;  ///< number of points of each source
   std::size_t placed_nodes_ = 0;
   MeshFile file_;
 };

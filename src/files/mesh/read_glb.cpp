@@ -21,11 +21,11 @@ using Json = nlohmann::json;
   throw UnreadableMesh{std::move(problem), std::move(remedy)};
 }
 
-/// Compressed geometry, by the extension that a file requires.
+/// Extensions of compressed geometry, which is not read.
 constexpr std::array<std::string_view, 2> kCompressed = {"KHR_draco_mesh_compression",
                                                          "EXT_meshopt_compression"};
 
-/// True for an extension that is read, or is of the looks alone.
+/// True for an extension that is supported or concerns appearance only.
 bool isKnown(std::string_view extension) {
   constexpr std::array<std::string_view, 4> kBegins = {"KHR_mesh_quantization", "KHR_materials_",
                                                        "KHR_texture_", "EXT_texture_"};
@@ -99,7 +99,7 @@ class GlbReader {
     return value;
   }
 
-  /// A member that is a list; an empty one without it.
+  /// A member that is a list; an empty list if the member is missing.
   static const Json& list(const Json& of, const char* name) {
     static const Json kNone = Json::array();
     if (!of.is_object()) failGlb(fmt::format("has a JSON value that is no object around {}", name));
@@ -155,7 +155,8 @@ class GlbReader {
     return map.scale(Eigen::Vector3d(s[0], s[1], s[2])).matrix();
   }
 
-  /// Without a scene: the nodes that are no node's child.
+  /// Places all root nodes (nodes that are not a child of another); used when the file has no
+  /// scene.
   void placeRoots() {
     const Json& nodes = list(json_, "nodes");
     std::vector<bool> is_child(nodes.size());
@@ -188,13 +189,13 @@ class GlbReader {
     for (const Json& child : list(node, "children")) placeNode(child, map, depth + 1);
   }
 
-  /// The primitives of a mesh together: they divide a surface by its materials.
+  /// Joins the primitives of a mesh; primitives only divide a surface by material.
   MeshSurface surfaceOf(const Json& mesh) {
     MeshSurface surface;
     for (const Json& primitive : list(mesh, "primitives")) {
       if (!primitive.is_object()) failGlb("has a primitive that is no object");
       const std::size_t mode = index(primitive, "mode", 4);
-      if (mode < 4) continue;  // points and lines
+      if (mode < 4) continue;  // points and lines have no surface
       const auto attributes = primitive.find("attributes");
       if (attributes == primitive.end() || !attributes->is_object() ||
           !attributes->contains("POSITION")) {
@@ -262,7 +263,7 @@ class GlbReader {
 
   struct ComponentType {
     std::size_t code, bytes;
-    double scale;  ///< largest value, which stands for 1 where a value is normalized
+    double scale;  ///< value that stands for 1 in a normalized accessor
   };
 
   static ComponentType componentType(const Json& of) {
@@ -324,8 +325,8 @@ class GlbReader {
     return values;
   }
 
-  /// The numbers of an accessor: quantised ones as they are (KHR_mesh_quantization), normalized
-  /// ones divided by their largest.
+  /// The numbers of an accessor. Quantised numbers stay unchanged (KHR_mesh_quantization);
+  /// normalized numbers are divided by the largest value of their type.
   std::vector<double> valuesOf(std::size_t which, std::size_t width) {
     const Json& accessor = at(list(json_, "accessors"), which, "accessor");
     const auto kind = accessor.find("type");

@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::string_view kObjBlanks = " \t\r\v\f";
 
-// What has no part in a surface of polygons. Of curved surfaces, which are not read, too: "cstype"
-// starts them. "t" and "vw" are of subdivision and of skins, in extensions of others.
+// Keywords that do not contribute to a surface of polygons and are skipped. Some belong to curved
+// surfaces, which are refused at "cstype"; "t" (subdivision) and "vw" (skins) are extensions of
+// other programs.
 constexpr std::array<std::string_view, 19> kObjLooks = {
     "t",      "vw",       "vt",       "vn",         "l",        "p",   "s",
     "usemtl", "mtllib",   "usemap",   "maplib",     "bevel",    "lod", "mg",
@@ -33,7 +34,8 @@ class ObjReader {
 
  private:
   struct Face {
-    std::vector<int> corners;  ///< from 0; those beyond the points are found at the end
+    std::vector<int>
+        corners;  ///< indices from 0; indices beyond the points are detected at the end
     int line = 0;
     int part = 0;
   };
@@ -111,7 +113,7 @@ class ObjReader {
     part_ = parts_.try_emplace({object_, name}, static_cast<int>(parts_.size())).first->second;
   }
 
-  /// x y z, then nothing, a weight of 1, or a colour of 3 or 4 numbers.
+  /// Reads a vertex: x y z, optionally followed by a weight of 1 or a colour of 3 or 4 numbers.
   void readCorner(const std::vector<std::string_view>& words, int line) {
     std::array<double, 8> values{};
     const std::size_t count = words.size() - 1;

@@ -30,7 +30,7 @@ constexpr std::array<PlyType, 8> kPlyTypes = {{{"char", "int8", 1, 'i'},
 
 struct PlyProperty {
   std::string name;
-  const PlyType* count = nullptr;  ///< of a list; empty: a single value
+  const PlyType* count = nullptr;  ///< type of a list's length; null: a single value
   const PlyType* value = nullptr;
 };
 
@@ -52,7 +52,8 @@ class PlyReader {
   MeshFile read() {
     readHeader();
     for (const PlyElement& element : elements_) {
-      // Each costs a byte at least: a small file cannot announce a long loop.
+      // Every value takes at least one byte, so that a small file cannot announce a long loop. An
+      // element without properties has no values and is skipped.
       if (element.properties.empty()) continue;
       checkCorners(element);
       checkFaces(element);
@@ -123,7 +124,7 @@ class PlyReader {
         property.name = words_.next();
         elements_.back().properties.push_back(std::move(property));
       } else if (!key.empty() && elements_.empty()) {
-        // A remark without "comment", as Blender 2.4 wrote it.
+        // A comment line without the keyword "comment", as written by Blender 2.4.
         file_.notices.push_back(fmt::format("has \"{}\" in line {} of its head, which is ignored",
                                             printable(key, 40), words_.line()));
         words_.restOfLine();
@@ -140,7 +141,7 @@ class PlyReader {
         end != bytes_.npos && (bytes_[end] == '\r' || bytes_[end] == '\n')) {
       at_ = end;
     }
-    // Where lines end in \r alone, a \n is the first byte of the values.
+    // In a file whose lines end in \r only, a \n after the header is the first byte of the values.
     const bool bare = bytes_.substr(0, 5).starts_with("ply\r") && bytes_.substr(4, 1) != "\n";
     if (!bare && bytes_.substr(at_).starts_with("\r\n")) ++at_;
     ++at_;
@@ -158,7 +159,7 @@ class PlyReader {
     if (at_ > bytes_.size() || bytes_.size() - at_ < t.bytes) {
       failPly("is cut off: it holds fewer values than its head announces");
     }
-    std::uint64_t bits = 0;  // the first byte is the least: as on this machine
+    std::uint64_t bits = 0;  // little-endian, the order of this machine
     for (std::size_t i = 0; i < t.bytes; ++i) {
       const std::size_t place = format_ == PlyFormat::kLittle ? i : t.bytes - 1 - i;
       bits |= std::uint64_t{static_cast<unsigned char>(bytes_[at_ + i])} << (8 * place);
@@ -188,7 +189,7 @@ class PlyReader {
       if (indices && element.name == "tristrips") addStrips();
     }
     if (element.name == "vertex") file_.surface.points.push_back(corner);
-    // In text, each row has a line of its own.
+    // In the text format each row has its own line.
     if (format_ == PlyFormat::kText && !words_.restOfLine().empty() && !more_) {
       more_ = true;
       file_.notices.push_back(fmt::format(
@@ -208,7 +209,7 @@ class PlyReader {
     return found;
   }
 
-  /// Strips one after the other, with -1 between.
+  /// Adds consecutive strips, which are separated by -1.
   void addStrips() {
     std::vector<double> all = std::move(list_);
     all.push_back(-1.0);
@@ -229,7 +230,7 @@ class PlyReader {
   std::vector<PlyElement> elements_;
   std::size_t at_ = 0;
   std::vector<double> list_;
-  bool more_ = false;  ///< a row has more values than the head names
+  bool more_ = false;  ///< a row has more values than the header declares
   MeshFile file_;
 };
 

@@ -29,7 +29,8 @@ std::string lowerCase(std::string_view word) {
       "export it again"};
 }
 
-/// Skips the name of a solid that starts or ends: the rest of its line, but for facets in it.
+/// Skips the name after "solid" or "endsolid": the rest of the line up to a facet that starts in
+/// it.
 void skipStlName(MeshWords& words, bool ends) {
   constexpr std::size_t kLongest = 1000;
   const std::string_view rest = words.restOfLine();
@@ -42,8 +43,8 @@ void skipStlName(MeshWords& words, bool ends) {
   }
 }
 
-/// A text of "solid", "facet normal", "outer loop", "vertex", "endloop", "endfacet", "endsolid", in
-/// any case. Each solid is a part.
+/// Reads the text format: "solid", "facet normal", "outer loop", "vertex", "endloop", "endfacet",
+/// "endsolid", in upper or lower case. Each solid is a part.
 MeshFile readStlText(std::string_view text) {
   MeshFile file;
   MeshWords words(text);
@@ -62,7 +63,8 @@ MeshFile readStlText(std::string_view text) {
       open = true;
       corners.clear();
       if (lowerCase(words.next()) != "normal") failStlWord(words, word, "facet normal");
-      for (int i = 0; i < 3; ++i) words.next();  // it follows from the corners; often nan
+      for (int i = 0; i < 3; ++i)
+        words.next();  // skips the normal, which follows from the corners and is often nan
     } else if (key == "vertex" && open) {
       const double x = words.number(), y = words.number(), z = words.number();
       corners.push_back(static_cast<int>(file.surface.points.size()));
@@ -83,7 +85,7 @@ MeshFile readStlText(std::string_view text) {
 MeshFile readStlBinary(std::string_view bytes, std::uint32_t count) {
   MeshFile file;
   const std::size_t present = (bytes.size() - kStlHead_bytes) / kStlTriangle_bytes;
-  // Writers to a pipe do not know the number, and leave 0.
+  // Programs that write to a pipe do not know the number of triangles and leave 0.
   const std::size_t triangles = count == 0 ? present : count;
   if (triangles > present) {
     throw UnreadableMesh{
@@ -97,7 +99,7 @@ MeshFile readStlBinary(std::string_view bytes, std::uint32_t count) {
   }
   for (std::size_t i = 0; i < triangles; ++i) {
     const int first = static_cast<int>(file.surface.points.size());
-    std::array<float, 9> corners;  // after the normal
+    std::array<float, 9> corners;  // three corners, stored after the normal
     std::memcpy(corners.data(), bytes.data() + kStlHead_bytes + i * kStlTriangle_bytes + 12,
                 sizeof corners);
     for (std::size_t k = 0; k < 9; k += 3) {
@@ -114,8 +116,8 @@ MeshFile readStl(std::string_view bytes) {
   std::uint32_t count = 0;
   if (bytes.size() >= kStlHead_bytes) std::memcpy(&count, bytes.data() + 80, sizeof count);
   const bool exact = bytes.size() == kStlHead_bytes + std::size_t{count} * kStlTriangle_bytes;
-  // Some writers start a binary file with "solid", too: it holds bytes 0, a text does not.
-  // Bytes 0 at the end of a text are padding.
+  // Some programs start a binary file with "solid" as well. A binary file contains zero bytes, a
+  // text does not; zero bytes at the end of a text are padding.
   std::string_view text = withoutByteOrderMark(bytes);
   text = text.substr(0, text.find_last_not_of('\0') + 1);
   if (!(exact && count > 0) && lowerCase(MeshWords(text.substr(0, 200)).next()) == "solid" &&

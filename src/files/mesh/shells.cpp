@@ -19,10 +19,10 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr std::size_t kSamples = 50;   ///< triangles of a shell that are looked at, about
-constexpr double kInwardShare = 1e-6;  ///< of the size: how far from its triangle a sample lies
+constexpr std::size_t kSamples = 50;   ///< approximate number of triangles sampled per shell
+constexpr double kInwardShare = 1e-6;  ///< distance of a sample from its triangle, in sizes
 
-/// Sets of triangles that hang together.
+/// Union-find of connected triangles.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parent_(count) {
@@ -43,8 +43,8 @@ struct AtEdge {
   std::vector<int> up, down;  ///< from the smaller index to the larger one, and back
 };
 
-/// Joins each triangle that passes the edge up with one that passes it down: first those that hang
-/// together already. Every shell is closed then, also where shells touch.
+/// Joins each triangle that passes the edge upward with one that passes it downward, already
+/// connected pairs first. Every shell is then closed, even where shells touch.
 void joinAtEdge(AtEdge edge, Sets& sets) {
   for (const int up : std::exchange(edge.up, {})) {
     const auto same = std::find_if(edge.down.begin(), edge.down.end(),
@@ -60,7 +60,7 @@ void joinAtEdge(AtEdge edge, Sets& sets) {
 
 /// A closed part of the surface.
 struct Shell {
-  std::vector<int> triangles;  ///< of the surface
+  std::vector<int> triangles;  ///< indices into the surface's triangles
   MeshSurface surface;
   Eigen::AlignedBox3d box;
   double volume_m3 = 0.0;  ///< negative: wound inward
@@ -96,7 +96,7 @@ std::vector<Shell> shellsOf(const MeshSurface& surface) {
   std::vector<Shell> shells;
   for (std::vector<int>& triangles : trianglesOfShells(surface)) {
     Shell shell;
-    std::map<int, int> index;  // of a corner in the shell
+    std::map<int, int> index;  // corner of the surface to corner of the shell
     for (const int n : triangles) {
       Vector3i corners;
       for (int k = 0; k < 3; ++k) {
@@ -117,7 +117,7 @@ std::vector<Shell> shellsOf(const MeshSurface& surface) {
   return shells;
 }
 
-/// Whether a shell lies within another: points inside of it, near its triangles, do.
+/// True when one shell lies within another, judged at sample points inside it near its triangles.
 bool liesWithin(const Shell& inner, const Shell& outer, double size_m) {
   const Vector3d slack = Vector3d::Constant(kWeldShare * size_m);
   const Eigen::AlignedBox3d room(outer.box.min() - slack, outer.box.max() + slack);
@@ -134,7 +134,7 @@ bool liesWithin(const Shell& inner, const Shell& outer, double size_m) {
   return true;
 }
 
-/// The largest shell that a shell lies within; the shell itself when it lies in no other.
+/// The largest shell that contains this shell; the shell itself when no other contains it.
 const Shell& outermostOf(const Shell& shell, const std::vector<Shell>& shells, double size_m) {
   const Shell* outermost = &shell;
   for (const Shell& other : shells) {

@@ -7,9 +7,9 @@ namespace wholehand {
 /// Which shells of a closed surface were wound inward and are turned.
 enum class TurnedShells { kNone, kSome, kAll };
 
-/// Turns the shells that are wound inward. A shell is what hangs together by its edges. One that
-/// lies in no other is wound outward then. One within it keeps its sense against it: a hollow stays
-/// a hollow.
+/// Reverses shells that are wound inward. A shell is a set of triangles connected by edges.
+/// Afterwards every shell that lies in no other is wound outward. A shell within it is reversed
+/// together with it, so that a hollow stays a hollow.
 ///
 /// @param surface closed, vertices merged; every edge is passed as often in one direction as in the
 /// other

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 struct Passes {
-  int up = 0, down = 0;  ///< from the smaller index to the larger one, and back
+  int up = 0, down = 0;  ///< passes from the smaller to the larger vertex index, and back
 };
 
 std::optional<Diagnostic> edgeFault(const WeldedMesh& mesh) {
@@ -54,7 +54,7 @@ std::optional<Diagnostic> edgeFault(const WeldedMesh& mesh) {
 
 using Segment = std::pair<Vector3d, Vector3d>;
 
-/// What is left of a facet behind a plane: at most four corners.
+/// The part of a facet behind a plane: at most four corners.
 struct Polygon {
   std::array<Vector3d, 4> corners_m;
   std::array<bool, 4> on_plane{};
@@ -92,14 +92,16 @@ void addSegments(const Polygon& polygon, std::vector<Segment>& out) {
 }
 
 constexpr std::size_t kMostPlanes = 16;
-constexpr double kReflexSine = 0.02;  ///< smaller angles are those of round surfaces
-constexpr double kSame = 1e-6;        ///< of normals, and of the size: one plane
+/// Edges with smaller angles belong to the facets of round surfaces.
+constexpr double kReflexSine = 0.02;
+constexpr double kSame = 1e-6;  ///< planes are equal within this difference of normals, and of
+                                ///< offsets as a share of the size
 
 Vector3d normalOf(const MeshSurface& s, const Vector3i& t) {
   return (s.points[t[1]] - s.points[t[0]]).cross(s.points[t[2]] - s.points[t[0]]).normalized();
 }
 
-constexpr int kLeaf = 4;  ///< triangles of a box that is not divided further
+constexpr int kLeaf = 4;  ///< boxes with at most so many triangles are not divided
 
 double squaredDistanceToSegment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
   const Vector3d along = b - a;
@@ -185,7 +187,8 @@ double volumeOf(const std::vector<Facet>& facets) {
 }
 
 std::vector<FeaturePlane> featurePlanes(const MeshSurface& surface) {
-  std::map<std::pair<int, int>, int> triangle_at;  // the one that passes the edge in this direction
+  std::map<std::pair<int, int>, int>
+      triangle_at;  // triangle that passes the edge in this direction
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
     const Vector3i& t = surface.triangles[i];
     for (int k = 0; k < 3; ++k) triangle_at[{t[k], t[(k + 1) % 3]}] = static_cast<int>(i);
@@ -207,7 +210,7 @@ std::vector<FeaturePlane> featurePlanes(const MeshSurface& surface) {
 std::vector<Candidate> candidatesAtEdges(const std::vector<FeaturePlane>& features,
                                          const std::vector<CutPlane>& cell, double size_m) {
   std::vector<FeaturePlane> planes;
-  double all_m = 0.0;  // of every edge twice, once for each of its planes
+  double all_m = 0.0;  // counts every edge twice, once for each of its planes
   for (const FeaturePlane& feature : features) {
     const bool within = std::all_of(cell.begin(), cell.end(), [&](const CutPlane& c) {
       return c.distance_m(feature.edge_middle_m) < -kSame * size_m;

@@ -12,7 +12,7 @@
 
 namespace wholehand {
 
-/// Limit of the triangles of a surface that is divided into convex pieces.
+/// Maximum number of triangles of a surface that is divided into convex pieces.
 inline constexpr int kMaxSolidTriangles = 20'000;
 
 /// A closed surface: the boundary of a solid.
@@ -20,7 +20,7 @@ struct ClosedSurface {
   MeshSurface surface;     ///< vertices merged, triangles wound outward
   double volume_m3 = 0.0;  ///< enclosed; > 0. Space that is enclosed twice counts twice
   double size_m = 0.0;     ///< diagonal of the bounding box
-  TurnedShells turned = TurnedShells::kNone;  ///< what of the input was wound inward
+  TurnedShells turned = TurnedShells::kNone;  ///< which shells of the input were wound inward
 };
 
 /// Merges vertices, and verifies that the triangles enclose a volume: every edge is passed as often
@@ -52,16 +52,16 @@ struct Facet {
   bool on_cut = false;  ///< part of a cut face, not of the solid's own surface
 };
 
-/// Cuts a solid: the part behind the plane. The cut face is a fan of triangles from one corner of
-/// it, some of them negative where the face is not convex; volumes add up exactly, and further cuts
-/// may follow. Corners within `snap_m` of the plane lie on it.
+/// Cuts a solid and returns the part behind the plane. The cut face is a fan of triangles from one
+/// of its corners; some have negative area when the face is not convex. Volumes add up exactly, and
+/// the result can be cut again. Corners within `snap_m` of the plane lie on it.
 ///
 /// @param facets closed, wound outward
 /// @return closed, wound outward; empty when nothing lies behind. Not real-time safe.
 [[nodiscard]] std::vector<Facet> cutBehind(const std::vector<Facet>& facets, const CutPlane& plane,
                                            double snap_m);
 
-/// Point where the edge meets the plane. The same bits for both directions of an edge.
+/// Point where an edge crosses the plane. Bit-identical for both directions of the edge.
 /// @pre the distances `da`, `db` [m] of `a`, `b` have different signs
 [[nodiscard]] Eigen::Vector3d crossing(const Eigen::Vector3d& a, double da,
                                        const Eigen::Vector3d& b, double db);
@@ -70,7 +70,7 @@ struct Facet {
 [[nodiscard]] double volumeOf(const std::vector<Facet>& facets);
 
 /// Plane of a face at a reflex edge (the solid's inner angle is larger than pi): a cut along it
-/// takes the edge away.
+/// removes the edge.
 struct FeaturePlane {
   CutPlane plane;
   Eigen::Vector3d edge_middle_m;
@@ -83,15 +83,16 @@ struct FeaturePlane {
 /// A cut to try.
 struct Candidate {
   CutPlane plane;
-  double reflex_share = 0.0;  ///< of the weight of the cell's reflex edges: those on the plane
+  /// Weight of the reflex edges on the plane, as a share of all in the cell.
+  double reflex_share = 0.0;
 };
 
-/// The different planes of edges inside a cell, those of the largest weight, 16 at most.
+/// The distinct feature planes of edges inside a cell: the 16 of the largest weight.
 [[nodiscard]] std::vector<Candidate> candidatesAtEdges(const std::vector<FeaturePlane>& features,
                                                        const std::vector<CutPlane>& cell,
                                                        double size_m);
 
-/// Distances to a surface of triangles, by a tree of their boxes. Not real-time safe.
+/// Computes distances to a surface of triangles with a tree of bounding boxes. Not real-time safe.
 class SurfaceDistance {
  public:
   /// @param surface at least one triangle; it must outlive this object

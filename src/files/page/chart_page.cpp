@@ -107,7 +107,8 @@ std::string compressed(std::string_view bytes) {
   const int result = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
                                reinterpret_cast<const Bytef*>(bytes.data()),
                                static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
-  if (result != Z_OK) throw std::bad_alloc();  // the buffer is large enough: only memory can fail
+  if (result != Z_OK)
+    throw std::bad_alloc();  // the buffer is large enough, so that only memory can run out
   out.resize(size);
   return out;
 }

@@ -15,7 +15,7 @@
 /// Content of a page of charts. web/src/charts draws it in the reader's language.
 namespace wholehand {
 
-/// A text: a literal string, or a sentence of web/src/charts/i18n.
+/// A text of the page: a literal string, or a sentence of web/src/charts/i18n.
 using PageText = nlohmann::json;
 /// The named sentence with values for its placeholders. "axes" may be names of device axes,
 /// separated by ", ".
@@ -29,11 +29,11 @@ struct ChartLine {
   std::string color = "--ink";    ///< custom property of the page's style
   std::vector<int> dash_px = {};  ///< empty: solid
   double width_px = 1.5;
-  std::string axis =
-      {};             ///< of a device: its colour, its dash and, where there is no other, its name
-  double dot_px = 0;  ///< > 0: dots of this diameter instead of a line
-  bool stepped = false;                            ///< holds each value until the next
-  bool filled = false;                             ///< filled down to the lower end
+  std::string axis = {};  ///< device axis that gives the line its colour, its dash and, if `name`
+                          ///< is null, its name
+  double dot_px = 0;      ///< > 0: dots of this diameter instead of a line
+  bool stepped = false;   ///< holds each value until the next
+  bool filled = false;    ///< filled down to the lower end
   std::vector<std::array<double, 2>> points = {};  ///< x increasing; NaN in y is a gap
 };
 
@@ -59,8 +59,8 @@ struct Chart {
   PageText title = nullptr;
   int height_px = 150;
   ChartScale x = {}, y = {};
-  bool names_x = true;          ///< with numbers below the chart
-  bool below_previous = false;  ///< in the same grid cell of the page
+  bool names_x = true;          ///< numbers are shown below the chart
+  bool below_previous = false;  ///< in the same grid cell of the page as the previous chart
   std::vector<ChartLine> lines = {};
   std::vector<ChartBand> bands = {};
   std::vector<ChartMark> marks = {};
@@ -75,7 +75,7 @@ struct ChartTable {
 struct ChartPage {
   PageText title = nullptr;
   std::vector<PageText> notes = {};
-  std::vector<ChartLine> legend = {};  ///< common to all charts; without points
+  std::vector<ChartLine> legend = {};  ///< common to all charts; the lines have no points
   int columns = 1;
   std::vector<Chart> charts = {};
   std::vector<ChartTable> tables = {};
@@ -87,20 +87,20 @@ struct ChartPage {
 /// Page template, in the folder of the built pages.
 inline constexpr const char* kChartTemplate = "web/dist/charts.html";
 
-/// Placeholder in a template, replaced by the page's JSON data.
+/// Placeholder in a template that the page's JSON data replaces.
 inline constexpr std::string_view kPageDataMark = "\"wholehand-page-data\"";
 
-/// JSON safe inside <script type="application/json">: ASCII, without "<". Invalid UTF-8 is
-/// replaced.
+/// JSON text that is safe inside <script type="application/json">: ASCII, without "<". Invalid
+/// UTF-8 is replaced.
 [[nodiscard]] std::string embeddedJson(const nlohmann::json& data);
 
-/// Reads a template. Refused: a missing one (the error says how it is built), and one that does not
-/// have the placeholder exactly once.
+/// Reads a template. Refuses a missing file (the error says how it is built) and a file that does
+/// not contain the placeholder exactly once.
 [[nodiscard]] Expected<std::string> readPageTemplate(const std::string& template_path);
 
 /// Writes the template with the data under a temporary name and renames it, so that the page
 /// appears complete or not at all. Creates the folder if only it is missing.
-/// @pre page_template is of readPageTemplate()
+/// @pre page_template is a result of readPageTemplate()
 [[nodiscard]] Expected<Done> writePage(const std::string& page_template, const nlohmann::json& data,
                                        const std::string& path);
 

@@ -52,12 +52,12 @@ std::string_view trimmed(std::string_view text) {
 
 /// A value between commas.
 struct Cell {
-  std::string text;  ///< without its quotes
+  std::string text;  ///< value without its quotes
   bool quoted = false;
 };
 
-/// Comma-separated values of a line, each trimmed; in double quotes, a comma is text and two quotes
-/// are one (RFC 4180).
+/// Comma-separated values of a line, each trimmed. Inside double quotes a comma is text and two
+/// quotes stand for one (RFC 4180).
 std::vector<Cell> cells(std::string_view line) {
   std::vector<Cell> found(1);
   bool inside = false;
@@ -78,7 +78,7 @@ std::vector<Cell> cells(std::string_view line) {
   return found;
 }
 
-/// True if the text has control bytes: the file is not text, or UTF-16.
+/// True if the text has control bytes: then the file is binary or UTF-16.
 bool holdsControl(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](unsigned char c) {
     return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7F;
@@ -119,7 +119,7 @@ bool isOfMotion(std::string_view name) {
   return name == "time_s" || isTime(name) || name.ends_with("_m") || name.ends_with("_rad");
 }
 
-/// True for a single cell that other marks than commas divide.
+/// True for a header that other separators than commas divide.
 bool isDividedOtherwise(const std::vector<Cell>& names) {
   if (names.size() != 1) return false;
   const std::string& text = names.front().text;
@@ -128,14 +128,14 @@ bool isDividedOtherwise(const std::vector<Cell>& names) {
          (blank != text.npos && isOfMotion(text.substr(0, blank)));
 }
 
-/// Why a first line is no header of a motion; empty if it is one.
+/// Reason why a first line is not the header of a motion file; empty if it is one.
 std::string noHeader(const std::vector<Cell>& names) {
   const bool any = std::any_of(names.begin(), names.end(),
                                [](const Cell& cell) { return isOfMotion(cell.text); });
   return any ? "" : "is not a motion: its first line names neither a time nor an axis";
 }
 
-/// Kind of the device's axis of that name, else of the usual one.
+/// Kind of the device's axis of that name, else of the standard axis of that name.
 std::optional<AxisKind> kindOf(std::string_view name, const DeviceModel* device) {
   if (device != nullptr) {
     for (const DeviceAxis& axis : device->axes) {
@@ -168,14 +168,15 @@ class Reader {
   Expected<MotionFile> read();
 
  private:
-  /// False when the file is not a motion and further faults would be noise.
+  /// Reads one line. Returns false when the file is not a motion file and further faults would be
+  /// noise.
   bool line(std::string_view text);
   bool header(std::string_view line);
   void column(const std::string& name, std::size_t place);
   void row(std::string_view line);
   std::optional<double> number(const std::string& cell, std::size_t place);
   void checkTime(double time_s, std::string_view cell);
-  /// Refuses what is no motion, as what it is where that is known.
+  /// Refuses a file that is not a motion file. If its format is known, the message names it.
   void refuse(const std::string& problem, const char* remedy = kGiveMotion);
   void checkWhole();
   void checkValues();
@@ -187,14 +188,14 @@ class Reader {
   const DeviceModel* device_;
   MotionFile motion_;
   Diagnostics faults_;
-  Diagnostics ignored_;  // columns
+  Diagnostics ignored_;  // notices of ignored columns
   std::size_t unreported_ = 0;
   int line_ = 0;
   std::vector<std::string> header_;  // the columns as written
-  std::vector<bool> is_read_;        // of each column
+  std::vector<bool> is_read_;        // for each column
   std::size_t time_place_ = 0;
-  std::size_t unnamed_ = 0;  // values of a row before those that the header names
-  std::vector<int> lines_;   // of the samples
+  std::size_t unnamed_ = 0;  // number of values in a row before those that the header names
+  std::vector<int> lines_;   // line of each sample
   int rows_ = 0;
 };
 
@@ -218,7 +219,7 @@ void Reader::refuse(const std::string& problem, const char* remedy) {
 
 void Reader::column(const std::string& name, std::size_t place) {
   const std::string key = "column " + std::to_string(place + 1);
-  if (name.empty() && place == 0) return;  // numbers of the rows, as pandas and R write them
+  if (name.empty() && place == 0) return;  // row numbers as pandas and R write them
   if (name.empty()) {
     fault(key, name, "has no name", "name it time_s, <axis>_m or <axis>_rad");
     return;
@@ -264,6 +265,7 @@ bool Reader::header(std::string_view line) {
     refuse(why);
     return false;
   }
+  // Reads the columns and finds the time.
   is_read_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     header_.push_back(names[i].text);
@@ -279,6 +281,7 @@ bool Reader::header(std::string_view line) {
           "add a column time_s with the time of each row in seconds");
   }
   time_place_ = time - header_.begin();
+  // Ignored columns are faults if no axis column exists, else notices.
   const bool none = motion_.columns.empty();
   for (Diagnostic& column : ignored_) {
     if (none) {
@@ -301,7 +304,8 @@ bool Reader::header(std::string_view line) {
 }
 
 bool Reader::line(std::string_view text) {
-  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");  // UTF-16
+  // Byte order mark of UTF-16.
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
   if (marked || holdsControl(text)) {
     refuse("is not a CSV text: it holds bytes that no text has");
     return false;
@@ -316,7 +320,7 @@ bool Reader::line(std::string_view text) {
 std::optional<double> Reader::number(const std::string& cell, std::size_t place) {
   const std::string& key = header_[place];
   double value = 0.0;
-  // from_chars accepts no leading plus; unlike strtod it ignores the locale.
+  // from_chars ignores the locale, unlike strtod, but accepts no leading plus.
   std::string_view digits = cell;
   if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -346,7 +350,7 @@ void Reader::checkTime(double time_s, std::string_view cell) {
 void Reader::row(std::string_view line) {
   ++rows_;
   const std::vector<Cell> values = cells(line);
-  // R writes a quoted number before each row, and no name for it.
+  // R writes a quoted row number before each row and no header for it.
   if (rows_ == 1 && values.size() == header_.size() + 1 && values[0].quoted) unnamed_ = 1;
   if (values.size() != header_.size() + unnamed_) {
     fault("", "",
@@ -371,7 +375,8 @@ void Reader::row(std::string_view line) {
   lines_.push_back(line_);
 }
 
-/// Values that no hand and no device has are of another unit. The first of each column is named.
+/// Reports values that no hand and no device reaches: they have another unit. Names the first one
+/// of each column.
 void Reader::checkValues() {
   constexpr double kTurn_rad = 2.0 * std::numbers::pi, kMostTurn_rad = 2.0 * kTurn_rad;
   constexpr double kBeyond = 10.0;
@@ -389,6 +394,7 @@ void Reader::checkValues() {
       const double step = i > 0 ? std::abs(value - motion_.samples[i - 1][c]) : 0.0;
       const double step_s = i > 0 ? motion_.time_s[i] - motion_.time_s[i - 1] : 1.0;
       const std::string shown_value = fmt::format("{:g}", value);
+      // Reports the first implausible value of the column.
       if (turns && std::abs(value) > kMostTurn_rad) {
         fault(key, shown_value, "is beyond two turns (4π rad)",
               "must be in rad: multiply degrees by π / 180");
@@ -418,8 +424,8 @@ void Reader::checkValues() {
   line_ = 0;
 }
 
-/// Milliseconds in the column of seconds: a recording has more than one row a second. Rows that are
-/// missing: the motion between is a straight line, which nobody moved.
+/// Notes a time column that is probably in milliseconds: recordings have more than one row per
+/// second. Notes missing rows: the reader interpolates a straight line that nobody moved.
 void Reader::checkPace() {
   constexpr std::size_t kEnough = 10;
   constexpr double kGapSteps = 10.0, kLeastGap_s = 0.2;
@@ -428,6 +434,7 @@ void Reader::checkPace() {
   for (std::size_t i = 1; i < motion_.time_s.size(); ++i) {
     steps_s.push_back(motion_.time_s[i] - motion_.time_s[i - 1]);
   }
+  // The usual step is the median.
   std::vector<double> sorted_s = steps_s;
   const auto middle = sorted_s.begin() + static_cast<std::ptrdiff_t>(sorted_s.size() / 2);
   std::nth_element(sorted_s.begin(), middle, sorted_s.end());
@@ -438,6 +445,7 @@ void Reader::checkPace() {
                                        "if these are milliseconds, divide them by 1000"));
     return;
   }
+  // Counts the gaps and names the longest.
   const double most_s = std::max(kGapSteps * usual_s, kLeastGap_s);
   const auto gaps =
       std::count_if(steps_s.begin(), steps_s.end(), [&](double step_s) { return step_s > most_s; });
@@ -483,7 +491,7 @@ Expected<MotionFile> Reader::read() {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(motion_.path, error);
   if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
-    fault("", "", "is not a file", kGiveMotion);  // /dev/zero never ends
+    fault("", "", "is not a file", kGiveMotion);  // a device such as /dev/zero is endless
     return faults_;
   }
   std::ifstream file(motion_.path);
@@ -496,10 +504,11 @@ Expected<MotionFile> Reader::read() {
     fault("", "", "cannot be read", "give a CSV file, not a folder");
     return faults_;
   }
+  // Reads line by line; a line may end in \n, \r\n or \r.
   for (std::string whole; std::getline(file, whole);) {
     if (whole.ends_with('\r')) whole.pop_back();
     for (std::size_t begin = 0, end = 0; end != whole.npos; begin = end + 1) {
-      end = whole.find('\r', begin);  // alone, it ends a line, too
+      end = whole.find('\r', begin);  // a \r without \n also ends a line
       ++line_;
       std::string_view text = std::string_view(whole).substr(begin, end - begin);
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);

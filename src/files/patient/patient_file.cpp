@@ -18,7 +18,7 @@ namespace wholehand {
 namespace {
 
 // Tip values convert to joint values by the lever arm squared: one factor for the force, one for
-// the path. In links, by the lever arms of both axes.
+// the path. In a link between two axes the factor is the product of both lever arms.
 constexpr AxisQuantity kPersonMass{"mass_kg", "inertia_kg_m2", "mass_tip_kg", 2, 0.0, 100.0};
 constexpr AxisQuantity kPersonDamping{
     "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e4};
@@ -29,12 +29,14 @@ constexpr AxisQuantity kPersonStiffness{
 struct LinkedAxes {
   std::vector<std::string> names;
   std::vector<AxisKind> kinds;
-  std::vector<int> on_device;   ///< index; -1: a standard axis that this device lacks
-  std::vector<double> lever_m;  ///< path of the tip per radian; 1 for a translation; 0: none
+  std::vector<int> on_device;  ///< index; -1: a standard axis that this device lacks
+  std::vector<double>
+      lever_m;  ///< path of the tip per radian; 1 for a translation; 0: no lever arm
 };
 
-constexpr double kAnyLever_m = 1.0;  // axis of another device: its keys are still checked
-constexpr double kRounding = 1e-12;  // of an eigenvalue, the diagonal being 1
+// Lever arm assumed for an axis of another device, whose keys are still checked.
+constexpr double kAnyLever_m = 1.0;
+constexpr double kRounding = 1e-12;  // tolerance for a negative eigenvalue, when the diagonal is 1
 
 std::string listOf(const std::vector<std::string>& names) {
   std::string out;
@@ -100,14 +102,14 @@ struct Sum {
   std::vector<Part> parts;
 };
 
-/// Factors from a tip value to the axes' values: the lever arms for a tip key, else ones.
+/// Factors that convert a tip value to the axes' values: the lever arms for a tip key, else 1.
 std::vector<double> linkedFactors(const LinkedAxes& axes, const AxisQuantity& quantity,
                                   std::string_view key) {
   if (key == quantity.tip_key) return axes.lever_m;
   return std::vector<double>(axes.names.size(), 1.0);
 }
 
-/// The matrix of one key, in the units of the axes, over all axes of the device.
+/// Matrix of one key over all axes of the device, in the units of the axes.
 AxisMatrix readMatrix(TomlTable& table, const LinkedAxes& axes, const AxisQuantity& quantity,
                       std::string_view key, int device_axes) {
   AxisMatrix out = AxisMatrix::Zero(device_axes, device_axes);
@@ -134,10 +136,10 @@ AxisMatrix readMatrix(TomlTable& table, const LinkedAxes& axes, const AxisQuanti
   return out;
 }
 
-/// Why a matrix is not positive semidefinite, and the remedy; empty if it is.
+/// Reason why a matrix is not positive semidefinite, and the remedy; empty if it is.
 struct Refusal {
   std::string problem, remedy;
-  Eigen::VectorXd direction;  ///< along which it is negative
+  Eigen::VectorXd direction;  ///< direction along which the matrix is negative
 };
 std::optional<Refusal> indefinite(const AxisMatrix& m, const DeviceModel& device) {
   const Eigen::Index n = m.rows();
@@ -150,7 +152,7 @@ std::optional<Refusal> indefinite(const AxisMatrix& m, const DeviceModel& device
                    "give " + name(i) + " more on the diagonal, here or in its [[axes]]",
                    Eigen::VectorXd::Unit(n, i)};
   }
-  // Scaled to a unit diagonal, so that units do not matter.
+  // Scales the matrix to a unit diagonal, which makes it independent of units.
   Eigen::MatrixXd off = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -190,8 +192,8 @@ void checkSum(Sum& sum, const DeviceModel& device) {
   }
 }
 
-/// Reads `axes` (two or more names) and `lever_m` (a table of tip distances of rotations, if other
-/// than the device's). Empty when a name is wrong, which is reported.
+/// Reads `axes` (two or more names) and `lever_m` (a table of tip distances of rotations that
+/// differ from the device's). Reports a wrong name and then returns empty.
 std::optional<LinkedAxes> readLinkedAxes(TomlTable& table, const DeviceModel& device) {
   LinkedAxes out;
   out.names = table.texts("axes");
@@ -218,9 +220,9 @@ std::optional<LinkedAxes> readLinkedAxes(TomlTable& table, const DeviceModel& de
   return out;
 }
 
-/// Key under which the table gives the quantity for these axes: of translations, of rotations, or
-/// of tips, the only key for mixed axes. Empty when there is none; keys of the wrong unit are
-/// reported.
+/// Key under which the table gives the quantity for these axes: the key for translations, for
+/// rotations, or for tips. Mixed axes allow the tip key only. Empty when the quantity is absent;
+/// keys of the wrong unit are reported.
 std::string_view linkedKey(TomlTable& table, const LinkedAxes& axes, const AxisQuantity& quantity) {
   const bool shifts = every(axes, AxisKind::kTranslation);
   const bool turns = every(axes, AxisKind::kRotation);
@@ -260,6 +262,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
                           Sum{kPersonStiffness, AxisMatrix::Zero(n, n), {}}};
   const std::array<double PatientAxis::*, 3> own{&PatientAxis::mass, &PatientAxis::damping,
                                                  &PatientAxis::stiffness};
+  // Sums the matrices of all tables for mass, damping and stiffness.
   for (TomlTable& table : root.tables("links", 0)) {
     const std::optional<LinkedAxes> axes = readLinkedAxes(table, device);
     if (!axes) continue;
@@ -280,6 +283,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
       table.fail("lever_m", "has no effect: no key of this table is given at the tip", "remove it");
     }
   }
+  // Adds the diagonals to the axes' own values; the rest are the links.
   std::array<AxisMatrix, 3> links;
   for (std::size_t s = 0; s < sums.size(); ++s) {
     Sum& sum = sums[s];
@@ -297,7 +301,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
   if (linked) config.links = {links[0], links[1], links[2]};
 }
 
-// Stronger than any tremor or finger, weaker than a slipped unit.
+// Upper bounds exceed any tremor and any finger; a value in a wrong unit exceeds them.
 constexpr AxisQuantity kTremor{"tremor_n", "tremor_nm", "tremor_tip_n", 1, 0.0, 10.0};
 constexpr AxisQuantity kTremorAlong{"along_n", "along_nm", "along_tip_n", 1, -10.0, 10.0};
 constexpr AxisQuantity kStrength{"strength_n", "strength_nm", "strength_tip_n", 1, 0.0, 1e4, true};
@@ -314,7 +318,7 @@ MotionMapping readMotion(TomlTable& root) {
   return motion;
 }
 
-/// Refuses an unknown axis: it would feel no person, unnoticed.
+/// Refuses an unknown axis. Otherwise a misspelt axis would silently have no simulated person.
 void refuseAxis(NamedAxis& axis, const std::vector<NamedAxis>& all, const DeviceModel& device) {
   std::vector<std::string> names, used;
   for (const DeviceAxis& on_device : device.axes) names.push_back(on_device.name);
@@ -372,7 +376,7 @@ std::optional<TomlTable> habitTable(TomlTable& root, const std::string& name, bo
   return table;
 }
 
-/// Efforts of a tremor that moves several axes together.
+/// Reads the effort amplitudes of a tremor that moves several axes together.
 AxisEffort readTremorAlong(TomlTable& table, const DeviceModel& device) {
   AxisEffort along(device.axisCount());
   const std::optional<LinkedAxes> axes = readLinkedAxes(table, device);
@@ -393,7 +397,7 @@ AxisEffort readTremorAlong(TomlTable& table, const DeviceModel& device) {
   return along;
 }
 
-/// Reads the behaviours; `all` are the axes of the file, other devices' included.
+/// Reads the behaviours. `all`: every axis of the file, including axes of other devices.
 void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, const DeviceModel& device,
                 PatientConfig& config) {
   const auto any = [&all](auto has) { return std::any_of(all.begin(), all.end(), has); };

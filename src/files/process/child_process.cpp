@@ -31,17 +31,18 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLookAtEnd = std::chrono::milliseconds(1);
-/// A killed process in uninterruptible disk sleep remains; it is abandoned after this time.
+/// A killed process in uninterruptible disk sleep does not end; it is abandoned after this time.
 constexpr auto kGoneWithin = std::chrono::milliseconds(500);
-// From linux/ioprio.h, which not every system has: scope "process", class "idle".
+// Scope "process" and class "idle" from linux/ioprio.h, a header that some systems lack.
 constexpr int kOfProcess = 1, kIdle = 3 << 13;
 
-/// Limits a running child's resources and disables its core dump. Its CPU priority stays this
-/// process's: somebody waits for it, and a loop that moves a person has a real-time one (ADR 27).
+/// Limits a running child's resources and disables its core dump. The child keeps this process's
+/// CPU priority, because a user waits for its result; a loop that moves a person runs at real-time
+/// priority and is not delayed (ADR 27).
 /// @param idle_disk lowest disk priority
 void limit(pid_t child, std::uint64_t memory_bytes, bool idle_disk) {
-  // A sanitizer's shadow memory exceeds any limit. It disables the core dump itself, and ends the
-  // child where that fails because this process did so at that moment.
+  // A sanitizer's shadow memory exceeds any limit. The sanitizer disables the core dump itself, and
+  // it ends the child if this process does so at the same moment and makes that fail.
   if (WHOLEHAND_SANITIZED == 0) {
     const rlimit memory{memory_bytes, memory_bytes}, no_core{0, 0};
     (void)::prlimit(child, RLIMIT_AS, &memory, nullptr);
@@ -64,10 +65,11 @@ int spawn(const std::string& program, std::vector<std::string> arguments, int in
   posix_spawn_file_actions_init(&actions);
   if (input >= 0) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   if (output >= 0) posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // neither sockets nor the recording
+  posix_spawn_file_actions_addclosefrom_np(&actions,
+                                           3);  // closes sockets and the recording in the child
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t none;  // our threads block signals (InterruptScope)
+  sigset_t none;  // threads of this program block signals (InterruptScope)
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
@@ -126,7 +128,7 @@ class Pipe {
   std::array<int, 2> ends_ = {-1, -1};
 };
 
-/// Waits at most kLook for output and reads it. False at the end of the output.
+/// Waits at most kLook for output and reads it. Returns false at the end of the output.
 bool takeOutput(int from, std::string& output) {
   pollfd ready{from, POLLIN, 0};
   if (::poll(&ready, 1, static_cast<int>(kLook.count())) <= 0) return true;

@@ -17,7 +17,7 @@ namespace wholehand {
 
 /// Resource limits of a process that reads an untrusted file.
 struct ChildLimits {
-  std::chrono::milliseconds time{10'000};   ///< from its start
+  std::chrono::milliseconds time{10'000};   ///< measured from the child's start
   std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
   std::uint64_t output_bytes = 0;           ///< captured standard output; 0: it inherits this
                                             ///< process's output
@@ -35,15 +35,16 @@ struct ChildResult {
 /// Runs a program and waits for its end. The child gets no file descriptors except the standard
 /// ones, no blocked signals, and writes no core dump. It is killed when it exceeds its time or
 /// output, or when `stop` returns true. Uses posix_spawn instead of fork, so that the pages of a
-/// running loop are not marked copy-on-write. Not for the tick.
+/// running loop are not marked copy-on-write. Not real-time safe.
 /// @param stop polled every 20 ms; empty: never
 [[nodiscard]] ChildResult runChild(const std::string& program,
                                    const std::vector<std::string>& arguments,
                                    const ChildLimits& limits,
                                    const std::function<bool()>& stop = {});
 
-/// A child process that answers repeated requests. One socket to this process is its standard input
-/// and output, and it ends when that closes. Otherwise as runChild(). One thread at a time.
+/// A child process that answers repeated requests. Its standard input and output are one socket to
+/// this process; the child ends when the socket closes. Descriptors, signals and core dumps are
+/// handled as in runChild(). For one thread at a time.
 class TalkingChild {
  public:
   struct Limits {
@@ -51,7 +52,7 @@ class TalkingChild {
     bool idle_disk = false;                   ///< lowest disk priority
   };
 
-  /// Starts the child; null with errno when that fails.
+  /// Starts the child. Returns null and sets errno when that fails.
   [[nodiscard]] static std::unique_ptr<TalkingChild> start(
       const std::string& program, const std::vector<std::string>& arguments, const Limits& limits);
   /// Kills the child.
@@ -59,9 +60,9 @@ class TalkingChild {
   TalkingChild(const TalkingChild&) = delete;
   TalkingChild& operator=(const TalkingChild&) = delete;
 
-  /// Sends a whole text; false when the child has ended.
+  /// Sends the whole text; returns false when the child has ended.
   [[nodiscard]] bool send(std::string_view text);
-  /// Receives a number of bytes; fewer when the child ended, the timeout expired, or `stop`
+  /// Receives `bytes` bytes; fewer when the child ended, the time `until` passed, or `stop`
   /// returned true.
   /// @param stop polled every 20 ms; empty: never
   [[nodiscard]] std::string receive(std::size_t bytes, std::chrono::steady_clock::time_point until,

@@ -33,16 +33,19 @@ using std::numbers::pi;
 
 constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: rounding in files
 
-constexpr double kWood_kg_m3 = 600.0;  ///< of what moves on a joint and has no inertial
+/// Density of a body that moves on a joint and has no <inertial>.
+constexpr double kWood_kg_m3 = 600.0;
 
-// No matter is denser than osmium. Light colliders that stand for a heavy thing may be.
+// Density limits. Osmium is the densest matter. The mass of a body may be concentrated to 10 times
+// its mean density, because light colliders may represent a heavy object.
 constexpr double kOsmium_kg_m3 = 22.6e3, kMostConcentration = 10.0;
 constexpr double kAir_kg_m3 = 1.2;
-/// Ballast has no collider, but its place is in metres: within this many extents of the colliders.
+/// Largest distance of ballast from the colliders, in extents of the colliders. Ballast has no
+/// collider; a larger distance indicates a wrong unit.
 constexpr double kMostBallastReach = 10.0;
 
-constexpr std::size_t kMostName = 200;    ///< characters of a name that is recorded
-constexpr std::size_t kShownName = 60;    ///< of them in a fault
+constexpr std::size_t kMostName = 200;    ///< maximum characters of a name in a recording
+constexpr std::size_t kShownName = 60;    ///< maximum characters of a name in a fault
 constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
 
 NumberRule dimension() {
@@ -72,7 +75,7 @@ Vector3d halfBox(const Shape& shape) {
                                        : Vector3d(shape.radius_m, shape.radius_m, end_m);
 }
 
-/// Calls `take` with points of the body frame between which the shapes lie.
+/// Calls `take` with points (body frame) whose convex hull contains the shapes.
 template <class Take>
 void eachBound(const std::vector<Shape>& shapes, const Take& take) {
   for (const Shape& shape : shapes) {
@@ -90,7 +93,7 @@ void eachBound(const std::vector<Shape>& shapes, const Take& take) {
   }
 }
 
-/// Bound of the distance of the shapes' points from a point [m].
+/// Upper bound of the distance of the shapes' points from `from_m` [m].
 double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
   double most_m = 0.0;
   eachBound(shapes, [&](const Vector3d& p) { most_m = std::max(most_m, (p - from_m).norm()); });
@@ -103,15 +106,15 @@ Eigen::AlignedBox3d boxOf(const std::vector<Shape>& shapes) {
   return box;
 }
 
-/// The densest that a body of these colliders may be anywhere [kg/m3].
+/// Largest plausible local density of a body with these colliders [kg/m³].
 double mostDensity(const std::vector<Shape>& shapes, double mass_kg) {
   double volume_m3 = 0.0;
   for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
   return std::max(kOsmium_kg_m3, kMostConcentration * mass_kg / volume_m3);
 }
 
-/// Moment of inertia of a ball [kg·m²]. Of all bodies of a mass and at most a density, the ball's
-/// moments have the least sum.
+/// Moment of inertia of a ball [kg·m²]. Among all bodies of this mass that are at most this dense,
+/// a ball has the least sum of principal moments.
 double ballInertia(double mass_kg, double density_kg_m3) {
   const double radius_m = std::cbrt(mass_kg / density_kg_m3 / (4.0 / 3.0 * pi));
   return 0.4 * mass_kg * radius_m * radius_m;
@@ -155,15 +158,15 @@ class BodyReader {
            (!t_.has("orientation_rpy_rad") || t_.isGood("orientation_rpy_rad"));
   }
   [[nodiscard]] TomlTable& table() { return t_; }
-  /// Paths of the mesh or URDF, and of the URDF's meshes.
+  /// Paths of the mesh or URDF file and of the URDF's meshes.
   [[nodiscard]] const std::vector<std::string>& assets() const { return assets_; }
-  /// What is no fault, but differs from the file; `file` is empty for the scene file.
+  /// Notices: differences from the file that are not faults. An empty `file` means the scene file.
   [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   /// Faults inside the URDF, with lines of that file.
   [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
   /// Bodies that move on joints of the URDF.
   [[nodiscard]] const std::vector<Mover>& movers() const { return movers_; }
-  /// Refuses a link of the URDF.
+  /// Adds a fault at a link of the URDF.
   void failLink(const Mover& mover, std::string problem, std::string remedy) {
     Diagnostic fault = mover.link;
     fault.problem = std::move(problem);
@@ -194,7 +197,7 @@ class BodyReader {
     }
   }
 
-  /// After an unknown shape, its dimensions are not reported as unknown keys.
+  /// Accepts any dimension keys after an unknown shape, so that they are not reported as unknown.
   void ignoreDimensions() {
     (void)t_.numbers("size_m", 3, dimension(), {1.0, 1.0, 1.0});
     for (const char* key : {"radius_m", "height_m", "length_m"})
@@ -230,7 +233,7 @@ class BodyReader {
     const std::string file = t_.text("file");
     if (!t_.isGood("file")) return;
     assets_.push_back((folder_ / file).string());
-    if (time_->isOver()) return;  // with a fault at the mesh before
+    if (time_->isOver()) return;  // the previous mesh reported it
     Expected<MeshCollider> mesh =
         loadMeshCollider(assets_.back(), Vector3d::Constant(scale), *time_);
     if (mesh) {
@@ -241,7 +244,7 @@ class BodyReader {
     }
   }
 
-  /// Notes what the user should know about the key `file`.
+  /// Adds a notice about the key `file`.
   void note(Diagnostic notice) {
     notice.line = t_.lineOf("file");
     notice.key = t_.path() + ".file";
@@ -269,11 +272,13 @@ class BodyReader {
     urdf_wrong_ = false;
     assets_.push_back(path.string());
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
+    // Takes over the parts of the URDF that the body uses.
     notices_ = std::move(urdf->notices);
     if (urdf->friction && !t_.has("friction")) body.friction = *urdf->friction;
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
     ballast_m_ = urdf->ballast_m;
+    // A URDF with moving joints has a fixed root.
     if (!urdf->movers.empty()) {
       if (!body.fixed && t_.has("fixed")) {
         t_.fail("fixed",
@@ -290,7 +295,7 @@ class BodyReader {
     for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
   }
 
-  /// A body that moves on a joint of a fixed URDF, under the name "<body>/<link>".
+  /// Adds a body that moves on a joint of a fixed URDF, named "<body>/<link>".
   void addMover(const SceneBody& root, UrdfMover mover, const std::string& path) {
     SceneBody body;
     body.name = root.name + "/" + mover.name;
@@ -307,7 +312,7 @@ class BodyReader {
     body.pose = root.pose * mover.in_root;
     body.shapes = std::move(mover.shapes);
     body.joint = mover.joint;
-    // 0 is where the body stands: of a range elsewhere, its nearest end.
+    // The body starts at joint position 0, or at the nearest end of a range without 0.
     const double start = std::clamp(0.0, body.joint->least, body.joint->most);
     body.pose = poseOn(*body.joint, body.pose, start);
     body.joint->least -= start, body.joint->most -= start;
@@ -327,7 +332,7 @@ class BodyReader {
           fmt::format("the URDF's '{}' has {} kg", printable(mover.name), formatNumber(m.mass_kg)),
           bodyMass().remedy());
     }
-    if (mover.inertial && !uniform_density_) judgeInertial(body, m);
+    if (mover.inertial && !uniform_density_) checkInertial(body, m);
     body.mass_kg = m.mass_kg;
     body.com_m = m.com_m;
     body.inertia_kg_m2 = m.inertia_kg_m2;
@@ -341,7 +346,7 @@ class BodyReader {
     movers_.push_back(std::move(moving));
   }
 
-  /// Bodies that move are recorded by name, and shown in lists.
+  /// Checks a moving body's name, which is recorded and shown in lists.
   void checkName(const Mover& mover) {
     const std::string& name = mover.body.name;
     if (isPrintable(name, kMostName)) return;
@@ -382,6 +387,7 @@ class BodyReader {
       joint.point_m =
           vectorFrom(t.numbers("point_m", 3, between(-10.0, 10.0, "m"), {0.0, 0.0, 0.0}));
     }
+    // Range: required for a slide, optional for a hinge.
     const char* range = hinge ? "range_rad" : "range_m";
     if (!hinge || t.has(range)) {
       const auto [least, most] =
@@ -392,6 +398,7 @@ class BodyReader {
                "0 is where the body stands in the file: move the body into its range");
       }
     }
+    // Friction, spring and latch.
     const auto number = [&](const char* of_hinge, const char* of_slide, double most,
                             const char* unit) {
       return t.number(hinge ? of_hinge : of_slide, between(0.0, most, unit), 0.0);
@@ -426,8 +433,8 @@ class BodyReader {
     }
   }
 
-  /// Mass and inertia: from the URDF's inertials, scaled to `mass_kg` if given, or from the shapes
-  /// at uniform density.
+  /// Reads mass and inertia: from the URDF's inertials, scaled to `mass_kg` if given, or from the
+  /// shapes at uniform density.
   void readMass(SceneBody& body) {
     if (body.fixed) {
       if (t_.has("mass_kg")) {
@@ -446,13 +453,13 @@ class BodyReader {
       t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
               bodyMass().remedy());
     }
-    if (given) judgeInertial(body, m);
+    if (given) checkInertial(body, m);
     if (!assets_.empty()) noteDensity(body);
     body.com_m = m.com_m;
     body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
   }
 
-  /// Of a mesh or a mass in another unit, nothing else may show.
+  /// Notes an impossible density, which may be the only sign of a mesh or a mass in a wrong unit.
   void noteDensity(const SceneBody& body) {
     double volume_m3 = 0.0;
     for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
@@ -466,8 +473,9 @@ class BodyReader {
         "check its size (m) and its mass (kg)", DiagnosticCode::kRange));
   }
 
-  /// Many URDFs carry placeholders, or moments in other units than kg·m².
-  void judgeInertial(const SceneBody& body, const MassProperties& m) {
+  /// Refuses impossible inertials. Many URDFs carry placeholders or moments in other units than
+  /// kg·m².
+  void checkInertial(const SceneBody& body, const MassProperties& m) {
     std::string problem = ballastProblem(body);
     if (problem.empty()) problem = inertialProblem(body, m);
     if (problem.empty()) return;
@@ -477,7 +485,7 @@ class BodyReader {
         "colliders' own");
   }
 
-  /// What is wrong with the places of ballast; empty: nothing.
+  /// Fault of the positions of ballast; empty: none.
   [[nodiscard]] std::string ballastProblem(const SceneBody& body) const {
     const Eigen::AlignedBox3d colliders = boxOf(body.shapes);
     const double most_m = kMostBallastReach * colliders.diagonal().norm();
@@ -492,7 +500,8 @@ class BodyReader {
     return {};
   }
 
-  /// Why no body of that mass between its colliders and ballast has this inertial; empty: one may.
+  /// Reason why no body of that mass within its colliders and ballast can have this inertial;
+  /// empty: possible.
   [[nodiscard]] std::string inertialProblem(const SceneBody& body, const MassProperties& m) const {
     Eigen::AlignedBox3d box = boxOf(body.shapes);
     double reach_m = farthestFrom(body.shapes, m.com_m);
@@ -525,11 +534,12 @@ class BodyReader {
   fs::path folder_;
   MeshLoadTime* time_;
   bool shape_wrong_ = false;
-  bool uniform_density_ = false;  ///< of the colliders: only masses are the URDF's
+  /// Inertia from the colliders at uniform density; only masses come from the URDF.
+  bool uniform_density_ = false;
   std::optional<MassProperties> inertial_;
   std::vector<Vector3d> ballast_m_;
   Diagnostics urdf_faults_;
-  bool urdf_wrong_ = false;  ///< its mass is then unknown
+  bool urdf_wrong_ = false;  ///< the URDF has faults, so that the mass is unknown
   std::vector<std::string> assets_;
   Diagnostics notices_;
   std::vector<Mover> movers_;
@@ -560,7 +570,7 @@ void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
   }
 }
 
-/// What moves is watched and recorded, which a body beyond kMaxBodies is not.
+/// Reports moving bodies beyond kMaxBodies, which cannot be monitored and recorded.
 void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) {
   for (std::size_t i = kMaxBodies; i < readers.size(); ++i) {
     if (scene.bodies[i].fixed) continue;
@@ -572,7 +582,8 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
   }
 }
 
-/// Bodies that move on joints of URDFs follow the others. They are apart from what they meet.
+/// Appends the bodies that move on joints of URDFs after all others. Checks that they do not
+/// overlap bodies that they can collide with.
 void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
   const std::size_t others = scene.bodies.size();
   for (BodyReader& reader : readers) {
@@ -607,8 +618,8 @@ void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
   }
 }
 
-/// Where the hand touches them, sweeps do not find within a tick how a body rests on a much lighter
-/// one.
+/// Notes a heavy and a light body in one scene. While the hand touches one of them, the solver's
+/// sweeps do not converge within a tick for a body that rests on a much lighter one.
 void noteHeavyOnLight(SceneModel& scene) {
   const SceneBody *light = nullptr, *heavy = nullptr;
   for (const SceneBody& body : scene.bodies) {
@@ -626,12 +637,13 @@ void noteHeavyOnLight(SceneModel& scene) {
       fmt::format("keep bodies that rest on each other within a ratio of {:.0f}", kMostMassRatio)));
 }
 
-/// A body that falls onto a fixed one or the hand at more than kMostBodySpeed_m_s may pass through.
+/// Reports falls faster than kMostBodySpeed_m_s: such a body may pass through a fixed body or the
+/// hand.
 void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
   const double g_m_s2 = scene.gravity_m_s2.norm();
   if (!(g_m_s2 > 0.0)) return;
   const Vector3d down = scene.gravity_m_s2 / g_m_s2;
-  double ground_m = 0.0;  // the hand is about the origin
+  double ground_m = 0.0;  // the hand is near the origin
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const SceneBody& body = scene.bodies[i];
     if (!body.fixed || !readers[i].placed()) continue;
@@ -680,6 +692,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
     readers.emplace_back(table, fs::path(path).parent_path(), time);
     scene.bodies.push_back(readers.back().read());
   }
+  // Checks that involve several bodies.
   if (scene.bodies.size() > std::size_t{kMaxSceneBodies}) {
     root.fail("bodies", fmt::format("there are {} bodies", scene.bodies.size()),
               fmt::format("a scene may have {} at most", kMaxSceneBodies));

@@ -9,11 +9,11 @@ namespace wholehand {
 
 class MeshLoadTime;  // files/mesh/mesh_file.hpp
 
-/// Reads a scene file with its meshes and URDFs, relative to it. Reports every
+/// Reads a scene file with its meshes and URDFs, whose paths are relative to it. Reports every
 /// fault at once: unknown shapes, meshes that make no collider (mesh/convex_mesh.hpp), bodies that
 /// overlap at the start, meshes that take longer than MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path);
-/// As above, with another limit of that time.
+/// The same with the given limit of the meshes' reading time.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time);
 
 }  // namespace wholehand

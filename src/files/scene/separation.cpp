@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTiny_m = 1e-10;  ///< cores nearer than this count as overlapping
-constexpr double kGain_m = 1e-9;   ///< a smaller gain ends the expansion
+constexpr double kGain_m = 1e-9;   ///< the expansion ends when it gains less
 constexpr int kMaxSteps = 256;
 
 /// A shape without its radius: a sphere becomes a point, a capsule a segment.
@@ -66,9 +66,9 @@ struct Difference {
   Core a, b;
 
   [[nodiscard]] Vector3d support(const Vector3d& direction) const {
-    // Slightly tilted, so that ties between equally far points are resolved alike in both cores and
-    // the result is a true vertex of the difference: vertices are never collinear, which the
-    // expansion needs.
+    // The direction is tilted slightly, so that ties between equally far points are resolved alike
+    // in both cores. The result is then a true vertex of the difference. Vertices are never
+    // collinear, which the expansion requires.
     const Vector3d d = direction.normalized() + 1e-9 * Vector3d(0.61, 0.74, 0.28);
     return a.support(d) - b.support(-d);
   }
@@ -81,7 +81,8 @@ struct Simplex {
   Vector3d nearest = Vector3d::Zero();
 };
 
-/// The nearest point of the subset `mask` of a simplex; false where it lies outside the subset.
+/// Finds the point of the subset `mask` of a simplex nearest to the origin; returns false when it
+/// lies outside the subset.
 bool nearestOfSubset(const Simplex& s, unsigned mask, Simplex& subset) {
   subset.size = 0;
   for (int i = 0; i < s.size; ++i) {
@@ -101,8 +102,8 @@ bool nearestOfSubset(const Simplex& s, unsigned mask, Simplex& subset) {
   return true;
 }
 
-/// Reduces a simplex to the vertices that carry its point nearest to the origin. Testing all
-/// subsets costs a few microseconds and has no special cases.
+/// Reduces a simplex to the vertices that span its point nearest to the origin. Testing all subsets
+/// costs a few microseconds and has no special cases.
 Simplex reduced(const Simplex& s) {
   Simplex best;
   double best_m2 = std::numeric_limits<double>::infinity();
@@ -133,7 +134,7 @@ double originDistance(const Difference& difference) {
     const Simplex next = reduced(s);
     if (next.size == 4) return 0.0;
     const double next_m = next.nearest.norm();
-    if (!(next_m < distance_m)) break;  // rounding: no further progress
+    if (!(next_m < distance_m)) break;  // no further progress because of rounding
     s = next;
     distance_m = next_m;
   }
@@ -143,7 +144,7 @@ double originDistance(const Difference& difference) {
 struct Face {
   std::array<int, 3> corner;
   Vector3d normal;    ///< unit, outward
-  double distance_m;  ///< of the origin, positive inside
+  double distance_m;  ///< distance of the origin, positive inside
 };
 
 /// A polytope inside the difference that grows until its face nearest to the origin lies on the
@@ -218,7 +219,7 @@ class Polytope {
     faces_.push_back({{i, j, k}, normal, normal.dot(p)});
   }
 
-  /// Adds a farther vertex: replaces the faces that see it by a fan around it.
+  /// Adds a farther vertex and replaces the faces that face it by a fan around it.
   void expand(const Vector3d& w) {
     const auto sees = [&](const Face& f) { return f.normal.dot(w) - f.distance_m > 1e-12; };
     std::vector<std::pair<int, int>> edges;

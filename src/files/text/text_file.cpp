@@ -26,7 +26,7 @@ Expected<Done> checkWritable(const std::string& path) {
   std::error_code error;
   const fs::file_status there = fs::symlink_status(path, error);
   if (fs::is_directory(there)) return unwritable(path, "it is a folder");
-  // The file is replaced by a new one, which must not happen to /dev/null or /dev/stdout.
+  // Writing replaces the file by a new one, which must not happen to /dev/null or /dev/stdout.
   if (fs::exists(there) && !fs::is_regular_file(there)) {
     return unwritable(path, "it is not a regular file");
   }
@@ -47,7 +47,7 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
   return Done{};
 }
 
-// Whether two paths name one file, even if it does not exist yet.
+// True when two paths name the same file, even if it does not exist yet.
 bool isSameFile(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;
@@ -99,7 +99,7 @@ int syncAndClose(int file) {
   return error;
 }
 
-// Some file systems cannot sync a folder, and say so.
+// Syncs a folder. File systems that report that they cannot sync a folder are accepted.
 int syncFolder(const std::filesystem::path& folder) {
   const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (file < 0) return errno;
@@ -107,7 +107,7 @@ int syncFolder(const std::filesystem::path& folder) {
   return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
-// A new file beside it, of a name that nobody can guess. @return its descriptor, or -1
+// Creates a new file in the same folder with a random name. @return its descriptor, or -1
 int createBeside(const std::string& path, std::string& name) {
   for (int i = 0; i < kTries; ++i) {
     const std::string random = randomName();
@@ -135,7 +135,8 @@ int syncFoldersOf(const std::string& path) {
   const auto folder = std::filesystem::path(path).parent_path();
   const std::filesystem::path here = folder.empty() ? "." : folder;
   const int error = syncFolder(here);
-  // The folder may be as new as the file. Nobody needs to be able to read its parent.
+  // Syncs the parent too, because the folder may be new. Errors are ignored: the parent may be
+  // unreadable.
   (void)syncFolder(here / "..");
   return error;
 }

@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-/// The only source that uses toml++.
+/// This is the only source file that uses toml++.
 namespace wholehand {
 
 /// State shared by all tables of a file.
@@ -34,12 +34,13 @@ struct TomlFile::Shared {
   toml::table document;
   Diagnostics faults;
   std::vector<std::shared_ptr<TomlTable::State>> tables;  ///< every table requested, in order
-  std::unordered_map<const toml::table*, std::shared_ptr<TomlTable::State>> states;  ///< of them
+  std::unordered_map<const toml::table*, std::shared_ptr<TomlTable::State>>
+      states;  ///< state of each TOML table
 };
 
 /// Reading state of one table.
 struct TomlTable::State {
-  struct Missing {
+  struct MissingKey {
     std::string key;
     std::string remedy;
   };
@@ -49,19 +50,20 @@ struct TomlTable::State {
   std::string path;
   int line = 0;
   bool rest_skipped = false;
-  std::set<std::string, std::less<>> known;   ///< keys the program understands
+  std::set<std::string, std::less<>> known;   ///< keys that a getter asked for
   std::set<std::string, std::less<>> faulty;  ///< keys with a reported fault
-  std::vector<Missing> missing;  ///< reported at the end unless a misspelling explains them
+  std::vector<MissingKey>
+      missing;  ///< missing keys, reported at the end unless a misspelling explains them
 
   [[nodiscard]] const toml::node* find(std::string_view key) const {
     return table == nullptr ? nullptr : table->get(key);
   }
   [[nodiscard]] std::string keyPath(std::string_view key) const;
-  /// Line of the key (of the table if the key is absent).
+  /// Line of the key, or of the table if the key is absent.
   [[nodiscard]] int lineOf(std::string_view key) const;
   void report(std::string_view key, DiagnosticCode code, std::string value, std::string problem,
               std::string remedy);
-  /// The node of a required key; null (and noted) when it is missing.
+  /// The node of a required key; null when it is missing, which is noted in `missing`.
   const toml::node* require(std::string_view key, const std::string& remedy);
   std::shared_ptr<State> child(const toml::table* node, std::string child_path, int child_line);
 };
@@ -96,7 +98,7 @@ std::optional<double> asNumber(const toml::node& node) {
   return std::nullopt;
 }
 
-/// A value that the rule allows, to continue with after a fault.
+/// A value that the rule allows; reading continues with it after a fault.
 double harmless(const NumberRule& rule) {
   if (rule.allows(0.0)) return 0.0;
   if (std::isfinite(rule.upper)) return rule.upper;
@@ -108,7 +110,7 @@ std::string numberProblem(double value) {
   return std::isfinite(value) ? "is out of range" : "is not finite";
 }
 
-/// The file's text of a value, for a message: one line, truncated.
+/// A value as written in the file, shortened to one line for a message.
 std::string nodeText(const toml::node& node) {
   std::string text = wholeText(node);
   std::replace_if(
@@ -117,7 +119,7 @@ std::string nodeText(const toml::node& node) {
   if (text.size() > kLongest) {
     std::size_t end = kLongest;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-      --end;  // whole UTF-8
+      --end;  // keeps UTF-8 characters complete
     text = text.substr(0, end) + "...";
   }
   return text;
@@ -151,7 +153,8 @@ std::string quotedList(const std::vector<std::string>& words) {
   return out;
 }
 
-// The largest file of the project has 140 keys; a scene of 1,024 bodies has some 7,000.
+// Bounds of a file. The largest file of the project has 140 keys; a scene of 1,024 bodies has some
+// 7,000.
 constexpr int kMostKeys = 12000, kMostTables = 1200, kMostInlineTables = 12000, kMostLevels = 32;
 
 /// Scans TOML for brackets, dots and keys only; skips quoted text and comments (toml.io, v1.0.0).
@@ -159,7 +162,7 @@ class Counter {
  public:
   explicit Counter(std::string_view text) : text_(text) {}
 
-  /// Continues until a bound is exceeded. False at the end.
+  /// Scans until a bound is exceeded. Returns false at the end of the text.
   bool findBeyond() {
     while (at_ < text_.size()) {
       take(text_[at_]);
@@ -217,7 +220,7 @@ class Counter {
     }
     if (++depth_ > kMostLevels) problem_ = "has more than 32 nested levels";
   }
-  // Ends at the closing quote.
+  // Skips to the closing quote.
   void skipQuoted(char quote) {
     const std::string_view three(quote == '"' ? "\"\"\"" : "'''");
     const bool many_lines = text_.substr(at_, 3) == three;
@@ -233,7 +236,7 @@ class Counter {
       } else if (c == quote && (!many_lines || text_.substr(at_, 3) == three)) {
         if (!many_lines) return;
         at_ += 2;
-        // One or two more quotes belong to the text before the closing ones.
+        // Up to two quotes directly before the closing ones belong to the text.
         for (int more = 0; more < 2 && text_.substr(at_ + 1, 1) == three.substr(0, 1); ++more)
           ++at_;
         return;
@@ -297,7 +300,7 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
     return std::nullopt;
   }
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-      !std::filesystem::is_fifo(status)) {  // /dev/zero is endless
+      !std::filesystem::is_fifo(status)) {  // a device such as /dev/zero is endless
     fault.problem = "is not a file";
     fault.remedy = "name a .toml file";
     return std::nullopt;
@@ -349,7 +352,8 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
   try {
     return toml::parse(*text, path);
   } catch (const toml::parse_error& error) {
-    if (std::optional<Diagnostic> foreign = foreignFileAt(path)) {  // by the ending of its name
+    // The extension of the name shows the format of another program.
+    if (std::optional<Diagnostic> foreign = foreignFileAt(path)) {
       fault.problem = foreign->problem;
       fault.remedy = foreign->remedy;
       fault.code = DiagnosticCode::kSyntax;
@@ -366,14 +370,14 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
 }
 
 /// Probable meaning of an unknown key.
-struct Meant {
+struct SuggestedKey {
   std::string key;
-  bool unit = false;  ///< same quantity in another unit
+  bool unit = false;  ///< the unknown key is the same quantity in another unit
 };
 
 /// @param used keys present in the table
-Meant meantKey(std::string_view unknown, const std::vector<std::string>& known,
-               const std::vector<std::string>& used) {
+SuggestedKey meantKey(std::string_view unknown, const std::vector<std::string>& known,
+                      const std::vector<std::string>& used) {
   for (const std::string& candidate : known) {
     if (stem(candidate) == stem(unknown)) return {candidate, true};
   }
@@ -436,9 +440,9 @@ void TomlTable::State::report(std::string_view key, DiagnosticCode code, std::st
 const toml::node* TomlTable::State::require(std::string_view key, const std::string& remedy) {
   known.emplace(key);
   const toml::node* node = find(key);
-  // A missing table was reported itself; its keys are not.
-  const bool already_reported =
-      std::any_of(missing.begin(), missing.end(), [&](const Missing& m) { return m.key == key; });
+  // A missing table is reported once; its keys are not reported.
+  const bool already_reported = std::any_of(missing.begin(), missing.end(),
+                                            [&](const MissingKey& m) { return m.key == key; });
   if (node == nullptr && table != nullptr && !faulty.contains(key) && !already_reported) {
     missing.push_back({std::string(key), remedy});
   }
@@ -624,9 +628,9 @@ void TomlTable::refuse(std::string_view wrong, std::string_view right, std::stri
   state_->known.emplace(wrong);
   state_->report(wrong, DiagnosticCode::kUnknown, nodeText(*node), std::move(reason),
                  "write " + std::string(right));
-  // This message explains the absence of the right key.
+  // This message already explains why the right key is missing.
   state_->faulty.emplace(right);
-  std::erase_if(state_->missing, [&](const State::Missing& m) { return m.key == right; });
+  std::erase_if(state_->missing, [&](const State::MissingKey& m) { return m.key == right; });
 }
 
 // ---------------------------------------------------------------- arrays
@@ -789,7 +793,7 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key, std::size_t minim
   }
   for (std::size_t i = 0; i < array->size(); ++i) {
     const toml::table& element = *(*array)[i].as_table();
-    // A name says more to a person than a position does.
+    // Messages name a table by its `name` if it has one, else by its position.
     const auto* name = element.get("name") == nullptr ? nullptr : element.get("name")->as_string();
     const std::string index = name == nullptr ? std::to_string(i) : name->get();
     out.push_back(TomlTable(state_->child(&element, state_->keyPath(key) + "[" + index + "]",
@@ -818,7 +822,8 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& w
                         (word.starts_with(candidate) || candidate.starts_with(word));
     const std::size_t lengths =
         std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size());
-    if (!begins && lengths >= best_distance) continue;  // no distance is smaller than that
+    if (!begins && lengths >= best_distance)
+      continue;  // the length difference is a lower bound of the distance
     const std::size_t distance = begins ? 1 : editDistance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;
@@ -858,7 +863,7 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   root_ = TomlTable(state);
   readable_ = true;
 
-  // A file of another kind or version has other keys: further messages would mislead.
+  // A file of another kind or version has other keys. Messages about them would mislead.
   const std::string found = root_->text("kind", kind);
   if (!root_->has("kind")) {
     state->missing.push_back({"kind", "write kind = \"" + std::string(kind) + "\""});
@@ -887,7 +892,7 @@ Diagnostics TomlFile::finish() {
     if (readable_ && state->table != nullptr && !state->rest_skipped) {
       for (const auto& [key, node] : *state->table) {
         if (state->known.contains(key.str())) continue;
-        const Meant meant = meantKey(key.str(), known, used);
+        const SuggestedKey meant = meantKey(key.str(), known, used);
         std::string remedy = "remove it";
         if (!meant.key.empty()) {
           remedy = meant.unit ? "the key for this quantity and its unit is " + meant.key

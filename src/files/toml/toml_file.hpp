@@ -35,11 +35,12 @@ struct NumberRule {
 /// Each getter marks its key as known, reports any fault of it (missing, wrong type, not finite,
 /// out of range) to the file, and then returns a harmless value, so that reading continues and
 /// finds every fault. A getter with a fallback accepts a missing key. TomlFile::finish() reports
-/// keys that no getter requested. Not for the tick.
+/// keys that no getter requested. Not real-time safe.
 class TomlTable {
  public:
   [[nodiscard]] bool has(std::string_view key) const;
-  /// True when the key is present and has no reported fault: guards checks across keys.
+  /// True when the key is present and has no reported fault. Checks that compare keys call it
+  /// first.
   [[nodiscard]] bool isGood(std::string_view key) const;
   /// Marks a key as allowed. @return whether it is present
   bool allowKey(std::string_view key);
@@ -88,8 +89,8 @@ class TomlTable {
   /// call.
   void refuse(std::string_view wrong, std::string_view right, std::string reason);
 
-  /// Suppresses reports of unknown keys of this table: after a fault that leaves open which keys
-  /// belong here.
+  /// Suppresses reports of unknown keys of this table. Used after a fault that leaves open which
+  /// keys are allowed.
   void ignoreUnknownKeys();
 
   /// Key path of the table ("axes[finger_flexion]"); empty for the root.
@@ -139,7 +140,8 @@ class TomlFile {
   bool readable_ = false;
 };
 
-/// A file of one kind, as `Model`: its path, and what `read(root, model)` reads; or every fault.
+/// Reads a file of one kind into a `Model`: stores the path and calls `read(root, model)`. Returns
+/// the model, or every fault.
 template <class Model, class Read>
 [[nodiscard]] Expected<Model> readTomlFile(const std::string& path, std::string_view kind,
                                            Read read) {
@@ -156,11 +158,11 @@ template <class Model, class Read>
 /// of the file is not checked.
 [[nodiscard]] Expected<std::string> fileKind(const std::string& path);
 
-/// The most similar of `words`; empty when none is near.
+/// The most similar of `words`; empty when none is similar.
 [[nodiscard]] std::string nearestWord(std::string_view word, const std::vector<std::string>& words);
 
-/// As nearestWord(), but prefers words that are not in `used`: a misspelt name rarely stands for
-/// one that is present as well.
+/// The most similar of `words`, with preference for words that are not in `used`: a misspelt name
+/// rarely means a name that is also present.
 [[nodiscard]] std::string nearestUnused(std::string_view word,
                                         const std::vector<std::string>& words,
                                         const std::vector<std::string>& used);

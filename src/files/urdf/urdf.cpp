@@ -35,7 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 using tinyxml2::XMLElement;
 
-/// Strict reading of a URDF's elements: every fault is kept with its line and a key such as
+/// Strict reader of a URDF's elements. Every fault is stored with its line and a key such as
 /// "link[cup].collision[1].geometry", and reading continues with a harmless value.
 class UrdfFaults {
  public:
@@ -43,30 +43,31 @@ class UrdfFaults {
 
   void add(const XMLElement* at, std::string key, std::string value, std::string problem,
            std::string remedy);
-  /// Adds a fault of the whole file, or of a line (0: unknown) outside any element.
+  /// Adds a fault of the whole file or of a line outside any element. Line 0: unknown.
   void addAtLine(int line, std::string problem, std::string remedy);
-  /// Adds what is no fault, but what the user should know.
+  /// Adds a notice for the user, which is not a fault.
   void note(const XMLElement* at, std::string key, std::string value, Diagnostic notice);
   [[nodiscard]] const Diagnostics& all() const { return all_; }
   [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
-  /// The first child of a name, or nullptr; a second one is a fault.
+  /// The child with this name, or nullptr; more than one is a fault.
   const XMLElement* only(const XMLElement& parent, const char* name, const std::string& key);
-  /// Text of an attribute; empty, with a fault, when it is missing or empty.
+  /// Text of an attribute. A missing or empty attribute is a fault and gives an empty text.
   std::string text(const XMLElement& e, const char* attribute, const std::string& key);
-  /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
+  /// Exactly `count` finite numbers separated by blanks. Anything else is a fault and gives zeros.
   std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
                               std::size_t count);
-  /// A mass > 0, of a link that a joint moves or not; 1, with a fault, otherwise.
+  /// A mass > 0 [kg]. Any other value is a fault and gives 1. @param moves true for a link moved by
+  /// a joint
   double mass_kg(const XMLElement& e, const std::string& key, bool moves);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
   /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
   Pose origin(const XMLElement& parent, const std::string& key);
-  /// As origin(), within 10 m: of what has a place in the scene.
+  /// Pose as origin() reads it, limited to 10 m: for elements that are placed in the scene.
   Pose place(const XMLElement& parent, const std::string& key);
-  /// Adds names that are near to those of URDF: what stands under them would be left out.
+  /// Reports names that resemble names of URDF: their content would otherwise be ignored.
   void checkNames(const XMLElement& e, const std::string& key);
 
  private:
@@ -78,22 +79,22 @@ class UrdfFaults {
 /// The meshes of a URDF.
 struct UrdfMeshes {
   std::vector<std::string> files;  ///< paths
-  MeshLoadTime* time;              ///< what they may take together
+  MeshLoadTime* time;              ///< time limit for all meshes together
   struct Flat {
     const XMLElement* at;
     std::string key, name;
     Diagnostic fault;
   };
-  std::vector<Flat> flat;  ///< meshes without volume: left out where the body has other colliders
+  std::vector<Flat> flat;  ///< meshes without volume: left out if the body has other colliders
 };
 
-// A robot's whole description has some 2,000 attributes; an element has two '<'.
+// Bounds of a URDF. A complete robot description has some 2,000 attributes; an element has two '<'.
 constexpr std::ptrdiff_t kMostAttributes = 8'000, kMostTags = 32'000;
 constexpr std::streamsize kLargestUrdf_bytes = std::streamsize{4} << 20U;
 
-/// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read.
-/// Checked before it is parsed: tinyxml2 compares each attribute with all others of its element,
-/// and the reader each link with all others.
+/// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read. It is
+/// checked before parsing, because tinyxml2 compares each attribute with all others of its element
+/// and this reader compares each link with all others.
 std::string beyondUrdfBounds(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::array<char, 16384> block;
@@ -112,7 +113,7 @@ std::string beyondUrdfBounds(const std::string& path) {
 }
 
 constexpr double kMostFriction = 2.0;
-constexpr double kMostPlace_m = 10.0;  ///< as of a scene's body
+constexpr double kMostPlace_m = 10.0;  ///< the limit for a body of a scene
 constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
 constexpr const char* kBeyondTurns = "is beyond two turns (4π rad)";
 constexpr const char* kInRad = "must be in rad: multiply degrees by π / 180";
@@ -124,7 +125,8 @@ bool isMacro(std::string_view text) {
   return text.find("$(") != text.npos || text.find("${") != text.npos;
 }
 
-/// Independent of the locale, unlike tinyxml2's queries; empty when a word is not a number.
+/// Parses numbers independently of the locale, unlike tinyxml2's queries; empty when a word is not
+/// a number.
 std::optional<std::vector<double>> parseNumbers(const std::string& text) {
   std::vector<double> numbers;
   std::size_t begin = text.find_first_not_of(kBlanks);
@@ -257,11 +259,11 @@ Pose UrdfFaults::place(const XMLElement& parent, const std::string& key) {
   return pose;
 }
 
-/// Names that have a meaning in an element of URDF.
+/// Names of children and attributes that this reader knows in an element of URDF.
 struct UrdfNames {
   std::string_view element;
   std::vector<std::string> children, attributes;
-  bool no_others = false;  ///< of attributes, in any dialect
+  bool no_others = false;  ///< no dialect of URDF has other attributes here
 };
 
 const std::vector<UrdfNames>& urdfNames() {
@@ -280,11 +282,12 @@ const std::vector<UrdfNames>& urdfNames() {
   return kNames;
 }
 
-/// The one of `names` that a name is near to, but is not; empty: none, or of an extension.
+/// The one of `names` that `name` misspells; empty: `name` is correct, resembles none, or belongs
+/// to an extension.
 std::string misspelt(std::string_view name, const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return {};
   const std::string near = name == "pose" ? nearestWord("origin", names) : nearestWord(name, names);
-  const bool begins = name.size() > near.size() + 1;  // collision_checking
+  const bool begins = name.size() > near.size() + 1;  // an extension such as "collision_checking"
   return near.empty() || begins || name.find(':') != name.npos ? "" : near;
 }
 
@@ -311,7 +314,7 @@ void UrdfFaults::checkNames(const XMLElement& e, const std::string& key) {
   }
 }
 
-/// Text of a URI with "%20" and the like as the characters that they stand for.
+/// Text of a URI with percent escapes such as "%20" decoded.
 std::string unescaped(std::string_view uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -328,7 +331,7 @@ std::string unescaped(std::string_view uri) {
   return text;
 }
 
-/// Path of a mesh name without escapes, of any form; empty if nothing is there.
+/// Path of an unescaped mesh name in any of the accepted forms; empty if no file is found.
 fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& tried) {
   std::error_code error;
   const auto known = [&](const fs::path& path) { return fs::is_regular_file(path, error); };
@@ -349,7 +352,7 @@ fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& trie
   }
   if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
   tried = folder / fs::path(name);
-  // Some programs name meshes from the folder of all their objects.
+  // Some programs give mesh names relative to the folder that holds all their objects.
   const bool climbs = name.find("..") != name.npos;
   for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
     if (known(up / name)) return up / name;
@@ -399,7 +402,7 @@ std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFau
   }
   if (name.empty() || faults.all().size() > before) return {};
   meshes.files.push_back(meshPath(name, faults.file()).string());
-  if (meshes.time->isOver()) return {};  // with a fault at the mesh before
+  if (meshes.time->isOver()) return {};  // the previous mesh reported it
   Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
   if (mesh) {
     for (Diagnostic& notice : mesh->notices) faults.note(&e, key + ".filename", name, notice);
@@ -438,9 +441,9 @@ std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, Urd
   return {};
 }
 
-/// Reads the shapes of one `<collision>`, in its link's frame: several of a mesh of convex parts;
-/// none, with a fault, when it is not a valid collider. `key` names the element in messages.
-/// Appends the path of its mesh to `meshes`. After the end of their time, meshes are not read.
+/// Reads the shapes of one `<collision>` in its link's frame. A mesh of convex parts gives several
+/// shapes; an invalid collider is a fault and gives none. `key` names the element in messages.
+/// Appends the path of its mesh to `meshes`. Meshes are not read after their time limit.
 std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
                                      UrdfFaults& faults, UrdfMeshes& meshes) {
   const XMLElement* geometry = faults.only(collision, "geometry", key);
@@ -463,12 +466,13 @@ struct Link {
   std::optional<MassProperties> inertial;  ///< in the link's frame
   int parent = -1;                         ///< index of the parent link; -1 for the root
   Pose in_parent;
-  const XMLElement* inertial_element = nullptr;  ///< of a link that has mass
-  std::optional<SceneJoint> joint;               ///< to the parent, movable; in the link's frame
+  const XMLElement* inertial_element = nullptr;  ///< set for a link that has mass
+  std::optional<SceneJoint>
+      joint;  ///< movable joint to the parent, in the link's frame; empty: fixed
   const XMLElement* joint_element = nullptr;
 };
 
-/// What is wrong with an XML text, in words.
+/// Description of an XML error.
 const char* xmlProblem(tinyxml2::XMLError code) {
   switch (code) {
     case tinyxml2::XML_ERROR_PARSING:
@@ -516,7 +520,7 @@ class Reader {
       for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
     }
     noteFriction(*robot_);
-    judgeColliders();
+    checkColliders();
     if (faults_.all().empty()) checkTree();
     if (faults_.all().empty()) checkCarried();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
@@ -560,7 +564,7 @@ class Reader {
     return false;
   }
 
-  /// The first macro that nobody has expanded.
+  /// The first xacro macro that was not expanded.
   static const XMLElement* firstMacro(const XMLElement& e) {
     if (std::string_view(e.Name()).starts_with("xacro:")) return &e;
     for (const XMLElement* c = e.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
@@ -569,7 +573,8 @@ class Reader {
     return nullptr;
   }
 
-  /// Adds what the file is when another program's. @return true when it is known and no URDF
+  /// Adds a fault that names the file's format. @return true when the format is known and is not
+  /// URDF
   bool addForeignFault(const XMLElement* at) {
     const auto foreign = foreignFileAt(faults_.file());
     if (!foreign || foreign->problem == "is a URDF") return false;
@@ -590,7 +595,8 @@ class Reader {
     } else if (no_xml) {
       faults_.addAtLine(0, "is no URDF: it holds no XML",
                         "give a URDF: XML that starts <robot ...>");
-    } else if (code == XMLError::XML_ERROR_FILE_NOT_FOUND ||  // it is there
+    } else if (code == XMLError::XML_ERROR_FILE_NOT_FOUND ||  // the file exists, so this is a read
+                                                              // error
                code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
                code == XMLError::XML_ERROR_FILE_READ_ERROR) {
       faults_.addAtLine(0, "cannot be read", "check that the file may be read");
@@ -608,8 +614,9 @@ class Reader {
     return at == links_.end() ? -1 : static_cast<int>(at - links_.begin());
   }
 
-  /// A link may have no collider (a frame, ballast), and a mesh no volume; the body has some.
-  void judgeColliders() {
+  /// Reports a body without any collider. Single links may have none (a frame, ballast), and single
+  /// meshes may have no volume.
+  void checkColliders() {
     const bool any = std::any_of(links_.begin(), links_.end(),
                                  [](const Link& link) { return !link.shapes.empty(); });
     for (UrdfMeshes::Flat& flat : meshes_.flat) {
@@ -657,7 +664,7 @@ class Reader {
     links_.push_back(std::move(link));
   }
 
-  /// An element of Bullet's `<contact>`: friction is applied, the others are not.
+  /// Reads an element of Bullet's `<contact>`. Friction is applied; other elements are not.
   void readContact(const XMLElement& e, const std::string& key) {
     if (std::string_view(e.Name()) == "lateral_friction") return readFriction(&e, key);
     frictions_.push_back(&e);
@@ -667,7 +674,7 @@ class Reader {
                  fileFault("", "is not applied", "the body keeps its own; friction is applied"));
   }
 
-  /// Of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
+  /// Reads friction of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
   void readFriction(const XMLElement* e, const std::string& key) {
     if (e == nullptr || use_.friction) return;
     frictions_.push_back(e);
@@ -694,7 +701,7 @@ class Reader {
     }
   }
 
-  /// Notes what of Gazebo decides how a body moves, and is not applied.
+  /// Notes settings of Gazebo that decide how a body moves and are not applied.
   void noteGazebo(const XMLElement& gazebo) {
     constexpr std::array<std::pair<const char*, bool>, 3> kMoves{
         {{"static", true}, {"turnGravityOff", true}, {"gravity", false}}};
@@ -711,7 +718,8 @@ class Reader {
     }
   }
 
-  /// By convention a link "world" is the world, which its fixed joints hold.
+  /// Notes that a root link "world" does not hold the body. By convention that link is the world,
+  /// and its fixed joints hold the robot.
   void noteWorld() {
     const auto root = std::find_if(links_.begin(), links_.end(),
                                    [](const Link& link) { return link.parent < 0; });
@@ -723,7 +731,7 @@ class Reader {
                            "set fixed = true in the scene if it shall stand"));
   }
 
-  /// Notes friction in an element or below that is written where no link's is looked for.
+  /// Notes friction in an element or its descendants at a place from which it is not read.
   void noteFriction(const XMLElement& e) {
     if (use_.friction) return;
     const char* const text = frictionIn(e);
@@ -738,7 +746,8 @@ class Reader {
     }
   }
 
-  /// The friction that an element names, of any dialect; nullptr: none. A joint's is its own.
+  /// Friction stated by an element of any dialect; nullptr: none. Friction of a joint (<dynamics>)
+  /// is not contact friction and gives nullptr.
   static const char* frictionIn(const XMLElement& e) {
     const std::string_view name = e.Name();
     const std::string_view last = name.substr(name.rfind(':') + 1);
@@ -759,7 +768,7 @@ class Reader {
     return value != nullptr && parseNumbers(value) == std::vector<double>{0.0};
   }
 
-  /// An inertial of Isaac Gym: its density fills the link's colliders.
+  /// Reads an inertial of Isaac Gym: its density applies to the link's colliders.
   std::optional<MassProperties> readDensity(const XMLElement& density, const std::string& key,
                                             const std::vector<Shape>& shapes) {
     const std::size_t before = faults_.all().size();
@@ -795,11 +804,13 @@ class Reader {
       if (faults_.all().size() > before) return std::nullopt;
       return m;
     }
+    // Reads the moments and products of inertia.
     constexpr std::array<const char*, 6> kNames{"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
     constexpr std::array<std::pair<int, int>, 6> kCells{
         {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
-      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr) continue;  // products: optional
+      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr)
+        continue;  // products of inertia are optional
       const double value = faults_.numbers(*inertia, kNames[i], key + ".inertia", 1).front();
       const auto [row, column] = kCells[i];
       m.inertia_kg_m2(row, column) = m.inertia_kg_m2(column, row) = value;
@@ -836,8 +847,8 @@ class Reader {
     if (!type.empty() && type != "fixed") links_[child].joint = readMovable(e, key, name, type);
   }
 
-  /// A revolute, continuous or prismatic joint. A range that does not hold 0 begins at its end that
-  /// is nearest to 0.
+  /// Reads a revolute, continuous or prismatic joint. A joint whose range does not contain 0 starts
+  /// at the end of the range nearest to 0.
   SceneJoint readMovable(const XMLElement& e, const std::string& key, const std::string& name,
                          const std::string& type) {
     SceneJoint joint;
@@ -881,7 +892,7 @@ class Reader {
     }
     const bool slides = joint.type == SceneJoint::Type::kSlide;
     const auto end = [&](const char* name) {
-      if (limit->Attribute(name) == nullptr) return 0.0;  // as URDF says
+      if (limit->Attribute(name) == nullptr) return 0.0;  // the default of URDF
       const double value = faults_.numbers(*limit, name, key + ".limit", 1).front();
       if (std::abs(value) > (slides ? kMostPlace_m : kMostTurn_rad)) {
         faults_.add(
@@ -900,7 +911,7 @@ class Reader {
                 empty ? "give lower < upper, or make the joint fixed" : "give lower < upper");
   }
 
-  /// An attribute that may be left out; 0 then, and after a fault.
+  /// An optional attribute >= 0; 0 when it is missing or faulty.
   double notNegative(const XMLElement& e, const char* attribute, const std::string& key) {
     if (e.Attribute(attribute) == nullptr) return 0.0;
     const double value = faults_.numbers(e, attribute, key, 1).front();
@@ -909,13 +920,14 @@ class Reader {
     return 0.0;
   }
 
-  /// Index of the link whose movable joint carries a link; -1: the root body does.
+  /// Index of the link whose movable joint carries `link`; -1: the root body carries it.
   [[nodiscard]] int carrierOf(int link) const {
     while (link >= 0 && !links_[link].joint) link = links_[link].parent;
     return link;
   }
 
-  /// Joints at what a joint carries are refused; then inertials of what has a mass are read.
+  /// Refuses joints on a body that a joint carries; then reads the inertials of links that need a
+  /// mass.
   void checkCarried() {
     const bool stands = use_.fixed || std::any_of(links_.begin(), links_.end(), [](const Link& l) {
                           return l.joint.has_value();
@@ -938,7 +950,7 @@ class Reader {
     }
   }
 
-  /// Index of the link that a joint's <parent> or <child> names; -1, and a fault, without one.
+  /// Index of the link that a joint's <parent> or <child> names; -1 with a fault if there is none.
   int joined(const XMLElement& joint, const char* role, const std::string& key) {
     const XMLElement* e = faults_.only(joint, role, key);
     if (e == nullptr) {
@@ -964,7 +976,7 @@ class Reader {
       return;
     }
     for (const Link& link : links_) {
-      // A path longer than the number of links is a cycle without the root.
+      // A path longer than the number of links contains a cycle without the root.
       std::size_t steps = 0;
       for (int i = linkIndex(link.name); i >= 0 && steps <= links_.size(); ++steps) {
         i = links_[i].parent;
@@ -1008,7 +1020,7 @@ class Reader {
     return body;
   }
 
-  /// Pose of a link's frame in that of a link above it; -1: in the root's.
+  /// Pose of a link's frame in the frame of a link above it; -1: in the root's frame.
   [[nodiscard]] Pose poseBelow(int link, int above) const {
     Pose pose;
     for (int i = link; i >= 0 && i != above; i = links_[i].parent)
@@ -1022,7 +1034,7 @@ class Reader {
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
   std::optional<double> friction_;
-  std::vector<const XMLElement*> frictions_;  ///< elements that were read
+  std::vector<const XMLElement*> frictions_;  ///< elements whose friction was read or noted
   UrdfUse use_;
 };
 

@@ -24,7 +24,7 @@ struct AdaptiveDampingConfig {
   AxisEffort effort_full;  ///< f₀
   AxisTime decay_s;        ///< τ_dec
   AxisFlag hand_axis;      ///< true: drives joints of the hand; false: base axis
-  AxisFlag palm_contact;   ///< the base axis also has its own φ
+  AxisFlag palm_contact;   ///< true: the base axis also has its own φ
 };
 [[nodiscard]] AdaptiveDampingConfig makeAdaptiveDamping(const DeviceModel& device,
                                                         const RenderingConfig& rendering);

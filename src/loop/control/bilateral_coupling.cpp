@@ -10,9 +10,9 @@ namespace wholehand {
 
 namespace {
 
-/// k_p up to which no armature is added. A lighter avatar gains little beyond it, because the lag
-/// of the velocity filter dominates the felt mass, and at 1 kHz the tick would resolve it less and
-/// less.
+/// k_p up to which no armature is added. A lighter avatar would gain little, because the lag of the
+/// velocity filter dominates the felt mass. Also, a tick of 1 ms resolves the avatar's motion less
+/// and less as k_p grows.
 constexpr double kLargestWithoutArmaturePerS2 = 5e4;
 
 Diagnostic fault(const RenderingConfig& rendering, std::string key, std::string value,
@@ -94,6 +94,7 @@ Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
     g.armature[i] = armatureOf(axis, own);
     g.inertia[i] = own + g.armature[i];
     const double k_p = axis.k_pm / g.inertia[i];
+    // Above 1/T² the avatar rings.
     if (!(k_p <= largest_per_s2)) {
       errors.push_back(fault(
           rendering, axis.name + ".armature", fmt::format("{:.6g}", g.armature[i]),

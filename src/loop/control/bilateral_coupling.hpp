@@ -8,7 +8,7 @@
 #include <cmath>
 
 /// Virtual coupling: one spring and one damper between device and avatar. The spring acts equally
-/// on both. The person feels the share γ of the damper.
+/// on both. The person feels only the share γ of the damper.
 namespace wholehand {
 
 /// Critical damping of a unit-mass PD controller under symplectic Euler, Eq. (14) [1/s]: both
@@ -26,19 +26,20 @@ namespace wholehand {
 /// in every posture (avatarDamping()).
 struct CouplingGains {
   int axes = 0;
-  AxisStiffness k_pm;  ///< of the coupling, on person and avatar
+  AxisStiffness k_pm;  ///< coupling stiffness K_pm, on person and avatar
   AxisDamping k_dm;
   AxisRatio gamma;        ///< γ: share of D that the person feels
   AxisInertia armature;   ///< reflected inertia added to the avatar
-  AxisInertia inertia;    ///< of the avatar at the reference, armature included
+  AxisInertia inertia;    ///< inertia of the avatar at the reference posture, armature included
   AxisTime filter_tau_s;  ///< time constant of the velocity filter
 };
 
-/// Armature of an axis where the file states none: what its inertia lacks to K_pm / (5e4 s⁻²). The
-/// avatar's natural frequency then stays below 36 Hz, which a tick of 1 ms resolves [kg or kg·m²].
+/// Armature of an axis for which the file states none: the amount by which its inertia falls short
+/// of K_pm / (5e4 s⁻²). The avatar's natural frequency then stays below 36 Hz, which a tick of 1 ms
+/// resolves [kg or kg·m²].
 [[nodiscard]] double ruleArmature(double k_pm, double inertia) noexcept;
 
-/// The armature stated in the file, or by the rule.
+/// The armature stated in the file; without one, ruleArmature().
 [[nodiscard]] double armatureOf(const AxisRendering& axis, double inertia) noexcept;
 
 /// M_r with the armature on its diagonal.

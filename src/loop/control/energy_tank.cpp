@@ -6,11 +6,13 @@
 namespace wholehand {
 namespace {
 
+// Length d in Ê = f̂ d/2.
 constexpr double kPush_m = 5e-3, kPush_rad = 0.05;
 constexpr int kRing = kMostDelayTicks + 2;
-constexpr double kFilter_s = 2e-3;
-constexpr double kMostDamping = 0.4;  // of m / ((1 + n) T + kFilter_s)
-constexpr double kCountShare = 0.02;  // of f̂, per encoder count
+constexpr double kFilter_s = 2e-3;  // time constant of the low-pass for v
+// Largest damping, as a fraction of m / ((1 + n) T + kFilter_s).
+constexpr double kMostDamping = 0.4;
+constexpr double kCountShare = 0.02;  // largest effort of one encoder count, as a fraction of f̂
 
 // Energy stored in the coupling's spring when its effort is clamped to the limit.
 double storedIn(double stiffness, double stretch, double limit) noexcept {
@@ -31,12 +33,13 @@ double mostDamping(const DeviceAxis& axis, int delay_ticks, double period_s) noe
                   kCountShare * axis.effort_limit * (kFilter_s + period_s) / axis.encoder_step);
 }
 
-// Damping that repays a debt within this tick, at most `most`.
+// Damping that dissipates a tank's debt within this tick, at most `most`.
 double dampingFor(double debt_j, double speed_sq, double elapsed_s, double most) noexcept {
   return std::min(debt_j / (speed_sq * elapsed_s), most);
 }
 
-// Repays the hand's debt by all axes, each with the same share of its largest damping.
+// Dissipates the debt of the hand's tank by all axes, each with the same share of its largest
+// damping.
 void dampHand(const EnergyTankState& state, const EnergyTankConfig& config, double elapsed_s,
               AxisEffort& effort) noexcept {
   double power_w = 0.0;
@@ -100,6 +103,7 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
     const double wall = i < wall_stored.size() ? wall_stored[i] : 0.0;
     const double stored = storedIn(gains.k_pm[i], q_m[i] - q_s[i], effort_limit[i]) + wall;
     if (!state.fresh) {
+      // Energy that the loop gave on this axis since the last tick.
       const double dx = q_m[i] - state.q_m[i];
       const double v = (kFilter_s * state.velocity[i] + dx) / (kFilter_s + elapsed_s);
       const double hidden = 0.5 * config.encoder_step[i] * std::abs(acted[i] - before[i]);
@@ -117,6 +121,7 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
     }
     out.state.stored[i] = stored;
   }
+  // The tank of the hand.
   const double most_j = config.hand_capacity + world.held_j;
   const double hand_j =
       state.fresh ? state.hand + world.held_j : state.hand - given_by_hand + world.received_j;

@@ -14,7 +14,7 @@ struct TransitionConfig {
 
 struct TransitionState {
   double u = 0.0;        ///< progress of the transition, 0 .. 1
-  bool engaged = false;  ///< u rises to 1 or is there
+  bool engaged = false;  ///< u rises to 1 or has reached it
 };
 
 /// α = 3u² − 2u³, Eq. (16) with corrected coefficients: 0 at u = 0, 1 at u = 1, zero slope at both.

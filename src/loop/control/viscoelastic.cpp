@@ -7,7 +7,8 @@
 namespace wholehand {
 namespace {
 
-/// Travel of a shell that is whole again: what is left decays for ever, into denormal numbers.
+/// A travel below this counts as zero: the shell has returned. Without it the travel would decay
+/// forever, into denormal numbers.
 constexpr double kWhole = 1e-12;
 
 }  // namespace
@@ -21,7 +22,7 @@ CushionStep advanceCushion(const Cushion& cushion, double travel, double depth, 
   const auto after = [=](double resistance, double push, double spring) {
     return (resistance * before + elapsed_s * push) / (resistance + elapsed_s * spring);
   };
-  const double q = effort_at(before) - k_s * before;  // if nothing flowed
+  const double q = effort_at(before) - k_s * before;  // q while no liquid flows
   double y = before;
   if (open && q > cushion.opening) {
     y = after(cushion.resistance, pressed - cushion.opening, k + k_s);

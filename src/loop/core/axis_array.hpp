@@ -14,8 +14,8 @@ inline constexpr int kMaxAxes = 16;
 /// Most driven joints of a hand, base translations and rotations included.
 inline constexpr int kMaxJoints = 32;
 
-/// One number per axis or per joint. The tag names the quantity, so that mixing two quantities does
-/// not compile. Fixed capacity, no heap, trivially copyable; `vec()` is its view for Eigen.
+/// One number per axis or per joint. The tag names the quantity, so mixing two quantities does not
+/// compile. Fixed capacity, no heap, trivially copyable; `vec()` is the array's Eigen view.
 /// Real-time safe.
 template <class Tag, int Capacity, class Number = double>
 class TaggedArray {
@@ -55,7 +55,7 @@ template <class Tag, int Capacity>
   return true;
 }
 
-// Per axis, in the axis's own unit (m or rad, and units derived from it).
+// One value per axis, in the axis's own unit (m or rad, and units derived from it).
 using AxisPosition = TaggedArray<struct PositionTag, kMaxAxes>;    ///< [m or rad]
 using AxisVelocity = TaggedArray<struct VelocityTag, kMaxAxes>;    ///< [m/s or rad/s]
 using AxisEffort = TaggedArray<struct EffortTag, kMaxAxes>;        ///< [N or N·m]
@@ -68,7 +68,7 @@ using AxisTime = TaggedArray<struct TimeTag, kMaxAxes>;            ///< [s]
 using AxisRatio = TaggedArray<struct RatioTag, kMaxAxes>;          ///< [1]
 using AxisFlag = TaggedArray<struct FlagTag, kMaxAxes, bool>;
 
-// Per driven joint of the simulated hand.
+// One value per driven joint of the simulated hand.
 using JointPosition = TaggedArray<struct PositionTag, kMaxJoints>;  ///< [m or rad]
 using JointVelocity = TaggedArray<struct VelocityTag, kMaxJoints>;  ///< [m/s or rad/s]
 using JointEffort = TaggedArray<struct EffortTag, kMaxJoints>;      ///< [N or N·m]

@@ -6,12 +6,12 @@
 namespace wholehand {
 namespace {
 
-// Places in Command::numbers.
-constexpr int kPose = 0;  // position, quaternion xyzw: 7 numbers
+// Indices into Command::numbers.
+constexpr int kPose = 0;  // 7 numbers: position, quaternion xyzw
 constexpr int kVelocity = 7, kShapes = 10, kOwnerAt = 11, kMass = 12, kFriction = 13, kRefuse = 14;
-constexpr int kSpin = 15;  // three whole numbers in one, of kSpinWrap values each
+constexpr int kSpin = 15;  // three integers packed in one number, each with kSpinWrap values
 constexpr std::int64_t kSpinHalf = 1 << 16, kSpinWrap = 2 * kSpinHalf;
-constexpr double kSpinSteps_s_rad = 256.0;
+constexpr double kSpinSteps_s_rad = 256.0;  // resolution: steps per rad/s
 
 Command order(CommandType type, int slot, int generation) noexcept {
   Command command;
@@ -27,12 +27,13 @@ void put(const BodyPose& pose, Command& command) noexcept {
   command.numbers = {p.x, p.y, p.z, q.x, q.y, q.z, q.w};
 }
 
-/// A number of a command that stands for a whole number; −1 for anything else.
+/// Converts a command's number to an integer; −1 when it is not a whole number in 0 .. 1e9.
 int whole(double value) noexcept {
   return value >= 0.0 && value < 1e9 && value == std::floor(value) ? static_cast<int>(value) : -1;
 }
 
-/// Below 2^51, so that a double holds it exactly; 0 for no spin.
+/// Packs an angular velocity into one number: below 2^51, so that a double holds it exactly; 0 for
+/// no spin.
 double packed(const Vec3& spin_rad_s) noexcept {
   constexpr double kMost = static_cast<double>(kSpinHalf - 1);
   std::int64_t all = 0;

@@ -13,14 +13,15 @@ enum class CommandType : std::int32_t {
   kNone,
   kParameter,    ///< index: live parameter; value: target of its ramp
   kAction,       ///< index: an Act
-  kHolderAlive,  ///< value: 1 while the controls' holder is alive, 0 when it is silent
-  kAim,          ///< aim: target pose of the person at the screen; index: a Help, of its page
-  kSteer,        ///< index: a Steering
-  // Orders of a game to its bodies; loop/core/body_order.hpp makes and reads them.
+  kHolderAlive,  ///< value: 1 while the client that holds the controls is alive, 0 when it is
+                 ///< silent
+  kAim,    ///< aim: target pose of the person at the screen; index: the Help that the page gives
+  kSteer,  ///< index: a Steering
+  // Orders of a game to its bodies; loop/core/body_order.hpp writes and reads them.
   kShapeSet,       ///< index: shape set; value: pieces
   kShapePiece,     ///< index: shape set; value: piece
   kShapeVertices,  ///< index: shape set; value: piece
-  kSpawn,          ///< index: slot; value: generation; so do the rest
+  kSpawn,          ///< index: slot; value: generation; the commands below use the same fields
   kRemove,
   kTeleport,
   kSetOwner,
@@ -32,23 +33,24 @@ enum class CommandType : std::int32_t {
   return type >= CommandType::kShapeSet && type <= CommandType::kBodyTarget;
 }
 
-/// Numbers of a body order.
+/// Size of Command::numbers.
 inline constexpr int kOrderNumbers = 16;
 
-/// What no client sends, beside Act. Command::value: place in the level to resume from.
+/// An action that only the program itself sends, never a client. Command::value is the place in the
+/// level from which the exercise resumes.
 inline constexpr Act kBeginAt{kActs};
 
-/// A request of another thread to the loop. The session takes at most kMaxCommands before a tick
-/// and stores them in its record, so that a re-simulation repeats them.
+/// A request from another thread to the loop. The session takes at most kMaxCommands before a tick
+/// and stores them in the tick's record, so that a re-simulation repeats them.
 struct Command {
   CommandType type = CommandType::kNone;
   std::int32_t index = 0;
   double value = 0.0;
   AxisPosition aim;
-  std::array<double, kOrderNumbers> numbers{};  ///< of a body order; 0 in all others
+  std::array<double, kOrderNumbers> numbers{};  ///< data of a body order; 0 in other commands
 };
 
-/// Most commands taken by one tick.
+/// Largest number of commands taken by one tick.
 inline constexpr int kMaxCommands = 8;
 
 static_assert(std::is_trivially_copyable_v<Command>);

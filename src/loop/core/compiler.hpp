@@ -1,6 +1,7 @@
 #pragma once
 
-/// 1 when a sanitizer intercepts the C library, as the counters do. The counters are then disabled.
+/// 1 when a sanitizer intercepts the C library. The allocation and system call counters intercept
+/// it too and are then disabled.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WHOLEHAND_SANITIZED 1
 #elif defined(__has_feature)
@@ -13,10 +14,10 @@
 #define WHOLEHAND_SANITIZED 0
 #endif
 
-/// Compiles a function twice, for processors with AVX and for any x86-64; the loader takes the one
-/// that the processor can run. AVX brings no fused multiply-add: both give the same bits, and a
-/// recording replays on either machine. Builds for sanitizers have no clones: they cannot
-/// instrument what the loader calls to choose.
+/// Compiles a function twice, for processors with AVX and for any x86-64; the loader chooses the
+/// version that the processor can run. AVX has no fused multiply-add: both versions give the same
+/// bits, and a recording replays on either machine. Sanitizer builds have no clones, because a
+/// sanitizer cannot instrument the function with which the loader chooses.
 #if defined(__x86_64__) && !WHOLEHAND_SANITIZED
 #define WHOLEHAND_VECTOR_CLONES [[gnu::target_clones("avx", "default")]]
 #else

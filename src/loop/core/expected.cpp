@@ -8,7 +8,8 @@ namespace wholehand {
 
 namespace {
 
-// Problems and remedies quote names from files: each stays on one line.
+// Problems and remedies quote names from files; printable() keeps each of them on one line. Longer
+// sentences are cut.
 constexpr std::size_t kLongestSentence = 4000;
 
 }  // namespace

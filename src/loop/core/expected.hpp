@@ -8,16 +8,17 @@
 
 namespace wholehand {
 
-/// The kind of a fault, for programs and tests: the words are for people and may change.
+/// The kind of a fault, for programs and tests. The texts of a Diagnostic are for people and may
+/// change.
 enum class DiagnosticCode : std::uint8_t {
-  kInvalid,     ///< breaks a rule that is none of the following
+  kInvalid,     ///< breaks a rule that no other code covers
   kMissing,     ///< a key, a file or a part of it is not there
   kUnknown,     ///< a key or a name that the program does not know
   kType,        ///< another type, kind or shape of value is expected
   kRange,       ///< a number outside of its range, or not finite
-  kSyntax,      ///< not the language that the file should be in
+  kSyntax,      ///< not valid in the file's format (TOML, CSV, ...)
   kUnreadable,  ///< the file cannot be opened, or is damaged
-  kVersion,     ///< of a version that the program does not read
+  kVersion,     ///< the file has a version that the program cannot read
 };
 
 /// One fault of one file or of the command line, with a remedy.
@@ -32,7 +33,7 @@ struct Diagnostic {
 };
 using Diagnostics = std::vector<Diagnostic>;
 
-/// A fault of a whole file, or of the command line where `file` is empty.
+/// A fault of a whole file, or of the command line when `file` is empty.
 [[nodiscard]] inline Diagnostic fileFault(std::string file, std::string problem, std::string remedy,
                                           DiagnosticCode code = DiagnosticCode::kInvalid) {
   return {std::move(file), 0, {}, {}, std::move(problem), std::move(remedy), code};
@@ -47,12 +48,14 @@ using Diagnostics = std::vector<Diagnostic>;
   return fault;
 }
 
-/// "config/devices/a.toml:12: axes[2].effort_limit_n = nan: is not finite; must be in (0, 1000] N".
+/// One line of text:
+///   "config/devices/a.toml:12: axes[2].effort_limit_n = nan: is not finite; must be in (0, 1000]
+///   N".
 [[nodiscard]] std::string format(const Diagnostic& d);
 /// One line per diagnostic.
 [[nodiscard]] std::string format(const Diagnostics& ds);
 
-/// The first faults of a file (at most 20) and, if there are more, one that says how many.
+/// The first faults of a file (at most 20). If there are more, one last diagnostic says how many.
 [[nodiscard]] Diagnostics firstFaults(Diagnostics faults, const std::string& path);
 
 /// A value, or every reason why there is none. Not real-time safe.

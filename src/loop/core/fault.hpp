@@ -32,19 +32,21 @@ enum class Fault : std::uint32_t {
   kEncoderStuck = 1U << 17,      ///< a position stands still although the effort should move it
   kLateInARow = 1U << 18,        ///< more late ticks in a row than the device allows
   kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
-  kHolderSilent = 1U << 20,      ///< information: the holder is silent; the exercise fades out
+  kHolderSilent = 1U << 20,      ///< information: the client that holds the controls is silent; the
+                                 ///< exercise fades out
   kBodiesExploded = 1U << 21,  ///< the bodies gained energy in one step that nobody put in, or the
                                ///< simulated hand is implausibly fast
   kTankEmpty = 1U << 22,       ///< information: an empty energy tank added damping
   kDriveFault = 1U << 23,      ///< a drive of the device reports a fault
   kEnableLost = 1U << 24,      ///< efforts no longer reach the motors: emergency stop or watchdog
-  kStaleSample =
-      1U << 25,            ///< a sample of the device is too old, stands still or goes back in time
-  kDriveHot = 1U << 26,    ///< information: a drive is near its temperature limit
-  kGentleStop = 1U << 27,  ///< information: the stop that was asked for is a gentle one
-  kSampleDelay = 1U << 28,       ///< the device's samples come later than the certificate assumes
-  kEffortAstray = 1U << 29,      ///< a drive measures another effort than the one that was sent
-  kWorldGivesEnergy = 1U << 30,  ///< the world gave energy that nobody put in, in spite of the tank
+  /// A sample of the device is too old, stands still or goes back in time.
+  kStaleSample = 1U << 25,
+  kDriveHot = 1U << 26,      ///< information: a drive is near its temperature limit
+  kGentleStop = 1U << 27,    ///< information: the requested stop is a gentle one
+  kSampleDelay = 1U << 28,   ///< the device's samples come later than the certificate assumes
+  kEffortAstray = 1U << 29,  ///< a drive measures an effort that differs from the one that was sent
+  /// The world gave energy that nobody put in, although the energy tank damped.
+  kWorldGivesEnergy = 1U << 30,
   kContactsUnsettled = 1U << 31,  ///< information: contact forces were still changing when the step
                                   ///< had to end
 };
@@ -69,7 +71,7 @@ inline constexpr int kFaultBits = 32;
 enum class FaultReaction {
   kStops,     ///< the ramp to neutral begins
   kCounted,   ///< rendering goes on; the fault is counted and listed in the summary
-  kRecorded,  ///< a request, or a holder who is gone; only recorded
+  kRecorded,  ///< a request, or a client that is gone; only recorded
 };
 
 /// Name and reaction of one bit. Records, summaries, metrics and the safety page use this table.
@@ -79,7 +81,7 @@ struct FaultFacts {
   FaultReaction reaction;
 };
 
-/// In the order of the bits.
+/// The table of all faults, in the order of their bits.
 inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
     {Fault::kDeviceRead, "device read failed", FaultReaction::kStops},
     {Fault::kDeviceWrite, "device write failed", FaultReaction::kStops},
@@ -124,7 +126,7 @@ inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
   return bits;
 }
 
-/// The faults that a device's reading may have.
+/// The faults that HapticDevice::read() may return.
 inline constexpr Fault kOfReading = Fault::kDeviceRead | Fault::kDriveFault | Fault::kEnableLost |
                                     Fault::kStaleSample | Fault::kDriveHot | Fault::kSampleDelay |
                                     Fault::kEffortAstray;

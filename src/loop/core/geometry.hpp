@@ -8,7 +8,7 @@
 
 namespace wholehand {
 
-/// A vector that may cross a thread or a file (Eigen's is not trivially copyable).
+/// A vector that can be copied between threads or into a file (Eigen's is not trivially copyable).
 struct Vec3 {
   double x = 0.0, y = 0.0, z = 0.0;
 
@@ -18,7 +18,7 @@ struct Vec3 {
   }
 };
 
-/// A rotation that may cross a thread or a file; order x, y, z, w.
+/// A rotation that can be copied between threads or into a file; order x, y, z, w.
 struct QuatXyzw {
   double x = 0.0, y = 0.0, z = 0.0, w = 1.0;
 

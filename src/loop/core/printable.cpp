@@ -8,7 +8,7 @@ struct Character {
   std::size_t bytes = 0;  ///< 0: not UTF-8
 };
 
-// Decodes by RFC 3629: shortest form, no surrogates, at most U+10FFFF.
+// Decodes one UTF-8 character (RFC 3629): shortest form, no surrogates, at most U+10FFFF.
 Character characterAt(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);

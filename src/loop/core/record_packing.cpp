@@ -9,15 +9,15 @@
 namespace wholehand {
 namespace {
 
-/// A part of a record: bytes that are always kept; an axis or joint array, kept to its size; or
-/// items, kept as many as a preceding count says.
+/// A part of a record. kBytes: kept whole. kArray: an axis or joint array, kept up to its size.
+/// kItems: as many items are kept as a count earlier in the record says.
 struct Piece {
   enum class Kind : std::uint8_t { kBytes, kArray, kItems };
   Kind kind;
   std::uint32_t offset;
-  std::uint32_t item_bytes;    ///< of kBytes: all of them
-  std::uint32_t capacity;      ///< items
-  std::uint32_t count_offset;  ///< of kItems: where the int32 lies
+  std::uint32_t item_bytes;    ///< size of one item; kBytes: of the whole part
+  std::uint32_t capacity;      ///< largest number of items
+  std::uint32_t count_offset;  ///< kItems: offset of the count, an int32
 
   [[nodiscard]] constexpr std::uint32_t end() const {
     const std::uint32_t size = kind == Kind::kArray ? sizeof(std::int64_t) : 0;
@@ -91,7 +91,8 @@ constexpr std::array kPieces{
     itemsAt(offsetof(R, contacts), sizeof(Contact), kMaxContacts, offsetof(R, contact_count)),
 };
 
-/// Every field is covered: the pieces are contiguous except for padding smaller than a double.
+/// True when the pieces cover every field: they are contiguous except for padding smaller than a
+/// double.
 constexpr bool covered() {
   std::uint32_t end = 0;
   for (const Piece& p : kPieces) {

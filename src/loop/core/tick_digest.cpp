@@ -7,8 +7,8 @@
 namespace wholehand {
 namespace {
 
-/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014): every bit of the input changes half of
-/// the output's.
+/// Finalizer of SplitMix64 (Steele, Lea, Flood 2014): changing one input bit changes on average
+/// half of the output bits.
 std::uint64_t mix(std::uint64_t x) noexcept {
   x = (x ^ x >> 30) * 0xBF58'476D'1CE4'E5B9ULL;
   x = (x ^ x >> 27) * 0x94D0'49BB'1331'11EBULL;

@@ -7,9 +7,9 @@
 
 namespace wholehand {
 
-/// Calls visit(name, numbers, count) for all that a tick computes from its recorded inputs, in
-/// order: no clock times, nothing of the virtual patient, used parts only. The names are those of
-/// the recording's datasets; `numbers` points to doubles.
+/// Calls visit(name, numbers, count) for every value that a tick computes from its recorded inputs,
+/// in order. Clock times and the virtual patient are left out, and arrays are visited up to their
+/// size. The names are those of the recording's datasets; `numbers` points to doubles.
 template <class Visit>
 void visitComputed(const TickRecord& r, Visit&& visit) {
   const auto one = [&visit](const char* name, auto value) {
@@ -81,8 +81,9 @@ void visitComputed(const TickRecord& r, Visit&& visit) {
   each_contact("contacts/distance_m", &Contact::distance_m);
 }
 
-/// Digest of all that visitComputed() shows, with its counts: two ticks have the same one if every
-/// bit is the same. 0 and −0 differ; one NaN is as good as another. Not for the tick: 1 µs.
+/// Digest of all values of visitComputed() and their counts: two ticks have the same digest if
+/// every bit is the same. 0 and −0 differ; all NaNs count as equal. Takes 1 µs: do not call it in
+/// the tick.
 [[nodiscard]] std::uint64_t digestOf(const TickRecord& record) noexcept;
 
 }  // namespace wholehand

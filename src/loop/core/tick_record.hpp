@@ -18,9 +18,9 @@ namespace wholehand {
 
 /// Who moves the device in a tick.
 enum class Mover : std::int32_t {
-  kNobody,          ///< a simulated hand that rests
-  kPerson,          ///< in the device, or at the screen of a simulated one
-  kVirtualPatient,  ///< the program plays
+  kNobody,          ///< nobody: a simulated hand that rests
+  kPerson,          ///< a person in the device, or at the screen of a simulated one
+  kVirtualPatient,  ///< a simulated person who does the exercise
   kMotion           ///< a recorded motion is replayed
 };
 inline constexpr int kMovers = 4;
@@ -35,23 +35,23 @@ struct LiveParameter {
   double rate_per_s = 0.0;  ///< slope of the ramp, > 0
 };
 
-/// Whether a live parameter of that name bounds the device's efforts.
+/// True when the live parameter of that name limits the device's efforts.
 [[nodiscard]] inline bool isEffortLimit(std::string_view name) noexcept {
   return name.starts_with("effort_limit_");
 }
 
-/// Most live parameters of renderer and exercise together.
+/// Largest number of live parameters, renderer and exercise together.
 inline constexpr int kMaxLiveParameters = 24;
 
-/// Most values that an exercise reports per tick.
+/// Largest number of values that an exercise reports per tick.
 inline constexpr int kMaxExerciseValues = 48;
-/// Most events of one tick; further ones are dropped.
+/// Largest number of events in one tick; further ones are dropped.
 inline constexpr int kMaxExerciseEvents = 8;
 
 /// Something that happened in the exercise.
 struct ExerciseEvent {
   std::int32_t type = 0;    ///< index into ExerciseDescription::event_names
-  std::int32_t index = -1;  ///< dispenser, liquid ...; -1: not applicable
+  std::int32_t index = -1;  ///< number of the dispenser, liquid ...; -1: not applicable
   double value = 0.0;       ///< in the event's own unit
 };
 
@@ -69,11 +69,11 @@ struct ExerciseRecord {
 
 static_assert(std::is_trivially_copyable_v<ExerciseRecord>);
 
-/// Most contact points of a record. Further ones act but are only counted
+/// Largest number of contact points in a record. Further ones act on the hand but are only counted
 /// (Fault::kContactsDropped).
 inline constexpr int kMaxContacts = 128;
 
-/// Contact point of the hand and a body, after the step. World frame.
+/// Contact point of the hand with a body, after the step. World frame.
 struct Contact {
   std::int32_t capsule = -1;  ///< index into HandModel::capsules
   std::int32_t link = -1;     ///< index into HandModel::links
@@ -126,7 +126,7 @@ struct TickRecord {
 
   // written by: device.read; an input, not re-simulated
   Mover moved_by = Mover::kNobody;
-  Help help = Help::kUnsaid;  ///< with a person who moves a simulated hand
+  Help help = Help::kUnspecified;  ///< with a person who moves a simulated hand
 
   std::int32_t command_count = 0;
   std::int32_t parameter_count = 0;                   ///< number of live parameters
@@ -149,10 +149,10 @@ struct TickRecord {
   AxisPosition q_s;     ///< avatar position
   AxisVelocity qd_s;    ///< avatar velocity
   JointPosition theta;  ///< joint positions of the avatar
-  double coupling_error_rad =
-      0.0;  ///< largest |θ - (θ₀ + G q_s)| after the last step, before correction
+  /// Largest |θ - (θ₀ + G q_s)| after the last step, before correction
+  double coupling_error_rad = 0.0;
   double palm_distance_m = 0.0;  ///< palm surface to the nearest body [m]; +inf without bodies
-  double palm_target_distance_m = 0.0;  ///< to palm_body, < 0: not before the palm; +inf: none
+  double palm_target_distance_m = 0.0;  ///< to palm_body; < 0: not in front of the palm; +inf: none
   /// Position of each hand axis at its first touch of the exercise's closure body, closing
   /// kinematically from the open hand. NaN: no touch, a base axis, or no query. −inf: overlap with
   /// the open hand.
@@ -191,8 +191,8 @@ struct TickRecord {
 
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
-/// Called before and after every tick, in the thread that ticks: by the virtual patient who plays
-/// an exercise and by the black box. Real-time safe.
+/// Called before and after every tick in the thread that ticks. The virtual patient who does an
+/// exercise and the black box implement it. Real-time safe.
 class TickListener {
  public:
   virtual ~TickListener() = default;

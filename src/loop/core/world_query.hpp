@@ -8,22 +8,22 @@
 
 namespace wholehand {
 
-/// Most bodies of a record, fixed ones included: the first ones of the scene.
+/// Largest number of bodies in a record, fixed ones included: the first bodies of the scene.
 inline constexpr int kMaxBodies = 128;
-/// Most bodies of a scene. Bodies beyond kMaxBodies are simulated, but not recorded.
+/// Largest number of bodies in a scene. Bodies beyond kMaxBodies are simulated, but not recorded.
 inline constexpr int kMaxSceneBodies = 1024;
 
 /// Set of recorded bodies, one bit each.
 using BodySet = std::bitset<kMaxBodies>;
 
-/// Query of an exercise to the world, for the next tick.
+/// What an exercise asks the world to measure in the next tick.
 struct WorldQuery {
-  BodySet targets;                 ///< body b counts for palm_body and palm_target_distance_m
+  BodySet targets;                 ///< bodies considered for palm_body and palm_target_distance_m
   std::int32_t closure_body = -1;  ///< body on which the closure is computed; -1: none
 };
 
-/// Pose and velocity given to a body before the step: a fixed body that slides, or a free body that
-/// is put upright.
+/// Pose and velocity that an exercise gives to a body before the step: a fixed body that slides, or
+/// a free body that is put upright.
 struct BodyPlacement {
   std::int32_t body = -1;
   std::int32_t reserved = 0;
@@ -32,7 +32,7 @@ struct BodyPlacement {
   Vec3 velocity_m_s;
 };
 
-/// Most bodies placed in one tick.
+/// Largest number of bodies placed in one tick.
 inline constexpr int kMaxPlacements = 8;
 
 struct BodyPlacements {

@@ -8,21 +8,23 @@
 
 namespace wholehand {
 
-/// What is known of the person at a device in one tick. Of a real one: that it is one.
+/// What is known about the person at a device in one tick. About a real person only this is known:
+/// moved_by is kPerson.
 struct PersonReading {
-  AxisPosition intention;           ///< where the person wants to be; size 0: unknown
-  AxisEffort effort;                ///< of the person on the device; size 0: unknown
+  AxisPosition intention;           ///< position that the person wants to reach; size 0: unknown
+  AxisEffort effort;                ///< effort of the person on the device; size 0: unknown
   Mover moved_by = Mover::kPerson;  ///< who decides the intention
-  Help help = Help::kUnsaid;
+  Help help = Help::kUnspecified;
 };
 
-/// A person of whom more is known than the device measures: a simulated or a recorded one. It
-/// reports to the record, beside the device.
+/// A person about whom more is known than the device measures: a simulated or a recorded one.
+/// Reports to the record, in addition to the device.
 class KnownPerson {
  public:
   virtual ~KnownPerson() = default;
 
-  /// Reports the person as of the device's last read; unchanged where the device gave none.
+  /// Reports the person at the time of the device's last read; leaves `reading` unchanged when that
+  /// read gave no position.
   WHOLEHAND_RT virtual void report(PersonReading& reading) const noexcept = 0;
 };
 
@@ -37,24 +39,26 @@ class HapticDevice {
  public:
   virtual ~HapticDevice() = default;
 
-  /// Prepares the device: it can be read, and gives no effort yet. Idempotent. Not real-time safe.
+  /// Prepares the device: afterwards it can be read, and gives no effort yet. Idempotent. Not
+  /// real-time safe.
   [[nodiscard]] virtual Expected<Done> open() = 0;
 
-  /// Whether the device may be enabled, after open(): calibrated and at rest. Returns the reason
-  /// otherwise. Not real-time safe.
+  /// Checks whether the device may be enabled, after open(): it is calibrated and at rest. Returns
+  /// the reason if not. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> ready() = 0;
 
-  /// Whether it was shown that this device may move a person; the reason otherwise. The default is
-  /// for devices that are not commissioned. Not real-time safe.
+  /// Checks whether this device was shown to be fit to move a person (commissioned and checked).
+  /// Returns the reason if not. The default is for devices that are not commissioned. Not real-time
+  /// safe.
   [[nodiscard]] virtual Expected<Done> cleared() const { return Done{}; }
 
-  /// Lets efforts through, the neutral one first: the last step of arming. A failure leaves the
-  /// device as it was. The default is for devices that need no enabling. Idempotent. Not real-time
-  /// safe.
+  /// Enables the device: efforts reach the motors from now on, beginning with the neutral effort.
+  /// This is the last step of arming. A failure leaves the device as it was. The default is for
+  /// devices that need no enabling. Idempotent. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> enable() { return Done{}; }
 
-  /// True where no person is moved and timing does not matter. Late ticks and stuck encoders are
-  /// then only counted.
+  /// True when the device moves no person and timing does not matter. Late ticks and stuck encoders
+  /// are then only counted.
   [[nodiscard]] virtual bool simulated() const noexcept { return false; }
 
   /// Reads the position. A real device ignores elapsed_periods; a simulated one advances by that
@@ -64,11 +68,12 @@ class HapticDevice {
                                                 int elapsed_periods) noexcept = 0;
 
   /// Sends an effort, which holds until the next one. A crashed, killed or stalled program sends
-  /// nothing, so the drive needs its own watchdog (20 ms, say) that lets go gently.
+  /// nothing, so the drive needs its own watchdog (for example 20 ms) that releases the effort
+  /// gently.
   [[nodiscard]] WHOLEHAND_RT virtual Fault write(const AxisEffort& effort) noexcept = 0;
 
-  /// Leaves the device at its neutral effort, which carries its weight. Idempotent. Not real-time
-  /// safe.
+  /// Closes the device and leaves it at its neutral effort, which carries its weight. Idempotent.
+  /// Not real-time safe.
   virtual void close() noexcept = 0;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 using Factor = std::array<std::array<double, kMaxAxes>, kMaxAxes>;
 
-/// L with matrix = L Lᵀ; the diagonal holds 1 / L(j, j).
+/// Cholesky factor L with matrix = L Lᵀ; its diagonal holds 1 / L(j, j).
 bool factor(const AxisMatrix& matrix, Factor& l) noexcept {
   const int n = static_cast<int>(matrix.rows());
   for (int j = 0; j < n; ++j) {
@@ -28,7 +28,7 @@ bool factor(const AxisMatrix& matrix, Factor& l) noexcept {
   return true;
 }
 
-/// L⁻¹, lower triangular, in place.
+/// Replaces L by L⁻¹, lower triangular.
 void invertFactor(Factor& l, int n) noexcept {
   for (int c = 0; c < n; ++c) {
     for (int i = c + 1; i < n; ++i) {
@@ -76,8 +76,8 @@ Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noe
   return r;
 }
 
-/// turn * rotationAbout(axis, angle_rad) for a coordinate axis, as most joints of a hand have.
-/// Bit-identical to the general product, whose other terms are zero.
+/// Computes turn * rotationAbout(axis, angle_rad) for a coordinate axis, as most joints of a hand
+/// have. Bit-identical to the general product, whose other terms are zero.
 void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) noexcept {
   double s = 0.0, c = 0.0;
   ::sincos(angle_rad, &s, &c);
@@ -92,7 +92,7 @@ void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) n
   }
 }
 
-/// Product by components. Eigen's own goes through calls at -O2.
+/// Product by components: at -O2 Eigen's own calls functions.
 Eigen::Vector3d product(const Eigen::Matrix3d& a, const Eigen::Vector3d& v) noexcept {
   const auto row = [&](int r) { return a(r, 0) * v[0] + a(r, 1) * v[1] + a(r, 2) * v[2]; };
   return {row(0), row(1), row(2)};
@@ -226,8 +226,8 @@ bool ArticulatedBody::updateDynamics(const JointVelocity& theta_dot,
   return invertPositiveDefinite(reduced_inertia_, reduced_inertia_inverse_);
 }
 
-// Outward Newton-Euler recursion: velocities, accelerations at θ̈ = 0, and the wrench on each body.
-// Gravity is an upward acceleration of the world.
+// Outward Newton-Euler recursion: computes velocities, accelerations at θ̈ = 0, and the wrench on
+// each body. Gravity is modelled as an upward acceleration of the world.
 void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
                                    const Eigen::Vector3d& gravity_m_s2) noexcept {
   const SpatialVector world_velocity;
@@ -248,7 +248,7 @@ void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
   }
 }
 
-// Inward recursion: h sums the wrenches, M the composite inertias. M is structurally zero except
+// Inward recursion: h sums the wrenches, M the composite inertias. M is zero by structure except
 // between a joint and its ancestors.
 void ArticulatedBody::sweepBackward() noexcept {
   for (int i = body_count_ - 1; i >= 0; --i) {
@@ -288,7 +288,7 @@ void ArticulatedBody::reduce() noexcept {
       }
     }
   }
-  // Only the lower triangle was summed. Mirroring it makes M_r exactly symmetric.
+  // Only the lower triangle was summed. Copying it to the upper one makes M_r exactly symmetric.
   for (int a = 0; a < hand_->axis_count; ++a) {
     for (int c = 0; c < a; ++c) reduced_inertia_(c, a) = reduced_inertia_(a, c);
   }

@@ -34,7 +34,7 @@ struct SpatialVector {
   return a.angular.dot(b.angular) + a.linear.dot(b.linear);
 }
 
-/// Cross product by components. Eigen's own goes through temporaries at -O2.
+/// Cross product by components: at -O2 Eigen's own uses temporaries.
 [[nodiscard]] inline Eigen::Vector3d cross(const Eigen::Vector3d& a,
                                            const Eigen::Vector3d& b) noexcept {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
@@ -132,8 +132,8 @@ class ArticulatedBody {
   /// positive definite; the inverse is then zero. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta, const JointVelocity& theta_dot,
                                          const Eigen::Vector3d& gravity_m_s2) noexcept;
-  /// The same, with the kinematics of another body of the same hand, which were updated at θ
-  /// already. The bits are those of update() at that θ. Real-time safe.
+  /// Like update(), but takes the kinematics from another body of the same hand, which were updated
+  /// at θ already. The bits are those of update() at that θ. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool updateFrom(const ArticulatedBody& placed,
                                              const JointVelocity& theta_dot,
                                              const Eigen::Vector3d& gravity_m_s2) noexcept;
@@ -141,7 +141,7 @@ class ArticulatedBody {
   /// Computes the joint torques τ = M G a + h with a = M_r⁻¹ f_s. Their reduced force is f_s + h_r
   /// − A a, and they preserve the synergy θ = θ₀ + G q_s. Real-time safe.
   WHOLEHAND_RT void distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept;
-  /// A a, the part of f_s that accelerates the armature. Real-time safe.
+  /// Effort A a, the part of f_s that accelerates the armature. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT AxisEffort armatureEffort(const AxisEffort& f_s) const noexcept;
 
   /// Row of the reduced Jacobian: velocity per axis of the link's material point at `point_m`
@@ -167,17 +167,17 @@ class ArticulatedBody {
   /// A driven joint and everything welded to the link it carries (locked joints are welds).
   struct Body {
     int parent = -1;  ///< index of the parent body, -1 for the world; always < own index
-    int link = 0;     ///< the link whose frame is the body's
+    int link = 0;     ///< the link whose frame is the body's frame
     int joint = 0;
     bool revolute = false;
     Eigen::Vector3d axis;  ///< body frame
-    int along = -1;        ///< coordinate axis parallel to `axis`, either sense; -1: none
+    int along = -1;        ///< coordinate axis parallel to `axis`, in either sense; -1: none
     Pose parent_to_body;   ///< at joint position zero; for parent -1 in the world
     bool turned = false;   ///< parent_to_body has a rotation
     double mass_kg = 0.0;
     Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
     Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about com_m
-    int first_term = 0, end_term = 0;                         ///< its row of G in terms_
+    int first_term = 0, end_term = 0;                         ///< range of its row of G in terms_
   };
   /// A link fixed to a body.
   struct Weld {

@@ -23,10 +23,11 @@ struct ExerciseDescription {
   int levels = 1;
   double fade_out_s = 0.3;  ///< fade-out time of its effort
   std::vector<LiveParameter> parameters;
-  std::vector<std::string> value_names;  ///< of ExerciseRecord::values, at most kMaxExerciseValues
+  /// Names of ExerciseRecord::values, at most kMaxExerciseValues.
+  std::vector<std::string> value_names;
   std::vector<std::string> event_names;  ///< names of ExerciseEvent::type
-  /// Index into value_names of the place in the level from which a session resumes after a rest:
-  /// the value of kBeginAt. -1: every session begins at the start.
+  /// Index into value_names of the value that tells the place in the level. A session resumes there
+  /// after a rest: it sends this value with kBeginAt. -1: every session begins at the start.
   int resume_value = -1;
   std::string json;  ///< data for its front end: liquids, recipe ...
 };
@@ -34,17 +35,19 @@ struct ExerciseDescription {
 /// Input of an exercise in a tick.
 struct ExerciseInput {
   double period_s = 1e-3;
-  /// The present tick so far: device, velocities, avatar, bodies, palm, closure, commands. Contacts
-  /// are those of the last step.
+  /// The record of the present tick so far: device, velocities, avatar, bodies, palm, closure,
+  /// commands. Contacts are those of the last step.
   const TickRecord* observed = nullptr;
   const ArticulatedBody* hand = nullptr;  ///< link poses at observed->theta; null: not known
   const double* parameters = nullptr;     ///< current values, in the description's order
-  const PoolReport* pool = nullptr;       ///< bodies of a game; null without slots for them
-  bool may_push = true;  ///< false: holder silent or stop requested; f_e must fade out
+  /// Bodies of a game; null when the scene has no slots for them.
+  const PoolReport* pool = nullptr;
+  bool may_push = true;  ///< false: the client with the controls is silent or a stop is requested;
+                         ///< f_e must fade out
 };
 
-/// A task for the person, which may add an effort to the rendering. It uses no sockets and no
-/// clocks. Deterministic: the same inputs give the same bits.
+/// A task for the person. It may add an effort to the rendering. It uses no sockets and no clocks.
+/// Deterministic: the same inputs give the same bits.
 class Exercise {
  public:
   Exercise() = default;
@@ -65,14 +68,14 @@ class Exercise {
   WHOLEHAND_RT virtual void tick(const ExerciseInput& input, ExerciseRecord& out,
                                  BodyPlacements& placements) noexcept = 0;
 
-  /// Makes a virtual patient who does this exercise; null where there is none. Not real-time safe.
+  /// Makes a virtual patient who does this exercise; null when there is none. Not real-time safe.
   [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const = 0;
 
  protected:
   ExerciseDescription description_;  ///< filled in when it is made
 };
 
-/// Clears what a tick fills in: no effort, no wall, no values, nothing to be placed.
+/// Clears the output of a tick: no effort, no wall, no values, no bodies to place.
 WHOLEHAND_RT inline void clear(ExerciseRecord& out, BodyPlacements& placements, int axes) noexcept {
   out = ExerciseRecord{};
   placements.count = 0;
@@ -81,16 +84,17 @@ WHOLEHAND_RT inline void clear(ExerciseRecord& out, BodyPlacements& placements, 
   out.wall = AxisPosition(axes);
 }
 
-/// Adds an event; false where the tick's events are full. Real-time safe.
-WHOLEHAND_RT inline bool tell(ExerciseRecord& out, std::int32_t type, int index,
-                              double value) noexcept {
+/// Adds an event; false when the tick already has kMaxExerciseEvents events. Real-time safe.
+WHOLEHAND_RT inline bool addEvent(ExerciseRecord& out, std::int32_t type, int index,
+                                  double value) noexcept {
   if (out.event_count >= kMaxExerciseEvents) return false;
   out.events[out.event_count++] = {type, index, value};
   return true;
 }
 
-/// Obeys the tick's actions: pauses, goes on, begins `steps` again (once they are done, by any
-/// action), which it tells as the event `restarted`. True where they began again. Real-time safe.
+/// Applies the tick's actions: pauses, resumes, or restarts `steps`. When all steps are done, any
+/// other action restarts them too. A restart is reported as the event `restarted`. Returns true
+/// when the steps were restarted. Real-time safe.
 template <class Steps>
 [[nodiscard]] WHOLEHAND_RT bool takeActions(const TickRecord& seen, Steps& steps, bool& paused,
                                             std::int32_t restarted, ExerciseRecord& out) noexcept {
@@ -105,7 +109,7 @@ template <class Steps>
       steps.reset();
       paused = false;
       again = true;
-      tell(out, restarted, -1, 0.0);
+      addEvent(out, restarted, -1, 0.0);
     }
   }
   return again;

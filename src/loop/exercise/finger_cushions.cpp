@@ -6,6 +6,7 @@
 namespace wholehand {
 namespace {
 
+/// Largest speed at which a shell gives way, at the tip (pressBottle()).
 constexpr double kFastest_m_s = 0.14;
 
 }  // namespace

@@ -7,44 +7,47 @@
 namespace wholehand {
 namespace {
 
-/// A finger farther past its first touch than this did not pass through it [m of path].
+/// A finger that is less than this beyond its first touch still gets a wall there [m of path].
 constexpr double kPast_m = 1e-3;
-/// Release speed of a wall: at least this [m/s at the tip], 0.04 N a tick for the stiffest shipped
-/// one, and at least this share of its depth per second, less than 0.05 N a tick from 9 N on.
+/// Release speed of a wall: at least kLetGo_m_s at the tip [m/s], which is 0.04 N per tick for the
+/// stiffest shipped wall, and at least the share kLetGo_per_s of its depth per second, which is
+/// less than 0.05 N per tick from 9 N on.
 constexpr double kLetGo_m_s = 0.15;
 constexpr double kLetGo_per_s = 5.0;
 
-/// A wall, lengths in units of its axis.
+/// A wall; lengths are in units of its axis.
 struct Wall {
   bool known;
   double position;
 };
 struct Finger {
-  double now, before;  ///< device position, now and a tick before
+  double now, before;  ///< device position now and one tick before
   bool touches;
 };
 
 /// Decrease of a wall's depth in a tick of release.
 struct Step {
-  double least;  ///< at least this ...
+  double least;  ///< the depth decreases by at least this ...
   double share;  ///< ... and this share of its depth
 };
 
-/// Wall position such that the finger is no deeper than before, less the step.
+/// Wall position at which the finger is no deeper in the wall than before, less the step.
 double yieldedPosition(double wall, const Finger& finger, const Step& step) noexcept {
   const double depth = finger.before - wall;
   return std::max(wall,
                   finger.now - std::max(0.0, depth - std::max(step.least, step.share * depth)));
 }
 
-/// Releases the wall of a finger without a touch ahead. It exists only as long as it is felt.
+/// Releases the wall of a finger that has no touch ahead. The wall exists only as long as it is
+/// felt.
 Wall letGo(const Wall& wall, const Finger& finger, const Step& step) noexcept {
   const double position = yieldedPosition(wall.position, finger, step);
   return {finger.now > position, position};
 }
 
-/// Moves the wall towards its target. @param soft a soft shell's wall with no finger in it jumps
-/// there: a finger closes on a shell by up to 40 mm of path, and a moving wall would push it.
+/// Moves the wall towards its target.
+/// @param soft wall of a soft shell with no finger in it: jumps to its target. A finger closes on a
+/// shell by up to 40 mm of path, and a moving wall would push it.
 double follow(double wall, double target, const Finger& finger, double reach, const Step& step,
               bool soft) noexcept {
   if (soft && finger.now <= wall) return std::max(target, finger.now);
@@ -56,7 +59,7 @@ double follow(double wall, double target, const Finger& finger, double reach, co
   return std::max({target, wall - reach, finger.touches ? target : std::min(wall, finger.now)});
 }
 
-/// Whether an axis moves the link relative to the palm.
+/// True when the axis moves the link relative to the palm.
 bool moves(const HandModel& hand, int link, int axis) {
   for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
     const int joint = hand.links[i].joint;
@@ -109,15 +112,16 @@ FingerWallState followClosure(const FingerWallState& state, const FingerWallInpu
                         inside || (seen.touching >> i & 1U) != 0U};
     const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
     Wall wall{felt, felt ? state.position[i] : 0.0};
-    // Near the open end the first touch flickers.
+    // Near the open end the first touch alternates between found and not found: the wall then
+    // stays.
     const bool holds = finger.touches && (inside || seen.q_m[i] > seen.q_s[i]) &&
                        i < seen.closure.size() && seen.closure[i] == -HUGE_VAL;
     if (felt && holds) {
-      // The wall stays and holds back a digit that closes on the target.
+      // The wall stays and resists a digit that closes on the target.
     } else if (ahead) {
       double target = seen.closure[i] - lead_in_m * per_m;
-      // A wall moving under a digit would lift it. One that stays is a spring and returns its
-      // energy.
+      // A wall that moves under a digit would lift it. A wall that stays is a spring, which returns
+      // its energy.
       if (inside && felt) target = std::max(target, wall.position);
       const double reach = config.follow_m_s * per_m * elapsed_s;
       wall = {true, felt ? follow(wall.position, target, finger, reach, step, config.soft_m > 0.0)

@@ -13,12 +13,12 @@
 
 namespace wholehand {
 
-/// Walls of an exercise: one on each hand axis with a stiffness here. Fingers close towards larger
-/// coordinates.
+/// Walls of an exercise: one wall on each hand axis whose stiffness here is > 0. Fingers close
+/// towards larger coordinates.
 struct FingerWallConfig {
   int axes = 0;
   AxisLength lever_arm_m;    ///< lever arm of the axis; 1 without one
-  AxisStiffness stiffness;   ///< k of the targets' shells; 0: no wall on the axis
+  AxisStiffness stiffness;   ///< stiffness k of the targets' shells; 0: no wall on the axis
   AxisEffort effort_cap;     ///< below the device's limit [N or N·m]
   double soft_m = 0.0;       ///< depth of the targets' soft shells
   double follow_m_s = 0.04;  ///< largest speed of a wall while α > 0, at the tip
@@ -27,30 +27,33 @@ struct FingerWallConfig {
 struct FingerWallState {
   AxisPosition position;  ///< θ_wall
   AxisFlag known;         ///< the axis has a wall
-  AxisPosition finger;    ///< q_m of that tick
+  AxisPosition finger;    ///< device position q_m at that tick
 };
 
 /// Input of the walls in a tick.
 struct FingerWallInput {
   AxisPosition closure;        ///< first touch per axis; not finite without one
-  AxisPosition q_m;            ///< device
-  AxisPosition q_s;            ///< avatar
+  AxisPosition q_m;            ///< device position
+  AxisPosition q_s;            ///< avatar position
   std::uint32_t touching = 0;  ///< bit a: a link moved by axis a touches the target
-  std::uint32_t inside = 0;    ///< bit a: in the target's soft shell, closing presses deeper
+  /// Bit a: axis a is in the target's soft shell, and closing presses it deeper.
+  std::uint32_t inside = 0;
 };
 
 /// For each capsule of the hand: bit a where axis a moves it relative to the palm.
 [[nodiscard]] std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand);
 
-/// Axes that move a link in contact with the body, as in FingerWallInput::touching. Real-time safe.
+/// The axes that move a link in contact with the body, as in FingerWallInput::touching. Real-time
+/// safe.
 /// @param axes_of_capsule from axesOfCapsules()
 [[nodiscard]] WHOLEHAND_RT std::uint32_t touchingAxes(
     const TickRecord& record, int body, const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
 
-/// Updates the walls. Each wall's target lies lead_in_m of fingertip path before the first touch,
-/// for fingers that have not reached this touch or press into the soft shell behind it. A new wall
-/// begins at its target or, if the finger is past that, at the finger. From then on (α > 0) θ_wall
-/// is continuous, except for a soft shell's wall with no finger in it, which jumps to its target:
+/// Updates the walls. The target of each wall lies lead_in_m of fingertip path before the first
+/// touch. It exists for fingers that have not reached this touch or that press into the soft shell
+/// behind it. A new wall begins at its target or, if the finger is past that, at the finger. From
+/// then on (α > 0) θ_wall is continuous, except for the wall of a soft shell with no finger in it,
+/// which jumps to its target:
 /// - towards the closed hand it moves at follow_m_s. It yields at once to a digit without contact,
 ///   whose effort can therefore only fall;
 /// - towards the open hand it moves at follow_m_s. It moves into the finger only while the digit

@@ -9,9 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Least cosine between the outward normal and the palmar direction of a palmar contact.
+/// Least cosine between a contact's outward normal and the palmar direction for a palmar contact.
 constexpr double kPalmar = 0.5;
-/// Closing an axis presses a point deeper where it moves it against the normal by this [m per rad].
+/// Closing an axis presses a point deeper if it moves the point against the normal by at least this
+/// [m per rad].
 constexpr double kPressing_m = 5e-3;
 /// Palmar direction of a capsule's link. Flexion turns fingers about +y and the thumb about -z of
 /// its link; a left hand is the mirror image in y.
@@ -42,11 +43,11 @@ Way wayFromUpright(const Vector3d& a, const Vector3d& b, double half_m) noexcept
   return {at - Vector3d(0.0, 0.0, std::clamp(at.z(), -half_m, half_m)), at};
 }
 
-/// Contacts within 60° are on the same side, contacts beyond about 107° on opposite sides. Fingers
-/// that press a bottle into the palm are at 110° and more; contacts of a flat hand are less than
-/// 90° apart.
+/// Contacts whose normals are within 60° are on the same side; contacts beyond about 107° are on
+/// opposite sides. Fingers that press a bottle into the palm are at 110° and more; contacts of a
+/// flat hand are less than 90° apart.
 constexpr double kSameSide = 0.5, kOppositeSide = -0.3;
-/// Largest squeeze over the force of its weaker side.
+/// Largest squeeze, as a multiple of the force of its weaker side.
 constexpr double kWeakerSide = 5.0;
 
 /// Normal forces on a body and their directions.

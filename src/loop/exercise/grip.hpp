@@ -14,37 +14,39 @@
 
 namespace wholehand {
 
-/// Contact of an axis's links with the soft shell of a body.
+/// Contact of the links that one axis moves with the soft shell of a body.
 struct SoftTouch {
   bool presses = false;         ///< closing presses one of its capsules deeper
   double palmar_depth_m = 0.0;  ///< depth of its deepest palmar capsule; 0: none
-  Eigen::Vector3d palmar_normal = Eigen::Vector3d::Zero();  ///< there, from the body to the hand
+  /// Normal at that capsule, from the body to the hand.
+  Eigen::Vector3d palmar_normal = Eigen::Vector3d::Zero();
 };
 using SoftTouches = std::array<SoftTouch, kMaxAxes>;
 
-/// The hand in a tick's posture: clearance of its capsules, and the side of a contact.
+/// The hand in its posture of the present tick: clearance of its capsules, and the side of a
+/// contact.
 class HandPosture {
  public:
   explicit HandPosture(const HandModel& hand);
 
-  /// Takes the hand in the tick's posture, which outlives the tick; null: unknown. Real-time safe.
-  /// @pre it is of the hand that was given to the constructor
+  /// Sets the hand in its present posture, which outlives the tick; null: unknown. Real-time safe.
+  /// @pre it belongs to the hand that was given to the constructor
   WHOLEHAND_RT void update(const ArticulatedBody* hand) noexcept { posed_ = hand; }
 
-  /// Whether a contact is on the palmar side: the palm itself, the flexor side of the fingers, the
+  /// True for a contact on the palmar side: the palm itself, the flexor side of the fingers, the
   /// pad of the thumb. False for an unknown posture.
   /// @param normal unit, from the touched body to the hand
   [[nodiscard]] WHOLEHAND_RT bool isPalmar(int capsule,
                                            const Eigen::Vector3d& normal) const noexcept;
 
-  /// Effort by which a force on a capsule, at a point of it, opposes closing of an axis: -jᵀf with
-  /// the axis's column j of the reduced point Jacobian [N or N·m]. World frame. 0 for an unknown
+  /// Effort by which a force on a capsule, at a point of it, opposes closing of an axis: -jᵀf, with
+  /// j the axis's column of the reduced point Jacobian [N or N·m]. World frame. 0 for an unknown
   /// posture.
   [[nodiscard]] WHOLEHAND_RT double opposes(int axis, int capsule, const Eigen::Vector3d& point_m,
                                             const Eigen::Vector3d& force_n) const noexcept;
 
-  /// For every axis, its contact with the side of an upright cylindrical shell into which closing
-  /// presses it.
+  /// Finds for every axis its contact with the side of an upright cylindrical shell into which
+  /// closing presses it.
   [[nodiscard]] WHOLEHAND_RT SoftTouches
   softTouches(const BodyState& body, double radius_m, double height_m,
               const std::vector<std::uint32_t>& axes_of_capsule) const noexcept;
@@ -56,11 +58,12 @@ class HandPosture {
 
  private:
   HandModel hand_;
-  std::vector<Eigen::Vector3d> palmar_;  ///< of each capsule: unit vector in its link's frame
+  /// Palmar direction of each capsule: unit vector in its link's frame.
+  std::vector<Eigen::Vector3d> palmar_;
   const ArticulatedBody* posed_ = nullptr;
 };
 
-/// Axes whose links bear on a body with their palmar side. Real-time safe.
+/// The axes whose links press on a body with their palmar side. Real-time safe.
 /// @param axes_of_capsule from axesOfCapsules()
 [[nodiscard]] WHOLEHAND_RT std::uint32_t palmarAxes(
     const TickRecord& record, int body, const HandPosture& posture,
@@ -71,21 +74,22 @@ class HandPosture {
 [[nodiscard]] WHOLEHAND_RT double gripForce_n(const TickRecord& record, int body,
                                               const HandPosture& posture) noexcept;
 
-/// Loads on the digits from a body.
+/// Loads that a body puts on the digits.
 struct FeltBody {
   int body = -1;        ///< index in the scene
   AxisEffort wall;      ///< effort of this body's walls on every axis; size 0: none
   SoftTouches touches;  ///< touches of its soft shell
 };
 
-/// Squeeze of a body: its force felt at the fingertips [N].
+/// Squeeze of a body: the force that the person feels from it at the fingertips [N].
 ///
 ///   S = min( Σ_a min(w_a + c_a, f_max,a) / l_a ,  5 · weaker side )
 ///
-/// over the axes with a wall: w_a the wall's effort if the axis has a palmar touch in the soft
-/// shell, c_a = -j_aᵀ f of the palmar contacts on the body, f_max,a the device's limit, l_a the
-/// lever arm. Sides as in gripForce_n; a digit in the soft shell counts with w_a / l_a along its
-/// normal. The palm adds no squeeze; the digits press against it. Real-time safe.
+/// The sum runs over the axes with a wall. w_a is the wall's effort if the axis has a palmar touch
+/// in the soft shell, c_a = -j_aᵀ f of the palmar contacts on the body, f_max,a the device's limit,
+/// l_a the lever arm. The sides are those of gripForce_n; a digit in the soft shell counts with w_a
+/// / l_a along its normal. The palm adds no squeeze, because the digits press against it. Real-time
+/// safe.
 [[nodiscard]] WHOLEHAND_RT double feltSqueeze_n(const TickRecord& record, const FeltBody& felt,
                                                 const HandPosture& posture,
                                                 const FingerWallConfig& walls,

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kParallel = 1e-12;  ///< sin² of the angle below which segments count as parallel
-constexpr double kLeast_m = 1e-12;   ///< segments nearer than this intersect
+constexpr double kLeast_m = 1e-12;   ///< segments nearer than this count as intersecting
 
 double share(double way, double square) {
   return square > 0.0 ? std::clamp(way / square, 0.0, 1.0) : 0.0;

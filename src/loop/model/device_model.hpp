@@ -9,7 +9,7 @@
 namespace wholehand {
 
 enum class AxisKind { kTranslation, kRotation };
-enum class AxisGroup { kBase, kHand };  ///< carries the hand, or moves its joints
+enum class AxisGroup { kBase, kHand };  ///< kBase carries the hand; kHand moves its joints
 
 /// A named axis of a device. SI units; per radian for a rotation.
 struct DeviceAxis {
@@ -26,7 +26,7 @@ struct DeviceAxis {
   double damping = 0.0;             ///< viscous friction [N·s/m or N·m·s/rad], >= 0
   double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
   double encoder_step = 0.0;        ///< [m or rad], >= 0; 0: ideal
-  double lever_arm_m = 0.0;         ///< joint torque / tip force; 0: no tip
+  double lever_arm_m = 0.0;         ///< joint torque divided by tip force; 0: the axis has no tip
   double neutral_effort = 0.0;      ///< carries the axis's own weight [N or N·m]
 
   /// "N" or "N·m"
@@ -39,11 +39,12 @@ struct DeviceAxis {
   }
 };
 
-/// Limits of lateness and of a stuck encoder that stop rendering. 0: only counted.
+/// Limits for late ticks and stuck encoders; exceeding one stops rendering. 0: late ticks and stuck
+/// encoders are only counted.
 struct WatchLimits {
   int late_in_a_row = 0;         ///< a longer run of late ticks stops rendering
   double longest_gap_s = 0.0;    ///< a longer time between two ticks stops rendering
-  double stuck_encoder_s = 0.0;  ///< longest standstill of an axis while the hand moves
+  double stuck_encoder_s = 0.0;  ///< longest standstill of an axis although it should move
 };
 
 /// A device: N named axes and the hand's mounting. No code assumes six axes.

@@ -6,18 +6,18 @@
 
 namespace wholehand {
 
-/// A text in the languages of the pages.
+/// A text in the three languages of the web pages.
 struct Words {
   std::string en, fr, de;
 };
 
 /// How an exercise's value is displayed. Bounds are in the value's own unit.
 struct PanelValue {
-  std::string name;     ///< of ExerciseDescription::value_names
+  std::string name;     ///< one of ExerciseDescription::value_names
   Words label;          ///< "Your squeeze"
   std::string unit;     ///< as shown: "N", "ml"; empty: dimensionless
   double factor = 1.0;  ///< shown number = value · factor
-  int decimals = 0;     ///< of the shown number
+  int decimals = 0;     ///< decimals of the shown number
   double lower = 0.0, upper = 1.0;
   /// Names of the values that give the current goal band; empty: none.
   std::string goal_lower, goal_upper;
@@ -26,7 +26,7 @@ struct PanelValue {
 
 /// How an event of an exercise is displayed.
 struct PanelEvent {
-  std::string name;  ///< of ExerciseDescription::event_names
+  std::string name;  ///< one of ExerciseDescription::event_names
   Words words;
 };
 

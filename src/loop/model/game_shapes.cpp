@@ -12,7 +12,8 @@
 namespace wholehand {
 namespace {
 
-constexpr double kMostShared = 0.65;  ///< of a piece's volume, in other pieces of the body
+/// Largest share of a piece's volume inside other pieces of the body.
+constexpr double kMostShared = 0.65;
 
 Diagnostic fault(std::size_t piece, std::string problem, std::string remedy) {
   return {"", 0, fmt::format("pieces[{}]", piece), "", std::move(problem), std::move(remedy)};
@@ -68,9 +69,9 @@ void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
   }
 }
 
-/// Share of a piece's volume that lies in other pieces, on a grid over its box.
+/// Share of a piece's volume that lies in other pieces, estimated on a grid over its box.
 double shareInOthers(const std::vector<Shape>& pieces, std::size_t piece) {
-  constexpr int kSteps = 7;
+  constexpr int kSteps = 7;  // grid points along each side
   const Shape& own = pieces[piece];
   Eigen::Vector3d low_m, high_m;
   boundsInShapeFrame(own, low_m, high_m);
@@ -92,8 +93,8 @@ double shareInOthers(const std::vector<Shape>& pieces, std::size_t piece) {
   return inside > 0 ? static_cast<double>(shared) / inside : 0.0;
 }
 
-/// The contacts of two bodies grow with the pieces that overlap: a body that is the same piece many
-/// times costs a tick far more than any other.
+/// Refuses pieces that overlap too much. Overlapping pieces multiply the contacts of two bodies, so
+/// a body made of the same piece many times would cost far more time in a tick than any other body.
 void checkOverlaps(const std::vector<Shape>& pieces, Diagnostics& faults) {
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const double share = shareInOthers(pieces, i);
@@ -207,7 +208,7 @@ Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const G
 double outerRadius(const PreparedShapes& shapes) {
   double radius_m = 0.0;
   for (const Shape& piece : shapes.pieces) {
-    double own_m = 0.0;  // about the origin of its frame
+    double own_m = 0.0;  // radius about the origin of the piece's frame
     if (piece.type == ShapeType::kConvexMesh) {
       for (const Eigen::Vector3d& p : piece.points_m) own_m = std::max(own_m, p.norm());
     } else if (piece.type == ShapeType::kCapsule) {

@@ -11,8 +11,8 @@
 
 namespace wholehand {
 
-/// Shapes of a game's body, ready for the loop: checked, in the principal frame of inertia at the
-/// centre of mass, with their moments. One set serves many bodies.
+/// Shapes of a game's body, ready for the loop: checked, given in the principal frame of inertia at
+/// the centre of mass, with their moments. Many bodies may use one set.
 struct PreparedShapes {
   std::vector<Shape> pieces;       ///< in the principal frame
   Eigen::Vector3d moments_per_kg;  ///< principal moments of inertia per mass [m²]
@@ -20,24 +20,24 @@ struct PreparedShapes {
   Eigen::Vector3d com_m;           ///< centre of mass in the frame of the input
 };
 
-/// Checks the pieces against the budget and prepares them; reports every fault at once, with the
+/// Checks the pieces against the budget and prepares them. Reports all faults at once, with the
 /// piece as the key ("pieces[1]"). Convex meshes come from convexMesh(), which checks that they are
 /// closed and convex. At most 65 % of a piece's volume may lie in other pieces. Not real-time safe.
 [[nodiscard]] Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces,
                                                      const GameBudget& budget);
 
-/// Radius of a ball about the centre of mass that holds the shapes [m].
+/// Radius of a sphere about the centre of mass that contains the shapes [m].
 [[nodiscard]] double outerRadius(const PreparedShapes& shapes);
 
-/// Commands that hand the shapes over to the loop as shape set `set`, in this order.
+/// Commands that transfer the shapes to the loop as shape set `set`; send them in this order.
 [[nodiscard]] std::vector<Command> shapeCommands(int set, const PreparedShapes& shapes);
 
 /// Extents of a piece's box in its own frame [m].
 [[nodiscard]] Eigen::Vector3d extents(const Shape& shape);
 
-// What shapeCommands() writes, for the loop. Real-time safe.
+// Readers of the commands that shapeCommands() writes, for the loop. Real-time safe.
 
-/// Vertices carried by one command.
+/// Number of vertices that one command carries.
 inline constexpr int kVerticesPerCommand = 4;
 
 struct ShapeSetHead {

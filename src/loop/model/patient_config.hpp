@@ -9,8 +9,9 @@
 
 namespace wholehand {
 
-/// Spastic catch of a flexor: the stretch reflex against fast opening. Muscle excitation is g (v(t
-/// - delay) - v_th)₊ (s - s_th)₊, with v and s the speed and amount of opening (docs/patients.md).
+/// Spastic catch of a flexor: the stretch reflex against fast opening. Muscle excitation is
+///   g (v(t - delay) - v_th)₊ (s - s_th)₊,
+/// where v is the speed and s the amount of opening (docs/patients.md).
 struct StretchReflex {
   double gain_nm_s_rad2 = 0.0;    ///< g; 0: none
   double from_speed_rad_s = 1.0;  ///< v_th: threshold of the opening speed
@@ -48,7 +49,7 @@ struct ReflexTiming {
   bool largest_triggers_all = false;
 };
 
-/// Conditions on which the person releases the device for good: whichever comes first.
+/// Conditions on which the person releases the device for good; the first one that is met counts.
 struct LettingGo {
   double after_s = std::numeric_limits<double>::infinity();  ///< since the start of the run
   /// The person's effort on any axis, as a fraction of the device's effort limit.
@@ -58,7 +59,7 @@ struct LettingGo {
 /// The person flings the device along one axis: draws back, accelerates it to a speed, releases it.
 struct Slam {
   std::string axis;           ///< empty: none; ignored on devices without it
-  bool towards_upper = true;  ///< towards the upper end of its range
+  bool towards_upper = true;  ///< true: towards the upper end of its range
   double after_s = 1.0;       ///< start of drawing back
   double speed_share = 0.98;  ///< fraction of the device's speed limit
   double effort_share = 2.0;  ///< largest push as a fraction of the device's effort limit; arms are
@@ -98,8 +99,8 @@ struct PatientConfig {
   Slam slam;
 };
 
-/// Opening speed of the hand up to which no stretch reflex of the person answers; +inf: none does
-/// [rad/s].
-[[nodiscard]] double uncaughtOpening(const PatientConfig& patient) noexcept;
+/// Largest opening speed of the hand that triggers no stretch reflex of the person; +inf: the
+/// person has no reflex [rad/s].
+[[nodiscard]] double reflexFreeOpeningSpeed(const PatientConfig& patient) noexcept;
 
 }  // namespace wholehand

@@ -13,14 +13,14 @@ struct AxisRendering {
   double k_dm = 0.0;   ///< adaptive damping at Φ = 1 [N·s/m or N·m·s/rad], >= 0
   double gamma = 0.3;  ///< γ of Eq. (3), 0 .. 1; 0 is the paper's law
   double velocity_filter_hz = 30.0;  ///< cut-off of the first-order low-pass, > 0
-  /// Reflected inertia added to the avatar on this axis [kg or kg·m²], >= 0. Not stated: by
-  /// ruleArmature(), 0 unless the axis is too light for K_pm.
+  /// Reflected inertia added to the avatar on this axis [kg or kg·m²], >= 0. When not stated,
+  /// ruleArmature() gives it: 0 unless the axis is too light for K_pm.
   std::optional<double> armature;
   double effort_full = 5.0;   ///< f₀: effort at which φ = 1 [N or N·m]
   double effort_dead = 0.5;   ///< f_d: effort below which φ = 0, < f₀
   double decay_s = 0.3;       ///< τ_dec of Algorithm 1
-  bool palm_contact = false;  ///< base axes: own φ in addition to the hand's largest (Eq. 5,
-                              ///< corrected)
+  bool palm_contact = false;  ///< base axes: uses its own φ in addition to the hand's largest (Eq.
+                              ///< 5, corrected)
 };
 
 /// A rendering file: the gains that go with a device.

@@ -187,7 +187,7 @@ void mirror(SceneModel& scene) {
     if (!body.joint) continue;
     SceneJoint& joint = *body.joint;
     joint.point_m = reflect * joint.point_m;
-    // What turns about an axis turns the other way in a mirror.
+    // The axis of a hinge is a pseudovector: a reflection also reverses the sense of rotation.
     joint.axis = joint.isHinge() ? Vector3d(-(reflect * joint.axis)) : reflect * joint.axis;
   }
 }
@@ -207,7 +207,8 @@ double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) 
   if (joint.isHinge()) {
     const Eigen::Quaterniond turn(Eigen::Matrix3d(start.rotation.transpose() * pose.rotation));
     q = 2.0 * std::atan2(joint.axis.dot(turn.vec()), turn.w());
-    // Both signs of a quaternion are one turn, as are q and q ± 2π of a range that is not about 0.
+    // q and -q of a quaternion are the same rotation, and so are q and q ± 2π of the joint: chooses
+    // the one within the range.
     q -= kTurn * std::round(q / kTurn);
     if (q > joint.most && q - kTurn >= joint.least) q -= kTurn;
     if (q < joint.least && q + kTurn <= joint.most) q += kTurn;
@@ -218,7 +219,7 @@ double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) 
 }
 
 MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg) {
-  MassProperties unit;  // of unit density: kg stands for m³ here
+  MassProperties unit;  // at unit density: numbers in kg are in m³ here
   for (const Shape& shape : shapes) {
     const ShapeMoments m = moments(shape);
     unit = combined(unit, {m.volume_m3, m.center_m, m.inertia_m5});

@@ -17,38 +17,40 @@ namespace wholehand {
 
 /// Contacts between bodies are found up to this speed (tests/loop/physics/body_laws_test.cpp).
 inline constexpr double kMostBodySpeed_m_s = 15.0;
-/// A body rests on one that is lighter by this factor within 0.1 mm.
+/// A body may rest on another one that is lighter by up to this factor; it then sinks in by less
+/// than 0.1 mm.
 inline constexpr double kMostMassRatio = 100.0;
 
 /// A joint of a body to the world. Its coordinate q is 0 in the body's initial pose and counts
-/// along or about the axis, right-handed. Units of a hinge, of a slide.
+/// along or about the axis, right-handed. Units in brackets: of a hinge; of a slide.
 struct SceneJoint {
   enum class Type { kHinge, kSlide };
   Type type = Type::kHinge;
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();          ///< unit, body frame
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();        ///< of a hinge's axis, body frame
-  double least = -std::numeric_limits<double>::infinity();  ///< ends [rad; m]; least <= 0 <= most
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();    ///< unit, body frame
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< a point on a hinge's axis, body frame
+  /// Ends of the range [rad; m]; least <= 0 <= most.
+  double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
   double dry_friction = 0.0;      ///< [N·m; N]
   double viscous_friction = 0.0;  ///< [N·m·s/rad; N·s/m]
   double spring_stiffness = 0.0;  ///< [N·m/rad; N/m]
   double spring_rest = 0.0;       ///< q without spring force [rad; m]
-  double latch_energy_j = 0.0;    ///< U₀, between the bottom of a detent and the top beside it
-  double latch_wave = 0.0;        ///< n, waves of the latch's potential in 2π of q [1/rad; 1/m]
-  double latch_at = 0.0;          ///< q of a detent [rad; m]
+  double latch_energy_j = 0.0;    ///< U₀: energy from the bottom of a detent to the top beside it
+  double latch_wave = 0.0;        ///< n: periods of the latch's potential per 2π of q [1/rad; 1/m]
+  double latch_at = 0.0;          ///< q at the bottom of a detent [rad; m]
 
   [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
-  /// A hinge without ends.
+  /// True for a hinge without ends.
   [[nodiscard]] bool turnsFreely() const {
     return isHinge() && most - least > std::numeric_limits<double>::max();
   }
 };
 
-/// Pose of a body frame at q. @param start its pose at q = 0. Real-time safe.
+/// Pose of a body frame at q. @param start pose at q = 0. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT Pose poseOn(const SceneJoint& joint, const Pose& start,
                                        double q) noexcept;
-/// The q, within the joint's range, at which the body frame is nearest to a pose; of a hinge
-/// without range in (-π, π]. Real-time safe.
+/// The q within the joint's range at which the body frame is nearest to a pose; for a hinge without
+/// ends, q is in (-π, π]. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double positionOn(const SceneJoint& joint, const Pose& start,
                                              const Pose& pose) noexcept;
 
@@ -66,7 +68,7 @@ struct Shape {
   ShapeType type = ShapeType::kBox;
   Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();  ///< box
   double radius_m = 0.0;                                     ///< sphere, cylinder, capsule
-  double length_m = 0.0;  ///< cylinder: height; capsule: between the centres of its caps
+  double length_m = 0.0;  ///< cylinder: height; capsule: distance between the centres of its caps
   std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
   std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
   Pose in_body;
@@ -88,25 +90,27 @@ struct SceneBody {
   /// [m].
   double soft_m = 0.0;
   std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
-  /// Of a body that moves on one joint to the world. It meets the hand and free bodies: its range
-  /// says where it ends.
+  /// The joint of a body that moves on one joint to the world. Such a body collides with the hand
+  /// and with free bodies only; its range of q ends its motion.
   std::optional<SceneJoint> joint;
 
-  /// True where the two never meet: bodies on joints, each other and fixed ones.
+  /// True when the two bodies never collide: a body on a joint with another such body or with a
+  /// fixed body.
   [[nodiscard]] bool passes(const SceneBody& other) const {
     return (joint && (other.fixed || other.joint)) || (fixed && other.joint);
   }
 };
 
-/// Room for the bodies that a game puts into the running world (loop/core/body_order.hpp).
+/// Limits for the bodies that a game may put into the running world (loop/core/body_order.hpp).
 struct GameBudget {
-  int slots = 0;       ///< bodies at once, 0 .. kMaxSlots; 0: the scene takes none
-  int awake = 0;       ///< of them simulated at once: more are not spawned; 1 .. slots
-  int shape_sets = 0;  ///< 1 .. kMaxShapeSets
-  int pieces = 0;      ///< convex pieces of a body, 1 .. kMaxSlotPieces
-  int vertices = 0;    ///< of a convex mesh, 4 .. kMaxPieceVertices
+  int slots = 0;  ///< largest number of bodies at once, 0 .. kMaxSlots; 0: the scene accepts none
+  /// Largest number of moving bodies at once; further ones are not spawned; 1 .. slots.
+  int awake = 0;
+  int shape_sets = 0;                    ///< 1 .. kMaxShapeSets
+  int pieces = 0;                        ///< convex pieces of a body, 1 .. kMaxSlotPieces
+  int vertices = 0;                      ///< vertices of a convex mesh, 4 .. kMaxPieceVertices
   double least_kg = 0.0, most_kg = 0.0;  ///< mass of a body
-  double least_m = 0.0, most_m = 0.0;    ///< least and largest extent of a piece
+  double least_m = 0.0, most_m = 0.0;    ///< smallest and largest extent of a piece
 };
 
 /// A scene: bodies, gravity, and where the hand starts.
@@ -114,14 +118,15 @@ struct SceneModel {
   std::string path;
   std::string name;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; beyond kMaxBodies fixed in a file
-  double hand_friction = 0.8;       ///< of the hand's capsules
-  std::vector<std::string> assets;  ///< paths of its meshes and URDFs
-  Diagnostics notices;              ///< no faults, but what the user should know
-  GameBudget game;                  ///< its slots follow `bodies` in the record
+  /// 0 .. kMaxSceneBodies; in a file, those beyond kMaxBodies are fixed.
+  std::vector<SceneBody> bodies;
+  double hand_friction = 0.8;       ///< Coulomb coefficient of the hand's capsules
+  std::vector<std::string> assets;  ///< paths of the scene's meshes and URDFs
+  Diagnostics notices;              ///< information for the user, not faults
+  GameBudget game;                  ///< limits for a game; its slots follow `bodies` in the record
 
-  /// Names of the bodies of a record: the scene's, then a game's slots ("slot 0" ..); at most
-  /// kMaxBodies.
+  /// Names of the bodies in a record: the scene's bodies, then a game's slots ("slot 0" ..); at
+  /// most kMaxBodies.
   [[nodiscard]] std::vector<std::string> recordedBodies() const;
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };
@@ -129,8 +134,8 @@ struct SceneModel {
 /// Reflects a scene in the plane y = 0, for a left hand: bodies, shapes, joints and gravity.
 void mirror(SceneModel& scene);
 
-/// Core that fingers and thumb collide with: the shape; for a cylinder, its radius minus the soft
-/// depth.
+/// Core with which fingers and thumb collide: the shape itself; for a cylinder, its radius is
+/// reduced by the soft depth.
 [[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
 
 /// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],

@@ -49,12 +49,14 @@ AxisEffort patientEffort(const PatientConfig& patient, const AxisPosition& q,
 
 namespace {
 
-constexpr double kDrawBackShare = 0.2;   // of the slam's speed
-constexpr double kNearEnd = 0.05;        // of the range
-constexpr double kReachedShare = 0.998;  // of the slam's speed
+constexpr double kDrawBackShare = 0.2;  // speed of drawing back, as a fraction of the slam's speed
+// Drawing back stops this near the end, as a fraction of the range.
+constexpr double kNearEnd = 0.05;
+constexpr double kReachedShare = 0.998;  // fraction of the slam's speed that counts as reached
+// Longest times of drawing back and of pushing.
 constexpr double kDrawBackFor_s = 1.5, kPushFor_s = 1.0;
 
-// The effort that brings the axis to a speed within a period if all else stays as it was.
+// The effort that brings the axis to a speed within one period if everything else stays the same.
 double towardsSpeed(const SlamState& state, const SlamPlan& plan, double speed, double qd,
                     double period_s) noexcept {
   const double accelerated = (qd - state.qd) / period_s;
@@ -149,8 +151,8 @@ ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& de
   for (int i = 0; i < limit_.size(); ++i) {
     limit_[i] = device.axes[i].effort_limit;
     still_[i] = kStillShare * device.axes[i].speed_limit;
-    phase_rad_[i] =
-        2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // portable
+    phase_rad_[i] = 2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) *
+                    0x1.0p-53;  // same bits on every platform
   }
   along_phase_rad_ = 2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   if (slam_axis_ >= 0) {
@@ -177,7 +179,8 @@ double ActivePatient::atTime(int axis, double time_s) const noexcept {
   return effort;
 }
 
-/// Excess of the fastest axis over its threshold, where all catch together [rad/s].
+/// Excess speed of the fastest axis over its threshold, when one axis triggers all reflexes
+/// [rad/s].
 double ActivePatient::fastestOpening(const AxisVelocity& qd_delayed) const noexcept {
   double most = 0.0;
   for (int i = 0; i < limit_.size(); ++i) {
@@ -217,7 +220,7 @@ void ActivePatient::advance(const PatientInput& felt) noexcept {
     slam_ = advanceSlam(slam_, plan_, felt.q[slam_axis_], felt.qd[slam_axis_], period_s_);
   }
   const AxisVelocity& qd_delayed = nerve_.shift(felt.qd);
-  const Sensed& sensed = reaction_.shift({felt.rendered, felt.qd});
+  const SensedState& sensed = reaction_.shift({felt.rendered, felt.qd});
   let_go_ = let_go_ || letsGo(felt);
   const double begin_s = static_cast<double>(periods_++) * period_s_;
   const double end_s = static_cast<double>(periods_) * period_s_;
@@ -229,6 +232,7 @@ void ActivePatient::advance(const PatientInput& felt) noexcept {
   for (int i = 0; i < limit_.size(); ++i) {
     const PatientAxis& axis = patient_.axes[i];
     const double pulled = muscle_[i];
+    // Stretch reflex.
     if (axis.reflex.gain_nm_s_rad2 > 0.0) {
       const double too_fast = patient_.reflex.largest_triggers_all
                                   ? fastest
@@ -239,6 +243,7 @@ void ActivePatient::advance(const PatientInput& felt) noexcept {
     const double fight = axis.fight > 0.0
                              ? fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i], still_[i])
                              : 0.0;
+    // Sum of tremor, reflex, fight and slam.
     const double begin = atTime(i, begin_s) + pulled + fight;
     const double end = atTime(i, end_s) + muscle_[i] + fight;
     const double slam = i == slam_axis_ ? slam_.effort : 0.0;

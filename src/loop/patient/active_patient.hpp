@@ -20,16 +20,17 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double impedanceEffort(const PatientAxis& person, double q, double qd,
                                                   double q_intended, double qd_intended) noexcept;
 
-/// Position and speed towards which a person of limited strength pulls: those intended, or nearer
-/// ones at which the impedance's effort is the axis's strength. Real-time safe.
+/// Position and speed towards which a person of limited strength pulls: the intended ones, or
+/// nearer ones at which the effort of the impedance equals the person's strength on the axis.
+/// Real-time safe.
 struct Pull {
   double q, qd;
 };
 [[nodiscard]] WHOLEHAND_RT Pull pullOf(const PatientAxis& person, double q, double qd,
                                        double q_intended, double qd_intended) noexcept;
 
-/// Effort that links add on one axis: the other axes' K e + B ė, e and ė the lead of the intention
-/// [N or N·m]. 0 without links. Real-time safe.
+/// Effort that the links add on one axis: K e + B ė of the other axes, where e and ė are the lead
+/// of the intention over the device [N or N·m]. 0 without links. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double linkedEffort(const PatientLinks& links, int axis,
                                                const AxisPosition& e,
                                                const AxisVelocity& ed) noexcept;
@@ -41,7 +42,7 @@ struct Pull {
                                                     const AxisPosition& q_intended,
                                                     const AxisVelocity& qd_intended) noexcept;
 
-/// Delay line of fixed length. Memory is allocated in the constructor.
+/// Delay line of fixed length. Its memory is allocated in the constructor.
 template <class Value>
 class DelayLine {
  public:
@@ -55,7 +56,7 @@ class DelayLine {
     newest_ = 0;
   }
 
-  /// Stores the present value and returns the delayed one. Once a period. Real-time safe.
+  /// Stores the present value and returns the delayed one. Call once a period. Real-time safe.
   WHOLEHAND_RT const Value& shift(const Value& value) noexcept {
     newest_ = (newest_ + 1) % values_.size();
     values_[newest_] = value;
@@ -67,15 +68,16 @@ class DelayLine {
   std::size_t newest_ = 0;
 };
 
-/// A sin(2π f t + phase) [N or N·m].
+/// Effort of a tremor: A sin(2π f t + phase) [N or N·m].
 [[nodiscard]] WHOLEHAND_RT double tremorEffort(double amplitude, double frequency_hz,
                                                double phase_rad, double time_s) noexcept;
 
-/// (v - v_th)₊ with v = -q̇ delayed [rad/s].
+/// Speed by which opening exceeds the reflex's threshold: (v - v_th)₊ with v = -q̇ delayed [rad/s].
 [[nodiscard]] WHOLEHAND_RT double openedTooFast(const StretchReflex& reflex,
                                                 double qd_delayed) noexcept;
 
-/// g (v - v_th)₊ (s - s_th)₊, with v - v_th possibly of another axis. [N·m]
+/// Reflex drive g (v - v_th)₊ (s - s_th)₊ for a given excess speed v - v_th, which may be that of
+/// another axis. [N·m]
 [[nodiscard]] WHOLEHAND_RT double reflexDriveFrom(const StretchReflex& reflex, double q,
                                                   double too_fast) noexcept;
 
@@ -88,8 +90,9 @@ class DelayLine {
 [[nodiscard]] WHOLEHAND_RT double muscleEffort(double effort, double drive, double lag_s,
                                                double period_s) noexcept;
 
-/// Full effort `most` along the motion, so that it always injects energy. Slower than `still`:
-/// against the rendered effort; upwards without one. [N or N·m]
+/// Effort of a person who fights the device: the full effort `most` along the motion, so that it
+/// always injects energy. At speeds below `still` it acts against the rendered effort, or upwards
+/// when there is none. [N or N·m]
 [[nodiscard]] WHOLEHAND_RT double fightEffort(double most, double rendered, double qd,
                                               double still) noexcept;
 
@@ -100,7 +103,7 @@ struct SlamPlan {
   double speed = 1.0;               ///< target speed [m/s or rad/s], > 0
   double effort = 1.0;              ///< largest effort [N or N·m], > 0
   double lower = 0.0, upper = 0.0;  ///< range [m or rad]
-  double mass = 1.0;                ///< of the bare axis [kg or kg·m²], > 0
+  double mass = 1.0;                ///< mass of the bare axis [kg or kg·m²], > 0
 };
 [[nodiscard]] SlamPlan planSlam(const Slam& slam, const DeviceAxis& axis) noexcept;
 
@@ -111,9 +114,10 @@ struct SlamState {
   double effort = 0.0;   ///< effort over the next period [N or N·m]
   double qd = 0.0;       ///< velocity one period ago [m/s or rad/s]
 };
-/// One period of a slam. The effort targets the wanted speed one period later, assuming the
-/// resistance of the last period. Draws back at a fifth of the speed, to the other end of the range
-/// or for 1.5 s; pushes until the speed is reached, at most for 1 s; then lets go.
+/// Advances a slam by one period. The effort is chosen to reach the wanted speed one period later,
+/// assuming that the resistance of the last period stays. The person first draws back at a fifth of
+/// the speed, to the other end of the range or for 1.5 s; then pushes until the speed is reached,
+/// at most for 1 s; then lets go.
 [[nodiscard]] WHOLEHAND_RT SlamState advanceSlam(SlamState state, const SlamPlan& plan, double q,
                                                  double qd, double period_s) noexcept;
 
@@ -122,13 +126,13 @@ struct PatientInput {
   AxisPosition q;        ///< true position of the device [m or rad]
   AxisVelocity qd;       ///< true velocity [m/s or rad/s]
   AxisEffort rendered;   ///< effort of the device over the last period, without its weight
-  AxisEffort impedance;  ///< effort of the person's impedance, now
+  AxisEffort impedance;  ///< present effort of the person's impedance
 };
 
 /// Active behaviour of a person, period by period: tremor, spastic catch, fight, slam and letting
-/// go. The sum is limited to the device's effort limit on each axis, except for a slam, because an
-/// arm is stronger than a device. The device adds the person's impedance as far as holds() says.
-/// Deterministic by the seed.
+/// go. The sum is limited to the device's effort limit on each axis, except during a slam, because
+/// an arm is stronger than a device. The device adds the person's impedance on the axes that
+/// holds() names. Deterministic for a given seed.
 class ActivePatient {
  public:
   /// @pre the patient has the device's axes. Not real-time safe.
@@ -144,8 +148,8 @@ class ActivePatient {
   [[nodiscard]] const AxisEffort& begin() const noexcept { return begin_; }
   [[nodiscard]] const AxisEffort& end() const noexcept { return end_; }
 
-  /// Whether the person's impedance acts on that axis: not after letting go, nor on an axis during
-  /// a slam.
+  /// True while the person's impedance acts on that axis: neither after letting go nor, on the
+  /// slammed axis, during a slam.
   [[nodiscard]] bool holds(int axis) const noexcept {
     return !let_go_ && (axis != slam_axis_ || slam_.phase == SlamPhase::kWaits);
   }
@@ -169,11 +173,11 @@ class ActivePatient {
   int slam_axis_ = -1;
   SlamPlan plan_;
   DelayLine<AxisVelocity> nerve_;
-  struct Sensed {
+  struct SensedState {
     AxisEffort rendered;
     AxisVelocity qd;
   };
-  DelayLine<Sensed> reaction_;
+  DelayLine<SensedState> reaction_;
 
   std::int64_t periods_ = 0;
   bool let_go_ = false;

@@ -82,8 +82,9 @@ Track smoothed(const Track& raw) {
   return smooth;
 }
 
-/// Identity except for the last twentieth of the range at each end, where it compresses to stay
-/// inside. Slope in [0, 1] and continuous: velocities neither jump nor grow.
+/// Compresses a value smoothly into the allowed range: identity except for the last twentieth of
+/// the range at each end. The slope is continuous and within [0, 1], so velocities neither jump nor
+/// grow.
 double bent(double value, Range allowed) {
   const double knee = kKneeShare * allowed.span();
   const double low = allowed.lower + knee, high = allowed.upper - knee;
@@ -99,7 +100,8 @@ double largestScale(Range moved, Range allowed, bool center) {
   const double up = moved.upper > 0.0 ? allowed.upper / moved.upper : kAny;
   const double down = moved.lower < 0.0 ? allowed.lower / moved.lower : kAny;
   const double scale = std::min(up, down);
-  return scale > 0.0 ? scale : kAny;  // zero lies outside the workspace: compression applies
+  // 0 or less: zero lies outside the workspace, and compression applies instead.
+  return scale > 0.0 ? scale : kAny;
 }
 
 /// Turns a recorded motion into control points of a spline in the device's coordinates.
@@ -113,7 +115,7 @@ class Mapper {
 
  private:
   void sample(const AxisPosition& rest);
-  void tellUnused();
+  void reportUnused();
   void placeTranslations();
   void bendIntoRange();
   [[nodiscard]] bool scales(std::size_t i) const {
@@ -150,7 +152,7 @@ void Mapper::sample(const AxisPosition& rest) {
                   std::min(kEase_s, motion_.time_s.back() - motion_.time_s.front())));
 }
 
-void Mapper::tellUnused() {
+void Mapper::reportUnused() {
   for (const std::string& column : motion_.columns) {
     const bool used = std::any_of(device_.axes.begin(), device_.axes.end(),
                                   [&](const DeviceAxis& axis) { return axis.name == column; });
@@ -207,7 +209,7 @@ void Mapper::bendIntoRange() {
 
 std::vector<Track> Mapper::map(const AxisPosition& rest) {
   sample(rest);
-  tellUnused();
+  reportUnused();
   placeTranslations();
   bendIntoRange();
   // Repeats each end three times, so that the spline starts and ends there at rest.

@@ -78,7 +78,7 @@ class ScriptedPlayer final : public Player {
   void reset() override { periods_ = 0; }
   /// @pre the same period as in every other call since reset()
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord&) noexcept override {}
+  WHOLEHAND_RT void onRecord(const TickRecord&) noexcept override {}
   [[nodiscard]] WHOLEHAND_RT Mover mover() const noexcept override { return mover_; }
 
  private:

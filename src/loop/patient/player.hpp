@@ -9,10 +9,11 @@
 
 namespace wholehand {
 
-/// Who plays an exercise as a virtual patient.
+/// Properties of the virtual patient who does an exercise.
 struct PlayerTraits {
   std::uint64_t seed = 1;
-  /// Fastest opening of the hand that the person intends: that of uncaughtOpening().
+  /// Fastest opening of the hand that the virtual patient intends [rad/s]; see
+  /// reflexFreeOpeningSpeed().
   double opening_rad_s = std::numeric_limits<double>::infinity();
 };
 
@@ -32,18 +33,18 @@ class Player {
   WHOLEHAND_RT virtual void advance(double period_s, AxisPosition& q,
                                     AxisVelocity& qd) noexcept = 0;
 
-  /// Who decides the target.
+  /// The mover that decides the target.
   [[nodiscard]] WHOLEHAND_RT virtual Mover mover() const noexcept { return Mover::kVirtualPatient; }
-  /// Help that a page gives to the person who decides it.
-  [[nodiscard]] WHOLEHAND_RT virtual Help help() const noexcept { return Help::kUnsaid; }
+  /// Help that a page gives to the person who decides the target.
+  [[nodiscard]] WHOLEHAND_RT virtual Help help() const noexcept { return Help::kUnspecified; }
 
   /// Receives a command before the tick that takes it, in the thread that ticks.
   WHOLEHAND_RT virtual void command(const Command&) noexcept {}
 
   /// Receives the record after each tick. A player whose advance() was not called since the last
-  /// record does not steer. The hand then follows `record.intention` of someone else, and a player
-  /// that decides by what it sees continues from there.
-  WHOLEHAND_RT virtual void see(const TickRecord& record) noexcept = 0;
+  /// record does not steer the hand. The hand then follows `record.intention`, which another source
+  /// set, and a player that decides by what it sees continues from there.
+  WHOLEHAND_RT virtual void onRecord(const TickRecord& record) noexcept = 0;
 };
 
 /// Passes the commands and the record of every tick to a player, in the thread that ticks.
@@ -56,7 +57,9 @@ class ListeningPlayer final : public TickListener {
       player_.command(record.commands[i]);
     }
   }
-  WHOLEHAND_RT void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
+  WHOLEHAND_RT void afterTick(const TickRecord& record) noexcept override {
+    player_.onRecord(record);
+  }
 
  private:
   Player& player_;

@@ -24,8 +24,8 @@ class Reach {
   /// at once. @pre 0 <= from < to <= 1. Real-time safe.
   WHOLEHAND_RT void during(int axis, double from, double to) noexcept;
 
-  /// Lengthens the whole movement until the axis, from rest, is no faster than this speed. After
-  /// during().
+  /// Lengthens the whole movement until the axis, starting from rest, is no faster than this speed.
+  /// Call after during().
   WHOLEHAND_RT void limitSpeed(int axis, double speed) noexcept;
 
   /// Advances one period. Real-time safe.

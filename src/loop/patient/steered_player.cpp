@@ -10,8 +10,10 @@
 namespace wholehand {
 namespace {
 
-// An axis faster than a target by this factor runs away: the resistance has yielded.
+// An axis that is faster than any target by this factor runs away: what the person pushed against
+// has yielded.
 constexpr double kRunsAway = 1.2;
+// An aim farther beyond the range than this many ranges is refused.
 constexpr double kFarRanges = 10.0;
 
 }  // namespace
@@ -79,7 +81,7 @@ void SteeredPlayer::reset() {
 }
 
 void SteeredPlayer::takeOver() noexcept {
-  help_ = Help::kUnsaid;
+  help_ = Help::kUnspecified;
   aim_ = q_;
   for (int i = 0; i < axes_; ++i) {
     person_[i] = movingFollower(q_[i], qd_[i], person_limits_[i]);
@@ -93,7 +95,7 @@ void SteeredPlayer::command(const Command& command) noexcept {
     if (!ours || !allFinite(command.aim)) return;
     aim_ = command.aim;
     const bool said = command.index >= 0 && command.index < kHelps;
-    help_ = said ? static_cast<Help>(command.index) : Help::kUnsaid;
+    help_ = said ? static_cast<Help>(command.index) : Help::kUnspecified;
   } else if (command.type == CommandType::kSteer) {
     const bool person = command.index == static_cast<std::int32_t>(Steering::kPerson);
     const Steering asked = person ? Steering::kPerson : Steering::kVirtualPatient;
@@ -132,8 +134,8 @@ void SteeredPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   qd = qd_;
 }
 
-void SteeredPlayer::see(const TickRecord& record) noexcept {
-  virtual_patient_->see(record);
+void SteeredPlayer::onRecord(const TickRecord& record) noexcept {
+  virtual_patient_->onRecord(record);
   if (record.q_m.size() != axes_) return;
   if (steering_ == Steering::kPerson && seen_.size() == axes_) {
     holdBack(record.q_m, record.elapsed_periods * period_s_);

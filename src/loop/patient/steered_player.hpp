@@ -19,29 +19,30 @@ struct FollowerLimits {
   double rate_rad_s = 20.0;         ///< bandwidth of the filter; lag 2 / rate, > 0
 };
 
-/// State of the follower. `goal` approaches the point at the speed limit; position and velocity
-/// follow it.
+/// State of the follower. `goal` approaches the target point at the speed limit; position and
+/// velocity follow the goal.
 struct FollowerState {
   double position = 0.0, velocity = 0.0, goal = 0.0;
 };
 
-/// State that continues at this speed. The goal lies ahead such that the acceleration begins at
-/// zero. Real-time safe.
+/// Makes a state that continues at this position and velocity. The goal lies so far ahead that the
+/// acceleration begins at zero. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT FollowerState movingFollower(double position, double velocity,
                                                         const FollowerLimits& limits) noexcept;
 
-/// One period of q̈ = ω² (goal − q) − 2 ω q̇, exact for a goal constant over the period. The
-/// impulse response is non-negative and sums to one: it never overshoots a goal and is never faster
-/// than the goal, or than itself at the start. Real-time safe.
+/// Advances the follower by one period of q̈ = ω² (goal − q) − 2 ω q̇, exact for a goal that is
+/// constant over the period. The impulse response is non-negative and sums to one. The position
+/// therefore never overshoots a goal, and it is never faster than the goal or than its own initial
+/// speed. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT FollowerState follow(FollowerState state, double point,
                                                 const FollowerLimits& limits,
                                                 double period_s) noexcept;
 
-/// The first axis that is aimed farther beyond its range than ten times that: a value of another
-/// unit, which no arm means. -1: none. @pre one value for each axis
+/// The first axis whose aim lies beyond its range by more than ten times the range: probably a
+/// value in another unit, since no arm reaches it. -1: none. @pre one value for each axis
 [[nodiscard]] int firstFarAim(const DeviceModel& device, const AxisPosition& aim) noexcept;
 
-/// Why such an aim is refused: "x = 1e+09 m: ...".
+/// Reason for refusing such an aim: "x = 1e+09 m: ...".
 [[nodiscard]] std::string farAimText(const DeviceAxis& axis, double aim);
 
 struct SteeringConfig {
@@ -53,18 +54,19 @@ struct SteeringConfig {
   double grip_past_rad = 30.0 * kDeg;
 };
 
-/// A virtual patient whose hand a person at a screen may steer and return.
+/// A virtual patient whose hand a person at a screen may steer for a time.
 ///
-/// The person's targets pass a critically damped second-order filter, clamped to the device's
-/// ranges (of fingers and thumb a little more) and to a share of its speed limits. A mouse that
-/// jumps therefore moves no arm faster than that. Position and velocity are continuous when the
-/// steering changes, in both directions: the person begins at the hand's position and velocity;
-/// afterwards the offset to the virtual patient's own target fades in the same way. When targets
-/// stop coming, the last one is held.
+/// The person's targets pass a critically damped second-order filter. They are clamped to the
+/// device's ranges (a little more for fingers and thumb) and to a share of its speed limits. A
+/// mouse that jumps therefore moves no arm faster than that. Position and velocity are continuous
+/// when the steering changes, in both directions: the person begins at the hand's position and
+/// velocity; afterwards the offset to the virtual patient's own target fades in the same way. When
+/// no new targets arrive, the last one is held.
 ///
-/// A person who pushes against something that yields holds back. Where an axis of the device moves
-/// clearly faster than any target, the intention continues from the axis's position. Otherwise a
-/// squeezing hand that slips off a bottle would exceed the device's speed limit.
+/// A person who pushes against something that suddenly yields holds back. The same is done here:
+/// where an axis of the device moves clearly faster than any target, the intention continues from
+/// the axis's position. Otherwise a squeezing hand that slips off a bottle would exceed the
+/// device's speed limit.
 class SteeredPlayer final : public Player {
  public:
   /// @pre virtual_patient has the device's axes and is not null
@@ -75,17 +77,18 @@ class SteeredPlayer final : public Player {
   /// Returns the steering to the virtual patient, from the start.
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
+  WHOLEHAND_RT void onRecord(const TickRecord& record) noexcept override;
 
-  /// Handles kSteer and kAim, nothing else. A target counts while a person steers; a non-finite
-  /// one, or one without the device's axes, is ignored. In the thread that ticks, before the tick.
+  /// Handles the commands kSteer and kAim and ignores all others. A target counts while a person
+  /// steers; a non-finite target, or one without the device's axes, is ignored. Called in the
+  /// thread that ticks, before the tick.
   WHOLEHAND_RT void command(const Command& command) noexcept override;
 
   [[nodiscard]] WHOLEHAND_RT Mover mover() const noexcept override {
     return steering_ == Steering::kPerson ? Mover::kPerson : virtual_patient_->mover();
   }
   [[nodiscard]] WHOLEHAND_RT Help help() const noexcept override {
-    return steering_ == Steering::kPerson ? help_ : Help::kUnsaid;
+    return steering_ == Steering::kPerson ? help_ : Help::kUnspecified;
   }
 
   [[nodiscard]] Steering steering() const noexcept { return steering_; }
@@ -100,14 +103,15 @@ class SteeredPlayer final : public Player {
   int axes_;
   Limits person_limits_{}, blend_limits_{};
   Steering steering_ = Steering::kVirtualPatient;
-  bool handed_back_ = false;   // the virtual patient has not advanced since the return
-  Followers person_{};         // hand steered by the person
-  Followers offset_{};         // offset of the hand from the virtual patient's target
-  AxisPosition aim_;           // target of the person
-  Help help_ = Help::kUnsaid;  // as the last target says
-  AxisPosition seen_;          // device position of the last tick; no axes before the first
-  double period_s_ = 0.0;      // last argument of advance()
-  AxisPosition q_;             // last result of advance()
+  // The steering was returned and the virtual patient has not advanced since.
+  bool handed_back_ = false;
+  Followers person_{};              // hand steered by the person
+  Followers offset_{};              // offset of the hand from the virtual patient's target
+  AxisPosition aim_;                // target of the person
+  Help help_ = Help::kUnspecified;  // help stated with the last target
+  AxisPosition seen_;               // device position of the last tick; no axes before the first
+  double period_s_ = 0.0;           // last argument of advance()
+  AxisPosition q_;                  // last result of advance()
   AxisVelocity qd_;
 };
 

@@ -12,7 +12,8 @@ bool moves(const HandModel& hand, int link, int axis) {
   return joint >= 0 && hand.synergy(joint, axis) != 0.0;
 }
 
-/// The links from the one that the axis moves first to the given one; empty where it moves none.
+/// The links from the first one that the axis moves to the given link; empty when the axis moves
+/// none of them.
 std::vector<int> movedLinks(const HandModel& hand, int link, int axis) {
   std::vector<int> path;
   std::size_t moved = 0;
@@ -47,11 +48,11 @@ ClosingChain::ClosingChain(const HandModel& hand, int axis, int capsule) : capsu
   boundMotion(std::max(std::abs(hand.axis_lower[axis]), std::abs(hand.axis_upper[axis])));
 }
 
-/// Stretched out, a point is as far from a joint as it can ever be; a joint that slides lets those
-/// before it see it farther off by its travel. With r_k the ratio, R_k the farthest distance and
-/// w_k = r_k R_k (r_k where it slides) of joint k, and Ω_k the turn of all before it: p' = Σ r_k
-/// ω_k × (p − o_k), so that |p'| ≤ Σ w_k and, by one more derivative, |p''| ≤ Σ r_k (2 Ω_k R_k +
-/// Σ_{j≥k} w_j).
+/// Computes bounds of the motion of the capsule's points. A point is farthest from a joint when the
+/// chain is stretched out; a sliding joint adds its travel to the distance seen from the joints
+/// before it. For joint k let r_k be the ratio, R_k the largest distance, w_k = r_k R_k (r_k for a
+/// sliding joint) and Ω_k the sum of the ratios of all rotations before it. Then p' = Σ r_k ω_k ×
+/// (p − o_k), so |p'| ≤ Σ w_k, and by one more derivative |p''| ≤ Σ r_k (2 Ω_k R_k + Σ_{j≥k} w_j).
 void ClosingChain::boundMotion(double travel) noexcept {
   double reach_m = std::max(a_m_.norm(), b_m_.norm());
   for (std::size_t k = joints_.size(); k-- > 0;) {
@@ -70,7 +71,7 @@ void ClosingChain::boundMotion(double travel) noexcept {
 }
 
 void ClosingChain::place(const Pose& root, const JointPosition& theta, double q_present,
-                         double q_axis, Placed& placed) const noexcept {
+                         double q_axis, MovingSegment& placed) const noexcept {
   Pose at = root;
   placed.joints = static_cast<int>(joints_.size());
   for (std::size_t k = 0; k < joints_.size(); ++k) {
@@ -90,8 +91,8 @@ void ClosingChain::place(const Pose& root, const JointPosition& theta, double q_
   placed.b_m = at * b_m_;
 }
 
-Eigen::Vector3d ClosingChain::Placed::rate(const ClosingChain& chain,
-                                           const Eigen::Vector3d& at_m) const {
+Eigen::Vector3d ClosingChain::MovingSegment::rate(const ClosingChain& chain,
+                                                  const Eigen::Vector3d& at_m) const {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
   for (int k = 0; k < joints; ++k) {
     const Joint& joint = chain.joints_[k];
@@ -118,20 +119,24 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kDistancesPerTick = 5;  ///< of the search; three more follow what was found
+constexpr int kDistancesPerTick = 5;  ///< distances that the search computes per tick; tracking the
+                                      ///< found touches adds one per axis
 
-// Nearer than this a capsule is looked at by Newton's method.
+// A capsule nearer than this is moved on by Newton's method.
 constexpr double kNear_m = 5e-5;
-constexpr double kTouching_m = 1e-6;
+constexpr double kTouching_m = 1e-6;  // accuracy of a touch
 constexpr int kNewtonSteps = 4;
-constexpr double kBasin_m = 5e-4;
-constexpr double kShare = 0.2;         ///< how exact the search's distances are
-constexpr double kLeastStep_m = 5e-6;  ///< by which one that passes is taken on
-/// A touch is where the gap closes by at least this share of the path; below that it is grazed.
+constexpr double kBasin_m = 5e-4;  // Newton's method moves at most this far [m of path]
+constexpr double kShare = 0.2;     ///< relative accuracy of the search's distances
+/// Smallest step of a capsule that passes by without touching [m of path]
+constexpr double kLeastStep_m = 5e-6;
+/// At a touch the gap closes by at least this share of the path; with a smaller share the surface
+/// is only grazed.
 constexpr double kLeastShare = 1e-3;
-/// What is followed moves no faster than this [m of path per tick]; a gap wider is none of its own.
+/// A tracked touch moves at most this far [m of path per tick]; a wider gap means that the touch is
+/// lost.
 constexpr double kStride_m = 3e-3;
-// More than this between two ticks is not a hand that moves but one that was put elsewhere.
+// A larger motion between two ticks means that the hand was placed elsewhere.
 constexpr double kJump_m = 5e-3;
 constexpr double kJump_rad = 0.1;
 
@@ -188,7 +193,8 @@ void AxisClosure::update(const Pose* links, const JointPosition& theta, const Ax
   }
 }
 
-/// Whether what was found one tick ago says nothing of now.
+/// True when the hand or the body moved so far since the last tick that the touches found then are
+/// no longer valid.
 bool AxisClosure::jumped(const Scene& scene) noexcept {
   const Pose palm = scene.from_world * scene.links[palm_link_];
   bool far = !((palm.translation_m - palm_in_body_.translation_m).norm() <= kJump_m) ||
@@ -213,10 +219,10 @@ void AxisClosure::measure(const Scene& scene, const Axis& axis, Pair pair, doubl
   gap.slope = gap.is.normal.dot(gap.at.rate(chain, nearest_m));
 }
 
-/// For how much of the axis the pair stays apart. The distance from a convex shape is never less
-/// than a linear bound, d(x) ≥ d + n·(x − x*), and each end of the capsule goes n·p(q + δ) ≥
-/// n·p + δ n·p' − δ²/2 |p''|: clear up to where that is −1 µm. A face that is grazed along would be
-/// searched in steps of nothing otherwise.
+/// Range of the axis over which the pair stays apart. The distance from a convex shape is never
+/// less than a linear bound, d(x) ≥ d + n·(x − x*), and each end of the capsule satisfies n·p(q +
+/// δ) ≥ n·p + δ n·p' − δ²/2 |p''|. The pair is apart up to the δ at which this bound falls to −1
+/// µm. With 0 in place of −1 µm, a face that is grazed would be searched in steps of zero length.
 double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept {
   const double slow = gap.is.least_m / chain.fastest();
   const Eigen::Vector3d way_m = gap.at.b_m - gap.at.a_m;
@@ -228,7 +234,8 @@ double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept
     const double slope =
         gap.is.bound_normal.dot(gap.at.rate(chain, end > 0.0 ? gap.at.b_m : gap.at.a_m));
     const double root = std::sqrt(slope * slope + 2.0 * bend * std::max(d, 0.0));
-    // The same root twice, each where it does not cancel; infinite where nothing bends or nears.
+    // Two forms of the same root, each used where it does not cancel; infinite when the pair does
+    // not approach.
     const double clear = slope > 0.0 ? (slope + root) / bend : 2.0 * d / (root - slope);
     least = std::min(least, d > 0.0 ? clear : 0.0);
   }
@@ -242,11 +249,12 @@ void AxisClosure::follow(const Scene& scene, Axis& axis) noexcept {
   measure(scene, axis, axis.pair, axis.touch, 0.0, now);
   const double gap_m = now.is.distance_m;
   const bool closes = now.slope < -kLeastShare * fastest;
-  double step = gap_m / fastest;  // as much of an overlap is left at least
+  double step = gap_m / fastest;  // smallest motion that can remove an overlap
   if (closes) step = std::clamp(-gap_m / now.slope, -kStride_m / fastest, kStride_m / fastest);
   const double touch = axis.touch + step;
   if (gap_m > kStride_m || (gap_m > 0.0 && !closes) || !(touch <= axis.upper)) {
-    axis.follows = false;  // it passes by, or is out of reach: the search finds what touches now
+    // The capsule passes by, or the touch is out of range: the search finds the present touch.
+    axis.follows = false;
     return;
   }
   axis.touch = std::max(touch, axis.lower);
@@ -256,11 +264,11 @@ void AxisClosure::beginSearch() noexcept {
   std::fill(clear_.begin(), clear_.end(), axes_[searched_].lower);
 }
 
-/// The search: always the pair that is known to be clear least far. The first that touches is then
-/// the first touch.
+/// Advances the search. It always continues with the pair whose known clear range is shortest, so
+/// the first pair that touches gives the first touch.
 void AxisClosure::search(const Scene& scene) noexcept {
   const auto shapes = static_cast<int>(scene.body->shapes.size());
-  auto axes_left = axes_.size();  // where all overlap at their open ends nothing is left to do
+  auto axes_left = axes_.size();  // ends the loop when all axes overlap at their open ends
   for (int left = kDistancesPerTick; left > 0 && axes_left > 0;) {
     Axis& axis = axes_[searched_];
     const auto pairs = static_cast<std::ptrdiff_t>(axis.chains.size()) * shapes;
@@ -279,7 +287,8 @@ void AxisClosure::search(const Scene& scene) noexcept {
   }
 }
 
-/// Takes a pair further, from where it is known to be clear. Gives how many distances it took.
+/// Advances one pair from the end of its known clear range. Returns the number of distances
+/// computed.
 int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) noexcept {
   const ClosingChain& chain = axis.chains[pair.chain];
   Gap here;
@@ -300,7 +309,7 @@ int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) 
     }
   }
   if (gap_m < -kNear_m) {
-    beginSearch();  // the hand has moved, and what was clear no longer is
+    beginSearch();  // the hand has moved, so the known clear ranges are no longer valid
   } else {
     clear += clearFor(chain, here);
   }
@@ -313,8 +322,8 @@ void AxisClosure::meet(Axis& axis, Pair pair, double touch) noexcept {
   axis.pair = pair;
 }
 
-/// Newton's method from a small gap on; leaves q as it is where nothing touches. Gives how many
-/// distances it took.
+/// Finds the touch by Newton's method from a small gap; leaves q unchanged when there is no touch.
+/// Returns the number of distances computed.
 int AxisClosure::refine(const Scene& scene, const Axis& axis, Pair pair, double& q) noexcept {
   const double fastest = axis.chains[pair.chain].fastest();
   double touch = q;

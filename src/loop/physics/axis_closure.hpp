@@ -12,38 +12,40 @@
 
 namespace wholehand {
 
-/// A capsule of the hand and the joints between it and the parts that an axis does not move. Gives
-/// the capsule's pose at any position of that axis without moving the hand.
+/// A capsule of the hand and the joints between it and the parts that an axis does not move.
+/// Computes the capsule's pose at any position of that axis without moving the hand.
 class ClosingChain {
  public:
   /// @pre the axis moves the capsule
   ClosingChain(const HandModel& hand, int axis, int capsule);
 
   /// A capsule's segment, and the velocity of its points per unit of the axis.
-  struct Placed {
+  struct MovingSegment {
     Eigen::Vector3d a_m, b_m;
     int joints = 0;
-    std::array<Eigen::Vector3d, kMaxJoints> origin_m, screw;  ///< of the joints that the axis moves
+    /// Origins and axes of the joints that the axis moves.
+    std::array<Eigen::Vector3d, kMaxJoints> origin_m, screw;
 
     /// Velocity of a point of the capsule per unit of the axis [m/rad or m/m].
     [[nodiscard]] Eigen::Vector3d rate(const ClosingChain& chain,
                                        const Eigen::Vector3d& at_m) const;
   };
 
-  /// @param root the root link's pose, in the desired frame @param theta, q current positions
+  /// @param root the root link's pose, in the desired frame @param theta, q_present current
+  /// positions
   /// @param q_axis hypothetical position of the axis. Real-time safe.
   WHOLEHAND_RT void place(const Pose& root, const JointPosition& theta, double q_present,
-                          double q_axis, Placed& placed) const noexcept;
+                          double q_axis, MovingSegment& placed) const noexcept;
 
   [[nodiscard]] int rootLink() const noexcept { return root_link_; }  ///< -1: the world
   [[nodiscard]] int capsule() const noexcept { return capsule_; }
   [[nodiscard]] double radius_m() const noexcept { return radius_m_; }
   /// Upper bound of the speed of the segment's points [m per unit of the axis].
   [[nodiscard]] double fastest() const noexcept { return fastest_; }
-  /// Upper bound of their acceleration [m per unit of the axis squared].
+  /// Upper bound of the acceleration of the segment's points [m per unit of the axis squared].
   [[nodiscard]] double maxAcceleration() const noexcept { return sharpest_; }
 
-  /// The capsules that each axis moves; none for an axis that carries the palm.
+  /// The chains of the capsules that each axis moves; none for an axis that carries the palm.
   [[nodiscard]] static std::vector<std::vector<ClosingChain>> ofAxes(const HandModel& hand);
 
  private:
@@ -73,13 +75,13 @@ class ClosingChain {
 /// closed did not reach the body by closing. It is NaN when they never meet, on axes that carry the
 /// palm, and until it is found.
 ///
-/// A found touch is tracked with one Newton step a tick. In addition, the whole range is searched
-/// continuously, a few distances a tick, by conservative advancement: a convex body lies behind the
-/// plane through its nearest point, so a capsule at distance d from it cannot touch before it has
-/// moved by d towards it. An earlier touch is thus found, and a lost one replaced, within one
-/// search; until then the last value holds. Capsules that pass by without contact do not count. For
-/// a hand at rest, all axes are accurate to 0.1 mm of path within 50 ms. The result depends only on
-/// the calls since reset() and their arguments.
+/// A found touch is tracked with one Newton step per tick. In addition, the whole range is searched
+/// continuously, a few distances per tick, by conservative advancement. A convex body lies behind
+/// the plane through its nearest point, so a capsule at distance d from that plane cannot touch
+/// before it has moved by d towards it. Within one search an earlier touch is found and a lost one
+/// replaced; until then the last value holds. Capsules that pass by without contact do not count.
+/// For a hand at rest, all axes are accurate to 0.1 mm of path within 50 ms. The result depends
+/// only on the calls since reset() and their arguments.
 class AxisClosure {
  public:
   AxisClosure(const HandModel& hand, const SceneModel& scene);
@@ -102,7 +104,8 @@ class AxisClosure {
     int index = -1;  ///< device axis
     double lower = 0.0, upper = 0.0;
     std::vector<ClosingChain> chains;
-    bool follows = false;  ///< true: touch is a current touch, of `pair`; false: an old one or NaN
+    /// True: `touch` is a current touch of `pair`; false: an old touch or NaN.
+    bool follows = false;
     double touch = 0.0;
     Pair pair;
   };
@@ -116,9 +119,9 @@ class AxisClosure {
   };
   /// Distance of a pair at a position of the axis.
   struct Gap {
-    ClosingChain::Placed at;
+    ClosingChain::MovingSegment at;
     SegmentDistance is;
-    double slope;  ///< derivative of the distance by the axis
+    double slope;  ///< derivative of the distance by the position of the axis
   };
 
   [[nodiscard]] bool jumped(const Scene& scene) noexcept;

@@ -30,7 +30,8 @@ BodyJoint::Twist BodyJoint::twist() const noexcept {
 
 void BodyJoint::predict(const Vector3d& gravity_m_s2, double step_s) noexcept {
   const double phase = joint_.latch_wave * (q_ - joint_.latch_at);
-  const double latch = 0.5 * joint_.latch_energy_j * joint_.latch_wave;  // its largest force
+  // Largest force of the latch.
+  const double latch = 0.5 * joint_.latch_energy_j * joint_.latch_wave;
   const double slope = std::max(0.0, latch * joint_.latch_wave * std::cos(phase));
   const double force = mass_kg_ * gravity_m_s2.dot(twist().linear) - latch * std::sin(phase) -
                        joint_.spring_stiffness * (q_ - joint_.spring_rest);

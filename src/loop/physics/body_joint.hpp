@@ -8,21 +8,21 @@
 
 namespace wholehand {
 
-/// A body on one joint to the world. Its one coordinate q is integrated and its pose follows from
-/// q, so that the joint has no error. With a the twist of the body's centre of mass per unit of q̇
-/// its inertia is m_q = aᵀ M a: I + m|r|² of a hinge, m of a slide.
+/// A body on one joint to the world. Its only coordinate q is integrated, and the body's pose
+/// follows from q, so the joint has no position error. With a, the twist of the centre of mass per
+/// unit of q̇, the inertia is m_q = aᵀ M a: I + m|r|² for a hinge, m for a slide.
 ///
-/// Spring, viscous friction and the rising slopes of the latch are implicit: they take part in the
-/// inertia by which an impulse changes q̇, m_q + T c + T² k. So no step feeds energy into the hand.
-/// Gravity and the latch's falling slopes are explicit (symplectic Euler).
+/// Spring, viscous friction and the rising slopes of the latch are integrated implicitly: they add
+/// to the inertia by which an impulse changes q̇, m_q + T c + T² k. No step therefore feeds energy
+/// into the hand. Gravity and the latch's falling slopes are explicit (symplectic Euler).
 class BodyJoint {
  public:
-  /// Velocity of the centre of mass and spin, per unit of q̇, in the world.
+  /// Velocity of the centre of mass and angular velocity, per unit of q̇, in the world.
   struct Twist {
     Eigen::Vector3d linear, angular;
   };
 
-  /// @pre body.joint, mass and inertia are there
+  /// @pre the body has a joint, a mass and an inertia
   explicit BodyJoint(const SceneBody& body);
 
   [[nodiscard]] double position() const noexcept { return q_; }
@@ -31,29 +31,31 @@ class BodyJoint {
   [[nodiscard]] WHOLEHAND_RT Pose pose() const noexcept { return poseOn(joint_, start_, q_); }
   /// Real-time safe.
   [[nodiscard]] WHOLEHAND_RT Twist twist() const noexcept;
-  /// m_q
+  /// Inertia m_q.
   [[nodiscard]] double inertia() const noexcept { return inertia_; }
 
-  /// Takes q and q̇ as they are. Real-time safe.
+  /// Sets q and q̇ without checks. Real-time safe.
   void put(double q, double rate) noexcept {
     q_ = q;
     rate_ = rate;
   }
-  /// As positionOn(). Real-time safe.
+  /// The q nearest to a pose, as positionOn(). Real-time safe.
   [[nodiscard]] WHOLEHAND_RT double nearest(const Pose& pose) const noexcept {
     return positionOn(joint_, start_, pose);
   }
 
-  /// Begins a step: q̇ at its end without contacts, ends and dry friction. Real-time safe.
+  /// Begins a step: computes q̇ at its end without contacts, ends of the range and dry friction.
+  /// Real-time safe.
   WHOLEHAND_RT void predict(const Eigen::Vector3d& gravity_m_s2, double step_s) noexcept;
-  /// Change of q̇ per impulse in this step.
+  /// Change of q̇ per unit of impulse in this step.
   [[nodiscard]] double yield() const noexcept { return yield_; }
   /// Bound of the impulse of dry friction in this step: F_c T.
   [[nodiscard]] double mostFriction() const noexcept { return friction_impulse_; }
-  /// Bounds of q̇ in this step, which lead to the ends.
+  /// Bounds of q̇ in this step: at a bound the step ends exactly at an end of the range.
   [[nodiscard]] double leastRate() const noexcept { return least_rate_; }
   [[nodiscard]] double mostRate() const noexcept { return most_rate_; }
-  /// Ends the step with q̇ as contacts, ends and dry friction left it. Real-time safe.
+  /// Ends the step with the q̇ that contacts, ends of the range and dry friction gave. Real-time
+  /// safe.
   WHOLEHAND_RT void move(double rate, double step_s) noexcept;
 
   /// Energy of motion, spring and latch [J].
@@ -61,8 +63,8 @@ class BodyJoint {
 
  private:
   SceneJoint joint_;
-  Pose start_;             ///< of the body frame at q = 0
-  Eigen::Vector3d axis_;   ///< world
+  Pose start_;             ///< pose of the body frame at q = 0
+  Eigen::Vector3d axis_;   ///< axis of the joint, world
   Eigen::Vector3d arm_m_;  ///< from the hinge's point to the centre of mass at q = 0
   double mass_kg_;
   double inertia_ = 0.0;

@@ -8,10 +8,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int kMostIterations = 20;
-constexpr double kExact = 1e-14;  // of the spin
+constexpr int kMostIterations = 20;  // bound of the fixed-point iteration
+constexpr double kExact = 1e-14;     // tolerance of the iteration, relative to the angular velocity
 
-/// The turn of a spin held for a time.
+/// The rotation that a constant angular velocity makes in a time.
 Quaterniond turnBy(const Vector3d& spin, double seconds) {
   const double rate = spin.norm();
   if (rate * seconds < 1e-12) return Quaterniond::Identity();

@@ -9,14 +9,14 @@
 
 namespace wholehand {
 
-/// Collects overlaps of a placed hand with bodies, and reports them: an engine would fling such a
-/// body away. Not real-time safe.
+/// Collects the overlaps of a placed hand with bodies and reports them, because an engine would
+/// throw an overlapping body away. Not real-time safe.
 class HandOverlaps {
  public:
   explicit HandOverlaps(std::size_t bodies) : deepest_(bodies) {}
 
   void add(int body, int capsule, double depth_m);
-  /// One error per body, for its deepest overlap; up to 0.2 mm is allowed.
+  /// Returns one error per body, for its deepest overlap; up to 0.2 mm is allowed.
   [[nodiscard]] Diagnostics refuse(const HandModel& hand, const std::string& scene_path,
                                    const std::vector<std::string>& body_names) const;
 

@@ -10,7 +10,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kBefore = 0.26;  ///< least cosine to the palm's normal: 75 degrees
+/// Smallest cosine to the palm's normal in front of the palm: 75 degrees.
+constexpr double kBefore = 0.26;
 
 double boundingRadius(const SceneBody& body) {
   double radius = 0.0;
@@ -26,7 +27,7 @@ double boundingRadius(const SceneBody& body) {
   return radius;
 }
 
-/// The nearest of a body's shapes. Ends of the capsule in the body's frame.
+/// Distance to the nearest of a body's shapes. a_m, b_m: ends of the capsule in the body's frame.
 SegmentDistance nearestShape(const SceneBody& body, const Eigen::Vector3d& a_m,
                              const Eigen::Vector3d& b_m, double radius_m) noexcept {
   SegmentDistance best;
@@ -38,9 +39,10 @@ SegmentDistance nearestShape(const SceneBody& body, const Eigen::Vector3d& a_m,
   return best;
 }
 
-/// Of a target: behind or beside the palm it is negative, and nothing of the palm's overlaps it.
+/// Signed distance of a target: at least 0 in front of the palm, where an overlap counts as 0, and
+/// negative behind or beside it.
 double signedBySide(double distance_m, bool before_palm) noexcept {
-  constexpr double kLeast_m = 1e-6;
+  constexpr double kLeast_m = 1e-6;  // keeps the result negative at distance 0
   return before_palm ? std::max(distance_m, 0.0) : -std::max(distance_m, kLeast_m);
 }
 
@@ -68,7 +70,7 @@ PalmDistance::Result PalmDistance::operator()(const Pose& palm, const BodyState*
   const Eigen::Vector3d a = palm * palm_.a_m;
   const Eigen::Vector3d b = palm * palm_.b_m;
   Result nearest{kInfinity, -1, kInfinity};
-  double target_m = kInfinity;  // on whichever side
+  double target_m = kInfinity;  // distance to the nearest target on any side of the palm
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d com = bodies[i].position_m.eigen();
     const bool target = targets[i];
@@ -84,8 +86,8 @@ PalmDistance::Result PalmDistance::operator()(const Pose& palm, const BodyState*
     nearest.any_m = std::min(nearest.any_m, is.distance_m);
     if (!target || !(is.distance_m < target_m)) continue;
     target_m = is.distance_m;
-    // The normal points from the body to the palm, whose frame has z dorsal: what is before the
-    // palm has it to the back.
+    // The normal points from the body to the palm. The palm's frame has z dorsal, so the normal of
+    // a body in front of the palm points along +z.
     const bool before_palm = is.normal.dot(turn * palm.rotation.col(2)) > kBefore;
     nearest.target = static_cast<int>(i);
     nearest.target_m = signedBySide(target_m, before_palm);

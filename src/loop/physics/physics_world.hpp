@@ -14,7 +14,7 @@
 
 namespace wholehand {
 
-/// Real-time safe.
+/// True when every number of the body's state is finite. Real-time safe.
 [[nodiscard]] inline bool allFinite(const BodyState& body) noexcept {
   return body.position_m.eigen().allFinite() && body.velocity_m_s.eigen().allFinite() &&
          body.angular_velocity_rad_s.eigen().allFinite() &&
@@ -33,7 +33,7 @@ namespace wholehand {
   return {scene_path, 0, "bodies." + body, "", "is nowhere after a fault", "build the scene anew"};
 }
 
-/// Limit of reported self-contacts; further ones act, but are not reported.
+/// Largest number of reported self-contacts; further ones act, but are not reported.
 inline constexpr int kMaxSelfForces = 64;
 
 /// Self-contact point of two capsules after a step. World frame.
@@ -53,20 +53,20 @@ struct SelfForces {
 };
 
 /// The bodies of a game in a physics world: a pool of slots that exist from the start
-/// (docs/adr/0043-bodies-of-a-game.md). An engine that has one implements it beside PhysicsWorld.
-/// Every function is real-time safe and deterministic: the same commands in the same ticks give the
-/// same bits.
+/// (docs/adr/0043-bodies-of-a-game.md). An engine that supports games implements it together with
+/// PhysicsWorld. Every function is real-time safe and deterministic: the same commands in the same
+/// ticks give the same bits.
 class BodyPool {
  public:
   virtual ~BodyPool() = default;
 
   /// Obeys one command, before a step; commands that are no body orders are ignored. An order that
   /// cannot be carried out changes nothing and stands in the next report().
-  WHOLEHAND_RT virtual void obey(const Command& command) noexcept = 0;
-  /// Says whether the game is alive; call before every step. While it is silent, the force of
-  /// driven bodies fades within 0.2 s; after 5 s all bodies of the game leave.
+  WHOLEHAND_RT virtual void apply(const Command& command) noexcept = 0;
+  /// Sets whether the game is alive; call before every step. While the game is silent, the force of
+  /// driven bodies fades within 0.2 s; after 5 s all bodies of the game are removed.
   WHOLEHAND_RT virtual void setGameAlive(bool alive) noexcept = 0;
-  /// Reports the slots, and the orders refused since the last report.
+  /// Reports the slots and the orders refused since the last report.
   WHOLEHAND_RT virtual void report(PoolReport& report) noexcept = 0;
 };
 
@@ -78,19 +78,19 @@ struct PhysicsState {
   AxisVelocity qd_s;
   JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
   JointVelocity theta_dot;
-  /// Kinematics at theta, until the next step, of an engine that has them; nullptr: none.
+  /// Kinematics at theta, valid until the next step; nullptr when the engine has none.
   const ArticulatedBody* kinematics = nullptr;
   double coupling_error_rad = 0.0;  ///< |θ - (θ₀ + G q_s)| after the last step, before correction
   int body_count = 0;               ///< bodies of the scene and slots of a game, at most kMaxBodies
   std::array<BodyState, kMaxBodies> bodies{};
 };
 
-/// Input that drives the hand through a step, computed at the state that observe() returned.
+/// Input that drives the hand through a step, computed for the state that observe() returned.
 struct HandDrive {
   AxisEffort effort;     ///< f_s, for engines that integrate q_s [N or N·m]
   JointEffort torque;    ///< τ = M G M_r⁻¹ f_s + h, for engines that integrate θ [N or N·m]
   AxisInertia armature;  ///< A; size 0: none
-  AxisEffort armature_effort;                           ///< A M_r⁻¹ f_s, of the same size
+  AxisEffort armature_effort;                           ///< A M_r⁻¹ f_s; same size as armature
   const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹, armature included; without it an
                                                         ///< engine may refuse
 };
@@ -108,13 +108,13 @@ class BodyPool;
 /// of the engine. SI units, radians, world frame (docs/equations.md). Every engine guarantees the
 /// following, which tests/loop/physics/engine_conformance verifies:
 ///
-/// - A step, and whatever is marked so, allocates nothing, takes no lock, throws nothing, prints
-///   nothing and never ends the program: what it cannot do is a Fault.
+/// - A step, and every function marked WHOLEHAND_RT, allocates nothing, takes no lock, throws
+///   nothing, prints nothing and never ends the program: a failure is reported as a Fault.
 /// - Two worlds built alike and called alike give bit-identical results.
 /// - The joints keep θ = θ₀ + G q_s, also under contact, and contact forces do the virtual work of
 ///   f_s: with the hand at rest, f_s = -Σ Gᵀ Jᵀ force.
 /// - Without contact the hand moves by q̈_s = M_r⁻¹ f_s: h carries gravity and velocity terms.
-/// - Contacts never pull, and stay in the friction cone of μ = √(μ_hand μ_body).
+/// - Contact forces never pull, and stay in the friction cone of μ = √(μ_hand μ_body).
 class PhysicsWorld {
  public:
   virtual ~PhysicsWorld() = default;
@@ -128,10 +128,10 @@ class PhysicsWorld {
   /// orientation that of the scene's body frame.
   [[nodiscard]] WHOLEHAND_RT virtual Fault observe(PhysicsState& state) noexcept = 0;
 
-  /// Places bodies for an exercise, before a step; observe() shows it at once. A free body
-  /// continues with the given velocity and without rotation. A fixed body stays there: its velocity
-  /// is that of its surface in the next step only, and does not move it. An invalid placement is
-  /// ignored.
+  /// Places bodies for an exercise, before a step; observe() shows the result at once. A free body
+  /// continues with the given velocity and without rotation. A fixed body stays at the given pose:
+  /// its velocity is only that of its surface in the next step, and does not move it. An invalid
+  /// placement is ignored.
   WHOLEHAND_RT virtual void placeBodies(const BodyPlacements& placements) noexcept = 0;
 
   /// Advances by exactly one step of period_s. After a fault only observe() is guaranteed to be
@@ -140,14 +140,14 @@ class PhysicsWorld {
                                                 double period_s) noexcept = 0;
 
   /// Contacts of the hand with bodies in the last step: forces of that step; points and distances
-  /// from before it.
+  /// from the state before it.
   WHOLEHAND_RT virtual void contacts(ContactList& contacts) const noexcept = 0;
 
-  /// Self-contact forces of the last step. They act on q_s and so on the felt effort; no record
-  /// holds them.
+  /// Self-contact forces of the last step. They act on q_s and therefore on the felt effort; no
+  /// record holds them.
   WHOLEHAND_RT virtual void selfForces(SelfForces& forces) const noexcept = 0;
 
-  /// Bodies of a game; null in an engine that has none.
+  /// The bodies of a game; null in an engine that does not support them.
   [[nodiscard]] virtual BodyPool* bodyPool() noexcept { return nullptr; }
 };
 

@@ -11,12 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kExact_m = 1e-7;
+constexpr double kExact_m = 1e-7;  // accuracy of segmentDistance() and hullDistance()
 constexpr int kMostSteps = 24;
-constexpr double kContactExact_m = 1e-13;
+constexpr double kContactExact_m = 1e-13;  // accuracy of contactDistance()
 constexpr int kMostContactSteps = 40;
 
-/// Distance of a point from a surface and where it grows; in the shape's own frame.
+/// Distance of a point from a surface and its gradient, in the shape's own frame.
 struct PointDistance {
   double distance_m;
   Vector3d normal;
@@ -71,7 +71,8 @@ PointDistance pointDistance(const Shape& shape, const Vector3d& p) {
   return fromCenter(p, shape.radius_m);
 }
 
-/// A point of the segment: where, how far, and how fast the distance grows along the segment.
+/// A point of the segment: its parameter, its distance from the shape, and the slope of the
+/// distance along the segment.
 struct Probe {
   double along = 0.0, distance_m = 0.0, slope_m = 0.0;
   Vector3d normal;
@@ -81,8 +82,8 @@ SegmentDistance found(const Probe& p, double radius_m) {
   return {p.distance_m - radius_m, p.distance_m - radius_m, p.along, p.normal, p.normal};
 }
 
-/// Between two probes. The mean of their tangents that is level along the segment bounds the
-/// distance as well as both together do.
+/// Result of a minimum between two probes. The weighted mean of their tangents that is level along
+/// the segment bounds the distance as well as both tangents together.
 SegmentDistance found(const Probe& left, const Probe& right, double least_m, double radius_m) {
   const Probe& nearer = left.distance_m < right.distance_m ? left : right;
   const double share = right.slope_m / (right.slope_m - left.slope_m);
@@ -90,8 +91,8 @@ SegmentDistance found(const Probe& left, const Probe& right, double least_m, dou
           share * left.normal + (1.0 - share) * right.normal};
 }
 
-/// The search, in the shape's own frame. @param enough whether a gap between the bound and the
-/// least distance seen so far may stay, and that bound
+/// Searches the nearest point, in the shape's own frame. @param enough returns true when the search
+/// may stop, given the gap between the bound and the least distance seen so far, and the bound
 template <class Enough>
 SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
                         double radius_m, int most_steps, const Enough& enough) {
@@ -107,8 +108,8 @@ SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d&
   double least_m = 0.0;
   for (int i = 0; i < most_steps; ++i) {
     const double across = right.along - left.along;
-    // Where the two tangents meet nothing lies below them; where the slope would be zero if it grew
-    // evenly is the better guess on round shapes.
+    // `meet` is where the two tangents intersect: no distance lies below that point. `even` is
+    // where the slope would be zero if it grew linearly, a better guess on round shapes.
     const double meet = (right.distance_m - left.distance_m - right.slope_m * across) /
                         (left.slope_m - right.slope_m);
     least_m = left.distance_m + left.slope_m * meet;
@@ -156,7 +157,7 @@ constexpr int kMostHullSteps = 24;
 /// A corner of the difference segment − hull.
 struct Corner {
   Vector3d at_m;
-  double along;  ///< on the segment
+  double along;  ///< parameter on the segment, 0 .. 1
 };
 
 /// Up to four corners with the weights of the point nearest to the origin.
@@ -167,7 +168,8 @@ struct Simplex {
   Vector3d nearest_m;
 };
 
-/// Weights w with G w = r for one, two or three edges, G their dot products; false where flat.
+/// Solves G w = r for the weights w of one, two or three edges, with G their dot products; false
+/// when the edges are degenerate.
 bool solve(int n, const std::array<Vector3d, 3>& edges, const Vector3d& base,
            std::array<double, 3>& w) {
   if (n == 1) {
@@ -189,14 +191,15 @@ bool solve(int n, const std::array<Vector3d, 3>& edges, const Vector3d& base,
   return std::abs(volume) > 1e-14 * edges[0].norm() * across.norm();
 }
 
-/// Of the corners kept so far, only those go on that carry, together with the newest, the point
-/// nearest to the origin: eight cases at most. False where none is nearer than before.
+/// Reduces the simplex to the corners that carry, together with the newest one, the point nearest
+/// to the origin (at most eight cases). Returns false when no point is nearer than before.
 bool reduce(Simplex& simplex) {
   const int newest = simplex.size - 1;
   const Corner tip = simplex.corners[newest];
   double best_m2 = simplex.nearest_m.squaredNorm();
   Simplex best;
   for (unsigned mask = 0; mask < (1U << newest); ++mask) {
+    // The corners of this case, and the nearest point of the plane, line or space through them.
     Simplex part;
     std::array<Vector3d, 3> edges;
     std::array<double, 3> w{};
@@ -216,6 +219,7 @@ bool reduce(Simplex& simplex) {
       part.nearest_m += w[i] * edges[i];
       part.weights[i] = w[i];
     }
+    // Keeps the case with the nearest point inside the part.
     if (!inside || rest < 0.0) continue;
     const double m2 = part.size == 3 ? 0.0 : part.nearest_m.squaredNorm();
     if (!(m2 < best_m2)) continue;
@@ -233,9 +237,9 @@ bool reduce(Simplex& simplex) {
 
 SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector3d& a_m,
                              const Vector3d& b_m, double radius_m) noexcept {
-  // The corner that lies farthest towards the origin, seen from `from`.
+  // The corner of the difference that is farthest towards the origin, seen from `from`.
   const auto support = [&](const Vector3d& from) -> Corner {
-    const Vector3d* farthest = &points_m.front();  // stays where all is NaN
+    const Vector3d* farthest = &points_m.front();  // stays when all numbers are NaN
     double most = -std::numeric_limits<double>::infinity();
     for (const Vector3d& p : points_m) {
       const double along = p.dot(from);
@@ -257,7 +261,7 @@ SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector
     simplex.corners[simplex.size++] = corner;
     if (!reduce(simplex)) {
       --simplex.size;
-      break;  // rounding: no progress left
+      break;  // no further progress: rounding
     }
     away_m = simplex.size == 4 ? 0.0 : simplex.nearest_m.norm();
   }

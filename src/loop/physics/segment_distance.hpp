@@ -22,16 +22,16 @@ struct SegmentDistance {
 
 /// Distance of a capsule (segment and radius) from a shape, found by minimising the distance to the
 /// shape along the segment. That distance is convex: two tangents bound it from below, and the
-/// search continues until the bound is tight: exact to `share` of the gap, and to 0.1 µm when the
-/// gap is 0 or negative. For a convex mesh that contains the segment itself, the distance is minus
-/// the radius.
+/// search continues until the bound is tight. The result is exact to `share` of the gap, and to 0.1
+/// µm when the gap is 0 or negative. For a convex mesh that contains the segment itself, the
+/// distance is minus the radius.
 /// @param a_m, b_m in the shape's body frame. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT SegmentDistance segmentDistance(const Shape& shape,
                                                            const Eigen::Vector3d& a_m,
                                                            const Eigen::Vector3d& b_m,
                                                            double radius_m, double share) noexcept;
 
-/// As segmentDistance(), for a contact's point and depth: exact to rounding, but stops as soon as
+/// Like segmentDistance(), for a contact's point and depth: exact to rounding, but stops as soon as
 /// least_m exceeds far_m. @param a_m, b_m in the shape's own frame. Real-time safe.
 /// @pre the shape is not a convex mesh
 [[nodiscard]] WHOLEHAND_RT SegmentDistance contactDistance(const Shape& shape,

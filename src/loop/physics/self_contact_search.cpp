@@ -10,7 +10,7 @@
 namespace wholehand {
 namespace {
 
-/// An overlap that is less than this is a touch [m].
+/// An overlap smaller than this counts as a touch [m].
 constexpr double kTouch_m = 2e-4;
 
 PlacedSegment placed(const Pose* links, const Capsule& capsule) {

@@ -13,7 +13,7 @@ namespace wholehand {
 ///
 /// Two capsules approach each other only by motion of the hand's axes, and no faster than the axes
 /// move them. A separated pair is therefore checked again only after the axes have moved far
-/// enough; while the hand is open or only the arm moves, nothing is computed.
+/// enough. While the hand is open or only the arm moves, nothing is computed.
 class SelfContactSearch {
  public:
   /// Pairs nearer than this are reported [m]. Twice the distance that the fastest shipped axes
@@ -34,7 +34,7 @@ class SelfContactSearch {
   /// @param links poses of all links [world] at q_s. Real-time safe.
   WHOLEHAND_RT void update(const Pose* links, const AxisPosition& q_s) noexcept;
 
-  /// In the order of HandModel::self_contacts.
+  /// The i-th near pair, in the order of HandModel::self_contacts.
   [[nodiscard]] const Near& near(int i) const noexcept { return near_[i]; }
   [[nodiscard]] int count() const noexcept { return count_; }
 

@@ -1,5 +1,6 @@
-// Linking this file replaces the program's malloc family by functions that count and call the C
-// library's own. For programs that measure and for tests; the library itself does not link it.
+// Linking this file replaces the program's malloc family by functions that count the call and then
+// call the C library's own function. For programs that measure and for tests; the library itself
+// does not link it.
 #include "loop/realtime/allocation_counter.hpp"
 
 #include "loop/core/compiler.hpp"
@@ -34,7 +35,7 @@ std::uint64_t threadReleases() noexcept {
 
 #if WHOLEHAND_COUNTS_ALLOCATIONS
 
-// The names are the C library's; its internal functions are undocumented.
+// The C library prescribes these names; its internal functions are undocumented.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void* __libc_malloc(std::size_t size);

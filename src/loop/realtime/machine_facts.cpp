@@ -56,7 +56,7 @@ MachineFacts machineFacts(const std::string& sys) {
   facts.cpus_allowed = allowedCpus();
   facts.cpus_online = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
   facts.isolated = isolatedCpus();
-  // Governors may differ between cores; the loop's core counts.
+  // Governors may differ between cores: reads that of the core on which the loop runs.
   facts.governor = firstLine(sys + "/devices/system/cpu/cpu" +
                              std::to_string(std::max(0, lastCore())) + "/cpufreq/scaling_governor");
   facts.rtprio_limit = limitOf(RLIMIT_RTPRIO);
@@ -89,7 +89,7 @@ WakeUpStatistics wakeUpStatistics(std::span<std::int64_t> lateness_ns) {
 
 Expected<WakeUpProbe> probeWakeUps(const PeriodicThreadConfig& config, std::size_t wake_ups,
                                    const std::function<void(std::size_t done)>& progress) {
-  constexpr std::chrono::milliseconds kBetween{100};
+  constexpr std::chrono::milliseconds kBetween{100};  // interval of the calls of `progress`
   std::vector<std::int64_t> lateness_ns;
   lateness_ns.reserve(wake_ups);
   std::uint64_t skipped = 0;

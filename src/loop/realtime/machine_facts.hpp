@@ -26,11 +26,12 @@ struct MachineFacts {
   std::int64_t memlock_limit_bytes = 0;  ///< memory that may be locked; -1 is unlimited
 };
 
-/// @param sys folder in which the kernel shows cores and governors; another one in tests
+/// Reads the properties of this machine.
+/// @param sys folder in which the kernel shows cores and governors; tests pass another one
 [[nodiscard]] MachineFacts machineFacts(const std::string& sys = "/sys");
 
-/// True when /sys/kernel/realtime holds 1 (its content; empty without the file) or the kernel's
-/// version string names PREEMPT_RT, since some real-time kernels lack that file.
+/// True for a PREEMPT_RT kernel: the content of /sys/kernel/realtime (empty without the file) is 1,
+/// or the kernel's version string names PREEMPT_RT, since some real-time kernels lack that file.
 [[nodiscard]] bool isRealTimeKernel(std::string_view sys_kernel_realtime,
                                     std::string_view uname_version);
 
@@ -46,7 +47,8 @@ struct WakeUpStatistics {
   std::int64_t p99_ns = 0;
   std::int64_t p999_ns = 0;
   std::int64_t max_ns = 0;
-  /// Wake-ups per bin: below its upper bound, not below the previous one.
+  /// Number of wake-ups per bin: lateness below the bin's upper bound and not below the previous
+  /// bound.
   std::array<std::uint64_t, kLatenessClass_ns.size() + 1> classes{};
 };
 
@@ -54,15 +56,16 @@ struct WakeUpStatistics {
 /// % of all samples do not exceed. All zero without samples.
 [[nodiscard]] WakeUpStatistics wakeUpStatistics(std::span<std::int64_t> lateness_ns);
 
-/// Result of an empty loop that runs for `wake_ups` periods in a thread set up as the renderer's,
-/// like cyclictest: its lateness, and what the machine granted. Takes wake_ups * period; not
-/// real-time safe.
+/// Result of probeWakeUps().
 struct WakeUpProbe {
   WakeUpStatistics statistics;
   SetupReport setup;
 };
-/// @param progress gets the number of wake-ups so far, in the calling thread, ten times a second;
-/// may be empty
+/// Runs an empty loop for `wake_ups` periods in a thread set up like the renderer's, as cyclictest
+/// does. Returns its lateness and the settings that the machine granted. Takes wake_ups * period;
+/// not real-time safe.
+/// @param progress receives the number of wake-ups so far, in the calling thread, ten times a
+/// second; may be empty
 [[nodiscard]] Expected<WakeUpProbe> probeWakeUps(
     const PeriodicThreadConfig& config, std::size_t wake_ups,
     const std::function<void(std::size_t done)>& progress = {});

@@ -13,7 +13,7 @@ namespace wholehand {
   return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec;
 }
 
-/// As monotonicNow_ns(), but goes on while the machine is suspended. Real-time safe.
+/// Like monotonicNow_ns(), but the clock also runs while the machine is suspended. Real-time safe.
 [[nodiscard]] inline std::int64_t bootNow_ns() noexcept {
   timespec t{};
   clock_gettime(CLOCK_BOOTTIME, &t);

@@ -41,7 +41,7 @@ Diagnostic noThread(int error) {
 
 PeriodicThread::PeriodicThread(const PeriodicThreadConfig& config, Tick tick)
     : config_(config), tick_(std::move(tick)) {
-  // More than half the stack would leave no room for the loop's own frames.
+  // Prefaulting more than half of the stack would leave no room for the loop's own frames.
   if (config_.setup.stack_bytes > config_.stack_bytes / 2) {
     config_.setup.stack_bytes = config_.stack_bytes / 2;
   }

@@ -17,10 +17,10 @@ struct Slot {
   std::uint32_t elapsed_periods = 1;  ///< since the last tick's slot: 1 + skipped periods
 };
 
-/// Overrun policy: keep the phase, never burst, count. A wake-up at `now_ns` belongs to the latest
-/// slot that has begun, and always to a later one than the last tick's. A slot therefore never
-/// holds two ticks, and a stall of many periods results in a single tick that reports it. Pure.
-/// Real-time safe.
+/// Applies the overrun policy: keep the phase, never run ticks in a burst, count what was skipped.
+/// A wake-up at `now_ns` belongs to the latest slot that has begun, and always to a later slot than
+/// the last tick's. A slot therefore never holds two ticks, and a stall of many periods results in
+/// a single tick that reports it. Pure. Real-time safe.
 /// @param now_ns    time of the wake-up (any clock)
 /// @param last_ns   scheduled instant of the last tick's slot, same clock
 /// @param period_ns > 0
@@ -39,9 +39,9 @@ struct PeriodicThreadConfig {
   ThreadSetupConfig setup;
 };
 
-/// Calls a function at absolute instants on its own thread, which gets real-time settings as far as
-/// the machine grants them. The clock goes on while the machine is suspended: the tick after that
-/// is a late one.
+/// Calls a function at absolute instants on its own thread, with the real-time settings that the
+/// machine grants. The clock also runs while the machine is suspended: the first tick after that is
+/// late.
 class PeriodicThread {
  public:
   /// One tick; false ends the loop. It must not throw: an exception here terminates the program.
@@ -50,8 +50,8 @@ class PeriodicThread {
   using Tick = std::function<bool(std::uint32_t elapsed_periods, std::int64_t lateness_ns)>;
 
   PeriodicThread(const PeriodicThreadConfig& config, Tick tick);
-  /// Stops the loop after the current tick and joins the thread. A tick that ramps down should have
-  /// returned false before.
+  /// Stops the loop after the current tick and joins the thread. A tick function that ramps the
+  /// device down should have ended the loop before, by returning false.
   ~PeriodicThread();
   PeriodicThread(const PeriodicThread&) = delete;
   PeriodicThread& operator=(const PeriodicThread&) = delete;

@@ -89,8 +89,8 @@ class SpscQueue {
   std::uint64_t known_tail_ = 0;                                  // the consumer's last look
 };
 
-/// Lock-free queue of ticks between one producer and one consumer thread, as long as what is in
-/// them: a ring of packed records. Neither side ever waits: a full ring drops the record and counts
+/// Lock-free queue of tick records between one producer and one consumer thread: a ring of packed
+/// records of different lengths. Neither side ever waits: a full ring drops the record and counts
 /// it. All storage is allocated at construction.
 ///
 /// Memory order: a record is written before the release store of `tail_` that publishes it, and
@@ -133,7 +133,7 @@ class RecordQueue {
     const std::byte* at = ring_.data() + head % ring_.size();
     std::uint64_t size = 0;
     std::memcpy(&size, at, sizeof size);
-    (void)unpackRecord(at + sizeof size, size, record);  // it is what packRecord() made
+    (void)unpackRecord(at + sizeof size, size, record);  // always valid: packRecord() made it
     popped_.fetch_add(1, std::memory_order_relaxed);
     head_.store(head + sizeof size + size, std::memory_order_release);
     return true;
@@ -155,7 +155,8 @@ class RecordQueue {
   // Avoids false sharing: the two threads must not write the same cache line.
   static constexpr std::size_t kCacheLine_bytes = 64;
 
-  /// Where a record that would begin here begins.
+  /// Position at which the next record begins: `at`, or the start of the ring when the largest
+  /// record would not fit before its end.
   [[nodiscard]] std::uint64_t begin(std::uint64_t at) const noexcept {
     const std::uint64_t left = ring_.size() - at % ring_.size();
     return left < kMostBytes ? at + left : at;

@@ -8,18 +8,18 @@
 
 namespace wholehand {
 
-/// Cost of a tick. The stages sum to at most cpu_ns; the rest ran after the last lap or is the cost
-/// of the clock itself.
+/// Duration of a tick. The stages sum to at most cpu_ns; the rest ran after the last lap or is the
+/// cost of the clock itself.
 struct StageTimes {
   std::int64_t wall_ns = 0;  ///< from start() to finish() on the wall clock
   std::int64_t cpu_ns = 0;   ///< CPU time that the thread used meanwhile
   std::array<std::int32_t, kStages> stage_cpu_ns{};
 };
 
-/// Subtracts preemption (`excess_ns`: wall time beyond the CPU time) from the laps, longest first,
-/// until the laps are CPU times. A preemption falls into one stage, and one that is worth
-/// correcting makes that stage the longest; scaling all laps would take time from the others. Pure.
-/// Real-time safe.
+/// Subtracts preemption (`excess_ns`: wall time beyond the CPU time) from the laps, longest lap
+/// first, until the laps are CPU times. A preemption falls into one stage; one that is long enough
+/// to matter makes that stage the longest. Scaling all laps would take time from the other stages.
+/// Pure. Real-time safe.
 inline void removePreemption(std::array<std::int64_t, kStages>& laps_ns,
                              std::int64_t excess_ns) noexcept {
   for (int round = 0; round < kStages && excess_ns > 0; ++round) {
@@ -71,7 +71,7 @@ class StageClock {
   }
 
  private:
-  static constexpr std::int64_t kMax_ns = 2'000'000'000;  // what the record's 32 bits hold
+  static constexpr std::int64_t kMax_ns = 2'000'000'000;  // fits into the record's 32 bits
   static constexpr std::int64_t kStep_ns = 16;            // the clock itself takes 20 ns a lap
 
   std::array<std::int64_t, kStages> laps_ns_{};

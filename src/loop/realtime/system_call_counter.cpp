@@ -1,5 +1,6 @@
-// Linux's syscall user dispatch: while a selector byte of this thread is set, each of its system
-// calls becomes a signal, whose handler counts the call, makes it and returns the result.
+// Uses Linux's syscall user dispatch: while a selector byte of this thread is set, each of its
+// system calls becomes a signal. The signal's handler counts the call, makes it and returns the
+// result.
 #include "loop/realtime/system_call_counter.hpp"
 
 #include "loop/core/compiler.hpp"
@@ -25,7 +26,7 @@
 namespace wholehand {
 namespace {
 
-constexpr std::size_t kNumbers = 512;
+constexpr std::size_t kNumbers = 512;  // counters, one per system call number
 
 constinit thread_local std::array<std::uint64_t, kNumbers> counts{};
 constinit thread_local std::uint64_t total = 0;
@@ -33,7 +34,7 @@ constinit thread_local std::uint64_t total = 0;
 #if WHOLEHAND_COUNTS_SYSTEM_CALLS
 
 constinit thread_local bool watched = false;
-// Selector that the kernel reads at every system call of this thread.
+// Selector byte that the kernel reads at every system call of this thread.
 constinit thread_local volatile char selector = SYSCALL_DISPATCH_FILTER_ALLOW;
 
 void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
@@ -50,14 +51,14 @@ void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
   selector = SYSCALL_DISPATCH_FILTER_BLOCK;
 }
 
-/// The kernel's layout.
+/// Layout of the kernel's sigaction structure, which differs from the C library's.
 struct KernelAction {
   void* handler;
   unsigned long flags;
   void* restorer;  ///< return address of a handler; it makes a system call of its own
   unsigned long mask;
 };
-constexpr std::size_t kRestorer_bytes = 32;
+constexpr std::size_t kRestorer_bytes = 32;  // code from which system calls stay uncounted
 
 #endif
 

@@ -27,8 +27,8 @@ void countSystemCalls(bool on) noexcept;
 struct ThreadUsage {
   std::int64_t minor_faults = 0;          ///< pages that were in memory but not mapped
   std::int64_t major_faults = 0;          ///< pages read from disk
-  std::int64_t voluntary_switches = 0;    ///< it waited
-  std::int64_t involuntary_switches = 0;  ///< it was preempted
+  std::int64_t voluntary_switches = 0;    ///< the thread waited
+  std::int64_t involuntary_switches = 0;  ///< the thread was preempted
 };
 
 /// Counters of the calling thread. Always a system call, below 1 µs. Real-time safe.

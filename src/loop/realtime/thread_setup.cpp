@@ -135,7 +135,7 @@ SetupReport setUpThread(const ThreadSetupConfig& config) {
     report.push_back(requestLastCore(config.cores_before_last));
   }
   report.push_back(denormals());
-  // Last: from here on no thread of normal priority preempts this one.
+  // The priority is set last: from here on no thread of normal priority preempts this one.
   if (config.fifo_priority > 0) {
     report.push_back(requestFifoPriority(config.fifo_priority));
   }

@@ -67,7 +67,8 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   const auto lap = [stages](Stage stage) noexcept {
     if (stages != nullptr) stages->lap(stage);
   };
-  // The laws count in int: time must not run backwards after a machine slept for days.
+  // The control laws count periods in an int: after a suspension of days the number must not
+  // overflow.
   record.elapsed_periods = std::clamp<std::uint32_t>(periods, 1, INT_MAX);
   record.faults = record.elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
   record.fault_axis = -1;
@@ -91,7 +92,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
   safety_.limitEffort(record);
   lap(Stage::kSafety);
-  writeDevice(record);  // before the solver, whose time would be a delay (ADR 2)
+  writeDevice(record);  // before the solver, whose computing time would delay the effort (ADR 2)
   lap(Stage::kDeviceWrite);
   stepWorld(record);
   lap(Stage::kPhysicsStep);
@@ -100,7 +101,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   lap(Stage::kContacts);
 }
 
-// The controls' holder is alive, and nobody has asked for a stop.
+// True while the client that holds the controls is alive and no stop is requested.
 bool HapticRenderer::mayPush(const TickRecord& record) const noexcept {
   return holder_alive_ && !any(record.faults & Fault::kStopRequested);
 }
@@ -128,7 +129,7 @@ void HapticRenderer::readDevice(TickRecord& record) noexcept {
   record.patient_effort = person_reading_.effort;
   record.moved_by = person_reading_.moved_by;
   record.help = person_reading_.help;
-  safety_.judgeReading(fault, record);
+  safety_.checkReading(fault, record);
 }
 
 void HapticRenderer::observeWorld(TickRecord& record) noexcept {
@@ -144,7 +145,7 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
     pool_->report(pool_report_);
     pool = {pool_report_.held_j, pool_report_.received_j};
   }
-  safety_.judgeWorld(contacts_.points.data(), contacts_.count, pool, record);
+  safety_.checkWorld(contacts_.points.data(), contacts_.count, pool, record);
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
@@ -166,8 +167,8 @@ void HapticRenderer::probeHand(TickRecord& record) noexcept {
 
 void HapticRenderer::couple(TickRecord& record) noexcept {
   const CouplingGains& gains = config_.gains;
-  if (any(record.faults &
-          kStoppingFaults)) {  // the reading cannot be trusted: nothing new is computed
+  // After a stopping fault the reading cannot be trusted: nothing new is computed.
+  if (any(record.faults & kStoppingFaults)) {
     record.qd_mf = velocity_.filtered;
     record.f_s = AxisEffort(gains.axes);
     record.coupling = AxisEffort(gains.axes);
@@ -188,13 +189,14 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   record.exercise.effort = AxisEffort(axes);
   record.exercise.event_count = 0;
   record.placements.count = 0;
-  if (any(record.faults & kStoppingFaults)) {  // no effort, so no transition and no wall either
+  // Without effort there is no transition and no wall either.
+  if (any(record.faults & kStoppingFaults)) {
     record.exercise.alpha = 0.0;
     record.exercise.wall_active = AxisFlag(axes);
     return;
   }
   if (exercise_ == nullptr) return;
-  showContacts(record);  // of the last step
+  showContacts(record);  // contacts of the last step
   ExerciseInput input;
   input.period_s = config_.period_s;
   input.observed = &record;
@@ -206,7 +208,8 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   query_ = exercise_->query();
 }
 
-// Algorithm 1, and -Φ K_dm q̇_m,f, the last term of Eq. (3) but one.
+// Computes the adaptive damping by Algorithm 1, and its effort -Φ K_dm q̇_m,f, the last term of Eq.
+// (3) but one.
 void HapticRenderer::damp(TickRecord& record) noexcept {
   const CouplingGains& gains = config_.gains;
   record.damping = AxisEffort(gains.axes);
@@ -233,13 +236,13 @@ double HapticRenderer::avatarEnergy(const TickRecord& record) const noexcept {
 }
 
 void HapticRenderer::writeDevice(TickRecord& record) noexcept {
-  safety_.judgeWrite(device_.write(record.sent), record);
+  safety_.checkWrite(device_.write(record.sent), record);
 }
 
 void HapticRenderer::orderBodies(const TickRecord& record) noexcept {
   if (pool_ == nullptr) return;
   pool_->setGameAlive(mayPush(record));
-  for (int i = 0; i < record.command_count; ++i) pool_->obey(record.commands[i]);
+  for (int i = 0; i < record.command_count; ++i) pool_->apply(record.commands[i]);
 }
 
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {
@@ -255,7 +258,7 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   drive.armature = config_.gains.armature;
   drive.armature_effort = dynamics_.armatureEffort(record.f_s);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
-  safety_.judgeStep(world_.step(drive, config_.period_s), record);
+  safety_.checkStep(world_.step(drive, config_.period_s), record);
   world_.contacts(contacts_);
 }
 
@@ -304,7 +307,7 @@ Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehe
 // Checks that the reading is within the workspace.
 Expected<Done> HapticRenderer::withinWorkspace() const {
   const SupervisorConfig& limits = config_.safety.supervisor;
-  const Finding finding = safety_.judgeAtRest(reading_.q_m);
+  const Finding finding = safety_.checkAtRest(reading_.q_m);
   if (!any(finding.faults)) return Done{};
   const int a = finding.axis;
   const std::string range =
@@ -314,7 +317,8 @@ Expected<Done> HapticRenderer::withinWorkspace() const {
                   "move it back by hand, or calibrate the device");
 }
 
-// Nobody will tick it. A device that was open before keeps carrying its weight.
+// Closes the device after a refusal, because nobody will tick it. A device that was open before
+// stays open and keeps carrying its weight.
 Expected<Done> HapticRenderer::refuseArming(Diagnostics why) {
   prepared_ = false;
   if (!was_open_) device_.close();
@@ -324,7 +328,7 @@ Expected<Done> HapticRenderer::refuseArming(Diagnostics why) {
 
 Expected<Done> HapticRenderer::prepare(const std::optional<RehearsalPassed>& rehearsed) {
   if (prepared_) return Done{};
-  // A person requested this stop: it must not be lost.
+  // A person requested this stop, so it must not be lost.
   if (safety_.stops().consumeUnseen()) {
     return armingProblem("a stop was asked for", "arm again if it is over");
   }

@@ -32,8 +32,8 @@ struct Rehearsal;
 struct RehearsalOptions;
 struct RigOptions;
 
-/// Proof that a rig's worst contacts were rehearsed on this machine, in this process, and passed.
-/// Arming a device that moves a person requires it. Only rehearse() creates one.
+/// Proof that the worst contacts of a rig were rehearsed on this machine, in this process, and
+/// passed. Arming a device that moves a person requires it. Only rehearse() creates one.
 class RehearsalPassed {
  public:
   /// Fingerprint of the rehearsed rig: device, hand, gains, scene, exercise and rate.
@@ -47,8 +47,8 @@ class RehearsalPassed {
   std::string of_;
 };
 
-/// Notified when a stage of the tick ends. The renderer knows no clock; the listener brings its
-/// own.
+/// Receives a call when a stage of the tick ends. The renderer has no clock of its own; the
+/// listener brings one.
 class StageListener {
  public:
   virtual ~StageListener() = default;
@@ -68,16 +68,17 @@ struct RendererConfig {
   LiveSettings live;          ///< parameters that may change while it runs; default: none
   std::string rehearsal;      ///< fingerprint that a rehearsal of this rig carries
                               ///< (RehearsalPassed::of())
-  bool moves_nobody = false;  ///< no person feels the effort: needs no rehearsal
+  bool moves_nobody = false;  ///< no person feels the effort; arming needs no rehearsal
 };
 
 /// Whole-hand haptic rendering. A tick reads the device, lets the simulated hand (the avatar)
-/// follow it in the physics world, and sends the coupling's reaction back. Knows no threads,
-/// sockets or clocks.
+/// follow it in the physics world, and sends the coupling's reaction back. Uses no threads, sockets
+/// or clocks.
 class HapticRenderer {
  public:
   /// @param scene the bodies of the world, in its order @param exercise adds its effort to the
-  /// coupling's; may be null @param person reports to the record; null: nothing is known of it
+  /// coupling's; may be null @param person reports to the record; null: nothing is known about the
+  /// person
   /// @pre device, world, hand, exercise and person outlive this
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
                  const SceneModel& scene, const RendererConfig& config,
@@ -87,58 +88,59 @@ class HapticRenderer {
   HapticRenderer& operator=(const HapticRenderer&) = delete;
 
   /// First step of arming: opens the device, reads it and places the simulated hand there. The
-  /// device gives no effort yet, so whatever waits for a disk or for memory comes between this and
-  /// arm(). Refused when the device is not ready (uncalibrated or moving), is outside its
-  /// workspace, still ramps to neutral or is armed already (unless simulated); when the hand would
-  /// be inside a body; and when a stop is requested meanwhile. A refusal closes the device again
-  /// and changes nothing else. Idempotent until arm(). Not real-time safe.
+  /// device gives no effort yet. Work that waits for a disk or for memory therefore belongs between
+  /// this call and arm(). Refused when the device is not ready (uncalibrated or moving), is outside
+  /// its workspace, still ramps to neutral or is armed already (unless simulated); when the hand
+  /// would be inside a body; and when a stop is requested meanwhile. A refusal closes the device
+  /// again and changes nothing else. Idempotent until arm(). Not real-time safe.
   /// @param rehearsed Rehearsal::passed of this very rig; without it a device that moves a person
   /// (neither simulated() nor moves_nobody) is refused
   [[nodiscard]] Expected<Done> prepare(
       const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
-  /// Last step: enables the device, directly before its first tick, which judges the position
-  /// again. Calls prepare() where that was not done. Refused as there, when the device is not
-  /// enabled, and when a stop was requested since. Clears latched faults: call it only on a
-  /// person's request. Not real-time safe.
+  /// Last step of arming: enables the device, directly before its first tick, which checks the
+  /// position again. Calls prepare() if that was not done. Refused for the reasons of prepare(),
+  /// when the device cannot be enabled, and when a stop was requested since. Clears latched faults:
+  /// call it only on a person's request. Not real-time safe.
   [[nodiscard]] Expected<Done> arm(const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
 
-  /// One tick; fills the record except the fields that the session writes, and obeys the record's
-  /// commands. Real-time safe.
-  /// @param periods 1 + those skipped since the last tick; 0 counts as 1
+  /// Runs one tick. Fills the record except the fields that the session writes, and carries out the
+  /// record's commands. Real-time safe.
+  /// @param periods 1 + periods skipped since the last tick; 0 counts as 1
   /// @param stages notified when each stage ends; may be null
   WHOLEHAND_RT void tick(std::uint32_t periods, TickRecord& record,
                          StageListener* stages = nullptr) noexcept;
 
-  /// Takes back an arming before its first tick. The device stays open. Not real-time safe.
+  /// Cancels an arming before its first tick. The device stays open. Not real-time safe.
   void disarm() noexcept;
 
-  /// Makes the next tick begin the ramp to neutral. Before arming, makes the next arm() refuse,
-  /// once. Any thread, also a signal handler; real-time safe.
+  /// Requests a stop: the next tick begins the ramp to neutral. If nothing is armed, the next arm()
+  /// refuses, once. Any thread, also a signal handler; real-time safe.
   void requestStop() noexcept { safety_.stops().request(); }
-  /// As requestStop(), but lets go in the exercise's fade-out time and the ramp's
-  /// (NeutralRampConfig::fade_out_s).
+  /// Requests a gentle stop: like requestStop(), but the effort falls over the exercise's fade-out
+  /// time plus the ramp's time (NeutralRampConfig::fade_out_s).
   void requestGentleStop() noexcept { safety_.stops().requestGentle(); }
-  /// As requestStop(); the records mark it as an emergency stop.
+  /// Requests an emergency stop: like requestStop(), but the records mark it as an emergency stop.
   void requestEmergencyStop() noexcept { safety_.stops().requestEmergency(); }
 
   /// True when the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept { return safety_.atNeutral(); }
   /// True when atNeutral(), or when the device has accepted no effort for a second after it should
-  /// have been neutral: nothing more can be done from here. Real-time safe.
+  /// have been neutral, so that this program can do nothing more. Real-time safe.
   [[nodiscard]] bool finished() const noexcept { return safety_.finished(); }
 
-  /// Stopping faults of this run, latched until the next arming. For the thread that ticks, or
+  /// Stopping faults of this run, latched until the next arming. Call in the thread that ticks, or
   /// after its end. Real-time safe.
   [[nodiscard]] Fault latched() const noexcept { return safety_.latched(); }
-  /// For the thread that ticks, or after its end. Real-time safe.
+  /// Present safety state. Call in the thread that ticks, or after its end. Real-time safe.
   [[nodiscard]] SafetyState safetyState() const noexcept { return safety_.state(); }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
   /// The live parameters in the order of TickRecord::parameters: the renderer's, then the
   /// exercise's.
   [[nodiscard]] std::vector<LiveParameter> liveParameters() const;
-  /// Sets the live parameters' values at arming, in the same order, instead of their defaults: a
-  /// therapist's settings persist. Before arm(); values out of range are ignored.
+  /// Sets the values that the live parameters have at arming, in the order of liveParameters(),
+  /// instead of their defaults, so that a therapist's settings persist. Call before arm(); values
+  /// out of range are ignored.
   void startParametersAt(const std::vector<double>& values) noexcept;
   /// Values of the live parameters at the next arming.
   [[nodiscard]] std::vector<double> parametersAtStart() const;
@@ -167,7 +169,7 @@ class HapticRenderer {
 
   HapticDevice& device_;
   PhysicsWorld& world_;
-  BodyPool* const pool_;  ///< bodies of a game in world_; null without
+  BodyPool* const pool_;  ///< bodies of a game in world_; null when the engine has none
   Exercise* exercise_;
   const KnownPerson* const person_;
   const RendererConfig config_;
@@ -176,7 +178,7 @@ class HapticRenderer {
   AxisEffort effort_limit_;               ///< in force now
   AdaptiveDampingConfig damping_config_;  ///< in force now
   WorldQuery query_;
-  bool holder_alive_ = true;  ///< the program or game that shows the exercise is connected
+  bool holder_alive_ = true;  ///< the client that holds the controls is alive
   std::vector<std::string> axis_names_;
   ArticulatedBody dynamics_;
   std::unique_ptr<HandProbe> probe_;

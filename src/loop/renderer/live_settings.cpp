@@ -38,15 +38,16 @@ void ParameterRamps::advance(int elapsed_periods, double period_s) noexcept {
 
 namespace {
 
-constexpr double kLeastShare = 0.1;  // of a limit: less cannot be felt
-constexpr double kRamp_s = 1.0;      // over the whole range
+constexpr double kLeastShare = 0.1;  // smallest share of a limit: a lower effort cannot be felt
+constexpr double kRamp_s = 1.0;      // time of a ramp over the whole range
 
 LiveParameter between(const char* name, const char* unit, double lower, double upper,
                       double value) {
   return {name, unit, lower, upper, value, (upper - lower) / kRamp_s};
 }
 
-// f₀ in N: of a translation as it is, of a rotation with a tip divided by its lever arm; 0: none.
+// f₀ of an axis in N. Translation: f₀ itself. Rotation with a tip: f₀ divided by its lever arm.
+// Otherwise 0.
 double fullInNewton(const DeviceAxis& axis, double effort_full) {
   if (axis.kind == AxisKind::kTranslation) return effort_full;
   return axis.lever_arm_m > 0.0 ? effort_full / axis.lever_arm_m : 0.0;
@@ -56,6 +57,7 @@ double fullInNewton(const DeviceAxis& axis, double effort_full) {
 
 LiveSettings::LiveSettings(const DeviceModel& device, const AdaptiveDampingConfig& damping)
     : hand_axis_(device.axisCount()), in_unit_(device.axisCount()) {
+  // Largest force at a fingertip, on the arm, and f₀ of the first axis that has one in N.
   double tip_n = 0.0, arm_n = 0.0, full_n = 0.0;
   for (int i = 0; i < device.axisCount(); ++i) {
     const DeviceAxis& axis = device.axes[i];
@@ -103,7 +105,7 @@ void LiveSettings::apply(const double* values, const AxisEffort& device_limit,
         case Role::kHandLimit:
         case Role::kArmLimit: {
           if (hand_axis_[i] != (roles_[p] == Role::kHandLimit)) break;
-          if (value >= parameter.upper) break;  // the device's own limit
+          if (value >= parameter.upper) break;  // at its upper end the device's own limit applies
           const double asked =
               in_unit_[i] > 0.0 ? value * in_unit_[i] : device_limit[i] * value / parameter.upper;
           limit[i] = std::min(device_limit[i], asked);

@@ -40,8 +40,8 @@ class ParameterRamps {
 /// Most parameters of LiveSettings.
 inline constexpr int kMostLiveSettings = 4;
 
-/// Rendering parameters that a therapist may change while the loop runs: effort limits below the
-/// device's, and onset and decay of the adaptive damping. Gains stay as certified.
+/// Rendering parameters that a therapist may change while the loop runs: effort limits below those
+/// of the device, and onset and decay of the adaptive damping. The gains stay as certified.
 ///
 ///   effort_limit_hand_tip_n  largest force at a fingertip; hand axes without a tip scale by the
 ///   same ratio
@@ -61,8 +61,8 @@ class LiveSettings {
     return parameters_;
   }
 
-  /// Computes limits and damping from the current values (in the order of parameters()) and the
-  /// initial ones. Real-time safe.
+  /// Computes limits and damping from the current values, given in the order of parameters(), and
+  /// from the initial damping. Real-time safe.
   WHOLEHAND_RT void apply(const double* values, const AxisEffort& device_limit,
                           const AdaptiveDampingConfig& damping_at_start, AxisEffort& limit,
                           AdaptiveDampingConfig& damping) const noexcept;

@@ -18,7 +18,7 @@ namespace wholehand {
 namespace {
 
 Interrupts g_interrupts;
-sem_t g_signal;  // posted with every signal, and at the end of the outermost scope
+sem_t g_signal;  // posted by every signal and at the end of the outermost scope
 
 // Signals that by default would end or freeze the process while the device holds its last effort.
 struct Signal {
@@ -44,8 +44,9 @@ constexpr auto kSignals = std::to_array<Signal>(
      {SIGXFSZ, kIgnoreUnlessHandled},  // file size limit: the write fails instead
      {SIGTTOU, kIgnoreUnlessHandled},  // output from the background
      {SIGTTIN, kIgnoreUnlessHandled}});
-constexpr int kExitInterrupted = 130;
-constexpr std::chrono::milliseconds kSaidWithin{100};
+constexpr int kExitInterrupted = 130;  // status that a shell reports after SIGINT: 128 + 2
+// Time for the last message to be written before the process ends.
+constexpr std::chrono::milliseconds kReportedWithin{100};
 
 std::array<struct sigaction, kSignals.size()> g_before{};
 std::array<bool, kSignals.size()> g_taken{};
@@ -79,9 +80,9 @@ bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
   return signal.then == kStop || before.sa_handler == SIG_DFL;
 }
 
-// Writing may block, when nobody reads standard error or its disk hangs. Only this thread, which
-// has no other task and gets no signal, then waits.
-void say(const std::string& line) {
+// Writing may block when nobody reads standard error or its disk hangs. Only this thread then
+// waits; it has no other task and receives no signal.
+void print(const std::string& line) {
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -101,14 +102,15 @@ std::string whatIsWaitedFor() {
 }
 
 void answerAgain(int asked) {
-  if (g_interrupts.loops.load() > 0) return say("the device is on its way to neutral");
-  if (asked < 3) return say("waiting for " + whatIsWaitedFor() + "; once more ends without it");
-  say("ended without waiting for " + whatIsWaitedFor());
-  std::this_thread::sleep_for(kSaidWithin);
+  if (g_interrupts.loops.load() > 0) return print("the device is on its way to neutral");
+  if (asked < 3) return print("waiting for " + whatIsWaitedFor() + "; once more ends without it");
+  print("ended without waiting for " + whatIsWaitedFor());
+  std::this_thread::sleep_for(kReportedWithin);
   ::_exit(kExitInterrupted);
 }
 
-// The loops check the counter themselves; a stop needs nothing from this thread.
+// Reports the signals to the person. The loops check the counter themselves, so a stop does not
+// depend on this thread.
 void serveSignals() {
   for (int reported = 1;;) {
     while (::sem_wait(&g_signal) != 0) {
@@ -121,13 +123,14 @@ void serveSignals() {
   }
 }
 
-// A forked child has no thread that takes its signals.
+// Unblocks the signals in a forked child, which has no thread that handles them.
 void takeSignalsInChild() {
   if (g_scopes > 0) ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
 }
 
 void begin() {
-  static const int kOnce = ::sem_init(&g_signal, 0, 0);  // stays: a handler may still post
+  // Never destroyed, because a handler may still post.
+  static const int kOnce = ::sem_init(&g_signal, 0, 0);
   static const int kForks = ::pthread_atfork(nullptr, nullptr, takeSignalsInChild);
   (void)kOnce;
   (void)kForks;
@@ -148,7 +151,8 @@ void begin() {
     sigaction(signal.number, &action, nullptr);
     if (signal.then != kIgnoreUnlessHandled) sigaddset(&ours, signal.number);
   }
-  ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);  // unblocked in the thread that takes them
+  // Unblocked only in the thread that handles them.
+  ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);
   g_thread = std::thread(serveSignals);
   ::pthread_setname_np(g_thread.native_handle(), "wholehand-stop");
   ::pthread_sigmask(SIG_BLOCK, &ours, nullptr);
@@ -161,7 +165,7 @@ void end() {
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     if (g_taken[i]) sigaction(kSignals[i].number, &g_before[i], nullptr);
   }
-  g_interrupts.asked.store(0);  // a run without a scope must not be stopped by an earlier scope's
+  g_interrupts.asked.store(0);  // a later run without a scope must not be stopped by this scope's
                                 // signal
   ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
 }

@@ -15,10 +15,10 @@ struct Interrupts {
 static_assert(std::atomic<int>::is_always_lock_free, "written in a signal handler");
 
 /// Handles signals during its lifetime. Ctrl-C, SIGTERM, SIGHUP and Ctrl-Z (which would freeze the
-/// loop while the device holds its last effort) request a gentle stop of the current run. So do
-/// SIGUSR1, SIGUSR2, SIGXCPU, SIGPWR and the timers' signals, unless the program handles them
-/// itself. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored, since they would end or freeze the
-/// loop as well. Signals that were ignored before (nohup) stay ignored.
+/// loop while the device holds its last effort) request a gentle stop of the current run. SIGUSR1,
+/// SIGUSR2, SIGXCPU, SIGPWR and the timers' signals do the same, unless the program handles them
+/// itself. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored, since they would also end or freeze
+/// the loop. Signals that were ignored before (nohup) stay ignored.
 ///
 /// A separate thread takes the signals. They are blocked in the calling thread and in those that it
 /// starts, so none interrupts the loop or a thread that waits for a disk. Sessions that use
@@ -26,7 +26,8 @@ static_assert(std::atomic<int>::is_always_lock_free, "written in a signal handle
 /// prints what the program waits for (WaitingFor). The third ends the process at once if no loop
 /// ticks any more: the device is at neutral, and unwritten data is lost.
 ///
-/// A program that runs a loop has one, around everything it runs. Scopes may nest, in one thread.
+/// A program that runs a loop creates one scope around everything it runs. Scopes may nest in one
+/// thread.
 class InterruptScope {
  public:
   InterruptScope();
@@ -39,8 +40,8 @@ class InterruptScope {
   [[nodiscard]] static Interrupts& shared() noexcept;
 };
 
-/// Text that a second Ctrl-C prints during its lifetime: "waiting for the disk: recording run.h5".
-/// The newest one counts. Any thread; not for the tick.
+/// Sets the text that a second Ctrl-C prints during its lifetime: "waiting for the disk: recording
+/// run.h5". The newest object counts. Any thread; not in the tick.
 class WaitingFor {
  public:
   explicit WaitingFor(std::string what);

@@ -15,7 +15,7 @@ Session::Session(HapticRenderer& renderer, const SessionConfig& config)
       commands_(config.queue_commands) {}
 
 Session::~Session() {
-  // Only for a running loop: the next session's renderer must not find a stop request.
+  // Only a running loop gets the request; otherwise the next session's renderer would find it.
   if (running()) requestStop();
   join();
 }
@@ -30,7 +30,7 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
   thread_ = std::make_unique<PeriodicThread>(
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
         const bool more = tickOnce(elapsed_periods, lateness_ns);
-        (void)queue_.try_push(record_);  // full: dropped and counted
+        (void)queue_.try_push(record_);  // a full queue drops the record and counts it
         if (!more && config_.interrupts != nullptr) --config_.interrupts->loops;
         return more;
       });
@@ -52,7 +52,8 @@ void Session::join() {
 }
 
 void Session::runSimulated(const std::function<void(const TickRecord&)>& sink) {
-  const DenormalsFlushed scope;  // as in the real-time thread: the same bits on both clocks
+  // As in the real-time thread, so that both clocks give the same bits.
+  const DenormalsFlushed scope;
   bool more = true;
   while (more) {
     more = tickOnce(1, 0);
@@ -87,7 +88,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   return !renderer_.finished();
 }
 
-// A stop by a signal needs nothing outside the loop.
+// Stops the loop after a signal. This needs no other thread.
 void Session::followInterrupts() noexcept {
   const bool asked = config_.interrupts != nullptr && config_.interrupts->asked.load() > 0;
   if (asked && !std::exchange(interrupted_, true)) renderer_.requestGentleStop();

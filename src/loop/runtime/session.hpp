@@ -17,7 +17,7 @@
 
 namespace wholehand {
 
-/// Times one tick after the other: the whole of it by wall and CPU clock, its stages by CPU clock.
+/// Measures each tick: its whole duration by wall and CPU clock, its stages by CPU clock.
 class TickTimer final : public StageListener {
  public:
   WHOLEHAND_RT void start() noexcept { clock_.start(); }
@@ -35,10 +35,12 @@ class TickTimer final : public StageListener {
 };
 
 struct SessionConfig {
-  std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< until the ramp
-  /// Capacity for records: at 1 kHz 13 s of free motion, 5 s with 10 bodies and 20 contacts.
+  /// Number of periods until the ramp to neutral begins.
+  std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();
+  /// Size of the record queue [bytes]. At 1 kHz it holds 13 s of free motion, or 5 s with 10 bodies
+  /// and 20 contacts.
   std::size_t queue_bytes = std::size_t{24} << 20U;
-  std::size_t queue_commands = 512;   ///< capacity for commands; more are refused
+  std::size_t queue_commands = 512;   ///< size of the command queue; further commands are refused
   TickListener* listener = nullptr;   ///< outlives the session; may be null
   TickListener* black_box = nullptr;  ///< called last in every tick, when its times are known; may
                                       ///< be null
@@ -52,10 +54,11 @@ struct SessionConfig {
 
 /// Counters of the real-time side; correct even when a full queue dropped records.
 struct SessionCounters {
-  std::uint64_t ticks_run = 0;        ///< tick() calls
-  std::uint64_t skipped_periods = 0;  ///< missed deadlines; with ticks_run, all periods
-  std::uint64_t allocations = 0;      ///< inside tick(), if counted
-  Fault latched = Fault::kNone;       ///< faults that stopped the run
+  std::uint64_t ticks_run = 0;  ///< tick() calls
+  /// Missed deadlines; ticks_run + skipped_periods is the number of all periods.
+  std::uint64_t skipped_periods = 0;
+  std::uint64_t allocations = 0;                   ///< allocations inside tick(), if counted
+  Fault latched = Fault::kNone;                    ///< faults that stopped the run
   std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
   std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
 };
@@ -72,7 +75,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Real time: ticks on its own thread at the renderer's period until the end.
+  /// Starts a real-time run: ticks on its own thread at the renderer's period until the end.
   [[nodiscard]] Expected<SetupReport> start(const PeriodicThreadConfig& thread);
   /// True until the last record is in the queue.
   [[nodiscard]] bool running() const;
@@ -80,8 +83,8 @@ class Session {
   /// Takes the next record, in order. One consumer.
   [[nodiscard]] bool tryPop(TickRecord& record) noexcept { return queue_.try_pop(record); }
 
-  /// Simulated clock: ticks in the calling thread as fast as possible and passes each record to
-  /// `sink`.
+  /// Runs on a simulated clock: ticks in the calling thread as fast as possible and passes each
+  /// record to `sink`.
   void runSimulated(const std::function<void(const TickRecord&)>& sink);
 
   /// Queues a command for one of the next ticks, in order; false when the queue is full. From one
@@ -90,21 +93,22 @@ class Session {
     return commands_.try_push(command);
   }
 
-  /// Number of commands that wait for the loop; at most 8 are taken in a tick. To the thread that
-  /// queues commands it is an upper bound.
+  /// Number of commands that wait for the loop; a tick takes at most 8. For the thread that queues
+  /// commands it is an upper bound.
   [[nodiscard]] std::size_t waitingCommands() const noexcept { return commands_.size(); }
 
-  /// Begins the ramp to neutral; the session ends when that is done. Any thread, also a signal
-  /// handler.
+  /// Requests the ramp to neutral; the session ends when the ramp is done. Any thread, also a
+  /// signal handler.
   void requestStop() noexcept { renderer_.requestStop(); }
-  /// As requestStop(), but lets go in the exercise's fade-out time and the ramp's. Any thread, also
-  /// a signal handler.
+  /// Requests a gentle stop: like requestStop(), but the effort falls over the exercise's fade-out
+  /// time plus the ramp's time. Any thread, also a signal handler.
   void requestGentleStop() noexcept { renderer_.requestGentleStop(); }
   /// Says whether the program or game that shows the exercise is alive. While it is not, the
   /// exercise's effort fades out. Only the latest value counts, and a full command queue cannot
   /// lose it. Any thread.
   void setHolderAlive(bool alive) noexcept { holder_alive_.store(alive); }
-  /// As requestStop(); the records mark it as an emergency stop. Any thread, also a signal handler.
+  /// Requests an emergency stop: like requestStop(), but the records mark it as an emergency stop.
+  /// Any thread, also a signal handler.
   void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
 
   [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }

@@ -12,7 +12,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kSmallestNs = 10.0, kLargestNs = 1e12;
-/// Bins 1 % wide; a bin is reported as its geometric middle, hence at most 0.5 % off.
+/// Ratio of a bin's ends: bins are 1 % wide. A bin is reported as its geometric middle, hence at
+/// most 0.5 % off.
 constexpr double kRatio = 1.01;
 
 const double kLogRatio = std::log(kRatio);
@@ -26,8 +27,9 @@ void keepLargest(AxisEffort& largest, const AxisEffort& effort) {
   for (int i = 0; i < effort.size(); ++i) largest[i] = std::max(largest[i], std::abs(effort[i]));
 }
 
-// The faults that have an axis, as a tick finds them: of several, the first is fault_axis's. An
-// effort that is not finite comes late, but is to be looked at before all others.
+// The faults that have an axis, in the order in which a tick finds them: fault_axis belongs to the
+// first of several faults. An effort that is not finite is found late, but is listed first because
+// it overrides the axis of the others.
 constexpr std::array kOfAnAxis{
     Fault::kNonFiniteEffort, Fault::kNonFinitePosition, Fault::kWorkspace,
     Fault::kEncoderJump,     Fault::kSpeedLimit,        Fault::kEncoderStuck,
@@ -42,7 +44,7 @@ void countAxis(TickSummary& totals, const TickRecord& r) {
   ++totals.fault_axes[bit][r.fault_axis];
 }
 
-// E.g. " (x 10, finger_flexion 2)": the axes, if known.
+// The known axes of a fault as text, e.g. " (x 10, finger_flexion 2)".
 std::string axesText(const TickSummary& summary, std::size_t bit,
                      const std::vector<DeviceAxis>& axes) {
   std::string text;
@@ -55,7 +57,8 @@ std::string axesText(const TickSummary& summary, std::size_t bit,
   return text.empty() ? text : text + ")";
 }
 
-// Text for these bits, e.g. "late tick in 2 ticks, effort limited in 1 tick (x)"; "none".
+// The counts of these faults as text, e.g. "late tick in 2 ticks, effort limited in 1 tick (x)";
+// "none".
 std::string countText(const TickSummary& summary, Fault bits, const std::vector<DeviceAxis>& axes) {
   std::string text;
   for (std::size_t at = 0; at < kFaultTable.size(); ++at) {

@@ -17,9 +17,9 @@ struct Percentiles {
   double p50_ns = 0.0, p99_ns = 0.0, p999_ns = 0.0, max_ns = 0.0;
 };
 
-/// Histogram of durations with bins of equal ratio: percentiles are within 0.5 % of the exact ones
-/// for any number of durations, in constant memory. Range 10 ns .. 1000 s; the end bins count what
-/// is beyond.
+/// Histogram of durations with bins of equal ratio. Percentiles are within 0.5 % of the exact ones
+/// for any number of durations, in constant memory. Range 10 ns .. 1000 s; the first and last bin
+/// also count what is beyond.
 class DurationHistogram {
  public:
   DurationHistogram();
@@ -44,19 +44,19 @@ struct TickSummary {
   std::uint64_t records = 0;  ///< ticks that ran
   std::uint64_t missed_deadlines = 0;              ///< skipped periods
   std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
-  /// Faulty ticks by fault and axis (fault_axis), of the records seen. A record names only the
-  /// first axis of its first fault; other axes of that tick are not counted.
+  /// Number of ticks with a fault, by fault and axis (fault_axis), of the records seen. A record
+  /// names only the first axis of its first fault; other axes of that tick are not counted.
   std::array<std::array<std::uint64_t, kMaxAxes>, kFaultBits> fault_axes{};
   std::uint64_t stopping_faults = 0;  ///< ticks with a fault that stops rendering
   AxisEffort max_effort;              ///< largest |sent| per axis [N or N·m]
-  std::int32_t contacts_max = 0;      ///< most in one tick
+  std::int32_t contacts_max = 0;      ///< largest number of contacts in one tick
   double max_coupling_error_rad = 0.0;
   Percentiles cpu, wall, lateness;
   std::array<Percentiles, kStages> stage_cpu{};
-  double time_s = 0.0;        ///< of the last tick
+  double time_s = 0.0;        ///< time of the last tick
   std::int32_t contacts = 0;  ///< in the last tick
   AxisEffort sent;            ///< in the last tick
-  /// Exercise values of the last tick that had any, in the order of its names.
+  /// Exercise values of the last tick that had any, in the order of the exercise's value names.
   std::int32_t value_count = 0;
   std::array<double, kMaxExerciseValues> values{};
 };
@@ -70,16 +70,16 @@ class TickStatistics {
 
  private:
   mutable std::mutex mutex_;
-  TickSummary totals_;  ///< without the percentiles
+  TickSummary totals_;  ///< all but the percentiles
   DurationHistogram cpu_, wall_, lateness_;
   std::array<DurationHistogram, kStages> stages_;
 };
 
-/// Text of what stopped a run: "device read failed in 1 tick"; "none".
+/// Text of the faults that stopped a run: "device read failed in 1 tick"; "none".
 /// @param axes names of the device's axes, for faults of an axis
 [[nodiscard]] std::string faultText(const TickSummary& summary,
                                     const std::vector<DeviceAxis>& axes = {});
-/// Text of what was limited or noticed without stopping: "effort limited in 12 ticks (x 10,
+/// Text of the limits and events that did not stop the run: "effort limited in 12 ticks (x 10,
 /// finger_flexion 2)"; "none".
 [[nodiscard]] std::string noticeText(const TickSummary& summary,
                                      const std::vector<DeviceAxis>& axes = {});

@@ -39,7 +39,7 @@ void BodyEnergy::Store::put(const Eigen::Vector3d& position_m,
   stored_j = storedEnergy(joint, q);
 }
 
-/// As put(), through whole turns.
+/// Like put(), but q of a hinge without ends also counts whole turns.
 void BodyEnergy::Store::follow(const BodyState& state) noexcept {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   const double last = q;
@@ -59,7 +59,8 @@ double BodyEnergy::kinetic(const Body& body, const BodyState& state) noexcept {
   return 0.5 * twice_j;
 }
 
-// On the bodies that move, of the scene and of a game. The bodies still have their last velocities.
+// Work of the hand on the moving bodies of the scene and of a game. Call while the bodies still
+// have the velocities of the last step.
 double BodyEnergy::workOfHand(const TickRecord& observed, const Contact* contacts,
                               int contact_count) noexcept {
   double work_j = 0.0;
@@ -96,6 +97,7 @@ void BodyEnergy::advance(const TickRecord& observed, const Contact* contacts, in
     if (i >= observed.body_count) break;
     Body& body = bodies_[static_cast<std::size_t>(i)];
     const BodyState& now = observed.bodies[i];
+    // Energy in spring and latch of the joint.
     if (body.store >= 0) {
       Store& store = stores_[static_cast<std::size_t>(body.store)];
       const double before_j = store.stored_j;
@@ -106,6 +108,7 @@ void BodyEnergy::advance(const TickRecord& observed, const Contact* contacts, in
     if (isZero(now.velocity_m_s) && isZero(now.angular_velocity_rad_s) && body.kinetic_j == 0.0) {
       continue;
     }
+    // Kinetic energy and the work of gravity.
     const double kinetic_j = kinetic(body, now);
     energy_.held_j += kinetic_j;
     if (known_) {
@@ -118,6 +121,7 @@ void BodyEnergy::advance(const TickRecord& observed, const Contact* contacts, in
     body.spin_rad_s = now.angular_velocity_rad_s;
     body.kinetic_j = kinetic_j;
   }
+  // A moving fixed body may push other bodies: their gain counts as received.
   if (pushes_ && gained_j > 0.0) {
     energy_.received_j += gained_j;
     gained_j = 0.0;

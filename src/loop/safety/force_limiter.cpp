@@ -11,11 +11,12 @@ LimitedEffort limitEffort(const AxisEffort& effort, const AxisEffort& limit) noe
   const int n = std::min(effort.size(), limit.size());
   for (int i = 0; i < n; ++i) {
     if (!std::isfinite(effort[i])) {
-      if (!any(out.faults & Fault::kNonFiniteEffort)) out.axis = i;  // overrides a limit
+      // Names this axis even if another was limited.
+      if (!any(out.faults & Fault::kNonFiniteEffort)) out.axis = i;
       out.faults |= Fault::kNonFiniteEffort;
       continue;
     }
-    const double bound = limit[i] > 0.0 ? limit[i] : 0.0;  // NaN: limit 0
+    const double bound = limit[i] > 0.0 ? limit[i] : 0.0;  // a NaN limit counts as 0
     out.effort[i] = std::clamp(effort[i], -bound, bound);
     if (out.effort[i] == effort[i]) continue;
     out.faults |= Fault::kEffortLimit;
@@ -28,8 +29,8 @@ namespace {
 
 using Powers = std::array<double, kMaxAxes>;
 
-// The share p̂: axes below an equal share leave the rest to the others, iterated until no axis is
-// below it.
+// The share p̂. Axes that need less than an equal share leave the rest to the others; this is
+// repeated until no axis is below its share.
 double shareOf(const Powers& power_w, int axes, double limit_w) noexcept {
   double share_w = limit_w / axes;
   for (int round = 0; round < axes; ++round) {
@@ -77,7 +78,7 @@ LimitedEffort limitPower(const AxisEffort& effort, const AxisEffort& neutral,
 }
 
 int slewTicks(double period_s) noexcept {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-9;  // keeps a whole quotient from rounding down
   return std::clamp(static_cast<int>(kSlewWindow_s / period_s + kRounding), 1, kMostSlewTicks);
 }
 
@@ -107,7 +108,7 @@ LimitedEffort limitSlew(const AxisEffort& effort, const SlewWindow& last,
                         const AxisEffort& most_change) noexcept {
   LimitedEffort out{effort};
   for (int i = 0; i < effort.size(); ++i) {
-    // A device that refused efforts may have held one further away than the limit.
+    // A device that refused efforts may hold one that is further away than the limit.
     const double low = std::min(last.most(i) - most_change[i], last.newest(i));
     const double high = std::max(last.least(i) + most_change[i], last.newest(i));
     out.effort[i] = std::clamp(effort[i], low, high);

@@ -8,7 +8,7 @@
 
 namespace wholehand {
 
-/// A limited effort and the limits that acted.
+/// A limited effort and the faults of the limits that acted.
 struct LimitedEffort {
   AxisEffort effort;  ///< every element finite and within ± limit
   Fault faults = Fault::kNone;
@@ -22,11 +22,12 @@ struct LimitedEffort {
                                                      const AxisEffort& limit) noexcept;
 
 /// Limits the power that all axes together deliver to `limit_w`. No axis may deliver more than p̂,
-/// the largest power with which Σ min(pᵢ, p̂) is the limit. Efforts along the motion are scaled
-/// down to p̂; braking efforts stay (Fault::kPowerLimit, information). Continuous; an axis that
-/// hardly moves keeps its effort, whatever its velocity noise. The device's own weight is not
-/// counted. The slew limit acts after this one: when a hand accelerates faster than the effort may
-/// fall, the power limit is met some ticks later. Pure, real-time safe.
+/// the largest power for which Σ min(pᵢ, p̂) does not exceed the limit. Efforts along the motion
+/// are scaled down to p̂; braking efforts stay (Fault::kPowerLimit, information). The result is
+/// continuous; an axis that hardly moves keeps its effort, whatever its velocity noise. The
+/// device's own weight is not counted. The slew limit acts after this limit: when a hand
+/// accelerates faster than the effort may fall, the power limit is met some ticks later. Pure,
+/// real-time safe.
 /// @param effort finite, as it would be sent @param neutral carries the device's weight
 /// @param limit_w > 0
 [[nodiscard]] WHOLEHAND_RT LimitedEffort limitPower(const AxisEffort& effort,
@@ -34,10 +35,10 @@ struct LimitedEffort {
                                                     const AxisVelocity& qd,
                                                     double limit_w) noexcept;
 
-/// Window of the slew limit. Within it, neither a person nor a mechanism can distinguish a step
-/// from a ramp, and a damper's step at an impact is equally high at every rate.
+/// Window of the slew limit. Within it neither a person nor a mechanism can distinguish a step from
+/// a ramp. A fixed window also keeps the step of a damper at an impact equally high at every rate.
 inline constexpr double kSlewWindow_s = 1e-3;
-inline constexpr int kMostSlewTicks = 16;
+inline constexpr int kMostSlewTicks = 16;  ///< capacity of SlewWindow [periods]
 
 /// Number of whole periods in kSlewWindow_s, 1 to kMostSlewTicks.
 [[nodiscard]] int slewTicks(double period_s) noexcept;
@@ -61,9 +62,10 @@ class SlewWindow {
 };
 
 /// Keeps every effort within most_change of all efforts sent in the window (Fault::kEffortSlew,
-/// information). Last step before the device: nothing, a longer stall included, can cause a blow.
-/// Pure, real-time safe.
-/// @param effort finite @param last not empty @param most_change > 0 within the window
+/// information). This is the last step before the device: no event, not even a longer stall, can
+/// cause a sudden blow. Pure, real-time safe.
+/// @param effort finite @param last not empty @param most_change largest change within the window,
+/// > 0
 [[nodiscard]] WHOLEHAND_RT LimitedEffort limitSlew(const AxisEffort& effort, const SlewWindow& last,
                                                    const AxisEffort& most_change) noexcept;
 

@@ -15,7 +15,7 @@ double smoothstep(double elapsed_s, double duration_s) noexcept {
   return std::min(u * u * (3.0 - 2.0 * u), 1.0);
 }
 
-/// lerp is exact at both ends and monotonic; a + s (b − a) is not.
+/// Blends neutral and effort. std::lerp is exact at both ends and monotonic; a + s (b − a) is not.
 AxisEffort blend(const AxisEffort& neutral, const AxisEffort& effort, double share) noexcept {
   AxisEffort out(neutral.size());
   for (int i = 0; i < neutral.size(); ++i) out[i] = std::lerp(neutral[i], effort[i], share);
@@ -40,7 +40,7 @@ double rampTime_s(const NeutralRampConfig& config) noexcept {
   return config.ramp_s > 0.0 ? std::min(config.ramp_s, kLongestRamp_s) : kLongestRamp_s;
 }
 
-// Each axis between neutral and the share that is left of its effort at the gentle stop.
+// Bounds each axis between neutral and the remaining share of its effort at the gentle stop.
 void letGo(NeutralRampState& s, const AxisEffort& neutral, double elapsed_s,
            const NeutralRampConfig& config) noexcept {
   s.since_gentle_stop_s += elapsed_s;
@@ -89,6 +89,7 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
     next.elapsed_s = 0.0;
     of_ramp_s = period_s;
   }
+  // Advances the present phase.
   switch (next.phase) {
     case RampPhase::kRendering:
       if (elapsed_periods > 1 && elapsed_s > config.gap_s) engageAnew(next, config.reengage_s);

@@ -10,10 +10,11 @@
 namespace wholehand {
 namespace {
 
-// Time for which a device that accepts no effort is asked to take its neutral one.
+// A device that accepts no effort is asked for this time to take its neutral effort.
 constexpr double kNeutralWithin_s = 1.0;
-constexpr double kBlendSpeed = 0.1;      // of the speed limit: pace of blending in after a gap
-constexpr double kLongestBlend_s = 0.5;  // of it
+// Speed assumed for blending in after a gap, as a fraction of the speed limit.
+constexpr double kBlendSpeed = 0.1;
+constexpr double kLongestBlend_s = 0.5;  // longest blend after a gap
 
 AxisEffort noteLimit(const LimitedEffort& limited, TickRecord& record) noexcept {
   noteFault(limited.faults, limited.axis, record);
@@ -32,8 +33,8 @@ AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit
   return out;
 }
 
-// Energy stored in an exercise's walls: half their effort times the penetration. What brings a
-// shell back counts as spent.
+// Energy stored in an exercise's walls: half their effort times the penetration. The energy of the
+// spring that restores a shell is not counted, as if it were lost.
 AxisEnergy wallStored(const TickRecord& record) noexcept {
   const ExerciseRecord& exercise = record.exercise;
   AxisEnergy out(exercise.wall_active.size());
@@ -44,8 +45,9 @@ AxisEnergy wallStored(const TickRecord& record) noexcept {
   return out;
 }
 
-// What an exercise pushes by itself: the effort sent beyond what would have been sent without it.
-// Walls are springs: they belong to what the loop stores.
+// The effort by which an exercise pushes: the effort sent minus the effort that would have been
+// sent without the exercise. Walls are excluded: they are springs, and the loop counts their energy
+// as stored.
 AxisEffort pushedByExercise(const TickRecord& record, const AxisEffort& sent) noexcept {
   const ExerciseRecord& exercise = record.exercise;
   AxisEffort out(sent.size());
@@ -79,10 +81,10 @@ SafetyChain::SafetyChain(const SafetyConfig& config, const CouplingGains& gains,
       period_s_(period_s),
       bodies_(scene, period_s),
       slew_(config.supervisor.slew_ticks) {
-  ramp_.sent = acknowledged_ = config.neutral;  // effort that an unarmed device holds
+  ramp_.sent = acknowledged_ = config.neutral;  // an unarmed device holds its neutral effort
 }
 
-Finding SafetyChain::judgeAtRest(const AxisPosition& q_m) const noexcept {
+Finding SafetyChain::checkAtRest(const AxisPosition& q_m) const noexcept {
   DeviceWatchState nothing_known;
   return watchDevice(nothing_known, q_m, config_.neutral, 1, config_.supervisor);
 }
@@ -97,13 +99,13 @@ void SafetyChain::arm(const AxisPosition& q_m) noexcept {
   bodies_.clear();
   state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
-  acknowledged_ = config_.neutral;  // set by open()
+  acknowledged_ = config_.neutral;  // the device holds it since open()
   unconfirmed_s_ = 0.0;
 }
 
 void SafetyChain::disarm() noexcept {
   ramp_.phase = RampPhase::kNeutral;
-  ramp_.sent = acknowledged_;  // neutral; if ticks have run, they ramp it down
+  ramp_.sent = acknowledged_;  // neutral; if ticks have run, they ramp down to it
   state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
 }
 
@@ -111,9 +113,10 @@ void SafetyChain::takeStops(TickRecord& record) noexcept {
   record.faults |= stops_.pending();
 }
 
-void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
+void SafetyChain::checkReading(Fault read, TickRecord& record) noexcept {
   record.faults |= read;
-  if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled there
+  // A missing axis would read as 0, and the coupling would pull it there.
+  if (record.q_m.size() != gains_.axes) {
     record.faults |= Fault::kDeviceRead;
     record.q_m = AxisPosition(gains_.axes, std::numeric_limits<double>::quiet_NaN());
   } else if (!any(read & kStoppingFaults) && !allFinite(record.q_m)) {
@@ -122,8 +125,8 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
       if (!std::isfinite(record.q_m[i])) record.fault_axis = i;
     }
   }
-  // During the ramp to neutral, motion is not judged: a released device is pushed by compressed
-  // springs.
+  // During the ramp to neutral the motion is not checked, because compressed springs push a device
+  // that is being released.
   if (any(record.faults & kStoppingFaults) || !rendering()) return;
   reengage_s_ = blendTime_s(record);
   const Finding finding =
@@ -132,7 +135,8 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   record.fault_axis = finding.axis;
 }
 
-// The way that the device has gone in this period, or in this gap, at a tenth of its speed limits.
+// Duration of blending in after this gap: the time in which the device would cover its path in the
+// gap at a tenth of its speed limits.
 double SafetyChain::blendTime_s(const TickRecord& record) const noexcept {
   double time_s = config_.ramp.reengage_s;
   if (device_watch_.fresh) return time_s;
@@ -143,7 +147,7 @@ double SafetyChain::blendTime_s(const TickRecord& record) const noexcept {
   return std::min(time_s, kLongestBlend_s);
 }
 
-void SafetyChain::judgeWorld(const Contact* contacts, int contact_count, const PoolEnergy& pool,
+void SafetyChain::checkWorld(const Contact* contacts, int contact_count, const PoolEnergy& pool,
                              TickRecord& record) noexcept {
   if (!rendering()) return;
   record.faults |= watchAvatar(avatar_watch_, record, config_.supervisor);
@@ -164,8 +168,8 @@ void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
                   record.effort_limit, elapsedOf(record), period_s_);
   tank_ = step.state;
   record.tank = tank_.energy;
-  // During engagement, the springs hold energy that nobody was given yet. It begins anew after a
-  // gap.
+  // While the effort is blended in, the springs hold energy that the person has not received yet.
+  // The tank's damping is not used then; after a gap the blending starts again.
   const bool gap = elapsedOf(record) > 1 && elapsedOf(record) * period_s_ > config_.ramp.gap_s;
   if (ramp_.authority < 1.0 || gap) return;
   record.tank_effort = step.effort;
@@ -184,7 +188,7 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, stopOf(record.faults, latched_),
                       elapsedOf(record), period_s_, ramp);
   const SupervisorConfig& supervisor = config_.supervisor;
-  if (rendering()) {  // the ramp only falls, and its velocity may be invalid
+  if (rendering()) {  // during the ramp the effort only falls, and the velocity may be invalid
     ramp_.sent = noteLimit(
         limitPower(ramp_.sent, config_.neutral, record.qd_mf, supervisor.power_limit_w), record);
   }
@@ -196,8 +200,8 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
   if (config_.tank.axes > 0) noteSentInTank(record);
 }
 
-// A therapist's limit applies to the rendered effort; the device's own limit to the sent effort,
-// which includes the one that carries its weight.
+// A therapist's limit applies to the rendered effort. The device's own limit applies to the sent
+// effort, which includes the effort that carries the device's weight.
 AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
   const AxisEffort held = clampRendered(record.effort_limit, config_.effort_limit, record);
   return noteLimit(wholehand::limitEffort(sum(held, config_.neutral), config_.effort_limit),
@@ -213,7 +217,7 @@ void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
   }
 }
 
-void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
+void SafetyChain::checkWrite(Fault written, TickRecord& record) noexcept {
   noteFault(written, -1, record);
   latched_ |= written & kStoppingFaults;
   if (!any(written & Fault::kDeviceWrite)) {
@@ -225,7 +229,7 @@ void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
   if (ramp_.phase == RampPhase::kNeutral) unconfirmed_s_ += period_s_;
 }
 
-void SafetyChain::judgeStep(Fault stepped, TickRecord& record) noexcept {
+void SafetyChain::checkStep(Fault stepped, TickRecord& record) noexcept {
   noteFault(stepped, -1, record);
   latched_ |= stepped & kStoppingFaults;
 }

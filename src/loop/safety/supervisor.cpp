@@ -8,20 +8,25 @@
 namespace wholehand {
 namespace {
 
-constexpr double kJump = 3.0;           // of the speed limit
-constexpr double kCounts = 2.0;         // encoder counts between two readings of one motion
-constexpr double kStillCounts = 1.5;    // encoder counts: a broken encoder may flicker between two
-constexpr double kTravel = 5.0;         // ranges of travel of the other axes while an encoder is
-                                        // stuck
-constexpr double kEffortOfLimit = 0.2;  // change of the axis's own effort meanwhile
-constexpr double kAvatarSpeed = 10.0;   // of the device's speed limit
-constexpr int kFastTicks = 2;           // consecutive ticks beyond the speed limit
-constexpr double kMovedOfRange = 0.05;  // motion between arming and the first tick
-constexpr double kGap_s = 0.005;        // longer gaps blend the effort in again
-constexpr double kGapsWithin_s = 1.0;   // window for counting gaps
+constexpr double kJump = 3.0;    // kEncoderJump: multiple of the speed limit
+constexpr double kCounts = 2.0;  // encoder counts between two readings of one motion
+// Encoder counts: a broken encoder may alternate between two values.
+constexpr double kStillCounts = 1.5;
+constexpr double kTravel = 5.0;  // travel of the other axes, in ranges, while an encoder is
+                                 // stuck
+// change of the axis's own effort meanwhile, as a fraction of its limit
+constexpr double kEffortOfLimit = 0.2;
+constexpr double kAvatarSpeed = 10.0;  // multiple of the device's speed limit
+constexpr int kFastTicks = 2;          // consecutive ticks beyond the speed limit
+// Largest motion between arming and the first tick, as a fraction of the range.
+constexpr double kMovedOfRange = 0.05;
+constexpr double kGap_s = 0.005;       // longer gaps blend the effort in again
+constexpr double kGapsWithin_s = 1.0;  // window for counting gaps
+// After a gap of more than kStall_periods that is only counted, watchAvatar() pauses for
+// kCatchUp_s.
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
-constexpr double kLongestSimulatedGap_s = 0.5;
+constexpr double kLongestSimulatedGap_s = 0.5;  // longest gap of a simulated device
 
 void add(Finding& finding, Fault fault, int axis) noexcept {
   if (finding.axis < 0) finding.axis = axis;
@@ -63,7 +68,8 @@ void watchMotion(DeviceWatchState& state, const AxisPosition& q_m, double elapse
   }
 }
 
-// The simulated hand is placed where the device was armed; only there it was checked for obstacles.
+// The simulated hand is placed at the device's position at arming. Only that position was checked
+// for obstacles, so the device must still be there.
 void watchArmed(const AxisPosition& armed, const AxisPosition& q_m, const SupervisorConfig& config,
                 Finding& finding) noexcept {
   for (int i = 0; i < armed.size(); ++i) {

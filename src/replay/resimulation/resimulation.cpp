@@ -4,8 +4,8 @@
 #include "files/toml/toml_file.hpp"
 #include "loop/core/tick_digest.hpp"
 #include "loop/realtime/thread_setup.hpp"
-#include "record/run/run.hpp"
 #include "rig/rig.hpp"
+#include "rig/run/run.hpp"
 
 #include <fmt/format.h>
 
@@ -44,7 +44,7 @@ class TemporaryFolder {
 };
 
 Expected<Done> write(const fs::path& path, const std::string& text) {
-  std::error_code ignored;  // the stream's state shows whether it was written
+  std::error_code ignored;  // the stream's state reports the write
   fs::create_directories(path.parent_path(), ignored);
   std::ofstream out(path, std::ios::binary);
   out << text;
@@ -54,13 +54,14 @@ Expected<Done> write(const fs::path& path, const std::string& text) {
                    "make room in the folder for temporary files, or set TMPDIR to another");
 }
 
-// Of two hand files, the mirroring one is the hand. The other may not be unpacked yet.
+// True for a hand file that mirrors another. If a recording has two hand files, the mirroring one
+// is the hand. The other file may not be unpacked yet.
 bool mirrorsAnother(const fs::path& path) {
   TomlFile file(path.string(), "hand");
   return file.readable() && file.root().has("mirror_of");
 }
 
-// Restores the recorded files in their folder structure; each is identified by its kind.
+// Restores the recorded files in their folder structure. Each file states its kind.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   ModelFiles files{"", "", "", "", "", "", "", meta.level};
   for (const auto& [name, text] : meta.files) {
@@ -82,6 +83,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     if (*kind == "rendering") files.rendering = path.string();
     if (*kind == "patient") files.patient = path.string();
   }
+  // Refuses a recording without one of the required files.
   const std::pair<const char*, const std::string*> needed[] = {{"scene", &files.scene},
                                                                {"hand", &files.hand},
                                                                {"device", &files.device},
@@ -97,7 +99,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   return files;
 }
 
-// Names the recording instead of the temporary folder in faults.
+// Replaces the temporary folder by the recording in the errors.
 Diagnostics named(Diagnostics errors, const fs::path& folder, const std::string& recording) {
   for (Diagnostic& error : errors) {
     const std::string prefix = folder.string() + "/";
@@ -168,7 +170,7 @@ bool isDouble(std::string_view column) {
          column == "faults";
 }
 
-// Not ==: NaN equals itself, and 0 differs from -0.
+// Compares two numbers. Unlike ==, NaN equals itself, and 0 differs from -0.
 template <class T>
 bool same(T a, T b) {
   return (std::isnan(a) && std::isnan(b)) || (a == b && std::signbit(a) == std::signbit(b));
@@ -199,7 +201,7 @@ void compare(const ComputedColumn& recorded, const ComputedColumn& again, bool e
   if (found.numbers > 0) out.push_back(found);
 }
 
-/// A column of one number per axis, by its length.
+/// True for a column with one number per axis, judged by name and length.
 bool isPerAxis(const TickDifference& d) {
   constexpr std::array kNames = {"q_m",  "qd_mf",      "q_s",      "qd_s",     "effort_limit",
                                  "f_s",  "closure",    "phi",      "coupling", "exercise_effort",
@@ -212,11 +214,11 @@ bool isPerAxis(const TickDifference& d) {
 class RecordedTicks {
  public:
   virtual ~RecordedTicks() = default;
-  // Reads the next tick's inputs. False at the end.
+  // Reads the next tick's inputs; false at the end.
   virtual Expected<bool> next(TickInput& input) = 0;
-  // Reads that tick as it was recorded, if available, by its number; its digest, too.
+  // Reads the tick with this number as it was recorded, with its digest, if available.
   virtual bool recorded(std::uint64_t tick, TickRecord& record, std::uint64_t& digest) = 0;
-  // The recorded numbers are those of the tick to the bit.
+  // True when the recorded numbers equal those of the tick bit by bit.
   [[nodiscard]] virtual bool isExact() const = 0;
 };
 
@@ -290,7 +292,8 @@ class TicksOfBox final : public RecordedTicks {
   bool known_ = false;
 };
 
-// Returns the recorded positions, and who moved the hand; ignores what is written to it.
+// Device that returns the recorded positions and who moved the hand; it ignores what is written to
+// it.
 class FedDevice final : public HapticDevice, public KnownPerson {
  public:
   explicit FedDevice(const RecordingMeta& meta) : simulated_(meta.simulated_device) {
@@ -324,10 +327,10 @@ class FedDevice final : public HapticDevice, public KnownPerson {
   AxisPosition q_m_;
   Fault faults_ = Fault::kNone;
   Mover moved_by_ = Mover::kNobody;
-  Help help_ = Help::kUnsaid;
+  Help help_ = Help::kUnspecified;
 };
 
-// Rebuilds the recorded renderer, armed as it was.
+// Rebuilds the recorded renderer and arms it as it was.
 Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::string& path) {
   if (meta.models_changed) {
     return cannotRun(path,
@@ -340,7 +343,7 @@ Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::st
   RigOptions options;
   options.period_s = meta.period_s;
   options.engine = meta.engine;
-  options.uncertified = true;  // no person is moved, so today's certificate does not matter
+  options.uncertified = true;  // no person is moved, so no certificate is needed
   auto corners = recordedCorners(meta, models->device, path);
   if (!corners) return corners.errors();
   options.measured = std::move(*corners);

@@ -13,8 +13,7 @@
 
 namespace wholehand {
 
-/// Models from the files that a recording carries. Faults name the recording and the file inside
-/// it.
+/// Models from the files that a recording contains. Errors name the recording and the file in it.
 [[nodiscard]] Expected<Models> recordedModels(const RecordingMeta& meta,
                                               const std::string& recording_path);
 
@@ -27,29 +26,29 @@ namespace wholehand {
 /// A dataset in which two ticks differ.
 struct TickDifference {
   std::string column;  ///< "coupling", "contacts/force_n"
-  int place = 0;       ///< of the first number that differs: an axis, or counted through the rows
-  int numbers = 0;     ///< that differ; 0: the two have different counts
+  int place = 0;       ///< position of the first difference: an axis, or an index through all rows
+  int numbers = 0;     ///< count of different numbers; 0: the two have different lengths
   double recorded = 0.0, again = 0.0;  ///< the first two numbers that differ, or the counts
 };
 
-/// Compares the recorded tick with the one that was computed again, column by column.
-/// @param exact bit by bit; else as a recording keeps them: in single precision, but for what it
-/// keeps in double
+/// Compares the recorded tick with the re-simulated one, column by column.
+/// @param exact bit by bit; else in the precision of a recording: single, or double for the columns
+/// that it keeps in double
 [[nodiscard]] std::vector<TickDifference> differences(const TickRecord& recorded,
                                                       const TickRecord& again, bool exact);
 
-/// "coupling of thumb_flexion: recorded 1.25, now 1.5, 0.25 more"
+/// Describes a difference: "coupling of thumb_flexion: recorded 1.25, now 1.5, 0.25 more".
 [[nodiscard]] std::string describe(const TickDifference& difference,
                                    const std::vector<std::string>& axis_names);
 
 /// Result of a re-simulation.
 struct Resimulation {
   std::uint64_t ticks = 0;     ///< ticks run again
-  std::uint64_t compared = 0;  ///< of these, compared with the recording
-  /// First tick of which a bit differs: its digest does, or a number of a black box.
+  std::uint64_t compared = 0;  ///< ticks of these that were compared with the recording
+  /// First tick that differs in a bit: in its digest, or in a number of a black box file.
   std::optional<std::uint64_t> different_tick;
-  /// First tick, this one or a later one, in which recorded numbers differ, and which do. A digest
-  /// shows what single precision hides.
+  /// First tick from different_tick on in which recorded numbers differ, and these differences. A
+  /// digest also shows differences below single precision.
   std::uint64_t visible_tick = 0;
   std::vector<TickDifference> visible;
 
@@ -62,13 +61,13 @@ struct Resimulation {
 [[nodiscard]] Expected<Resimulation> resimulate(RecordingReader& recording,
                                                 const std::string& path);
 
-/// As above, from arming on, with the inputs of a black box; compares the ticks that it holds
-/// completely. Refused when inputs are missing.
+/// Does the same with the inputs of a black box file, from arming on; compares the ticks that the
+/// file holds completely. Refused when inputs are missing.
 [[nodiscard]] Expected<Resimulation> resimulate(BlackBoxReader& box, const std::string& path);
 
-/// Runs the inputs of a journal again and records every tick, as the recording would have been but
-/// for clock times and the numbers of the virtual patient.
-/// @return ticks that were recorded
+/// Runs the inputs of a journal again and records every tick. The result equals the original
+/// recording except for clock times and the numbers of the virtual patient.
+/// @return number of recorded ticks
 [[nodiscard]] Expected<std::uint64_t> recordAgain(InputJournalReader& journal,
                                                   const std::string& path, RecordingWriter& writer);
 

@@ -14,14 +14,14 @@
 namespace wholehand {
 namespace {
 
-constexpr double kWindow_s = 10.0;  // one period of the lowest line
+constexpr double kWindow_s = 10.0;  // one period of the lowest spectral line
 constexpr double kLinesPerDecade = 14.0;
 constexpr double kFade_s = 0.5;  // a gradual onset leaves a smaller transient
 
 constexpr double kLeastSettle_s = 1.5, kMostSettle_s = 60.0;
 constexpr double kLeftOfTransient = 1e-7;
 
-/// Fixes Φ at 0 or 1 by thresholds that no effort, or every effort, exceeds.
+/// Fixes Φ at 0 or 1 with thresholds that no effort or every effort exceeds.
 void holdDamping(RenderingConfig& rendering, double phi) {
   for (AxisRendering& axis : rendering.axes) {
     axis.effort_dead = phi > 0.0 ? 0.0 : 1e9;
@@ -133,7 +133,7 @@ PatientConfig armFor(const DeviceModel& device, int axis, double lowest_hz) {
     arm.axes.push_back(
         {d.name, 0.0, 2.0 * d.mass * kVice_rad_s, d.mass * kVice_rad_s * kVice_rad_s});
   }
-  // A millionth of the device's inertial effort at the lowest line.
+  // The arm's stiffness is a millionth of the device's inertial effort at the lowest line.
   const double lowest_rad_s = 2.0 * std::numbers::pi * lowest_hz;
   PatientAxis& pushed = arm.axes[axis];
   pushed.damping = 0.0;
@@ -158,7 +158,7 @@ double settleTime(const AxisLoop& loop, ContactCase contact) {
   const Eigen::VectorXcd found = poles(closedLoopMatrix(loop, contact));
   if (found.size() == 0) return -1.0;
   double slowest = 0.0;
-  // A joint drift of device and hand (eigenvalue 1) is a constant, which no line contains.
+  // A common drift of device and hand (eigenvalue 1) is constant and appears in no line.
   bool drift = contact != ContactCase::kFree;
   for (const std::complex<double>& pole : found) {
     if (!drift && std::abs(pole - 1.0) < 1e-9) {
@@ -205,7 +205,7 @@ Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
   RigOptions options;
   options.period_s = how.period_s;
   options.engine = how.engine;
-  options.uncertified = true;  // no person is moved
+  options.uncertified = true;  // the bench moves nobody
   auto player = std::make_unique<MultisinePlayer>(
       bench.rest, 0, bench.grid, std::vector<double>(bench.grid.lines.size(), 0.0), 1.0);
   auto rig = buildRig(std::move(own), std::move(player), options);
@@ -218,17 +218,18 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Speed of the device per line: small enough to avoid saturation and changes of posture, large
-// compared with rounding.
+// Speed amplitude of the device per line: small enough to avoid saturation and changes of posture,
+// large compared with rounding.
 constexpr double kLineSpeed_m_s = 1e-4, kLineSpeed_rad_s = 1e-3;
-constexpr double kUsualLeverArm_m = 0.08;  // as in the certificate for a rotation without a tip
-constexpr int kFinePoints = 300;           // points of a predicted line, which has sharp bends
-// Measurement with dry friction: an everyday speed at 1 Hz.
+// Lever arm that the certificate assumes for a rotation without one.
+constexpr double kUsualLeverArm_m = 0.08;
+constexpr int kFinePoints = 300;  // number of points of a predicted curve, which has sharp bends
+// Amplitude and frequency of the measurement with dry friction: a typical hand speed at 1 Hz.
 constexpr double kUsualSpeed_m_s = 0.1, kUsualSpeed_rad_s = 1.0, kUsual_hz = 1.0;
 
 constexpr const char* kNeverSettles = "the loop does not settle by itself";
 
-/// Why the tick was not linear on the axis; empty: it was.
+/// Reason why the tick was not linear on the axis; empty: it was linear.
 std::string interference(const TickRecord& record, const AxisEffort& neutral, int axis,
                          double phi) {
   if (any(record.faults & kStoppingFaults)) return "a fault stopped the loop";
@@ -248,7 +249,7 @@ struct Phasors {
   std::vector<Complex> effort, position;
 };
 
-/// Runs the renderer until it has settled, then for one window.
+/// Runs the renderer until it has settled, then records one window.
 Phasors listen(HapticRenderer& renderer, const ImpedanceBench& bench, int axis, double settle_s) {
   Phasors out;
   LineTransform effort(bench.grid), position(bench.grid);
@@ -288,7 +289,8 @@ void fill(const Phasors& heard, const AxisLoop& loop, ImpedanceCurve& curve) {
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     ImpedancePoint& point = curve.points[i];
     const double omega_rad_s = 2.0 * std::numbers::pi * point.frequency_hz;
-    // The push is linear between samples. This is the sine with the same effect on the device.
+    // The push is linear between samples. `push` is the continuous sine with the same effect on the
+    // device.
     const Complex push = heard.effort[i] * linearHoldGain(loop, point.frequency_hz);
     point.measured.felt = push / (Complex(0.0, omega_rad_s) * heard.position[i]);
     point.measured.rendered = point.measured.felt - Complex(loop.damping, omega_rad_s * loop.mass);
@@ -316,7 +318,7 @@ void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) 
   }
 }
 
-/// Measures one push in one world with a new renderer.
+/// Measures one excitation in one world with a new renderer.
 Expected<Phasors> run(const ImpedanceBench& bench, int axis, const PatientConfig& arm,
                       std::unique_ptr<Player> push, PhysicsWorld& world, double settle_s) {
   SimulatedDevice device(bench.models.device, arm, std::move(push), bench.grid.period_s);
@@ -398,7 +400,7 @@ void ImpedanceDeviation::include(std::complex<double> measured, std::complex<dou
 }
 
 void ImpedanceDeviation::include(const ImpedanceDeviation& other) {
-  if (!(other.decibel <= decibel)) decibel = other.decibel;  // NaN is the worst
+  if (!(other.decibel <= decibel)) decibel = other.decibel;  // NaN counts as the worst
   if (!(other.degrees <= degrees)) degrees = other.degrees;
 }
 

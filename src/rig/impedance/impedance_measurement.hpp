@@ -15,7 +15,7 @@
 
 namespace wholehand {
 
-/// Band in which prediction and measurement are compared, and the allowed difference.
+/// Band in which prediction and measurement are compared, and the largest allowed differences.
 inline constexpr double kComparedFrom_hz = 1.0, kComparedTo_hz = 100.0;
 inline constexpr double kMost_db = 1.0, kMost_deg = 5.0;
 
@@ -39,20 +39,22 @@ struct ImpedanceCurve {
   double phi = 0.0;
   double stiffness = 0.0;    ///< stiffness of the spring [N/m or N·m/rad]
   std::string engine;        ///< engine of the world
-  std::string not_measured;  ///< why there is no measurement; empty: there is
+  std::string not_measured;  ///< reason why there is no measurement; empty: measured
   std::vector<ImpedancePoint> points;
-  /// Prediction, also between the points: frequency [Hz] and Z.
+  /// Predicted curve, with values between the points: frequency [Hz] and Z.
   std::vector<std::pair<double, std::complex<double>>> line;
-  ImpedanceDeviation felt;   ///< deviation in the compared band
-  ImpedanceDeviation alone;  ///< of the model without inertial coupling, from the prediction
+  ImpedanceDeviation felt;  ///< deviation in the compared band
+  ImpedanceDeviation
+      alone;  ///< deviation of the model without inertial coupling from the prediction
 };
 
-/// Effect of dry friction and encoder steps, which are nonlinear: free motion, Φ = 0, one sine.
+/// Effect of dry friction and encoder steps, which are nonlinear; measured in free motion at Φ = 0
+/// with one sine.
 struct ImpedanceAsBuilt {
   double frequency_hz = 1.0;
   double speed = 0.0;  ///< target amplitude [m/s or rad/s]
   std::complex<double> linear, measured;
-  std::string not_measured;  ///< why not measured; empty: it was
+  std::string not_measured;  ///< reason why it was not measured; empty: measured
 };
 
 struct AxisImpedance {
@@ -66,7 +68,7 @@ struct ImpedanceReport {
   std::string device, rendering, hand;
   double period_s = 1e-3;
   double contact_stiffness_n_m = 0.0;
-  std::string engine;  ///< of free motion
+  std::string engine;  ///< engine of the free motion
   std::vector<AxisImpedance> axes;
 
   /// True if every curve was measured and agrees with its prediction.
@@ -75,24 +77,27 @@ struct ImpedanceReport {
 
 struct ImpedanceOptions {
   double period_s = 1e-3;
-  /// At the avatar; on a rotation times the square of its lever arm (0.08 m without one).
+  /// Contact stiffness at the avatar; for a rotation multiplied by the square of its lever arm
+  /// (0.08 m without one).
   double contact_stiffness_n_m = 1000.0;
-  std::string engine = defaultEngine();  ///< of free motion
+  std::string engine = defaultEngine();  ///< engine of the free motion
 };
 
-/// Called with the next measurement and the number of curves done and in total.
+/// Called with the name of the next measurement, the number of finished curves and their total
+/// number.
 using ImpedanceProgress = std::function<void(const std::string& what, int done, int all)>;
 
-/// Predicts and measures the impedance felt on every axis: free, on a spring, against a rigid stop,
-/// at Φ = 0 and 1. The measurement runs the renderer on the simulated clock with the simulated
-/// device, under a multisine effort: free motion in the requested engine, contact in the analytic
-/// world. Dry friction and encoder steps, which are nonlinear, are left out except in `as_built`.
-/// @pre device, rendering and hand of the models are loaded; the rest is not used
+/// Predicts and measures the impedance rendered on every axis: in free motion, on a spring and
+/// against a rigid stop, at Φ = 0 and 1. The measurement runs the renderer on the simulated clock
+/// with the simulated device under a multisine effort. Free motion uses the requested engine,
+/// contact uses the analytic world. Dry friction and encoder steps, which are nonlinear, are left
+/// out except in `as_built`.
+/// @pre device, rendering and hand of the models are loaded; other models are not used
 [[nodiscard]] Expected<ImpedanceReport> measureImpedance(const Models& models,
                                                          const ImpedanceOptions& options,
                                                          const ImpedanceProgress& progress);
 
-/// Frequencies with whole periods in a window, which a Fourier transform separates exactly: line i
+/// Frequencies with whole periods in a window, which a Fourier transform separates exactly. Line i
 /// has lines[i] periods in `window` ticks.
 struct LineGrid {
   int window = 0;
@@ -108,7 +113,7 @@ struct LineGrid {
 /// A single line of four periods. @param frequency_hz approximate
 [[nodiscard]] LineGrid oneLine(double frequency_hz, double period_s);
 
-/// Phasors of the lines from successive samples, over the windows since the start.
+/// Computes the phasors of the lines from successive samples over the windows since the start.
 class LineTransform {
  public:
   explicit LineTransform(const LineGrid& grid);
@@ -122,18 +127,18 @@ class LineTransform {
   int added_ = 0;
 };
 
-/// A person who pushes one axis with a sum of sines and holds the others. The push acts through an
-/// arm so soft that only its target matters.
+/// A player that pushes one axis with a sum of sines and holds the others. The arm is so soft that
+/// its force depends only on its target.
 class MultisinePlayer final : public Player {
  public:
-  /// @param amplitude effort per line of the grid  @param stiffness of the arm on the axis
+  /// @param amplitude effort per line of the grid @param stiffness stiffness of the arm on the axis
   MultisinePlayer(AxisPosition rest, int axis, const LineGrid& grid,
                   const std::vector<double>& amplitude, double stiffness);
 
   [[nodiscard]] AxisPosition start() const override { return rest_; }
   void reset() override { periods_ = 0; }
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
-  WHOLEHAND_RT void see(const TickRecord&) noexcept override {}
+  WHOLEHAND_RT void onRecord(const TickRecord&) noexcept override {}
 
  private:
   AxisPosition rest_;
@@ -142,18 +147,18 @@ class MultisinePlayer final : public Player {
   std::size_t periods_ = 0;
 };
 
-/// Test bench of a device's impedance at one constant share Φ of the adaptive damping: the complete
-/// renderer.
+/// Test bench for a device's impedance at one constant share Φ of the adaptive damping. It contains
+/// the complete renderer.
 struct ImpedanceBench {
   Models models;
-  std::unique_ptr<Rig> rig;  ///< in an empty world
+  std::unique_ptr<Rig> rig;  ///< rig in an empty world
   AxisPosition rest;         ///< the middle of every axis
-  AxisMatrix inertia;        ///< inertia of the avatar there
+  AxisMatrix inertia;        ///< inertia of the avatar at `rest`
   LineGrid grid;
   double phi = 0.0;
 };
 
-/// Device as in its file, or linearised: without dry friction and encoder steps.
+/// Device model: kAsBuilt as in its file, kLinear without dry friction and encoder steps.
 enum class BenchDevice { kLinear, kAsBuilt };
 
 /// @param phi 0 or 1  @pre device, rendering and hand of the models are loaded
@@ -170,7 +175,8 @@ enum class BenchDevice { kLinear, kAsBuilt };
 /// A person with negligible impedance on one axis, who clamps the others.
 [[nodiscard]] PatientConfig armFor(const DeviceModel& device, int axis, double lowest_hz);
 
-/// Time until the transient of the push has decayed [s]; negative: never, or too long to wait.
+/// Time until the transient of the push has decayed [s]; negative: it never decays, or takes too
+/// long.
 [[nodiscard]] double settleTime(const AxisLoop& loop, ContactCase contact);
 
 /// A world with a rigid stop or a spring at the axis's position. @pre not kFree

@@ -88,26 +88,28 @@ HandReach::Distance HandReach::to(const Eigen::Vector3d& centre_m, double radius
 
 namespace {
 
-constexpr double kParked_z_m = -8.0;    ///< an empty slot is lower, a body is within 5 m
-constexpr double kRefusedFor_s = 0.25;  ///< until a body that the loop refused is tried again
+/// An empty slot is below this height; bodies stay within 5 m.
+constexpr double kParked_z_m = -8.0;
+constexpr double kRefusedFor_s = 0.25;  ///< wait before a body that the loop refused is tried again
 constexpr double kChoose_s = 0.02;
-constexpr double kLeaves_s = 5.0;  ///< of silence, after which the loop lets all bodies go
+/// Silence of the holder after which the loop releases all bodies.
+constexpr double kLeaves_s = 5.0;
 
 bool fixed(BodyOwner owner) {
   return owner == BodyOwner::kFixed;
 }
 
-/// Refusals that only a spawn meets.
+/// True for refusals that only a spawn can get.
 bool refusesSpawn(BodyRefusal refusal) {
   return refusal == BodyRefusal::kSlotTaken || refusal == BodyRefusal::kNoSuchShapes ||
          refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kBudget ||
          refusal == BodyRefusal::kSilent;
 }
 
-// Which of the registered bodies have slots.
-constexpr double kDriven_m_s = 0.5;  ///< of a body that the game moves
-// A body that has a slot keeps it until it is that far out of reach, or another one is that much
-// nearer, and for a while.
+// Constants for the choice of the bodies that get slots.
+constexpr double kDriven_m_s = 0.5;  ///< largest speed of a body that the game moves
+// Hysteresis of a slot. A body keeps its slot until it is kLateOut_m out of reach or another body
+// is kNearer_m nearer, and at least kStays_s long and for kTouchStays_s after a touch.
 constexpr double kLateOut_m = 0.1, kNearer_m = 0.05, kStays_s = 0.3, kTouchStays_s = 0.2;
 
 }  // namespace
@@ -141,7 +143,7 @@ void BodyRegistry::end() {
 void BodyRegistry::clear() {
   if (!bodies_.empty()) ++version_;
   bodies_.clear();
-  for (Held& held : held_) {
+  for (HeldBody& held : held_) {
     if (held.number != 0) held.number = -1;
   }
 }
@@ -187,7 +189,7 @@ BodyRefusal BodyRegistry::add(const SpawnOrder& order, double radius_m) {
   return BodyRefusal::kNone;
 }
 
-BodyRefusal BodyRegistry::obey(const Command& command) {
+BodyRefusal BodyRegistry::apply(const Command& command) {
   Body* body = find(command.index);
   if (body == nullptr || command.value != body->spawn.generation) {
     return BodyRefusal::kWrongGeneration;
@@ -206,7 +208,7 @@ BodyRefusal BodyRegistry::obey(const Command& command) {
     case CommandType::kSetOwner:
       body->spawn.owner = spawnOrderOf(command).owner;
       break;
-    default:  // nothing is in the way out there
+    default:  // outside the slots nothing can obstruct a pose, so it is accepted
       body->spawn.pose = poseOf(command);
       body->spawn.velocity_m_s = body->spawn.spin_rad_s = Vec3{};
       if (body->slot < 0 || body->moved_away) ++moves_;
@@ -215,8 +217,8 @@ BodyRefusal BodyRegistry::obey(const Command& command) {
 }
 
 BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
-  Held& held = held_[body.slot];
-  if (held.leaving) {  // it is on its way out: what is ordered holds there
+  HeldBody& held = held_[body.slot];
+  if (held.leaving) {  // the body is leaving its slot: the command applies after it has left
     if (command.type == CommandType::kRemove) held.number = -1;
     const bool moves =
         command.type == CommandType::kTeleport || command.type == CommandType::kBodyTarget;
@@ -229,7 +231,7 @@ BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
   if (command.type == CommandType::kSetOwner) {
     const bool moves = !fixed(spawnOrderOf(command).owner);
     const auto moving = std::count_if(held_.begin(), held_.end(),
-                                      [](const Held& h) { return h.number != 0 && h.moves; });
+                                      [](const HeldBody& h) { return h.number != 0 && h.moves; });
     if (moves && !held.moves && moving >= budget_.awake) return BodyRefusal::kBudget;
     held.moves = held.moves || moves;
   }
@@ -247,7 +249,7 @@ bool BodyRegistry::parked(int slot, const TickRecord& record) const {
   return index >= record.body_count || record.bodies[index].position_m.z < kParked_z_m;
 }
 
-void BodyRegistry::see(const TickRecord& record) {
+void BodyRegistry::onRecord(const TickRecord& record) {
   if (reach_ == nullptr) return;
   time_s_ = record.time_s;
   const bool silent = any(record.faults & (Fault::kHolderSilent | Fault::kStopRequested));
@@ -264,12 +266,13 @@ void BodyRegistry::see(const TickRecord& record) {
   if (!bodies_.empty()) choose(record);
 }
 
-// Which of the bodies that have no number are fixed; and which of ours the hand touches.
+// Notes which bodies of other programs are fixed, and which registered bodies the hand touches.
 void BodyRegistry::watchOthers(const TickRecord& record) {
   for (int i = 0; i < record.command_count; ++i) {
     const Command& command = record.commands[i];
-    const bool says = command.type == CommandType::kSpawn || command.type == CommandType::kSetOwner;
-    if (!says || command.index < 0 || command.index >= budget_.slots) continue;
+    const bool relevant =
+        command.type == CommandType::kSpawn || command.type == CommandType::kSetOwner;
+    if (!relevant || command.index < 0 || command.index >= budget_.slots) continue;
     fixed_[command.index] = fixed(spawnOrderOf(command).owner);
   }
   for (int i = 0; i < record.contact_count; ++i) {
@@ -282,7 +285,7 @@ void BodyRegistry::noteRefused(const TickRecord& record) {
   for (int i = 0; i < record.exercise.event_count; ++i) {
     const ExerciseEvent& event = record.exercise.events[i];
     if (event.type != refused_event_ || event.index < 0 || event.index >= budget_.slots) continue;
-    const Held& held = held_[event.index];
+    const HeldBody& held = held_[event.index];
     const auto refusal = static_cast<BodyRefusal>(static_cast<int>(event.value));
     if (held.number != 0 && !held.seen && refusesSpawn(refusal)) freeSlot(event.index);
   }
@@ -295,11 +298,11 @@ void BodyRegistry::freeSlot(int slot) {
     if (!held_[slot].seen) body->not_before_s = time_s_ + kRefusedFor_s;
     setWhereabouts(*body, Whereabouts::kOutOfReach);
   }
-  held_[slot] = Held{};
+  held_[slot] = HeldBody{};
 }
 
 void BodyRegistry::followSlot(int slot, const TickRecord& record) {
-  Held& held = held_[slot];
+  HeldBody& held = held_[slot];
   if (!parked(slot, record)) {
     if (!held.seen) held.since_s = time_s_;
     held.seen = true;
@@ -307,9 +310,11 @@ void BodyRegistry::followSlot(int slot, const TickRecord& record) {
   }
   if (!held.seen) {
     if (time_s_ - held.since_s < kAnswered_s) return;
-    for_loop_.push_back(removeCommand(slot, held.generation));  // in case that it comes later
+    // The loop may still execute the spawn later, so the slot is cleared.
+    for_loop_.push_back(removeCommand(slot, held.generation));
   } else if (!held.leaving && find(held.number) != nullptr) {
-    bodies_.erase(held.number);  // the loop took it out: too fast, or out of the world
+    // The loop removed the body because it was too fast or outside the world.
+    bodies_.erase(held.number);
     ++version_;
   }
   freeSlot(slot);
@@ -321,17 +326,18 @@ void BodyRegistry::keepState(int slot, const BodyState& state) {
   const Eigen::Vector3d moved = state.position_m.eigen() - body->spawn.pose.position_m.eigen();
   const bool stands = moved.isZero(0.0) && state.velocity_m_s.eigen().isZero(0.0);
   body->spawn.pose = {state.position_m, state.orientation_xyzw};
-  if (stands && body->spawn.owner == BodyOwner::kLoop) return;  // a ghost: has its velocity later
+  if (stands && body->spawn.owner == BodyOwner::kLoop) return;  // a ghost has no velocity yet
   body->spawn.velocity_m_s = state.velocity_m_s;
   body->spawn.spin_rad_s = state.angular_velocity_rad_s;
 }
 
-bool BodyRegistry::mustStay(const Held& held) const {
+bool BodyRegistry::mustStay(const HeldBody& held) const {
   return !held.seen || time_s_ - held.since_s < kStays_s ||
          (held.touched_s >= 0.0 && time_s_ - held.touched_s < kTouchStays_s);
 }
 
-/// Distance from the hand, less what a body in a slot is ahead by; none: out of reach.
+/// Rank for a slot: distance from the hand, minus kNearer_m for a body in a slot; none: out of
+/// reach.
 std::optional<double> BodyRegistry::rankOf(const Body& body) const {
   const bool in_slot = body.slot >= 0;
   double speed_m_s = 0.0;
@@ -365,7 +371,8 @@ std::vector<BodyRegistry::Candidate> BodyRegistry::candidates() {
   return out;
 }
 
-// Bodies at rest count as moving: the hand may wake them all at once.
+// Number of movable bodies in slots. Bodies at rest count, because the hand may wake all of them at
+// once.
 int BodyRegistry::movingNow(const TickRecord& record) const {
   int moving = 0;
   for (int slot = 0; slot < budget_.slots; ++slot) {
@@ -378,7 +385,8 @@ int BodyRegistry::movingNow(const TickRecord& record) const {
   return moving;
 }
 
-// From the first one up: a state has the poses up to the last slot in use.
+// Returns the free slot with the lowest index, because a state message contains the poses up to the
+// last slot in use; -1: none.
 int BodyRegistry::freeOne(const TickRecord& record) const {
   for (int slot = 0; slot < budget_.slots; ++slot) {
     const bool others = time_s_ < others_until_s_[slot];
@@ -390,7 +398,7 @@ int BodyRegistry::freeOne(const TickRecord& record) const {
 void BodyRegistry::choose(const TickRecord& record) {
   reach_->look(record.q_s, record.theta);
   int slots = budget_.slots, moving = budget_.awake;
-  for (int slot = 0; slot < budget_.slots; ++slot) {  // those of others
+  for (int slot = 0; slot < budget_.slots; ++slot) {  // subtracts slots of other programs
     if (held_[slot].number != 0 || parked(slot, record)) continue;
     --slots;
     if (!fixed_[slot]) --moving;
@@ -413,7 +421,7 @@ void BodyRegistry::giveSlots(const std::vector<int>& wanted, const TickRecord& r
     if (slot >= 0) stays[slot] = true;
   }
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    const Held& held = held_[slot];
+    const HeldBody& held = held_[slot];
     if (held.number > 0 && !held.leaving && !stays[slot] && !mustStay(held)) leave(slot);
   }
   for (const int number : wanted) {
@@ -438,7 +446,7 @@ void BodyRegistry::enter(Body& body, int slot) {
     order.velocity_m_s = Vec3::from(share * order.velocity_m_s.eigen());
   }
   body.slot = slot;
-  held_[slot] = Held{};
+  held_[slot] = HeldBody{};
   held_[slot].number = body.spawn.slot;
   held_[slot].generation = last_generation_;
   held_[slot].moves = order.owner != BodyOwner::kFixed;
@@ -448,7 +456,7 @@ void BodyRegistry::enter(Body& body, int slot) {
 }
 
 void BodyRegistry::leave(int slot) {
-  Held& held = held_[slot];
+  HeldBody& held = held_[slot];
   held.leaving = true;
   held.since_s = time_s_;
   for_loop_.push_back(removeCommand(slot, held.generation));

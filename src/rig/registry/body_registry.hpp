@@ -20,25 +20,27 @@
 
 namespace wholehand {
 
-/// What the hand could touch within a time, from where it is.
+/// Computes what the hand could touch within a time from its current posture.
 ///
-/// Every axis moves at its speed limit, above which rendering stops, and at most to the end of its
-/// range. A capsule's end then gets as far as the norm over the translations, and to first order
-/// |∂p/∂q_a| |Δq_a| further for each rotation. Not real-time safe.
+/// Every axis may move at its speed limit, above which rendering stops, and at most to the end of
+/// its range. The end of a capsule then moves by at most the norm over the translations plus, to
+/// first order, |∂p/∂q_a| |Δq_a| for each rotation. Not real-time safe.
 class HandReach {
  public:
   /// @pre both outlive this
   HandReach(const HandModel& hand, const DeviceModel& device, double within_s);
 
-  /// Takes a posture of the hand.
+  /// Sets the current posture of the hand.
   void look(const AxisPosition& q_s, const JointPosition& theta);
 
   struct Distance {
-    double now_m = 0.0;  ///< between the hand's surface and the ball; negative: they overlap
-    double missed_m =
-        0.0;  ///< by which the hand misses the ball within the time; <= 0: it does not
+    /// Current distance between the hand's surface and the ball; negative: overlap.
+    double now_m = 0.0;
+    /// Distance by which the hand misses the ball within the time; <= 0: it reaches it.
+    double missed_m = 0.0;
   };
-  /// Of a ball. One that the hand misses by more than `far_m` may have too small a distance.
+  /// Distances to a ball. If the hand misses the ball by more than `far_m`, the results may be too
+  /// small.
   [[nodiscard]] Distance to(const Eigen::Vector3d& centre_m, double radius_m, double far_m) const;
 
  private:
@@ -53,48 +55,49 @@ class HandReach {
   const DeviceModel& device_;
   const double within_s_;
   ArticulatedBody body_;
-  std::vector<Finger> capsules_;  ///< in the world
+  std::vector<Finger> capsules_;  ///< capsules in the world
   Eigen::Vector3d middle_m_ = Eigen::Vector3d::Zero();
-  double farthest_m_ = 0.0;  ///< from the middle, of all that the hand reaches
-  double extent_m_ = 0.0;    ///< from the middle, of the hand
+  double farthest_m_ = 0.0;  ///< largest distance from the middle that the hand reaches
+  double extent_m_ = 0.0;    ///< largest distance of the hand's surface from the middle
 };
 
-inline constexpr double kReachWithin_s = 0.25;  ///< in which the hand could come to a body
+inline constexpr double kReachWithin_s = 0.25;  ///< time in which the hand could reach a body
 
-/// The bodies of a game that are more than the loop has slots for (docs/adr/0054-reach.md). Stands
-/// outside the loop: sees its records, and has ordinary commands for it. The bodies that the hand
-/// could touch within 0.25 s get slots, the nearest first; what leaves its slot keeps the pose and
-/// the velocity that the loop gave it. One thread at a time; not real-time safe.
+/// Registry for a game with more bodies than the loop has slots
+/// (docs/adr/0054-which-bodies-get-a-slot.md). It works outside the loop: it reads records and
+/// issues ordinary commands. Bodies that the hand could touch within 0.25 s get slots, the nearest
+/// first. A body that leaves its slot keeps the pose and the velocity that the loop gave it. For
+/// one thread at a time; not real-time safe.
 class BodyRegistry {
  public:
-  /// A session begins: all slots are empty. Bodies that are registered stay.
-  /// @param first_body of the slots in the record
+  /// Begins a session with empty slots. Registered bodies stay registered.
+  /// @param first_body index of the first slot's body in the record
   /// @param refused_event type of the exercise's event "refused"; -1: none
   /// @pre hand and device outlive the session
   void begin(const HandModel& hand, const DeviceModel& device, const GameBudget& budget,
              int first_body, int refused_event);
-  /// The session is over: what was in a slot is out of reach.
+  /// Ends the session. Bodies in slots become out of reach.
   void end();
   /// Forgets all bodies.
   void clear();
 
-  /// Registers a body; `order.slot` is its number. `refuse_overlap` is not heeded.
-  /// @param radius_m of a ball about the centre of mass that holds its shapes
+  /// Registers a body; `order.slot` is its number. `refuse_overlap` is ignored.
+  /// @param radius_m radius of a ball about the centre of mass that contains all shapes
   [[nodiscard]] BodyRefusal add(const SpawnOrder& order, double radius_m);
   /// Removes, teleports, hands over or moves a body; Command::index is its number.
-  [[nodiscard]] BodyRefusal obey(const Command& command);
-  /// True while a registered body has this slot, or is on its way into or out of it.
+  [[nodiscard]] BodyRefusal apply(const Command& command);
+  /// True while a registered body has this slot or is entering or leaving it.
   [[nodiscard]] bool holds(int slot) const { return held_[slot].number != 0; }
-  /// Somebody else spawns into this slot: it is left to them until the record shows the body.
+  /// Reserves the slot for a spawn by another program until the record shows its body.
   void leaveToOthers(int slot) { others_until_s_[slot] = time_s_ + kAnswered_s; }
-  /// Takes the next record of the session.
-  void see(const TickRecord& record);
+  /// Processes the next record of the session.
+  void onRecord(const TickRecord& record);
 
-  /// Commands for the loop, in order. Take those that were handed over out. New ones are decided
-  /// on only when there are none.
+  /// Commands for the loop, in order. The caller removes the commands that it has sent. New
+  /// commands are only issued when the list is empty.
   [[nodiscard]] std::deque<Command>& forLoop() noexcept { return for_loop_; }
   [[nodiscard]] bool usesShapes(int shape_set) const;
-  /// Changes whenever a body comes, leaves, or changes its whereabouts.
+  /// Changes whenever a body is added, is removed or changes its whereabouts.
   [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
   /// Changes whenever a body without a slot is moved.
   [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
@@ -102,22 +105,22 @@ class BodyRegistry {
   [[nodiscard]] std::size_t count() const noexcept { return bodies_.size(); }
 
  private:
-  static constexpr double kAnswered_s = 0.5;  ///< in which a spawn shows in the record
-  /// A game names its bodies from 1 on: these generations are the registry's own.
+  static constexpr double kAnswered_s = 0.5;  ///< time within which a spawn appears in the record
+  /// Generations reserved for the registry. A game numbers its bodies from 1.
   static constexpr int kFirstGeneration = 1 << 23, kLastGeneration = (1 << 24) - 1;
 
   struct Body {
-    SpawnOrder spawn;  ///< with the newest pose and velocity
+    SpawnOrder spawn;  ///< spawn order with the newest pose and velocity
     double radius_m = 0.0;
     int slot = -1;
-    bool moved_away = false;  ///< it was ordered elsewhere while its slot is being left
+    bool moved_away = false;  ///< a command moved the body while it was leaving its slot
     Whereabouts whereabouts = Whereabouts::kOutOfReach;
-    double not_before_s = 0.0;  ///< the loop refused it
+    double not_before_s = 0.0;  ///< earliest next try after the loop refused it
   };
-  /// A slot that a registered body has.
-  struct Held {
+  /// State of a slot held by a registered body.
+  struct HeldBody {
     int number = 0;      ///< 0: free; -1: its body is no longer registered
-    int generation = 0;  ///< in the loop
+    int generation = 0;  ///< generation in the loop
     bool moves = false, seen = false, leaving = false;
     double since_s = 0.0, touched_s = -1.0;
   };
@@ -135,20 +138,20 @@ class BodyRegistry {
   void keepState(int slot, const BodyState& state);
   void freeSlot(int slot);
   void noteRefused(const TickRecord& record);
-  // which of them have slots
+  // Choice of the bodies that have slots.
   void choose(const TickRecord& record);
   [[nodiscard]] std::optional<double> rankOf(const Body& body) const;
   [[nodiscard]] std::vector<Candidate> candidates();
   void giveSlots(const std::vector<int>& wanted, const TickRecord& record);
-  [[nodiscard]] bool mustStay(const Held& held) const;
+  [[nodiscard]] bool mustStay(const HeldBody& held) const;
   [[nodiscard]] int freeOne(const TickRecord& record) const;
   [[nodiscard]] int movingNow(const TickRecord& record) const;
   void enter(Body& body, int slot);
   void leave(int slot);
 
   std::map<int, Body> bodies_;  ///< by number
-  std::array<Held, kMaxSlots> held_{};
-  std::array<bool, kMaxSlots> fixed_{};  ///< of bodies that others spawned
+  std::array<HeldBody, kMaxSlots> held_{};
+  std::array<bool, kMaxSlots> fixed_{};  ///< true for fixed bodies spawned by other programs
   std::array<double, kMaxSlots> others_until_s_{};
   GameBudget budget_;
   std::unique_ptr<HandReach> reach_;  ///< null: no session

@@ -10,7 +10,7 @@ namespace wholehand {
 
 namespace {
 
-using orders::Giver;
+using orders::Permission;
 
 OrderReply needsControls(const Standing& now) {
   if (now.holds) return {true, ""};
@@ -21,7 +21,8 @@ OrderReply therapistOnly(const std::string& what) {
   return refused(Refusal::kTherapistOnly, what + " is for the therapist only");
 }
 
-// A player who is alone with a simulated device may begin: the demo, and practice at home.
+// Decides about orders that begin something. A player who is alone with a simulated device may
+// begin: for the demo, and for practice at home.
 OrderReply playerMayBegin(const Order& order, const Standing& now) {
   const bool arms = order.is<orders::Arm>();
   if (arms && now.own_rest) return needsControls(now);
@@ -33,12 +34,12 @@ OrderReply playerMayBegin(const Order& order, const Standing& now) {
 }
 
 OrderReply playerMay(const Order& order, const Standing& now) {
-  switch (order.row().giver) {
-    case Giver::kHolder:
+  switch (order.row().permission) {
+    case Permission::kHolder:
       return needsControls(now);
-    case Giver::kBeginner:
+    case Permission::kBeginner:
       return playerMayBegin(order, now);
-    case Giver::kHolderOrLeader: {
+    case Permission::kHolderOrLeader: {
       const auto* action = order.as<orders::Action>();
       const bool pauses = action != nullptr && action->act == Act::kPause;
       if (!now.therapist_paused || !now.led || pauses) return needsControls(now);
@@ -59,23 +60,24 @@ std::optional<Role> roleNamed(std::string_view name) {
 }
 
 Role grantedRole(Role claimed, Role by_token) noexcept {
-  if (claimed == Role::kUnsaid) return by_token;
+  if (claimed == Role::kUnspecified) return by_token;
   return claimed <= by_token ? claimed : Role::kWatcher;
 }
 
 OrderReply mayOrder(Role role, const Order& order, const Standing& now) {
   const orders::Row& row = order.row();
-  const Giver giver = row.giver;
-  if (giver == Giver::kProgram) {
+  const Permission permission = row.permission;
+  if (permission == Permission::kProgram) {
     return refused(Refusal::kUnreadable, std::string(row.name) + " is not a client's order");
   }
-  if (giver == Giver::kAnyone) return {true, ""};
+  if (permission == Permission::kAnyone) return {true, ""};
   if (role == Role::kWatcher) return refused(Refusal::kOnlyWatches, "this client only watches");
-  if (giver == Giver::kNotWatchers) return {true, ""};
+  if (permission == Permission::kNotWatchers) return {true, ""};
   if (role == Role::kPlayer) return playerMay(order, now);
   const bool therapist = role == Role::kTherapist;
-  if (giver == Giver::kHoldingTherapist && !therapist) return therapistOnly(row.doing);
-  const bool holds = giver == Giver::kHolder || giver == Giver::kHoldingTherapist;
+  if (permission == Permission::kHoldingTherapist && !therapist) return therapistOnly(row.doing);
+  const bool holds =
+      permission == Permission::kHolder || permission == Permission::kHoldingTherapist;
   return therapist && !holds ? OrderReply{true, ""} : needsControls(now);
 }
 
@@ -97,7 +99,7 @@ bool namesThisMachine(std::string_view name) {
   return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
-/// Tokens in the cookies whose name begins with ours, of any port and age.
+/// Tokens in all cookies whose name begins with this server's prefix, of any port and age.
 std::vector<std::string_view> cookieTokens(std::string_view cookies) {
   std::vector<std::string_view> tokens;
   for (std::string_view rest = cookies; !rest.empty();) {
@@ -220,7 +222,7 @@ bool Access::originAllowed(std::string_view origin, std::string_view host) const
 std::optional<Role> Access::roleOf(std::string_view token) const {
   std::optional<Role> role;
   for (const Key& key : keys_) {
-    // Compares every character, whether an earlier one differs or not.
+    // Compares every character even after a difference, so that the time reveals nothing.
     unsigned differences = token.size() == key.token.size() ? 0U : 1U;
     for (std::size_t i = 0; i < key.token.size(); ++i) {
       const char theirs = token.empty() ? '\0' : token[i % token.size()];
@@ -250,12 +252,13 @@ bool Access::authorized(const Credentials& c) const {
 
 std::optional<Role> Access::roleOf(const Credentials& c) const {
   const std::string_view name = queryValue(c.query, "role");
-  const std::optional<Role> claimed = name.empty() ? std::optional(Role::kUnsaid) : roleNamed(name);
+  const std::optional<Role> claimed =
+      name.empty() ? std::optional(Role::kUnspecified) : roleNamed(name);
   if (!claimed) return std::nullopt;
   if (!guarded()) return *claimed;
   const Role by_token = roleOf(shownToken(c)).value_or(Role::kWatcher);
   // Without roles, the single token grants everything, as before roles were introduced.
-  if (*claimed == Role::kUnsaid && by_token == Role::kTherapist) return Role::kUnsaid;
+  if (*claimed == Role::kUnspecified && by_token == Role::kTherapist) return Role::kUnspecified;
   return grantedRole(*claimed, by_token);
 }
 

@@ -14,23 +14,25 @@ namespace wholehand {
 /// Reads "therapist", "player" or "watcher".
 [[nodiscard]] std::optional<Role> roleNamed(std::string_view name);
 
-/// Role granted to a client that claims one role and shows a token of another. A smaller role is
-/// granted; a claim beyond the token's role makes a watcher. `claimed` kUnsaid: the token's role.
+/// Role granted to a client that claims one role and shows the token of another. A claim of a
+/// smaller role is granted; a claim beyond the token's role makes the client a watcher. `claimed`
+/// kUnspecified: the token's role.
 [[nodiscard]] Role grantedRole(Role claimed, Role by_token) noexcept;
 
-/// What an order is judged by, beside the role of its sender.
+/// Facts that decide about an order, in addition to the role of its sender.
 struct Standing {
   bool holds = false;              ///< the client has the controls
   bool led = false;                ///< a therapist is connected
   bool moves_person = false;       ///< the device is a real one
-  bool own_rest = false;           ///< what ended last, or began last, this client ended by a rest
+  bool own_rest = false;           ///< this client's rest is the last ending, and the client knows
+                                   ///< it
   bool therapist_paused = false;   ///< a therapist paused the exercise and has not resumed it
-  bool rest_before_start = false;  ///< what ended last is a rest before the first start
+  bool rest_before_start = false;  ///< the last ending is a rest before the first start
   RunState run_state = RunState::kDisarmed;
 };
 
 /// Accepts an order, or returns why a client of that role may not give it now. Everyone may order
-/// an emergency stop, everyone but a watcher a stop.
+/// an emergency stop; everyone but a watcher may order a stop.
 [[nodiscard]] OrderReply mayOrder(Role role, const Order& order, const Standing& now);
 
 /// The parts of a request that decide on access.
@@ -52,8 +54,9 @@ class Access {
   /// alone accepts only the machine's own names. Any other server accepts every Host, since the
   /// token guards it.
   [[nodiscard]] bool hostAllowed(std::string_view host) const;
-  /// True when Origin is ours (the requested host and port, or any name of this machine with our
-  /// port), is one of the options' allowed origins, or is absent: then no browser sent the request.
+  /// True when Origin is the requested host and port, a name of this machine with this server's
+  /// port, or one of the options' allowed origins; or when it is absent, so that no browser sent
+  /// the request.
   [[nodiscard]] bool originAllowed(std::string_view origin, std::string_view host) const;
   /// True when the query, the bearer header or the cookie carries a token, or when no token is
   /// required.
@@ -67,7 +70,7 @@ class Access {
   /// @pre authorized(c)
   [[nodiscard]] std::optional<Role> roleOf(const Credentials& c) const;
   /// Set-Cookie header for a request that carries the token in its query; empty for others.
-  /// Browsers send one cookie of a name to every port of a machine, so the name has our port.
+  /// Browsers send a cookie to every port of a machine, so its name contains this server's port.
   [[nodiscard]] std::string cookieFor(const Credentials& c) const;
 
  private:
@@ -78,8 +81,8 @@ class Access {
   [[nodiscard]] bool guarded() const { return !keys_.empty(); }
   /// Role that a token opens; empty for an unknown token. Takes the same time for every token.
   [[nodiscard]] std::optional<Role> roleOf(std::string_view token) const;
-  /// First valid token of the request; empty: none. A wrong one beside it, as in another program's
-  /// cookie, changes nothing.
+  /// First valid token of the request; empty: none. An additional wrong token, for example in
+  /// another program's cookie, changes nothing.
   [[nodiscard]] std::string_view shownToken(const Credentials& c) const;
 
   std::string address_;

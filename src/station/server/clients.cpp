@@ -50,16 +50,17 @@ std::uint64_t EventMailbox::dropped() const {
 
 namespace {
 
-/// Interval of states when nothing changes, so that clients see that the connection is alive.
+/// Interval at which an unchanged state is sent again, so that clients see that the connection is
+/// alive.
 constexpr std::int64_t kRepeat_ns = 500'000'000;
-/// Interval of rate limit replies to a client.
+/// Shortest interval between two rate-limit replies to a client.
 constexpr std::int64_t kRateReply_ns = 1'000'000'000;
 
 SharedBytes share(wire::Bytes bytes) {
   return std::make_shared<const wire::Bytes>(std::move(bytes));
 }
 
-/// Counter for a message that cannot be read.
+/// Name of the counter for an unreadable message.
 const char* counterOf(const Diagnostics& errors) {
   const std::string& key = errors.front().key;
   if (key == "size") return "oversized";
@@ -74,8 +75,9 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
          a.parameters == b.parameters;
 }
 
-/// Line of a game without a WebSocket: it sees the results of its orders in the states.
-class SilentLine final : public ClientLine {
+/// Line of a game without a WebSocket. It sends nothing: the game sees the results of its orders in
+/// the states.
+class DatagramOnlyConnection final : public ClientConnection {
  public:
   void deliver(SharedBytes) override {}
   [[nodiscard]] bool offer(SharedBytes, std::int64_t) override { return true; }
@@ -88,7 +90,7 @@ class SilentLine final : public ClientLine {
 
 using Shapes = std::vector<std::shared_ptr<const GameShapes>>;
 
-/// Null: none.
+/// The bodies, or an empty list for null.
 template <class Bodies>
 const Bodies& orNone(const std::shared_ptr<const Bodies>& bodies) {
   static const Bodies kNone;
@@ -109,7 +111,7 @@ Shapes shapesOf(const Bodies& bodies) {
   return out;
 }
 
-/// Adds those of `now` that are neither in `before` nor there yet.
+/// Adds to `out` the shapes of `now` that are neither in `before` nor in `out`.
 void addNew(const Shapes& now, const Shapes& before, Shapes& out) {
   for (const auto& shapes : now) {
     const bool known = std::binary_search(before.begin(), before.end(), shapes, byId);
@@ -127,10 +129,10 @@ bool same(const ShownBody& a, const ShownBody& b) {
       a.body.slot != b.body.slot || a.body.whereabouts != b.body.whereabouts) {
     return false;
   }
-  return a.body.slot >= 0 || place_of(a) == place_of(b);  // in a slot, states have the pose
+  return a.body.slot >= 0 || place_of(a) == place_of(b);  // states have the pose of slots
 }
 
-/// What changed: both are sorted by number.
+/// Bodies that changed, appeared or left. Both lists are sorted by number.
 RegisteredBodies changesOf(const RegisteredBodies& before, const RegisteredBodies& now) {
   RegisteredBodies out;
   auto was = before.begin();
@@ -153,7 +155,7 @@ RegisteredBodies changesOf(const RegisteredBodies& before, const RegisteredBodie
 }  // namespace
 
 Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic,
-                 RateLimitedLog& log, ControlsArbiter& controls, Access access, Post post,
+                 RateLimitedLog& log, ControlHolder& controls, Access access, Post post,
                  Commissioning commissioning, UdpBridge* udp)
     : backend_(backend),
       mailbox_(mailbox),
@@ -163,30 +165,31 @@ Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic
       post_(std::move(post)),
       udp_(udp),
       controls_(controls),
-      desk_(controls),
+      timeouts_(controls),
       commissioning_(std::move(commissioning)),
       record_(std::make_unique<TickRecord>()) {}
 
-std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns) {
+std::uint32_t Clients::join(std::shared_ptr<ClientConnection> connection, Role role,
+                            std::int64_t now_ns) {
   followScene();
   const std::uint32_t number = controls_.newClient();
   Client client;
-  client.line = std::move(line);
+  client.connection = std::move(connection);
   client.role = role;
   client.allowance_ns = now_ns;
   const std::string version = scene_ ? scene_->program_version : std::string();
   const UdpBridge::DatagramAccess access =
       udp_ != nullptr ? udp_->admit(number) : UdpBridge::DatagramAccess{};
-  client.line->deliver(
+  client.connection->deliver(
       share(wire::welcomeMessage(number, false, version, {access.port, access.key})));
-  if (scene_message_) client.line->deliver(scene_message_);
-  if (commissioning_message_) client.line->deliver(commissioning_message_);
-  if (showsBodies()) client.line->deliver(bodiesMessage());
+  if (scene_message_) client.connection->deliver(scene_message_);
+  if (commissioning_message_) client.connection->deliver(commissioning_message_);
+  if (showsBodies()) client.connection->deliver(bodiesMessage());
   const auto entry = clients_.emplace(number, std::move(client)).first;
   if (role == Role::kTherapist) {
-    tellControls();  // the new client may be a therapist
+    sendControls();  // the new client may be a therapist
   } else {
-    entry->second.line->deliver(controlsFor(number, role));
+    entry->second.connection->deliver(controlsFor(number, role));
   }
   traffic_.clients = count();
   ++traffic_.clients_seen;
@@ -197,34 +200,34 @@ void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
   const bool led_before = led();
   const auto entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  entry->second.asker->connected = false;
+  entry->second.requester->connected = false;
   clients_.erase(entry);
   if (udp_ != nullptr) udp_->dismiss(client);
   traffic_.clients = count();
-  if (desk_.holds(client)) {
+  if (timeouts_.holds(client)) {
     log_.write(fmt::format("client {} left while it held the controls", client), now_ns);
   }
-  desk_.left(client, now_ns);
+  timeouts_.left(client, now_ns);
   followControls(now_ns);
-  if (led() != led_before) tellControls();
+  if (led() != led_before) sendControls();
 }
 
 bool Clients::makeRoom(const std::string& newcomer, std::int64_t now_ns) {
   std::map<std::string, std::size_t> places{{newcomer, 1}};
-  for (const auto& [number, client] : clients_) ++places[client.line->address()];
+  for (const auto& [number, client] : clients_) ++places[client.connection->address()];
   std::string crowded = newcomer;
   for (const auto& [address, count] : places) {
     if (count > places[crowded]) crowded = address;
   }
   const auto first = std::find_if(clients_.begin(), clients_.end(), [&](const auto& entry) {
-    return !desk_.holds(entry.first) && entry.first != standalone_ &&
-           entry.second.line->address() == crowded;
+    return !timeouts_.holds(entry.first) && entry.first != standalone_ &&
+           entry.second.connection->address() == crowded;
   });
   if (first == clients_.end()) return false;
   const std::uint32_t number = first->first;
   log_.write(fmt::format("client {} gives its place to a new one of {}", number, newcomer), now_ns);
   ++traffic_.dropped["displaced"];
-  first->second.line->cut();
+  first->second.connection->cut();
   leave(number, now_ns);
   return true;
 }
@@ -235,7 +238,7 @@ void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
   log_.write(fmt::format("client {}: command {} refused ({}): {}", client->first, command, counter,
                          refusal.reason),
              now_ns);
-  if (reply) client->second.line->deliver(share(wire::replyMessage(command, refusal)));
+  if (reply) client->second.connection->deliver(share(wire::replyMessage(command, refusal)));
 }
 
 bool Clients::withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns) {
@@ -250,15 +253,16 @@ bool Clients::withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns) {
   return true;
 }
 
-void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
-                    std::int64_t now_ns) {
+void Clients::receive(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
+                      std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
   const bool within_rate = withinRate(entry, message.size(), now_ns);
   const auto decoded = text ? Expected<Order>(Diagnostic{}) : wire::decode(message);
   // Stops are exempt from the rate limit and from the order of command numbers.
   const bool stops = decoded && decoded->stops();
-  // A page sends heartbeats from another thread than its orders: their numbers are unordered.
+  // Heartbeats are exempt from the order of numbers: a page sends them from another thread than its
+  // orders.
   const bool beat = decoded && decoded->is<orders::Heartbeat>();
   if (entry->second.closing && !stops) return;
   if (!within_rate && !stops) {
@@ -277,26 +281,27 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
            now_ns);
   } else {
     if (!beat) entry->second.last_command = std::max(entry->second.last_command, decoded->id);
-    obey(entry, *decoded, now_ns);
+    apply(entry, *decoded, now_ns);
   }
   followControls(now_ns);
 }
 
-// Without its number an answer reaches nobody who waits: the connection ends, and says why.
+// Refuses an unreadable message. Without a command number the answer cannot be assigned to a
+// request, so the connection is closed and the reason given.
 void Clients::refuseUnread(Entry entry, std::uint32_t command, const char* counter,
                            const OrderReply& refusal, std::int64_t now_ns) {
   refuse(entry, command, counter, refusal, now_ns);
   if (command != 0) return;
   entry->second.closing = true;
-  entry->second.line->close(refusal.reason);
+  entry->second.connection->close(refusal.reason);
 }
 
-// A client that waits for an answer gets one, with the command's number. For messages without
-// answers, and for a client that does not read, one reply per second is enough.
+// A client that waits for an answer gets one with the command's number. Messages without answers,
+// and clients that do not read, get one reply per second.
 void Clients::refuseForRate(Entry entry, const Order* message, std::int64_t now_ns) {
   Client& client = entry->second;
   const bool waits =
-      message != nullptr && !message->streams() && client.line->waiting() < kMostWaiting / 4;
+      message != nullptr && !message->streams() && client.connection->waiting() < kMostWaiting / 4;
   const bool reply = waits || now_ns - client.last_rate_reply_ns > kRateReply_ns;
   if (reply) client.last_rate_reply_ns = now_ns;
   refuse(entry, message != nullptr ? message->id : 0, "rate",
@@ -317,19 +322,19 @@ void Clients::refuseOversized(std::uint32_t client, std::int64_t now_ns) {
          now_ns, false);
 }
 
-void Clients::obey(Entry entry, const Order& order, std::int64_t now_ns) {
+void Clients::apply(Entry entry, const Order& order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  desk_.heard(client, now_ns);
+  timeouts_.noteMessage(client, now_ns);
   if (order.is<orders::Heartbeat>()) return;
-  if (order.row().thread != orders::Thread::kDesk) return obeyOrder(entry, order, now_ns);
+  if (order.row().thread != orders::Thread::kServer) return applyOrder(entry, order, now_ns);
   changeHands(entry, order, now_ns);
 }
 
 void Clients::forward(Entry entry, Order order) {
   const std::uint32_t client = entry->first;
-  order.claim = desk_.holds(client) ? desk_.claim() : 0;
+  order.claim = timeouts_.holds(client) ? timeouts_.claim() : 0;
   order.client = client;
-  order.asker = entry->second.asker;
+  order.requester = entry->second.requester;
   order.may_raise_limits = entry->second.role != Role::kPlayer;
   std::weak_ptr<Clients> self = weak_from_this();
   backend_.order(order, [self, post = post_, client, command = order.id](OrderReply reply) {
@@ -345,7 +350,7 @@ void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderRep
   if (!reply.accepted) {
     refuse(entry, command, "order", reply, monotonicNow_ns());
   } else {
-    entry->second.line->deliver(share(wire::replyMessage(command, reply)));
+    entry->second.connection->deliver(share(wire::replyMessage(command, reply)));
   }
 }
 
@@ -356,9 +361,9 @@ void Clients::orderQuietly(orders::Any what, std::uint32_t claim) {
 }
 
 void Clients::followControls(std::int64_t now_ns) {
-  const ControlDesk::Advice advice = desk_.advance(now_ns);
+  const ControlTimeouts::Advice advice = timeouts_.advance(now_ns);
   for (auto& [number, client] : clients_) {
-    client.asker->claim = desk_.holds(number) ? desk_.claim() : 0;
+    client.requester->claim = timeouts_.holds(number) ? timeouts_.claim() : 0;
   }
   if (advice.give_back) {
     orderQuietly(orders::Steer{Steering::kVirtualPatient}, advice.claim);
@@ -372,31 +377,32 @@ void Clients::followControls(std::int64_t now_ns) {
     log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
                now_ns);
   }
-  if (advice.holder_changed && desk_.held()) orderQuietly(orders::Attended{});
-  if (advice.holder_changed) tellControls();
+  if (advice.holder_changed && timeouts_.held()) orderQuietly(orders::UnattendedEnds{});
+  if (advice.holder_changed) sendControls();
 }
 
-void Clients::tellControls() {
-  for (auto& [number, client] : clients_) client.line->deliver(controlsFor(number, client.role));
+void Clients::sendControls() {
+  for (auto& [number, client] : clients_)
+    client.connection->deliver(controlsFor(number, client.role));
 }
 
 SharedBytes Clients::controlsFor(std::uint32_t client, Role role) const {
   wire::ControlsFacts facts;
-  facts.held_by_you = desk_.holds(client);
-  facts.held = desk_.held();
+  facts.held_by_you = timeouts_.holds(client);
+  facts.held = timeouts_.held();
   facts.your_role = role;
-  if (facts.held) facts.holder_role = roleOf(desk_.holder());
+  if (facts.held) facts.holder_role = roleOf(timeouts_.holder());
   facts.led = led();
   return share(wire::controlsMessage(facts));
 }
 
 void Clients::deliverToAll(const SharedBytes& message) {
-  for (auto& [number, client] : clients_) client.line->deliver(message);
+  for (auto& [number, client] : clients_) client.connection->deliver(message);
 }
 
 void Clients::tick(std::int64_t now_ns) {
-  // After a standstill of the program the lines are written to before their slowness is judged.
-  const bool late = now_ns - std::exchange(ticked_ns_, now_ns) > ControlDesk::kLate_ns;
+  // After a standstill of the program, queued messages are written before slow clients are judged.
+  const bool late = now_ns - std::exchange(ticked_ns_, now_ns) > ControlTimeouts::kLate_ns;
   followControls(now_ns);
   if (!late) dropSlow(now_ns);
   followScene();
@@ -404,7 +410,8 @@ void Clients::tick(std::int64_t now_ns) {
   const bool shows = !clients_.empty() && encoder_;
   LoopStatus status;
   if (shows) {
-    // Before the events: a client knows which body has the slot that an event names.
+    // Bodies are reported before the events, so that a client knows which body has the slot that an
+    // event names.
     status = backend_.status();
     followBodies(status);
   }
@@ -446,42 +453,43 @@ void Clients::sendState(LoopStatus status, std::int64_t now_ns) {
     state_ = share({bytes.begin(), bytes.end()});
     ++state_number_;
     shown_ = std::move(status);
-    // An age measures the delivery of a record, not how long the loop has stood still.
+    // Restarts the age when the tick has not changed: an age measures the delivery of a record, not
+    // the time that the loop stands still.
     if (record_->tick == shown_tick_) state_arrived_ns_ = 0;
     shown_tick_ = record_->tick;
     shown_ns_ = now_ns;
   }
   for (auto& [number, client] : clients_) {
     if (client.state == state_number_) continue;
-    if (client.line->offer(state_, state_arrived_ns_)) {
+    if (client.connection->offer(state_, state_arrived_ns_)) {
       client.state = state_number_;
     } else {
       ++traffic_.states_skipped;
     }
   }
-  // After the state that shows the ending: a page uses it to distinguish a stop from a loss of
-  // controls.
+  // Runs after the state that shows the ending was sent: a page uses that state to distinguish a
+  // stop from a loss of controls.
   followEndings(shown_, now_ns);
 }
 
 void Clients::dropSlow(std::int64_t now_ns) {
   std::vector<std::uint32_t> slow;
   for (const auto& [number, client] : clients_) {
-    const std::int64_t since_ns = client.line->writingSince_ns();
+    const std::int64_t since_ns = client.connection->writingSince_ns();
     const bool stuck = since_ns != 0 && now_ns - since_ns > kDrainWithin_ns;
-    const bool full = client.line->waiting() > kMostWaiting;
+    const bool full = client.connection->waiting() > kMostWaiting;
     if (!stuck && !full) continue;
     ++traffic_.dropped[stuck ? "slow" : "backlog"];
     log_.write(fmt::format("client {} does not follow and is cut off", number), now_ns);
     slow.push_back(number);
   }
   for (const std::uint32_t number : slow) {
-    clients_.at(number).line->cut();
+    clients_.at(number).connection->cut();
     leave(number, now_ns);
   }
 }
 
-// Permission of orders, and steering.
+// Permissions of orders, and steering.
 
 bool Clients::led() const {
   return std::any_of(clients_.begin(), clients_.end(),
@@ -490,38 +498,39 @@ bool Clients::led() const {
 
 Role Clients::roleOf(std::uint32_t client) const {
   const auto found = clients_.find(client);
-  return found == clients_.end() ? Role::kUnsaid : found->second.role;
+  return found == clients_.end() ? Role::kUnspecified : found->second.role;
 }
 
 Standing Clients::standingOf(std::uint32_t client, const Order& order,
                              const LoopStatus& status) const {
   const auto* arm = order.as<orders::Arm>();
   Standing now;
-  now.holds = desk_.holds(client);
+  now.holds = timeouts_.holds(client);
   now.led = led();
   now.moves_person = status.device.has_value();
   now.own_rest = status.rested && !status.rest_before_start && resting_ == client &&
-                 arm != nullptr && arm->endings_seen == status.endings;
+                 arm != nullptr && arm->acknowledged_stop == status.endings;
   now.therapist_paused = paused_in_ == status.session;
   now.rest_before_start = status.rest_before_start;
   now.run_state = status.run_state;
   return now;
 }
 
-void Clients::obeyOrder(Entry entry, Order order, std::int64_t now_ns) {
+void Clients::applyOrder(Entry entry, Order order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  // Aims of a cursor or stick are frequent; all they need for judging is at hand.
+  // Aims are frequent, so they are judged without asking for the loop's status.
   const bool aim = order.is<orders::Aim>();
   const LoopStatus status = aim ? LoopStatus{} : backend_.status();
   const OrderReply may =
       mayOrder(entry->second.role, order,
-               aim ? Standing{desk_.holds(client)} : standingOf(client, order, status));
+               aim ? Standing{timeouts_.holds(client)} : standingOf(client, order, status));
   if (!may.accepted) {
     const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
     return refuse(entry, order.id, counter, may, now_ns);
   }
-  // Without the controls a rest is a plain stop, but for one that is repeated.
-  if (order.is<orders::Rest>() && !desk_.holds(client) && !status.rested) {
+  // A rest from a client without the controls counts as a plain stop, unless a rest is in force
+  // already.
+  if (order.is<orders::Rest>() && !timeouts_.holds(client) && !status.rested) {
     order.what = orders::Stop{};
   }
   noteOrder(entry, order, status, now_ns);
@@ -532,26 +541,27 @@ void Clients::obeyOrder(Entry entry, Order order, std::int64_t now_ns) {
 
 void Clients::noteOrder(Entry entry, const Order& order, const LoopStatus& status,
                         std::int64_t now_ns) {
-  desk_.attend(now_ns);
+  timeouts_.attend(now_ns);
   const bool therapist = entry->second.role == Role::kTherapist;
   if (const auto* action = order.as<orders::Action>()) {
     paused_in_.reset();
     if (therapist && action->act == Act::kPause) paused_in_ = status.session;
   }
-  // The right to go on stays with the client that rested first, or that cancelled an arming.
+  // The right to resume belongs to the client that rested first, or whose rest cancelled an arming.
   if (order.is<orders::Rest>() && (!status.rested || status.arming)) {
     resting_ = entry->first;
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
   }
-  // The one who starts it declares it alive: the effort that faded with a lost holder returns.
-  if (!order.is<orders::Arm>() || !therapist || desk_.held()) return;
-  if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
+  // A therapist who arms while nobody holds the controls counts as a live holder for a moment, so
+  // that effort that faded with a lost holder returns.
+  if (!order.is<orders::Arm>() || !therapist || timeouts_.held()) return;
+  if (timeouts_.take(entry->first, now_ns).empty()) (void)timeouts_.release(entry->first);
   followControls(now_ns);
 }
 
 std::string Clients::takeControls(Entry entry, std::int64_t now_ns) {
-  if (entry->second.role != Role::kTherapist) return desk_.take(entry->first, now_ns);
-  desk_.takeOver(entry->first, now_ns);
+  if (entry->second.role != Role::kTherapist) return timeouts_.take(entry->first, now_ns);
+  timeouts_.takeOver(entry->first, now_ns);
   return {};
 }
 
@@ -561,12 +571,12 @@ void Clients::changeHands(Entry entry, const Order& order, std::int64_t now_ns) 
   if (const OrderReply may = mayOrder(entry->second.role, order, {}); !may.accepted) {
     return refuse(entry, order.id, "role", may, now_ns);
   }
-  // A connected client has shown its token already; a wrong one here is an error to report.
+  // A connected client has already shown its token. A wrong token here is an error to report.
   if (take && !take->token.empty() && !access_.tokenMatches(take->token)) {
     refuse(entry, order.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
     return;
   }
-  const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);
+  const std::string why = take ? takeControls(entry, now_ns) : timeouts_.release(client);
   if (!why.empty()) {
     refuse(entry, order.id, take ? "controls_held" : "not_holder",
            refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
@@ -575,53 +585,53 @@ void Clients::changeHands(Entry entry, const Order& order, std::int64_t now_ns) 
   log_.write(fmt::format("client {} ({}) {} the controls", client, nameOf(entry->second.role),
                          take ? "takes" : "gives back"),
              now_ns);
-  entry->second.line->deliver(
+  entry->second.connection->deliver(
       std::make_shared<const wire::Bytes>(wire::replyMessage(order.id, {true, ""})));
 }
 
-// A player steers only while the loop renders: at a stop it loses the controls, and takes them
-// again by a press.
+// A player steers only while the loop renders. A stop takes the controls from the player, who takes
+// them again with a button.
 void Clients::followEndings(const LoopStatus& status, std::int64_t now_ns) {
   const bool ended = endings_ != 0 && status.endings != endings_;
   endings_ = status.endings;
-  if (!ended || roleOf(desk_.holder()) != Role::kPlayer) return;
-  log_.write(fmt::format("client {} gives back the controls: it was stopped", desk_.holder()),
+  if (!ended || roleOf(timeouts_.holder()) != Role::kPlayer) return;
+  log_.write(fmt::format("client {} gives back the controls: it was stopped", timeouts_.holder()),
              now_ns);
-  (void)desk_.release(desk_.holder());
+  (void)timeouts_.release(timeouts_.holder());
   followControls(now_ns);
 }
 
-// Clients' messages by datagram: docs/udp.md.
+// Messages that clients send by datagram: docs/udp.md.
 
 void Clients::joinStandalone() {
   if (udp_ == nullptr || !udp_->awaitsStandalone()) return;
   standalone_ = controls_.newClient();
-  clients_[standalone_].line = std::make_shared<SilentLine>();
+  clients_[standalone_].connection = std::make_shared<DatagramOnlyConnection>();
   udp_->admitStandalone(standalone_);
 }
 
-void Clients::heardDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
+void Clients::receiveDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
   if (order.is<orders::Aim>()) {
-    desk_.heard(client, now_ns);
+    timeouts_.noteMessage(client, now_ns);
     aim(entry, order, now_ns);
   } else {
-    obey(entry, order, now_ns);
+    apply(entry, order, now_ns);
   }
   followControls(now_ns);
 }
 
-// Aims arrive up to a thousand times a second: only the first refused one is answered.
+// Aims arrive up to a thousand times a second, so only the first refused one is answered.
 void Clients::aim(Entry entry, Order order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  const OrderReply may = mayOrder(entry->second.role, order, Standing{desk_.holds(client)});
+  const OrderReply may = mayOrder(entry->second.role, order, Standing{timeouts_.holds(client)});
   if (!may.accepted) {
     if (std::exchange(entry->second.aim_refused, true)) return;
     return refuse(entry, order.id, may.refusal == Refusal::kNotHolder ? "not_holder" : "role", may,
                   now_ns);
   }
-  order.claim = desk_.claim();
+  order.claim = timeouts_.claim();
   order.client = client;
   backend_.order(order, [self = weak_from_this(), post = post_, client,
                          id = order.id](const OrderReply& reply) {
@@ -638,7 +648,7 @@ void Clients::aimed(std::uint32_t client, std::uint32_t command, const OrderRepl
   if (!reply.accepted && !reported) refuse(entry, command, "order", reply, monotonicNow_ns());
 }
 
-// Bodies of a game, as reported to all clients.
+// Bodies of a game as reported to all clients.
 
 SharedBytes Clients::bodiesMessage() const {
   const GameBodies& bodies = orNone(bodies_shown_);
@@ -650,7 +660,8 @@ SharedBytes Clients::bodiesMessage() const {
       wire::gameBodiesMessage(bodies_session_, bodies, shapes, registered));
 }
 
-// A client that joined since the last message knows the same bodies as all others.
+// Reports changed bodies. A client that joined since the last message already knows the same bodies
+// as all others.
 void Clients::followBodies(const LoopStatus& status) {
   if (status.bodies == bodies_shown_ && status.registered == registered_shown_) return;
   const auto bodies_before = std::exchange(bodies_shown_, status.bodies);

@@ -2,7 +2,7 @@
 
 #include "loop/core/tick_record.hpp"
 #include "station/server/access.hpp"
-#include "station/server/control_desk.hpp"
+#include "station/server/control_timeouts.hpp"
 #include "station/server/logs.hpp"
 #include "station/server/traffic.hpp"
 #include "station/server/udp_bridge.hpp"
@@ -57,9 +57,9 @@ class EventMailbox {
 using SharedBytes = std::shared_ptr<const wire::Bytes>;
 
 /// The outgoing side of a client's connection. No call blocks or calls back.
-class ClientLine {
+class ClientConnection {
  public:
-  virtual ~ClientLine() = default;
+  virtual ~ClientConnection() = default;
 
   /// Sends a message reliably and in order; it is queued while earlier ones are written.
   virtual void deliver(SharedBytes message) = 0;
@@ -84,7 +84,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   static constexpr std::int64_t kDrainWithin_ns = 2'000'000'000;
   static constexpr std::size_t kMostWaiting = 64;
   static constexpr double kMessagesPerSecond = 400.0;
-  /// A message larger than this counts as several, one for each of its parts of this size.
+  /// A larger message counts as several for the rate limit: one for each part of this size [bytes].
   static constexpr std::size_t kMessageSize = 4096;
 
   /// Runs a task on the server's thread; called from any thread.
@@ -94,24 +94,24 @@ class Clients : public std::enable_shared_from_this<Clients> {
   using Commissioning = std::function<std::shared_ptr<const CommissioningFacts>()>;
 
   Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, RateLimitedLog& log,
-          ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {},
+          ControlHolder& controls, Access access, Post post, Commissioning commissioning = {},
           UdpBridge* udp = nullptr);
 
   /// Greets a new client; returns its number.
-  std::uint32_t join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns);
+  std::uint32_t join(std::shared_ptr<ClientConnection> connection, Role role, std::int64_t now_ns);
   /// Adds the game that uses datagrams only, if one is expected. It never leaves.
   void joinStandalone();
-  /// Removes a client whose connection ended.
+  /// Removes a client after its connection ended.
   void leave(std::uint32_t client, std::int64_t now_ns);
-  /// Disconnects a client when all places are taken, so that nobody is locked out for good: the
-  /// oldest client of the address that has the most, counting the newcomer. Never the holder of the
-  /// controls. False when there is no other client.
+  /// Disconnects a client when all places are taken, so that nobody is locked out for good. It
+  /// takes the oldest client of the address that has the most connections, the newcomer's included,
+  /// and never the holder of the controls. False when there is no other client.
   [[nodiscard]] bool makeRoom(const std::string& newcomer, std::int64_t now_ns);
   /// Handles a WebSocket message.
-  void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
-             std::int64_t now_ns);
+  void receive(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
+               std::int64_t now_ns);
   /// Handles a datagram whose key and sequence number were verified.
-  void heardDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns);
+  void receiveDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns);
   /// Refuses a message larger than kLargestClientMessage; its connection is being closed.
   void refuseOversized(std::uint32_t client, std::int64_t now_ns);
   /// Called 60 times a second: sends scene, events, state and controls, and disconnects clients
@@ -122,31 +122,32 @@ class Clients : public std::enable_shared_from_this<Clients> {
 
  private:
   struct Client {
-    std::shared_ptr<ClientLine> line;
-    std::shared_ptr<Asker> asker = std::make_shared<Asker>();
-    Role role = Role::kUnsaid;
+    std::shared_ptr<ClientConnection> connection;
+    std::shared_ptr<Requester> requester = std::make_shared<Requester>();
+    Role role = Role::kUnspecified;
     std::uint32_t last_command = 0;
     double allowance = kMessagesPerSecond;  ///< messages it may send now (token bucket)
     std::int64_t allowance_ns = 0;          ///< time of `allowance`
     std::int64_t last_rate_reply_ns = 0;
     std::uint64_t state = 0;   ///< number of the newest state sent to it
-    bool closing = false;      ///< a message of it could not be read
-    bool aim_refused = false;  ///< an aim by datagram was refused; reported once, until one is
-                               ///< accepted
+    bool closing = false;      ///< the connection is being closed after an unreadable message
+    bool aim_refused = false;  ///< an aim by datagram was refused; the refusal is reported once,
+                               ///< until an aim is accepted
   };
   using Entry = std::map<std::uint32_t, Client>::iterator;
 
-  /// @param counter of wholehand_refused_total
+  /// Refuses an order.
+  /// @param counter label of wholehand_refused_total
   void refuse(Entry client, std::uint32_t command, const char* counter, const OrderReply& refusal,
               std::int64_t now_ns, bool reply = true);
   [[nodiscard]] bool withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns);
   void refuseForRate(Entry entry, const Order* message, std::int64_t now_ns);
   void refuseUnread(Entry entry, std::uint32_t command, const char* counter,
                     const OrderReply& refusal, std::int64_t now_ns);
-  void obey(Entry entry, const Order& order, std::int64_t now_ns);
+  void apply(Entry entry, const Order& order, std::int64_t now_ns);
   [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order,
                                     const LoopStatus& status) const;
-  void obeyOrder(Entry entry, Order order, std::int64_t now_ns);
+  void applyOrder(Entry entry, Order order, std::int64_t now_ns);
   void changeHands(Entry entry, const Order& order, std::int64_t now_ns);
   void noteOrder(Entry entry, const Order& order, const LoopStatus& status, std::int64_t now_ns);
   [[nodiscard]] std::string takeControls(Entry entry, std::int64_t now_ns);
@@ -158,7 +159,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
   void orderQuietly(orders::Any what, std::uint32_t claim = 0);
   void followControls(std::int64_t now_ns);
-  void tellControls();
+  void sendControls();
   [[nodiscard]] SharedBytes controlsFor(std::uint32_t client, Role role) const;
   void followEndings(const LoopStatus& status, std::int64_t now_ns);
   void deliverToAll(const SharedBytes& message);
@@ -185,11 +186,11 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::uint32_t standalone_ = 0;  ///< client without a WebSocket; 0: none
 
   std::map<std::uint32_t, Client> clients_;
-  ControlsArbiter& controls_;
-  ControlDesk desk_;
+  ControlHolder& controls_;
+  ControlTimeouts timeouts_;
   std::uint32_t resting_ = 0;               ///< client who began the newest rest; 0: none
   std::optional<std::uint32_t> paused_in_;  ///< session that a therapist paused and did not resume
-  std::uint32_t endings_ = 0;  ///< endings of the program at the last look; 0: not looked yet
+  std::uint32_t endings_ = 0;               ///< endings in the last status; 0: no status read yet
 
   Commissioning commissioning_;
   std::shared_ptr<const CommissioningFacts> commissioning_shown_;
@@ -197,8 +198,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::int64_t commissioning_ns_ = 0;  ///< time of the last commissioning message
 
   std::shared_ptr<const GameBodies> bodies_shown_;  ///< as reported to clients; null: none
-  std::shared_ptr<const RegisteredBodies> registered_shown_;  ///< likewise
-  std::uint32_t bodies_session_ = 0;                          ///< session that they belong to
+  std::shared_ptr<const RegisteredBodies> registered_shown_;  ///< as last reported to clients;
+                                                              ///< null: none
+  std::uint32_t bodies_session_ = 0;                          ///< session of the reported bodies
 
   std::shared_ptr<const SceneFacts> scene_;
   SharedBytes scene_message_;
@@ -208,7 +210,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   LoopStatus shown_;            ///< status of the newest state
   std::int64_t ticked_ns_ = 0;  ///< time of the last tick
   std::uint64_t shown_tick_ = 0;
-  std::int64_t shown_ns_ = 0;  ///< when that state was made
+  std::int64_t shown_ns_ = 0;  ///< time at which that state was made
   std::uint64_t state_number_ = 0;
   SharedBytes state_;
   std::int64_t state_arrived_ns_ = 0;

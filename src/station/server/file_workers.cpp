@@ -12,7 +12,8 @@ namespace wholehand {
 
 namespace {
 
-// A job for which no memory is left cannot even say so; its caller gives up.
+// Runs a job. A job that runs out of memory cannot report it; its caller gives up after its
+// timeout.
 void carryOut(const FileWorkers::Job& job) {
   try {
     job();
@@ -78,7 +79,7 @@ void FileWorkers::close(std::unique_ptr<FileReader> file) {
     tasks_.push_back({nullptr, nullptr});
     tasks_.back().file = std::move(file);
   } catch (const std::bad_alloc&) {
-    return;  // closed here
+    return;  // the file closes here
   }
   more_.notify_one();
 }

@@ -13,7 +13,7 @@
 
 namespace wholehand {
 
-/// Reads a regular file in pieces. Every call, closing included, may wait for the disk: use it on a
+/// Reads a regular file in pieces. Every call, also closing, may wait for the disk: use it on a
 /// worker (FileWorkers), never on the thread that handles stops.
 class FileReader {
  public:
@@ -45,16 +45,16 @@ class FileReader {
 /// wait for a job.
 class FileWorkers {
  public:
-  /// A unit of work; may throw nothing but std::bad_alloc, and is dropped then.
+  /// A unit of work. It may throw only std::bad_alloc, and is dropped then.
   using Job = std::function<void()>;
 
-  /// @param most_jobs queued and running
+  /// @param most_jobs limit of queued and running jobs
   FileWorkers(unsigned threads, std::size_t most_jobs);
   ~FileWorkers();
   FileWorkers(const FileWorkers&) = delete;
   FileWorkers& operator=(const FileWorkers&) = delete;
 
-  /// Queues a job for a worker; false when too many wait already.
+  /// Queues a job for a worker; false when the limit is reached.
   [[nodiscard]] bool post(Job job);
   /// Closes a file on a worker.
   void close(std::unique_ptr<FileReader> file);
@@ -76,7 +76,7 @@ class FileWorkers {
   std::mutex mutex_;  ///< guards the next three
   std::condition_variable more_;
   std::deque<Task> tasks_;
-  std::size_t jobs_ = 0;  ///< queued and running
+  std::size_t jobs_ = 0;  ///< queued and running jobs
   bool stopped_ = false;
   std::vector<std::thread> threads_;
 };

@@ -26,11 +26,12 @@ namespace {
 
 /// A client's WebSocket connection. Lives while one of its operations is pending, or while
 /// `clients` holds it. Server's thread only.
-class WebSocketLine final : public ClientLine, public std::enable_shared_from_this<WebSocketLine> {
+class WebSocketConnection final : public ClientConnection,
+                                  public std::enable_shared_from_this<WebSocketConnection> {
  public:
   /// @pre clients and traffic outlive every operation
-  WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address, Clients& clients,
-                Traffic& traffic);
+  WebSocketConnection(std::unique_ptr<WebSocketStream> stream, std::string address,
+                      Clients& clients, Traffic& traffic);
 
   /// Joins the clients and starts to read.
   void join(Role role);
@@ -45,7 +46,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
 
  private:
   void read();
-  void haveRead(const ReceivedMessage& heard);
+  void haveRead(const ReceivedMessage& received);
   void writeNext();
   void write(SharedBytes message);
   void haveWritten(bool sent);
@@ -63,72 +64,72 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   std::int64_t arrived_ns_ = 0;  ///< arrival of the state in writing_; 0: not a state
 };
 
-WebSocketLine::WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address,
-                             Clients& clients, Traffic& traffic)
+WebSocketConnection::WebSocketConnection(std::unique_ptr<WebSocketStream> stream,
+                                         std::string address, Clients& clients, Traffic& traffic)
     : stream_(std::move(stream)),
       address_(std::move(address)),
       clients_(clients),
       traffic_(traffic) {}
 
-void WebSocketLine::join(Role role) {
+void WebSocketConnection::join(Role role) {
   number_ = clients_.join(shared_from_this(), role, monotonicNow_ns());
   read();
 }
 
-void WebSocketLine::deliver(SharedBytes message) {
+void WebSocketConnection::deliver(SharedBytes message) {
   if (closing_) return;
   queue_.push_back(std::move(message));
   if (!writing_) writeNext();
 }
 
-bool WebSocketLine::offer(SharedBytes state, std::int64_t arrived_ns) {
+bool WebSocketConnection::offer(SharedBytes state, std::int64_t arrived_ns) {
   if (writing_ || closing_) return false;
   arrived_ns_ = arrived_ns;
   write(std::move(state));
   return true;
 }
 
-void WebSocketLine::close(const std::string& reason) {
+void WebSocketConnection::close(const std::string& reason) {
   if (closing_) return;
   closing_ = reason;
   if (!writing_) end();
 }
 
-// The pending read ends with the connection.
-void WebSocketLine::end() {
+// Closes the stream; the pending read ends with the connection.
+void WebSocketConnection::end() {
   stream_->close(*closing_, [self = shared_from_this()] { (void)self; });
 }
 
-void WebSocketLine::read() {
+void WebSocketConnection::read() {
   stream_->read(
-      [self = shared_from_this()](const ReceivedMessage& heard) { self->haveRead(heard); });
+      [self = shared_from_this()](const ReceivedMessage& received) { self->haveRead(received); });
 }
 
-void WebSocketLine::haveRead(const ReceivedMessage& heard) {
+void WebSocketConnection::haveRead(const ReceivedMessage& received) {
   const std::int64_t now_ns = monotonicNow_ns();
-  if (heard.what == ReceivedMessage::What::kTooLarge) clients_.refuseOversized(number_, now_ns);
-  if (heard.what != ReceivedMessage::What::kMessage) {
+  if (received.what == ReceivedMessage::Kind::kTooLarge) clients_.refuseOversized(number_, now_ns);
+  if (received.what != ReceivedMessage::Kind::kMessage) {
     clients_.leave(number_, now_ns);
     return;
   }
-  clients_.heard(number_, heard.bytes, heard.text, now_ns);
+  clients_.receive(number_, received.bytes, received.text, now_ns);
   read();
 }
 
-void WebSocketLine::writeNext() {
+void WebSocketConnection::writeNext() {
   SharedBytes next = std::move(queue_.front());
   queue_.pop_front();
   arrived_ns_ = 0;
   write(std::move(next));
 }
 
-void WebSocketLine::write(SharedBytes message) {
+void WebSocketConnection::write(SharedBytes message) {
   writing_ = std::move(message);
   since_ns_ = monotonicNow_ns();
   stream_->write(*writing_, [self = shared_from_this()](bool sent) { self->haveWritten(sent); });
 }
 
-void WebSocketLine::haveWritten(bool sent) {
+void WebSocketConnection::haveWritten(bool sent) {
   const std::int64_t now_ns = monotonicNow_ns();
   if (!sent) {
     clients_.leave(number_, now_ns);
@@ -159,8 +160,9 @@ HttpConnection::~HttpConnection() {
 
 void HttpConnection::read() {
   place_ = context_.idle.insert(context_.idle.end(), this);
-  line_->read(
-      [self = shared_from_this()](ReceivedRequest heard) { self->haveRead(std::move(heard)); });
+  line_->read([self = shared_from_this()](ReceivedRequest received) {
+    self->haveRead(std::move(received));
+  });
 }
 
 void HttpConnection::hangUpIdle() {
@@ -186,15 +188,15 @@ FileWorkers& HttpConnection::workers() {
   return route_ == Site::Route::kReplay ? context_.replays : context_.recordings;
 }
 
-void HttpConnection::haveRead(ReceivedRequest heard) {
+void HttpConnection::haveRead(ReceivedRequest received) {
   stopWaiting();
-  request_ = std::move(heard.request);
+  request_ = std::move(received.request);
   ++context_.traffic.http_requests;
   route_ = Site::routeOf(request_);
-  if (heard.what != ReceivedRequest::What::kRequest) {
-    const int status = heard.what == ReceivedRequest::What::kHasBody ? 413 : 400;
+  if (received.what != ReceivedRequest::Kind::kRequest) {
+    const int status = received.what == ReceivedRequest::Kind::kHasBody ? 413 : 400;
     answer(plainRefusal(status, "malformed_http", "This is not a request that can be answered."));
-  } else if (heard.upgrade && request_.path() == "/ws") {
+  } else if (received.upgrade && request_.path() == "/ws") {
     upgrade();
   } else if (route_ != Site::Route::kNoFile) {
     answerByWorker();
@@ -221,26 +223,26 @@ void HttpConnection::upgrade() {
          role = context_.site.roleOf(request_)](std::unique_ptr<WebSocketStream> stream) {
           --context.upgrading;
           if (!stream) return;
-          std::make_shared<WebSocketLine>(std::move(stream), address, context.clients,
-                                          context.traffic)
+          std::make_shared<WebSocketConnection>(std::move(stream), address, context.clients,
+                                                context.traffic)
               ->join(role);
         });
   }
 }
 
-// A worker's job reaches this connection only through the connection's thread: the connection may
-// be gone by then, and must not be destroyed on the worker.
+// Queues a job for a worker. The result comes back through the connection's thread, because the
+// connection may be gone by then and must not be destroyed on the worker.
 bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
                              void (HttpConnection::*then)(Work&)) {
   work_ = work;
-  auto done = [weak = weak_from_this(), work, then, &desk = workers()] {
+  auto done = [weak = weak_from_this(), work, then, &file_workers = workers()] {
     const auto self = weak.lock();
     if (self && self->work_ == work) {
-      self->line_->callOffAlarm();
+      self->line_->cancelTimer();
       self->work_.reset();
       ((*self).*then)(*work);
     }
-    desk.close(std::move(work->file));
+    file_workers.close(std::move(work->file));
   };
   if (!workers().post([work, job = std::move(job), done, &context = context_] {
         try {
@@ -253,9 +255,9 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     work_.reset();
     return false;
   }
-  // A child process with time limits draws reports and opens recordings.
+  // Reports and replays have a longer timeout: a child process with its own time limits makes them.
   const bool works = route_ == Site::Route::kReport || route_ == Site::Route::kReplay;
-  line_->setAlarm(works ? context_.report_patience : context_.disk_patience,
+  line_->setTimer(works ? context_.report_patience : context_.disk_patience,
                   [self = shared_from_this(), work] { self->giveUp(work); });
   return true;
 }
@@ -287,14 +289,14 @@ void HttpConnection::haveMade(Work& work) {
     answer(plainRefusal(503, "memory", "This machine has no memory left for it. Try again later."));
   } else if (work.answer.file.empty()) {
     answer(std::move(work.answer));
-  } else if (!work.file) {  // deleted meanwhile
+  } else if (!work.file) {  // the file was deleted meanwhile
     answer(plainRefusal(404, "vanished", "This file is not there any more."));
   } else {
     sendHeader(work);
   }
 }
 
-// The disk does not respond. The worker keeps waiting; its result is discarded.
+// Answers when the disk does not respond. The worker keeps waiting; its result is discarded.
 void HttpConnection::giveUp(const std::shared_ptr<Work>& work) {
   if (work_ != work) return;
   work_->given_up = true;
@@ -317,7 +319,7 @@ void HttpConnection::answer(HttpAnswer a) {
   line_->send(std::move(a), next(&HttpConnection::haveAnswered));
 }
 
-// Sends the header, then the file in pieces, so that the timeout restarts with each piece taken.
+// Sends the header, then the file in pieces, so that the timeout restarts with each piece.
 void HttpConnection::sendHeader(Work& work) {
   file_ = std::move(work.file);
   sending_ = true;

@@ -26,9 +26,9 @@ struct ConnectionContext {
   Clients& clients;
   Traffic& traffic;
   RateLimitedLog& log;
-  FileWorkers& pages;       ///< separate from recordings: the page with the stop button
-  FileWorkers& recordings;  ///< must not wait for their disk
-  FileWorkers& replays;     ///< separate from recordings: a replay must not wait for a download
+  FileWorkers& pages;  ///< separate: the page with the stop button must not wait for recordings
+  FileWorkers& recordings;  ///< may wait for a slow disk
+  FileWorkers& replays;     ///< separate, because a replay must not wait for a download
   /// Runs a task on the server's thread; called from any thread.
   std::function<void(std::function<void()>)> post;
   std::size_t max_clients = 16;
@@ -61,9 +61,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     HttpRequest request;
     bool head = false;
     HttpAnswer answer;
-    std::unique_ptr<FileReader> file;  ///< being sent
-    std::string piece;                 ///< piece of that file
-    bool no_memory = false;            ///< for any of them
+    std::unique_ptr<FileReader> file;  ///< file being sent
+    std::string piece;                 ///< its next piece
+    bool no_memory = false;            ///< memory ran out for the answer, the file or the piece
     std::atomic<bool> given_up{false};
   };
   using Then = void (HttpConnection::*)();
@@ -73,7 +73,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   [[nodiscard]] HttpLine::Then next(Then then);
   [[nodiscard]] FileWorkers& workers();
 
-  void haveRead(ReceivedRequest heard);
+  void haveRead(ReceivedRequest received);
   void upgrade();
   [[nodiscard]] bool letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
                              void (HttpConnection::*then)(Work&));
@@ -94,7 +94,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   Site::Route route_ = Site::Route::kNoFile;
   std::optional<std::list<HttpConnection*>::iterator> place_;  ///< set while it waits for a request
   std::shared_ptr<Work> work_;                                 ///< set while a worker owns it
-  std::unique_ptr<FileReader> file_;                           ///< being sent
+  std::unique_ptr<FileReader> file_;                           ///< file being sent
   bool sending_ = false;                                       ///< the header of a file was sent
 };
 

@@ -12,16 +12,18 @@
 #include <string>
 #include <string_view>
 
-// The HTTP text handling that our routes need.
+// Text handling of HTTP for the routes of this server.
 namespace wholehand {
 
 /// Value of a key in "a=1&b=2", not decoded; empty when the key is missing.
 [[nodiscard]] std::string_view queryValue(std::string_view query, std::string_view key);
 
-/// Decodes %XX in a path, once. Empty when the path is malformed or contains what no path of ours
-/// does: control characters, a backslash, an empty, "." or ".." segment, an encoded slash.
+/// Decodes %XX in a path, once. Empty when the path is malformed or contains something that no
+/// served path has: control characters, a backslash, an empty, "." or ".." segment, an encoded
+/// slash.
 [[nodiscard]] std::optional<std::string> decodedPath(std::string_view path);
-/// True when a slash is encoded. It would be part of a name, and no served name contains one.
+/// True when a slash is encoded. An encoded slash belongs to a name, and no served name contains
+/// one.
 [[nodiscard]] bool hasEncodedSlash(std::string_view path);
 
 /// Encodes a path segment: all but unreserved characters become %XX.
@@ -29,8 +31,8 @@ namespace wholehand {
 
 /// A request from a browser.
 struct ReceivedRequest {
-  enum class What { kRequest, kMalformed, kHasBody };
-  What what = What::kRequest;
+  enum class Kind { kRequest, kMalformed, kHasBody };
+  Kind what = Kind::kRequest;
   HttpRequest request;   ///< the part that could be parsed
   bool upgrade = false;  ///< the request asks for a WebSocket
 };
@@ -62,14 +64,14 @@ class HttpLine {
                        std::function<void(std::unique_ptr<WebSocketStream>)> then) = 0;
 
   /// Calls `then` after a time, unless the alarm is cancelled.
-  virtual void setAlarm(std::chrono::milliseconds after, Then then) = 0;
-  virtual void callOffAlarm() = 0;
+  virtual void setTimer(std::chrono::milliseconds after, Then then) = 0;
+  virtual void cancelTimer() = 0;
 
   /// True when the last request was HEAD.
   [[nodiscard]] virtual bool headOnly() const = 0;
   /// True when another request may follow the answer (keep-alive).
   [[nodiscard]] virtual bool keepsAlive() const = 0;
-  /// Closes the connection after the next answer, which says so.
+  /// Closes the connection after the next answer, whose header announces it.
   virtual void keepNoLonger() = 0;
   /// Peer's IP address, for the log.
   [[nodiscard]] virtual std::string peer() const = 0;

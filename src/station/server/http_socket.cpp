@@ -22,22 +22,22 @@ namespace http = boost::beast::http;
 /// Timeout for the next request, or for a piece of an answer to be taken.
 constexpr std::chrono::seconds kPatience{30};
 constexpr std::uint32_t kLargestHeader_bytes = 16 * 1024;
-constexpr unsigned kVersion = 11;  ///< 1.1
+constexpr unsigned kVersion = 11;  ///< HTTP 1.1
 
 class HttpSocket final : public HttpLine {
  public:
   explicit HttpSocket(Tcp::socket socket)
-      : stream_(std::move(socket)), alarm_(stream_.get_executor()) {}
+      : stream_(std::move(socket)), timer_(stream_.get_executor()) {}
 
   void read(std::function<void(ReceivedRequest)> then) override {
     parser_.emplace();
     parser_->header_limit(kLargestHeader_bytes);
-    parser_->body_limit(std::uint64_t{0});  // no uploads
+    parser_->body_limit(std::uint64_t{0});  // uploads are refused
     stream_.expires_after(kPatience);
     http::async_read(stream_, buffer_, *parser_,
                      [this, then = std::move(then)](ErrorCode error, std::size_t) {
                        const bool malformed = isMalformed(error);
-                       if (!error || malformed) then(heard(error, malformed));
+                       if (!error || malformed) then(received(error, malformed));
                      });
   }
 
@@ -65,14 +65,14 @@ class HttpSocket final : public HttpLine {
                     std::move(then));
   }
 
-  void setAlarm(std::chrono::milliseconds after, Then then) override {
+  void setTimer(std::chrono::milliseconds after, Then then) override {
     stream_.expires_never();
-    alarm_.expires_after(after);
-    alarm_.async_wait([then = std::move(then)](ErrorCode error) {
+    timer_.expires_after(after);
+    timer_.async_wait([then = std::move(then)](ErrorCode error) {
       if (!error) then();
     });
   }
-  void callOffAlarm() override { alarm_.cancel(); }
+  void cancelTimer() override { timer_.cancel(); }
 
   bool headOnly() const override { return head_; }
   bool keepsAlive() const override { return keep_alive_; }
@@ -98,15 +98,15 @@ class HttpSocket final : public HttpLine {
            error != http::error::end_of_stream;
   }
 
-  ReceivedRequest heard(ErrorCode error, bool malformed) {
+  ReceivedRequest received(ErrorCode error, bool malformed) {
     const auto& header = parser_->get();
     keep_alive_ = !error && header.keep_alive();
     head_ = header.method() == http::verb::head;
     version_ = malformed ? kVersion : header.version();
     ReceivedRequest h;
     if (malformed) {
-      h.what = error == http::error::body_limit ? ReceivedRequest::What::kHasBody
-                                                : ReceivedRequest::What::kMalformed;
+      h.what = error == http::error::body_limit ? ReceivedRequest::Kind::kHasBody
+                                                : ReceivedRequest::Kind::kMalformed;
     }
     h.upgrade = boost::beast::websocket::is_upgrade(header);
     h.request.get = head_ || header.method() == http::verb::get;
@@ -146,10 +146,10 @@ class HttpSocket final : public HttpLine {
   }
 
   beast::tcp_stream stream_;
-  net::steady_timer alarm_;
+  net::steady_timer timer_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  std::string header_, body_;  ///< being sent
+  std::string header_, body_;  ///< answer being sent
   bool keep_alive_ = false, head_ = false;
   unsigned version_ = kVersion;
 };

@@ -12,8 +12,8 @@
 namespace wholehand {
 
 /// Writes log lines on its own thread, so that a stopped terminal (Ctrl-S) or a full pipe never
-/// blocks the caller. Emergency stops pass through such callers. Lines that find the queue full are
-/// dropped; their count is logged later. Any thread; not for the tick.
+/// blocks the caller. Emergency stops pass through such callers. Lines that do not fit into the
+/// queue are dropped, and their number is logged later. Any thread; not for the tick.
 class AsyncLog {
  public:
   using Sink = std::function<void(const std::string&)>;
@@ -28,7 +28,7 @@ class AsyncLog {
 
   /// Never waits for the sink.
   void write(std::string line);
-  /// Waits until every line is written, or until the time is over.
+  /// Waits until every line is written, or until `within` has passed.
   void flush(std::chrono::milliseconds within);
 
  private:
@@ -41,7 +41,7 @@ class AsyncLog {
   std::deque<std::string> waiting_;
   std::uint64_t left_out_ = 0;
   bool writing_ = false, closing_ = false;
-  std::thread thread_;  ///< last member: it uses all others
+  std::thread thread_;  ///< last member: it uses all the others
 };
 
 /// Log that a hostile client cannot flood: kBurst lines at once, kPerSecond in the long run.

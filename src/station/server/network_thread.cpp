@@ -60,20 +60,20 @@ class NetworkThread::Machinery {
   }
 
  private:
-  // An exception here must end neither the process nor the loop in it: the connection that caused
-  // it is closed, all others continue.
+  // Catches every exception of a callback: it must end neither the process nor the loop in it. The
+  // connection that caused it is closed; all others continue.
   void run() noexcept {
     while (true) {
       try {
         io_.run();
         return;
       } catch (const std::exception& e) {
-        tell(e);
+        report(e);
       }
     }
   }
 
-  void tell(const std::exception& e) noexcept {
+  void report(const std::exception& e) noexcept {
     try {
       calls_.failed(e.what());
     } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): no memory to report it
@@ -83,7 +83,7 @@ class NetworkThread::Machinery {
   void acceptNext() {
     acceptor_.async_accept([this](ErrorCode error, Tcp::socket socket) {
       if (error == net::error::operation_aborted) return;
-      if (error) {  // out of file handles: retried later
+      if (error) {  // no file handles left: accepting is retried later
         retry_.expires_after(kRetry);
         retry_.async_wait([this](ErrorCode) { acceptNext(); });
         return;
@@ -96,7 +96,7 @@ class NetworkThread::Machinery {
   void frameNext() {
     frames_.async_wait([this](ErrorCode error) {
       if (error) return;
-      // Missed frames are not made up for.
+      // Missed frames are skipped.
       const auto now = net::steady_timer::clock_type::now();
       frames_.expires_at(std::max(frames_.expiry() + kFrame, now));
       frameNext();
@@ -104,7 +104,7 @@ class NetworkThread::Machinery {
     });
   }
 
-  // Destruction order: every socket and timer before io_.
+  // Declaration order matters: every socket and timer is destroyed before io_.
   Calls calls_;
   std::uint16_t port_ = 0;
   net::io_context io_{1};

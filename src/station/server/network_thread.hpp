@@ -17,7 +17,7 @@ class NetworkThread {
   /// continues.
   struct Calls {
     std::function<void(std::unique_ptr<HttpLine>)> connected;  ///< a browser connected
-    std::function<void()> frame;                               ///< 60 times a second
+    std::function<void()> frame;                               ///< called 60 times a second
     std::function<void(const char* why)> failed;               ///< must not throw
   };
 
@@ -29,7 +29,7 @@ class NetworkThread {
 
   /// Opens the port. Returns the reason if that fails; empty: it listens. Port 0: any free one.
   [[nodiscard]] std::string listen(const std::string& address, std::uint16_t port);
-  /// Port that it listens at. Any thread, after listen().
+  /// Port on which it listens. Any thread, after listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
   /// Starts the thread. @pre it listens; call once
   void start(Calls calls);

@@ -19,16 +19,17 @@ namespace {
 
 constexpr std::size_t kMostConnections = 128;  ///< over plain HTTP
 constexpr unsigned kPageWorkers = 1, kRecordingWorkers = 2;
-/// For two recordings side by side: a plot request and a state request of each at the same time.
+/// Enough for two recordings at the same time: one plot request and one state request of each.
 constexpr unsigned kReplayWorkers = 4;
-/// Limits of jobs that wait for a worker or a hanging disk. Pages: one per connection.
+/// Limits of jobs that wait for a worker or a hanging disk. The limit for pages allows one job per
+/// connection.
 constexpr std::size_t kMostPages = kMostConnections, kMostRecordings = 16, kMostReplays = 64;
 
 }  // namespace
 
 class Server::Machinery : public std::enable_shared_from_this<Server::Machinery> {
  public:
-  Machinery(ServerBackend& backend, ServerOptions options, ControlsArbiter& controls)
+  Machinery(ServerBackend& backend, ServerOptions options, ControlHolder& controls)
       : backend_(backend),
         options_(std::move(options)),
         controls_(controls),
@@ -46,7 +47,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
           if (const auto self = weak.lock()) self->network_.post(std::move(task));
         },
         options_.commissioning, options_.udp);
-    if (options_.udp != nullptr) hearDatagrams(*options_.udp);
+    if (options_.udp != nullptr) receiveDatagrams(*options_.udp);
     Site::LoopReports loop;
     loop.health = [this] {
       const LoopHealth p = pulse();
@@ -94,14 +95,14 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   }
 
  private:
-  void hearDatagrams(UdpBridge& udp) {
+  void receiveDatagrams(UdpBridge& udp) {
     clients_->joinStandalone();
     udp.setListener([weak = weak_from_this()](UdpBridge::Client client, const Order& m) {
       const auto self = weak.lock();
       if (!self) return;
       self->network_.post([weak_clients = std::weak_ptr<Clients>(self->clients_), client, m] {
         const auto clients = weak_clients.lock();
-        if (clients) clients->heardDatagram(client, m, monotonicNow_ns());
+        if (clients) clients->receiveDatagram(client, m, monotonicNow_ns());
       });
     });
   }
@@ -127,10 +128,11 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     return p;
   }
 
-  // Destruction order: the reverse of construction. Connections end with network_.
+  // Declaration order matters: members are destroyed in reverse order. Connections end with
+  // network_.
   ServerBackend& backend_;
   ServerOptions options_;
-  ControlsArbiter& controls_;
+  ControlHolder& controls_;
   Traffic traffic_;
   EventMailbox mailbox_;
   std::optional<ConnectionContext> context_;  ///< connections deregister from it when they end
@@ -147,7 +149,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
 Server::Server(std::shared_ptr<Machinery> machinery) : machinery_(std::move(machinery)) {}
 
 Expected<std::unique_ptr<Server>> Server::open(ServerBackend& backend, ServerOptions options,
-                                               ControlsArbiter& controls) {
+                                               ControlHolder& controls) {
   if (options.address == "localhost") options.address = "127.0.0.1";
   if (Diagnostics faults = validate(options); !faults.empty()) return faults;
   const std::string address = options.address;

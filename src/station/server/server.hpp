@@ -2,7 +2,7 @@
 
 #include "loop/core/expected.hpp"
 #include "loop/core/tick_record.hpp"
-#include "station/server/control_desk.hpp"
+#include "station/server/control_holder.hpp"
 #include "vocabulary/backend.hpp"
 
 #include <chrono>
@@ -22,15 +22,15 @@ struct ServerOptions {
   std::uint16_t port = 8080;          ///< 0: any free port
   std::string web_folder;             ///< holds index.html; without it, a page explains how to
                                       ///< build one
-  /// Access tokens. All but the bare pages require one. An empty token means open access, which is
-  /// refused unless the address is a loopback one.
+  /// Access tokens. Every request requires one, except for the bare pages. An empty token means
+  /// open access, which is refused unless the address is a loopback one.
   std::string token;                         ///< the therapist's; opens every role
-  std::string player_token, watcher_token;   ///< each opens its role only; empty: none
-  std::vector<std::string> allowed_origins;  ///< in addition to our own, e.g.
+  std::string player_token, watcher_token;   ///< each opens one role only; empty: none
+  std::vector<std::string> allowed_origins;  ///< in addition to the server's own, e.g.
                                              ///< "https://clinic.example"
   int max_clients = 16;                      ///< limit of simultaneous WebSocket connections, 1 ..
                                              ///< 1000
-  /// Timeouts of a request that waits for a disk or for a report; then it is refused (503).
+  /// Timeouts of a request that waits for a disk or for a report; afterwards it is refused (503).
   std::chrono::milliseconds disk_patience{10'000}, report_patience{150'000};
   /// More Prometheus text for /metrics, appended to the server's. Any thread.
   std::function<std::string()> more_metrics;
@@ -39,7 +39,7 @@ struct ServerOptions {
   UdpBridge* udp = nullptr;
   /// Returns the state of a commissioning; empty function: the program runs none. Any thread.
   std::function<std::shared_ptr<const CommissioningFacts>()> commissioning;
-  /// Port of the clinic's records; empty: no clinic. Any thread.
+  /// Port of the clinic's records; empty function: no clinic. Any thread.
   std::function<std::uint16_t()> clinic_port;
   /// Answers requests of replay pages; empty: no replay. Called on worker threads, which wait for
   /// it.
@@ -63,17 +63,17 @@ class Server {
  public:
   /// Listens and starts the threads. Returns the faults of the options, or why the port cannot be
   /// opened.
-  /// @pre the backend and the arbiter outlive the server
+  /// @pre the backend and the holder object outlive the server
   [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerBackend& backend,
                                                               ServerOptions options,
-                                                              ControlsArbiter& controls);
+                                                              ControlHolder& controls);
   /// Closes every connection and ends the threads. Waits for a file read or a report under way.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::uint16_t port() const noexcept;
-  /// URL of the game for a browser on this machine ("http://127.0.0.1:8080/"), also when the server
+  /// URL of the game for a browser on this machine ("http://127.0.0.1:8080/"), even when the server
   /// listens on every address.
   [[nodiscard]] std::string url() const;
   /// Takes a record's events and its arrival time. Telemetry thread, for every record; bounded,

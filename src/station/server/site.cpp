@@ -56,7 +56,7 @@ const char* mimeType(std::string_view path) {
       {"wav", "audio/wav"},
       {"glb", "model/gltf-binary"},
       {"h5", "application/x-hdf5"},
-  }};  // tflite, binarypb and data are opaque bytes
+  }};  // tflite, binarypb and data are unknown types and get the default
   const std::string_view ending = extension(path);
   const auto* found = std::find_if(kTypes.begin(), kTypes.end(),
                                    [&](const auto& type) { return type.first == ending; });
@@ -75,9 +75,9 @@ bool nameHasHash(std::string_view path) {
   return stem[stem.size() - kHash - 1] == '-';
 }
 
-/// Full path of a file within a folder, from a decoded path ("/assets/a.js"; a folder stands for
-/// its index.html). Empty when there is none, when a segment begins with a dot, or when a symbolic
-/// link leads out of the folder.
+/// Full path of a file in a folder, from a decoded path ("/assets/a.js"; a folder stands for its
+/// index.html). Empty when there is no such file, when a segment begins with a dot, or when a
+/// symbolic link leads out of the folder.
 std::optional<std::string> fileWithin(const std::string& folder, std::string_view path) {
   if (folder.empty() || path.find("/.") != std::string_view::npos) return std::nullopt;
   std::error_code error;
@@ -103,14 +103,16 @@ std::string entityTag(const std::string& file) {
 
 constexpr std::string_view kRecordings = "/api/recordings";
 constexpr std::string_view kClinic = "/api/clinic";
-constexpr std::string_view kReplay = "/replay/";  ///< after a recording's name
-// Hand tracking compiles WebAssembly and starts from blobs; plots and the 3D scene set styles.
+constexpr std::string_view kReplay = "/replay/";  ///< follows a recording's name in the path
+// Content policy of the pages. Hand tracking compiles WebAssembly and starts from blobs; plots and
+// the 3D scene set styles.
 constexpr const char* kPagePolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
     "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; media-src 'self' blob:; "
     "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
     "connect-src 'self' data: blob:";
-// A report contains its scripts, styles, fonts and data, and loads nothing.
+// Content policy of reports. A report contains its scripts, styles, fonts and data, and loads
+// nothing.
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; worker-src blob:; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; "
@@ -186,7 +188,7 @@ HttpAnswer plainRefusal(int status, const char* reason, const char* why) {
   return a;
 }
 
-// Uses the colours and fonts of the game's pages.
+// Page with the colours and fonts of the game's pages.
 std::string plainPage(std::string_view title, std::string_view body_html) {
   return fmt::format(R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
@@ -231,7 +233,7 @@ Site::Site(ServerBackend& backend, std::string web_folder, Access access, LoopRe
       replay_(std::move(replay)) {}
 
 Site::Route Site::routeOf(const HttpRequest& request) {
-  // Decodes as answer() does: a differently encoded path needs the same.
+  // The path is decoded as in answer(), so that differently encoded paths get the same route.
   const std::optional<std::string> path = decodedPath(request.path());
   if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws" || *path == kClinic) {
     return Route::kNoFile;
@@ -323,7 +325,7 @@ HttpAnswer Site::clinic() const {
   return text(nlohmann::json{{"port", loop_.clinic_port()}}.dump() + "\n", "application/json");
 }
 
-// The records' page may ask their process, too.
+// The page of the clinic's records may also connect to their process.
 std::string Site::pagePolicy(const std::string& path) const {
   const std::uint16_t port = path == "/clinic" && loop_.clinic_port ? loop_.clinic_port() : 0;
   if (port == 0) return {};
@@ -333,7 +335,7 @@ std::string Site::pagePolicy(const std::string& path) const {
 bool Site::maySeeRecordings(const HttpRequest& request) const {
   if (!loop_.clinic_port) return true;
   const Role role = roleOf(request);
-  return role == Role::kTherapist || role == Role::kUnsaid;
+  return role == Role::kTherapist || role == Role::kUnspecified;
 }
 
 HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const {

@@ -14,7 +14,7 @@ namespace wholehand {
 
 /// The parts of a request that the site uses.
 struct HttpRequest {
-  bool get = true;  ///< GET or HEAD
+  bool get = true;  ///< the method is GET or HEAD
   std::string target;
   std::string host, origin, authorization, cookie, if_none_match;
 
@@ -36,26 +36,27 @@ struct HttpAnswer {
 /// Routes of plain HTTP: pages, recordings, reports, health and metrics.
 class Site {
  public:
-  /// What the loop reports; only the server's thread can ask.
+  /// Data from the loop; only the server's thread can ask for it.
   struct LoopReports {
-    std::function<std::pair<bool, std::string>()> health;  ///< healthy, its JSON
+    std::function<std::pair<bool, std::string>()> health;  ///< healthy or not, and its JSON
     std::function<std::string()> metrics;
-    /// Port of the clinic's records on this machine, 0: they do not answer; empty: no clinic.
+    /// Port of the clinic's records on this machine; 0: they do not answer; empty function: no
+    /// clinic.
     std::function<std::uint16_t()> clinic_port;
   };
 
-  /// @param replay empty: no replay
+  /// @param replay empty: replay is not served
   Site(ServerBackend& backend, std::string web_folder, Access access, LoopReports loop,
        ReplayService replay = {});
 
-  /// Kind of an answer: which files it needs, and so on which thread it is made: the server's
-  /// thread touches no file.
+  /// Kind of an answer. It says which files the answer needs, and so which thread makes it: the
+  /// server's thread touches no file.
   enum class Route { kNoFile, kPage, kRecording, kReport, kReplay };
   [[nodiscard]] static Route routeOf(const HttpRequest& request);
-  /// Makes the answer with all its headers. On the server's thread when it needs no file; on any
-  /// other thread when it does, since it waits for the disk.
+  /// Makes the answer with all its headers. On the server's thread when it needs no file; else on
+  /// another thread, because it waits for the disk.
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
-  /// Judges a request for a WebSocket: its refusal, or status 200.
+  /// Checks a request for a WebSocket. Returns the refusal, or status 200.
   [[nodiscard]] HttpAnswer mayConnect(const HttpRequest& request) const;
   /// Role granted to a request that may open a WebSocket.
   [[nodiscard]] Role roleOf(const HttpRequest& request) const;
@@ -67,7 +68,7 @@ class Site {
   [[nodiscard]] HttpAnswer page(const HttpRequest& request, const std::string& path) const;
   [[nodiscard]] HttpAnswer clinic() const;
   [[nodiscard]] std::string pagePolicy(const std::string& path) const;
-  /// With a clinic, recordings are the therapist's.
+  /// True when the request may see recordings. With a clinic, only the therapist may.
   [[nodiscard]] bool maySeeRecordings(const HttpRequest& request) const;
   [[nodiscard]] HttpAnswer recordingList() const;
   [[nodiscard]] HttpAnswer recording(const HttpRequest& request,

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-// What the sources share that hold a socket. Only they include this file, Boost.Asio or
+// Shared by the source files that hold a socket. Only they include this file, Boost.Asio or
 // Boost.Beast, since both are slow to compile.
 namespace wholehand {
 

@@ -10,7 +10,7 @@ namespace wholehand {
 
 namespace {
 
-/// A loop that renders and whose newest record is older than this has stalled.
+/// Age of the newest record above which a rendering loop counts as stalled [s].
 constexpr double kStale_s = 1.0;
 
 void head(std::string& out, const char* name, const char* type, const char* help) {
@@ -32,14 +32,14 @@ void byReason(std::string& out, const char* name, const char* help,
   for (const auto& [reason, count] : counts) line(out, name, "reason", reason, count);
 }
 
-// "device read failed" -> "device_read_failed"
+// Makes a metric label: "device read failed" -> "device_read_failed".
 std::string label(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
   return name;
 }
 
-/// 1 for the state that holds, 0 for the others.
+/// Writes a gauge per state: 1 for the present state, 0 for the others.
 template <class State>
 void byState(std::string& out, const char* name, const char* help, State now, int states) {
   head(out, name, "gauge", help);

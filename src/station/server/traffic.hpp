@@ -15,8 +15,8 @@ namespace wholehand {
 /// Statistics of the server. One thread.
 struct Traffic {
   std::size_t clients = 0;           ///< WebSocket clients now
-  std::uint64_t clients_seen = 0;    ///< since the start
-  std::uint64_t bytes_sent = 0;      ///< over WebSocket
+  std::uint64_t clients_seen = 0;    ///< WebSocket clients since the start
+  std::uint64_t bytes_sent = 0;      ///< bytes sent over WebSocket
   std::uint64_t states_skipped = 0;  ///< states not sent because the client was busy
   std::uint64_t http_requests = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< disconnected clients, by reason
@@ -25,6 +25,7 @@ struct Traffic {
   /// Adds the time from a record's arrival to the end of its write to a client.
   void addAge(std::int64_t age_ns);
   /// Quantile of the last 4096 ages [s]; 0 without any.
+  /// @param share quantile as a share, 0 to 1
   [[nodiscard]] double ageQuantile_s(double share) const;
 
  private:
@@ -32,7 +33,7 @@ struct Traffic {
   std::uint64_t age_count_ = 0;
 };
 
-/// Input of /healthz and /metrics beside the loop's status.
+/// Input of /healthz and /metrics, including the loop's status.
 struct LoopHealth {
   LoopStatus status;
   double record_age_s = -1.0;  ///< age of the newest record; negative: none yet
@@ -45,7 +46,7 @@ struct LoopHealth {
 /// Returns Prometheus text, format 0.0.4.
 [[nodiscard]] std::string metricsText(const LoopHealth& pulse, const Traffic& traffic);
 
-/// Why a datagram was ignored.
+/// Reason why a datagram was ignored.
 enum class UdpIgnored {
   kTooShort,
   kTooLong,
@@ -53,7 +54,7 @@ enum class UdpIgnored {
   kVersion,
   kChecksum,
   kHeader,   ///< unknown kind, a rate above 1000 Hz, bits that must be 0
-  kKey,      ///< key of no known game
+  kKey,      ///< the key belongs to no known game
   kStale,    ///< duplicate, or older than one received
   kMessage,  ///< a message that games may not send by datagram
   kRate,     ///< more commands than kMostCommands a second
@@ -64,14 +65,14 @@ enum class UdpIgnored {
 struct UdpCounters {
   using Counter = std::atomic<std::uint64_t>;
 
-  Counter received{0};      ///< datagrams
-  Counter states_sent{0};   ///< WorldState messages
+  Counter received{0};      ///< datagrams received
+  Counter states_sent{0};   ///< WorldState messages sent
   Counter dropped_full{0};  ///< datagrams dropped because the socket buffer was full
   Counter send_errors{0};   ///< datagrams dropped by any other error
   Counter stops{0};         ///< emergency stops obeyed
   Counter exceptions{0};    ///< exceptions caught in orders and rounds; the bridge continued
   Counter peers_lost{0};    ///< games silent for more than a second
-  std::atomic<std::uint32_t> peers{0};  ///< connected now
+  std::atomic<std::uint32_t> peers{0};  ///< games connected now
   std::array<Counter, static_cast<std::size_t>(UdpIgnored::kCount)> ignored{};
 
   void ignore(UdpIgnored reason) noexcept { ++ignored[static_cast<std::size_t>(reason)]; }

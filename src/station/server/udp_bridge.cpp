@@ -25,7 +25,7 @@ constexpr std::int64_t kStatusAge_ns = 20'000'000;
 constexpr std::int64_t kIdle_ns = 100'000'000;
 constexpr std::size_t kKeyDigits = 16;
 
-/// From the system's random source, so that keys cannot be predicted.
+/// A new key from the system's random source, so that it cannot be predicted.
 std::uint64_t newKey() {
   std::random_device random;
   std::uint64_t key = 0;
@@ -45,7 +45,7 @@ Expected<std::uint64_t> parseUdpKey(const std::string& text) {
 }
 
 struct UdpBridge::Core {
-  Core(ServerBackend& program, ControlsArbiter& controls, UdpCounters& counters)
+  Core(ServerBackend& program, ControlHolder& controls, UdpCounters& counters)
       : backend(program),
         tally(counters),
         host(controls, counters, [this](const UdpEndpoint& to, std::span<const std::uint8_t> d) {
@@ -56,7 +56,7 @@ struct UdpBridge::Core {
   void goRound();
   void receiveAll();
   void handOver(const udp::ReceivedCommand& said);
-  void obeyStop(const udp::ReceivedCommand& stop);
+  void applyStop(const udp::ReceivedCommand& stop);
   void sendIdle();
 
   ServerBackend& backend;
@@ -69,12 +69,12 @@ struct UdpBridge::Core {
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
   std::thread thread;
-  // used by publish() only
+  // The next two are used by publish() only.
   LoopStatus status;
   std::int64_t status_ns = 0;
 };
 
-UdpBridge::UdpBridge(ServerBackend& backend, ControlsArbiter& controls)
+UdpBridge::UdpBridge(ServerBackend& backend, ControlHolder& controls)
     : backend_(backend), controls_(controls) {}
 
 UdpBridge::~UdpBridge() {
@@ -144,13 +144,14 @@ void UdpBridge::publish(const TickRecord& record) {
     core.status = backend_.status();
     core.status_ns = now_ns;
   }
-  // Only the other thread updates the scene. States do not depend on it, and with two threads an
-  // older scene could overwrite a newer one.
+  // Only the receiving thread updates the scene. States do not depend on it, and with two threads
+  // an older scene could overwrite a newer one.
   const std::lock_guard lock(core.mutex);
   core.host.publish(record, core.status, now_ns);
 }
 
-// An exception here must end neither the process nor the loop in it: everything else continues.
+// Receives until the bridge stops. An exception must end neither the process nor the loop in it;
+// everything else continues.
 void UdpBridge::Core::run() {
   while (!stopping) {
     socket.wait(kPace_ms);
@@ -175,7 +176,8 @@ void UdpBridge::Core::goRound() {
   for (const udp::ReceivedCommand& said : heard) {
     try {
       handOver(said);
-    } catch (const std::exception&) {  // the next one may be an emergency stop
+    } catch (const std::exception&) {  // continues, because the next datagram may be an emergency
+                                       // stop
       ++tally.exceptions;
     }
   }
@@ -183,10 +185,11 @@ void UdpBridge::Core::goRound() {
 }
 
 void UdpBridge::Core::receiveAll() {
-  // One byte more than allowed, to detect datagrams that are too long.
+  // The buffer has one byte more than allowed, so that datagrams that are too long are detected.
   std::array<std::uint8_t, udp::kLargestDatagram + 1> buffer;
   UdpEndpoint from;
-  // Bounded, so that a flood of this socket cannot keep publish() out for long.
+  // The number of datagrams is bounded, so that a flood of this socket cannot block publish() for
+  // long.
   for (int i = 0; i < 64; ++i) {
     const long n = socket.receive(from, buffer);
     if (n < 0) return;
@@ -195,10 +198,11 @@ void UdpBridge::Core::receiveAll() {
   }
 }
 
-// A stop waits for no other thread; the server judges all other messages.
+// Hands a command on. An emergency stop is obeyed at once, on this thread; the server judges all
+// other messages.
 void UdpBridge::Core::handOver(const udp::ReceivedCommand& said) {
   if (said.order.is<orders::EmergencyStop>()) {
-    return obeyStop(said);
+    return applyStop(said);
   }
   Listener hears;
   {
@@ -208,7 +212,7 @@ void UdpBridge::Core::handOver(const udp::ReceivedCommand& said) {
   if (hears) hears(said.client, said.order);
 }
 
-void UdpBridge::Core::obeyStop(const udp::ReceivedCommand& stop) {
+void UdpBridge::Core::applyStop(const udp::ReceivedCommand& stop) {
   const auto finish = [&](bool obeyed) {
     const std::lock_guard lock(mutex);
     host.finishStop(stop, obeyed);

@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 
 namespace {
 
-// Offsets of the header.
+// Byte offsets in the header.
 constexpr std::size_t kVersionAt = 4, kKindAt = 6, kFlagsAt = 7, kKeyAt = 8, kSequenceAt = 16,
                       kNumberAt = 20, kSentAt = 24, kEchoAt = 32, kEchoAgeAt = 40, kChecksumAt = 44;
 
@@ -118,7 +118,8 @@ UdpIgnored reasonOf(Flaw flaw) noexcept {
   return UdpIgnored::kHeader;
 }
 
-/// A game with a WebSocket sends over it what one without may send by datagram.
+/// True when a game may send this order by datagram. A game without a WebSocket may send more
+/// kinds.
 bool mayBeDatagram(const Order& order, bool standalone) noexcept {
   const orders::Datagram may = order.row().datagram;
   return may == orders::Datagram::kAlways || (standalone && may == orders::Datagram::kStandalone);
@@ -139,17 +140,17 @@ bool Decimator::due(std::uint64_t tick) noexcept {
   return now;
 }
 
-Host::Host(ControlsArbiter& controls, UdpCounters& counters, Send send)
+Host::Host(ControlHolder& controls, UdpCounters& counters, Send send)
     : controls_(controls), counters_(counters), send_(std::move(send)) {}
 
-void Host::admit(std::uint64_t key, ControlsArbiter::Client client, bool standalone) {
+void Host::admit(std::uint64_t key, ControlHolder::Client client, bool standalone) {
   Peer& peer = peers_.emplace_back();
   peer.key = key;
   peer.client = client;
   peer.standalone = standalone;
 }
 
-void Host::dismiss(ControlsArbiter::Client client) {
+void Host::dismiss(ControlHolder::Client client) {
   std::erase_if(peers_, [client](const Peer& p) { return p.client == client; });
   countGames();
 }
@@ -182,9 +183,9 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
     }
     message = std::move(*decoded);
   }
-  // A game without a WebSocket may restart its numbers from 1 after it was gone.
+  // A game without a WebSocket may restart its sequence numbers from 1 after a silence.
   const bool stale = (peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest);
-  // A late stop, from any address, is obeyed: an unnecessary stop does no harm.
+  // A late stop from any address is obeyed: an unnecessary stop does no harm.
   if (message.is<orders::EmergencyStop>()) {
     stop(*peer, message);
   } else if (message.stops() && !(stale && message.id == peer->gentle_stop && message.id != 0)) {
@@ -196,8 +197,9 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
   }
   if (!peer->open || peer->endpoint != from) begin(*peer, from);
   follow(*peer, header, now_ns);
-  if (!message.stops()) obey(*peer, message, now_ns);
-  // Until the address is verified, at most one answer per datagram, no longer than it.
+  if (!message.stops()) apply(*peer, message, now_ns);
+  // Until the address is verified, each datagram gets at most one answer, which is no longer than
+  // it.
   if (!peer->address_verified) send(*peer, Kind::kPresent, {}, now_ns);
 }
 
@@ -212,7 +214,7 @@ void Host::begin(Peer& peer, const UdpEndpoint& from) {
 void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
   peer.newest = header.sequence;
   peer.their_ns = header.sent_ns;
-  peer.heard_ns = now_ns;
+  peer.received_ns = now_ns;
   const auto& reported = peer.sent_times_ns;
   if (header.echo_ns != 0 &&
       std::find(reported.begin(), reported.end(), header.echo_ns) != reported.end()) {
@@ -224,7 +226,9 @@ void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
 }
 
 void Host::stop(Peer& peer, const Order& message) {
-  if (message.id == peer.taken_stop && peer.taken_stop != 0) return;  // repeated until acknowledged
+  if (message.id == peer.taken_stop && peer.taken_stop != 0)
+    return;  // games repeat a stop until it
+             // is acknowledged
   said_.push_back({peer.client, message});
   peer.taken_stop = message.id;
 }
@@ -232,12 +236,12 @@ void Host::stop(Peer& peer, const Order& message) {
 void Host::finishStop(const ReceivedCommand& stop, bool obeyed) {
   for (Peer& peer : peers_) {
     if (peer.client != stop.client) continue;
-    if (obeyed) peer.obeyed_stop = stop.order.id;
+    if (obeyed) peer.applied_stop = stop.order.id;
     if (!obeyed && peer.taken_stop == stop.order.id) peer.taken_stop = 0;
   }
 }
 
-void Host::obey(Peer& peer, const Order& message, std::int64_t now_ns) {
+void Host::apply(Peer& peer, const Order& message, std::int64_t now_ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
   if (!peer.address_verified) return;
   if (now_ns - peer.second_ns >= kSecond_ns) {
@@ -264,7 +268,7 @@ void Host::publish(const TickRecord& record, const LoopStatus& status, std::int6
   if (encoder_ == nullptr) return;
   std::span<const std::uint8_t> state;
   for (Peer& peer : peers_) {
-    if (!peer.address_verified || now_ns - peer.heard_ns > kGone_ns) continue;
+    if (!peer.address_verified || now_ns - peer.received_ns > kGone_ns) continue;
     if (!peer.decimator.due(record.tick)) continue;
     if (state.empty()) {
       state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
@@ -278,7 +282,8 @@ void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::
   if (encoder_ == nullptr || counters_.peers == 0) return;
   const auto state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
   for (Peer& peer : peers_) {
-    if (!peer.address_verified || peer.rate_hz == 0 || now_ns - peer.heard_ns > kGone_ns) continue;
+    if (!peer.address_verified || peer.rate_hz == 0 || now_ns - peer.received_ns > kGone_ns)
+      continue;
     ++counters_.states_sent;
     send(peer, Kind::kState, state, now_ns);
   }
@@ -287,10 +292,10 @@ void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::
 void Host::advance(std::int64_t now_ns) {
   for (Peer& peer : peers_) {
     if (!peer.open) continue;
-    if (now_ns - peer.heard_ns > kGone_ns) {
+    if (now_ns - peer.received_ns > kGone_ns) {
       peer.open = peer.address_verified = false;
-      // A game without a WebSocket may count its commands from 1 again.
-      if (peer.standalone) peer.taken_stop = peer.gentle_stop = peer.obeyed_stop = 0;
+      // A game without a WebSocket may restart its command numbers from 1.
+      if (peer.standalone) peer.taken_stop = peer.gentle_stop = peer.applied_stop = 0;
       ++counters_.peers_lost;
       countGames();
     } else if (peer.address_verified && now_ns - peer.sent_ns >= kPresent_ns) {
@@ -311,10 +316,10 @@ void Host::send(Peer& peer, Kind kind, std::span<const std::uint8_t> message, st
   header.holds_controls = controls_.heldBy(peer.client);
   header.key = peer.key;
   header.sequence = ++peer.sequence;
-  header.rate_or_stop = peer.obeyed_stop;
+  header.rate_or_stop = peer.applied_stop;
   header.sent_ns = peer.sent_ns = now_ns;
   header.echo_ns = peer.their_ns;
-  header.echo_age_us = static_cast<std::uint32_t>((now_ns - peer.heard_ns) / 1000);
+  header.echo_age_us = static_cast<std::uint32_t>((now_ns - peer.received_ns) / 1000);
   if (!peer.address_verified)
     peer.sent_times_ns[peer.reported++ % peer.sent_times_ns.size()] = now_ns;
   Datagram datagram;

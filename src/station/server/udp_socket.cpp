@@ -15,7 +15,7 @@ namespace wholehand {
 
 namespace {
 
-/// Room for a second of commands while this program is delayed.
+/// Receive buffer that holds a second of commands while this program is delayed.
 constexpr int kReceiveBuffer_bytes = 1 << 20;
 
 sockaddr_in toSystem(const UdpEndpoint& endpoint) noexcept {
@@ -93,7 +93,8 @@ Expected<Done> UdpSocket::open(const UdpEndpoint& local) {
 UdpSent UdpSocket::send(const UdpEndpoint& to, std::span<const std::uint8_t> bytes) noexcept {
   const sockaddr_in a = toSystem(to);
   const auto* where = reinterpret_cast<const sockaddr*>(&a);
-  // Retries once after a pending error of an earlier datagram (a game that has gone).
+  // Sends again once, because the first call may return a pending error of an earlier datagram to a
+  // game that has gone.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (::sendto(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, where,
                  sizeof a) >= 0) {

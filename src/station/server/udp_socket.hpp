@@ -18,7 +18,7 @@ struct UdpEndpoint {
   bool operator==(const UdpEndpoint&) const = default;
 };
 
-/// "127.0.0.1:8090"
+/// Formats as "127.0.0.1:8090".
 [[nodiscard]] std::string format(const UdpEndpoint& endpoint);
 /// Parses "host:port", or "host" (port 0: any). Resolves names.
 [[nodiscard]] Expected<UdpEndpoint> parseUdpEndpoint(const std::string& text);
@@ -42,7 +42,7 @@ class UdpSocket {
   void wait(int timeout_ms) noexcept;
   /// Ends the current wait, or the next one. Any thread.
   void wake() noexcept;
-  /// Address it is bound to. @pre open() succeeded
+  /// Bound address. @pre open() succeeded
   [[nodiscard]] UdpEndpoint local() const noexcept;
 
  private:

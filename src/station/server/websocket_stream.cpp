@@ -17,7 +17,8 @@ namespace websocket = boost::beast::websocket;
 
 }  // namespace
 
-/// Wraps Beast's stream. Compression is not offered: it would double the time to compile this file.
+/// Wraps Beast's stream. Compression is not offered, because it would double the time to compile
+/// this file.
 class WebSocketStream::Socket {
  public:
   explicit Socket(Tcp::socket connected);
@@ -32,7 +33,7 @@ class WebSocketStream::Socket {
 void acceptWebSocket(Tcp::socket socket, const UpgradeRequest& request, std::string cookie,
                      std::size_t largest_bytes,
                      std::function<void(std::unique_ptr<WebSocketStream>)> then) {
-  // A small kernel buffer, so that a client that does not read is noticed within seconds.
+  // The kernel buffer is small, so that a client that does not read is noticed within seconds.
   constexpr int kSendBuffer_bytes = 64 * 1024;
   ErrorCode ignored;
   socket.set_option(net::socket_base::send_buffer_size(kSendBuffer_bytes), ignored);
@@ -62,13 +63,13 @@ void WebSocketStream::read(std::function<void(const ReceivedMessage&)> then) {
   socket_->buffer.clear();
   socket_->stream.async_read(
       socket_->buffer, [this, then = std::move(then)](ErrorCode error, std::size_t) {
-        using What = ReceivedMessage::What;
+        using Kind = ReceivedMessage::Kind;
         ReceivedMessage heard;
         if (error == boost::beast::websocket::error::message_too_big) {
-          heard.what = What::kTooLarge;
+          heard.what = Kind::kTooLarge;
         } else if (!error) {
           const auto bytes = socket_->buffer.cdata();
-          heard.what = What::kMessage;
+          heard.what = Kind::kMessage;
           heard.bytes = {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
           heard.text = socket_->stream.got_text();
         }
@@ -92,12 +93,12 @@ void WebSocketStream::write(std::span<const std::uint8_t> message,
 }
 
 void WebSocketStream::close(const std::string& reason, std::function<void()> then) {
-  constexpr std::size_t kMost_bytes = 123;  // of a close frame
+  constexpr std::size_t kMost_bytes = 123;  // limit of a close frame
   std::string text = printable(reason);
   if (text.size() > kMost_bytes) {
     std::size_t end = kMost_bytes;
     while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
-    text.resize(end);  // between two characters
+    text.resize(end);  // cut between two UTF-8 characters
   }
   const websocket::close_reason why(websocket::close_code::policy_error, text);
   socket_->stream.async_close(why, [then = std::move(then)](ErrorCode) { then(); });

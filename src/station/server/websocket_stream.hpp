@@ -10,8 +10,8 @@ namespace wholehand {
 
 /// A received WebSocket message, or why reading ended.
 struct ReceivedMessage {
-  enum class What { kMessage, kTooLarge, kEnd };
-  What what = What::kEnd;
+  enum class Kind { kMessage, kTooLarge, kEnd };
+  Kind what = Kind::kEnd;
   std::span<const std::uint8_t> bytes = {};  ///< valid until the next read
   bool text = false;
 };

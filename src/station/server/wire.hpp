@@ -66,13 +66,13 @@ struct UdpAccess {
 /// Holder of the controls, as reported to one client.
 struct ControlsFacts {
   bool held_by_you = false, held = false;
-  Role your_role = Role::kUnsaid, holder_role = Role::kUnsaid;
+  Role your_role = Role::kUnspecified, holder_role = Role::kUnspecified;
   bool led = false;  ///< a therapist is connected
 };
 [[nodiscard]] Bytes controlsMessage(const ControlsFacts& facts);
 [[nodiscard]] Bytes commissioningMessage(const CommissioningFacts& facts);
-/// Bodies of a game, and those of their shapes that no body of the message before had.
-/// @param registered those that changed; one without shapes is registered no more
+/// Encodes bodies of a game, and those of their shapes that no body of the previous message had.
+/// @param registered registered bodies that changed; one without shapes is no longer registered
 [[nodiscard]] Bytes gameBodiesMessage(
     std::uint32_t session, const GameBodies& bodies,
     const std::vector<std::shared_ptr<const GameShapes>>& new_shapes,
@@ -87,10 +87,10 @@ inline constexpr std::size_t kLargestClientMessage = 40 * 1024;
 /// possible.
 [[nodiscard]] Expected<Order> decode(std::span<const std::uint8_t> message);
 
-/// Command.id of a message that decode() refuses, for the answer; 0 where it cannot be read.
+/// Command.id of a message that decode() refuses, for the answer; 0 when it cannot be read.
 [[nodiscard]] std::uint32_t commandIdOf(std::span<const std::uint8_t> message);
 
-/// Refusal code for clients, from the errors of decode().
+/// Refusal code for the errors of decode().
 [[nodiscard]] Refusal refusalOf(const Diagnostics& errors);
 
 }  // namespace wholehand::wire

@@ -20,8 +20,8 @@ namespace fb = wholehand::protocol;
 
 namespace {
 
-/// Limits of nesting depth and number of tables of a client message: Message, Command, its order,
-/// and the items of that.
+/// Limits of nesting depth and number of tables in a client message: Message, Command, its order,
+/// and the items of the order.
 constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8 + kMostBodyItems;
 /// Smallest message: root offset and identifier.
 constexpr std::size_t kSmallestMessage = 8;
@@ -50,7 +50,7 @@ std::string text(const flatbuffers::String* s) {
   return s == nullptr ? std::string() : s->str();
 }
 
-// What each order of the schema says.
+// Readers of the orders of the schema.
 
 orders::Arm read(const fb::Arm& in) {
   return {in.endings_seen()};
@@ -148,8 +148,9 @@ orders::CloseVisit read(const fb::CloseVisit& in) {
   return {in.visit()};
 }
 
-// Orders to a game's bodies. Counts that no scene allows are refused, and what a picture or a shape
-// cannot be made of. Numbers of a body are read as they are: the code that obeys checks them.
+// Orders to a game's bodies. Counts beyond the limit of every scene are refused, and so is data
+// from which no picture and no shape can be made. Numbers of a body are not checked here, but where
+// they are used.
 
 Eigen::Vector3d fromWire(const fb::Vec3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
@@ -162,7 +163,8 @@ BodyPose fromWire(const fb::Pose& pose) {
            static_cast<double>(q.w())}};
 }
 
-/// A number that is not larger than a command's; what is larger is no slot and no generation.
+/// Converts a number. Larger values than an int become its maximum, which is no valid slot or
+/// generation.
 int fromWire(std::uint32_t number) {
   return static_cast<int>(
       std::min<std::uint32_t>(number, std::numeric_limits<std::int32_t>::max()));
@@ -170,7 +172,7 @@ int fromWire(std::uint32_t number) {
 
 Expected<Done> readPlace(const fb::Shape& in, const std::string& key, Shape& out) {
   const fb::Pose* place = in.in_body();
-  if (place == nullptr) return Done{};  // the frame of the body
+  if (place == nullptr) return Done{};  // no pose: the frame of the body
   const BodyPose pose = fromWire(*place);
   const Eigen::Quaterniond turn = pose.orientation_xyzw.eigen();
   if (!pose.position_m.eigen().allFinite()) {
@@ -215,7 +217,7 @@ Expected<Done> readMesh(const fb::Shape& in, const std::string& key, Shape& out)
   return Done{};
 }
 
-/// Of the numbers only those that the type uses: the others stay 0.
+/// Reads only the numbers that the shape's type uses; the others stay 0.
 Expected<Done> readShape(const fb::Shape& in, const std::string& key, Shape& out) {
   if (!isKnown(in.type())) {
     return refusal(key + ".type", std::to_string(static_cast<int>(in.type())), "is not known",
@@ -265,7 +267,7 @@ Command commandOf(const fb::SpawnBody& in) {
   if (in.pose() != nullptr) {
     out.pose = fromWire(*in.pose());
   } else {
-    out.pose.orientation_xyzw.w = 0.0;  // no rotation: refused as a bad pose
+    out.pose.orientation_xyzw.w = 0.0;  // no rotation given: later refused as a bad pose
   }
   if (in.velocity_m_s() != nullptr) out.velocity_m_s = Vec3::from(fromWire(*in.velocity_m_s()));
   out.refuse_overlap = in.refuse_overlap();
@@ -281,7 +283,7 @@ int generationOf(const Item& item) {
   return fromWire(item.generation());
 }
 
-/// One command for each item of a vector, which `make` turns into a command.
+/// Makes one command per item of a vector with `make`.
 template <class Kind, class Items, class Make>
 Expected<Kind> readItems(const Items* items, Make make) {
   const auto count = items == nullptr ? 0U : items->size();
@@ -317,7 +319,7 @@ Expected<orders::BodyTargets> read(const fb::BodyTargets& in) {
   });
 }
 
-/// The row of a kind has its number in the schema.
+/// True when the table row of an order kind has the number of the schema.
 template <class Kind>
 constexpr bool isRowOf(fb::Order wire) {
   return orders::kTable[orders::kIndexOf<Kind>].wire == static_cast<std::uint8_t>(wire);
@@ -371,7 +373,7 @@ Expected<Order> decodePayload(const fb::Message& message) {
                        ": reload the page, or bring "
                        "client and program to the same version");
   }
-  // Both null checks are needed: an absent union passes verification.
+  // Both null checks are needed, because a message without the union passes verification.
   if (const fb::Command* command = message.payload_as_Command()) {
     if (command->order_type() != fb::Order::NONE && command->order() == nullptr) {
       return refusal("order", "", "is missing", "");
@@ -389,7 +391,7 @@ Expected<Order> decode(std::span<const std::uint8_t> message) {
     return refusal("size", std::to_string(message.size()) + " bytes", "is too large",
                    "must be at most " + std::to_string(kLargestClientMessage) + " bytes");
   }
-  // Numbers are read in place, and are aligned as in the format only in our own buffer.
+  // The bytes are copied into an aligned buffer, because FlatBuffers reads numbers in place.
   AlignedBytes bytes;
   if (!message.empty()) std::memcpy(bytes.data(), message.data(), message.size());
   if (message.size() < kSmallestMessage || !fb::MessageBufferHasIdentifier(bytes.data())) {

@@ -44,8 +44,8 @@ fb::Pose toWire(const Pose& pose) {
   return {toWire(pose.translation_m), toWire(QuatXyzw::from(Eigen::Quaterniond(pose.rotation)))};
 }
 
-/// Writes doubles from a range with data() and size() as a vector of floats, within the builder's
-/// memory.
+/// Writes the doubles of a range with data() and size() as a vector of floats, directly into the
+/// builder's memory.
 template <class Range>
 VectorOffset<float> floats(Builder& b, const Range& values) {
   float* out = nullptr;
@@ -79,7 +79,7 @@ Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vecto
     }
     triangles = b.CreateVector(t);
   }
-  // A state gives the position of the centre of mass, so shapes are placed relative to it.
+  // Shapes are placed relative to the centre of mass, because a state gives its position.
   Pose about_com = shape.in_body;
   about_com.translation_m -= com_m;
   const fb::Vec3 half = toWire(shape.half_extents_m);
@@ -89,8 +89,8 @@ Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vecto
                          points, triangles, &pose);
 }
 
-/// With more axes than this, a compact state omits what a game can do without, so that it always
-/// fits into a datagram.
+/// Largest number of axes at which a compact state carries everything. With more axes it omits what
+/// a game can do without, so that it always fits into a datagram.
 constexpr int kAxesThatFitDatagram = 9;
 
 /// The arrays of a state; FlatBuffers needs them before the table that refers to them.
@@ -115,7 +115,7 @@ VectorOffset<const fb::Pose*> links(Builder& b, const HandModel& hand,
   return b.CreateVectorOfStructs(poses.data(), n);
 }
 
-/// Bodies of a state: without the empty slots that follow the last one in use.
+/// Number of bodies in a state, without the empty slots after the last used one.
 int bodyCount(const SceneModel& scene, const TickRecord& r, const LoopStatus& status,
               Detail detail) {
   const int all = std::clamp(r.body_count, 0, kMaxBodies);
@@ -220,7 +220,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
                                  std::int64_t sent_monotonic_ns) {
   const fb::Statistics statistics = statisticsToWire(status);
   fb::WorldStateBuilder out(b);
-  // Large fields first: no padding between them.
+  // Large fields come first, so that there is no padding between them.
   out.add_tick(r.tick);
   out.add_time_s(r.time_s);
   out.add_sent_monotonic_ns(sent_monotonic_ns);
@@ -301,7 +301,7 @@ Offset<fb::PanelValue> panelValueToWire(Builder& b, const PanelValue& v) {
                               b.CreateString(v.goal_lower), b.CreateString(v.goal_upper), v.result);
 }
 
-/// A vector of tables, each made by `make(b, item)`.
+/// Makes a vector of tables; `make(b, item)` makes each.
 template <class Item, class Make>
 auto tables(Builder& b, const std::vector<Item>& items, Make make) {
   std::vector<decltype(make(b, items.front()))> out;
@@ -310,7 +310,7 @@ auto tables(Builder& b, const std::vector<Item>& items, Make make) {
   return b.CreateVector(out);
 }
 
-/// Null where the exercise file has no panel.
+/// Encodes the panel; null when the exercise file has none.
 Offset<fb::Panel> panelToWire(Builder& b, const SceneFacts& s) {
   if (s.panel.title.en.empty()) return {};
   const auto title = wordsToWire(b, s.panel.title);
@@ -337,7 +337,7 @@ std::vector<std::string> faultNames() {
   return names;
 }
 
-/// Null where a game can bring no bodies.
+/// Encodes the budget; null when a game cannot bring bodies.
 Offset<fb::BodyBudget> budgetToWire(Builder& b, const GameBudget& game) {
   if (game.slots == 0) return {};
   const auto count = [](int n) { return static_cast<std::uint16_t>(n); };
@@ -390,7 +390,7 @@ std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
   Builder& b = buffer_->builder;
   b.Clear();
   Arrays arrays = makeArrays(b, scene_->scene, record, status, detail);
-  // A record from before a scene change may have other joints: then without links.
+  // A record from before a scene change may have other joints; its links are omitted then.
   const HandModel& hand = scene_->hand;
   if (detail != Detail::kCompact && hand.joint_count > 0 &&
       record.theta.size() == hand.joint_count) {
@@ -502,8 +502,8 @@ Bytes commissioningMessage(const CommissioningFacts& f) {
   for (const Facts::Step& step : f.steps) steps.push_back(stepToWire(b, step));
   const auto message = fb::CreateCommissioningDirect(
       b, f.device.c_str(), f.driver.c_str(), f.serial.c_str(), f.firmware.c_str(),
-      f.operator_name.c_str(), &steps, f.question, static_cast<fb::Asked>(f.asked), f.axis.c_str(),
-      f.unit.c_str(), f.lower, f.upper, f.next.c_str(), f.note.c_str(),
+      f.operator_name.c_str(), &steps, f.question, static_cast<fb::QuestionKind>(f.asked),
+      f.axis.c_str(), f.unit.c_str(), f.lower, f.upper, f.next.c_str(), f.note.c_str(),
       static_cast<fb::MotionKind>(f.motion), static_cast<fb::MotionState>(f.motion_state),
       static_cast<float>(f.motion_s), f.passport.c_str(), f.recording.c_str(), f.daily);
   finish(b, message, kSchemaVersion);

@@ -1,7 +1,7 @@
 using System.Threading.Tasks;
 using Wholehand;
 
-/// <summary>What the program answers to a command.</summary>
+/// <summary>Waits for the program's answer to a command and checks it.</summary>
 internal static class Answers
 {
     public static CommandReply Ended(Task<CommandReply> command)

@@ -4,7 +4,7 @@ using FlatBuffers;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>Bodies of a game beyond the slots, by messages that are made up here.</summary>
+/// <summary>Registered bodies of a game, with messages made by the test.</summary>
 [Tests]
 public static class BodyListTests
 {
@@ -31,8 +31,8 @@ public static class BodyListTests
         return new Reported { Number = number, Slot = -1, Where = Whereabouts.Gone };
     }
 
-    /// <summary>Bodies in slots have generation 70 + slot, and all have shapes 3, which come along where
-    /// <paramref name="shapes"/>.</summary>
+    /// <summary>Bodies in slots have generation 70 + slot and shapes 3, which the message contains if <paramref
+    /// name="shapes"/>.</summary>
     private static byte[] Message(uint[] inSlots, Reported[] registered, bool shapes = false)
     {
         var b = new FlatBufferBuilder(4096);
@@ -56,7 +56,7 @@ public static class BodyListTests
         return MadeUpProgram.Finished(b, Payload.GameBodies, GameBodies.CreateGameBodies(b, 1, bodies, set, numbers).Value);
     }
 
-    /// <summary>Body i of the state is at x = i; -1: its slot is empty, and far below.</summary>
+    /// <summary>A state whose bodies have these x; -1: the slot is empty, and its body far below.</summary>
     private static byte[] State(params int[] x)
     {
         var b = new FlatBufferBuilder(4096);
@@ -85,7 +85,7 @@ public static class BodyListTests
             Client.TryGetWorld(World);
         }
 
-        /// <summary>"name generation: x" of each body; "?" where its place is not known.</summary>
+        /// <summary>"name generation: x" of each body; "?" if its place is not known.</summary>
         public string Bodies()
         {
             var all = new List<string>();
@@ -110,7 +110,7 @@ public static class BodyListTests
 
     private static readonly Reported[] NoNews = new Reported[0];
 
-    public static void BodyBeyondTheSlots_IsOneBodyInAndOutOfASlot()
+    public static void RegisteredBody_IsTheSameInAndOutOfASlot()
     {
         using (var game = new Game())
         {
@@ -147,7 +147,7 @@ public static class BodyListTests
         }
     }
 
-    public static void OtherSession_KeepsWhatIsRegistered()
+    public static void NewSession_KeepsRegisteredBodies()
     {
         using (var game = new Game())
         {
@@ -181,7 +181,7 @@ public static class BodyListTests
         return MadeUpProgram.Finished(b, Payload.Events, Events.CreateEvents(b, b.EndVector()).Value);
     }
 
-    public static void EventsOfASlot_NameTheBodyAsTheGameDid()
+    public static void EventsOfASlot_CarryTheGamesNumberOfTheBody()
     {
         using (var game = new Game())
         {
@@ -192,8 +192,8 @@ public static class BodyListTests
             game.Hear(EventOf(0, 4, 0.25f));
             game.Hear(EventOf(0, 1, 0.5f));
             game.Hear(Message(new uint[] { 1 }, new[] { Gone(1001) }));
-            game.Hear(EventOf(1, 4, 74));          // it is reported last
-            game.Hear(Message(new uint[] { 1, 4 }, NoNews)); // a body that the game has put there
+            game.Hear(EventOf(1, 4, 74));          // the event is reported last
+            game.Hear(Message(new uint[] { 1, 4 }, NoNews)); // a body that the game spawned there
             game.Hear(EventOf(0, 4, 0.125f));
             Check.Equal(4, events.Count, "events");
             Check.Equal("1001 5, 1 71, 1001 5, 4 74",
@@ -204,7 +204,7 @@ public static class BodyListTests
         }
     }
 
-    public static void ThousandBodies_CostNoMemoryInTheGame()
+    public static void CopyOfAThousandBodies_AllocatesNothing()
     {
         using (var game = new Game())
         {
@@ -215,7 +215,7 @@ public static class BodyListTests
             for (int round = 0; round < 110; ++round)
             {
                 if (round == 10) allocated = GC.GetAllocatedBytesForCurrentThread();
-                game.Slots.Number = 0; // as if the list had changed
+                game.Slots.Number = 0; // forces a new copy, as if the list had changed
                 double sum = 0;
                 Check.True(game.Client.TryGetBodies(game.Slots), "a list");
                 for (int i = 0; i < game.Slots.AllCount; ++i)
@@ -228,7 +228,7 @@ public static class BodyListTests
         }
     }
 
-    public static void NumberThatNoBodyHas_IsNotKept()
+    public static void NumberWithoutABody_IsNotKept()
     {
         using (var game = new Game())
         {

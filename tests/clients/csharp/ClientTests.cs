@@ -4,7 +4,7 @@ using FlatBuffers;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>The client against a program made up here, which may also say what no program should.</summary>
+/// <summary>The client with a fake program, which may also send invalid messages.</summary>
 [Tests]
 public static class ClientTests
 {
@@ -43,7 +43,7 @@ public static class ClientTests
         }
     }
 
-    public static void Datagrams_EchoWhatTheProgramSaidLast()
+    public static void Datagrams_EchoTheProgramsLastDatagram()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
@@ -55,7 +55,7 @@ public static class ClientTests
         }
     }
 
-    public static void WithoutDatagrams_StatesAndAimsGoByWebSocket()
+    public static void StatesAndAimsWithoutDatagrams_UseTheWebSocket()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
@@ -73,7 +73,7 @@ public static class ClientTests
         }
     }
 
-    public static void MalformedDatagrams_AreCountedAndHarmNothing()
+    public static void MalformedDatagrams_AreCountedAndIgnored()
     {
         var random = new Random(Runner.Seed);
         using (var program = new MadeUpProgram())
@@ -99,7 +99,7 @@ public static class ClientTests
             var damaged = (byte[])good.Clone();
             damaged[60] ^= 4;
             bad(damaged);
-            // Sound datagrams with what no program says.
+            // Valid datagrams with contents that no program sends.
             byte[] state = MadeUpProgram.StateMessage(1);
             bad(MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key + 1, 1000, state));
             bad(MadeUpProgram.Written(DatagramKind.Alive, MadeUpProgram.Key, 1000, new byte[0]));
@@ -110,7 +110,7 @@ public static class ClientTests
                 MadeUpProgram.Finished(b, Payload.Controls, Controls.CreateControls(b).Value, 2)));
             for (int i = 0; i < 300; ++i)
             {
-                // The identifier is right, the rest is not: offsets lead anywhere.
+                // The identifier is right, the rest is not: offsets point anywhere.
                 var rubbish = new byte[12 + random.Next(200)];
                 random.NextBytes(rubbish);
                 rubbish[4] = (byte)'W';
@@ -123,7 +123,7 @@ public static class ClientTests
             var shown = new HandState();
             Check.Until(() =>
             {
-                // Again until it is seen: a datagram may be lost, and a repeated one counts once.
+                // Repeated until it is counted: a datagram may be lost, and a repeated one counts once.
                 program.Say(DatagramKind.State, 9000, MadeUpProgram.StateMessage(7));
                 return client.TryGetState(shown) && shown.Tick == 7 && handled > 0;
             }, "the client goes on");
@@ -132,12 +132,12 @@ public static class ClientTests
         }
     }
 
-    public static void States_CostNoMemory()
+    public static void States_AllocateNothing()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            program.FallSilent(); // what its WebSocket says costs memory
+            program.FallSilent(); // messages over the WebSocket allocate
             byte[] datagram = MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1, MadeUpProgram.StateMessage(1));
             DatagramHeader header = DatagramTests.HeaderOf(datagram);
             var payload = new byte[datagram.Length - Datagram.HeaderSize];
@@ -151,7 +151,7 @@ public static class ClientTests
                 int size = Datagram.Write(datagram, header, payload, 0, payload.Length);
                 client.Receive(datagram, size, MonotonicClock.NowNs());
                 client.TryGetState(state);
-                if (i == 1000) allocated = GC.GetAllocatedBytesForCurrentThread(); // everything is compiled and in place
+                if (i == 1000) allocated = GC.GetAllocatedBytesForCurrentThread(); // all code is compiled and all buffers exist
             }
             Check.Equal(States + 1000L, client.Statistics.Received, "received");
             Check.Equal(0L, GC.GetAllocatedBytesForCurrentThread() - allocated, "bytes allocated");
@@ -183,14 +183,14 @@ public static class ClientTests
         return MadeUpProgram.Finished(b, Payload.GameBodies, GameBodies.CreateGameBodies(b, 1, b.EndVector()).Value);
     }
 
-    public static void StatesOf64Bodies_CostNoMemory()
+    public static void StatesOf64Bodies_AllocateNothing()
     {
         using (var client = new WholehandClient(new ClientOptions { RateHz = 0 }))
         {
             var messages = new[] { WorldMessage(1, 64, 40), WorldMessage(2, 64, 30) };
             byte[] of64 = BodiesMessage(64);
             client.Hear(of64, of64.Length, 1);
-            var incoming = new byte[64 * 1024]; // as the thread that listens has it
+            var incoming = new byte[64 * 1024]; // as large as the buffer of the listening thread
             var hand = new HandState();
             var world = new WorldSnapshot();
             var slots = new BodySlots();
@@ -204,7 +204,7 @@ public static class ClientTests
                 Buffer.BlockCopy(message, 0, incoming, 0, message.Length);
                 client.Hear(incoming, message.Length, MonotonicClock.NowNs());
                 if (client.TryGetState(hand) && client.TryGetWorld(world)) ++copies;
-                slots.Number = 0; // as if the list had changed
+                slots.Number = 0; // forces a new copy, as if the list had changed
                 client.TryGetBodies(slots);
                 for (int s = 0; s < slots.Count; ++s) sum += world.BodyPositions[slots.PoseOf(slots.Bodies[s].Slot)].X;
                 if (i == 1000) allocated = GC.GetAllocatedBytesForCurrentThread();
@@ -217,7 +217,7 @@ public static class ClientTests
         }
     }
 
-    public static void PolledClient_RaisesEventsInPollAndLivesOnlyByIt()
+    public static void PolledClient_RaisesEventsInPollAndIsSilentWithoutIt()
     {
         using (var program = new MadeUpProgram())
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port, Polled = true }))
@@ -238,12 +238,13 @@ public static class ClientTests
             client.Poll();
             Check.Until(() => { client.Poll(); return program.Socket.Available > 0; }, "it lives");
             program.HearAlive();
-            // The game hangs: 100 ms after its last poll it says nothing more. Until it has, read it away.
+            // The game hangs: the client sends nothing from 100 ms after its last poll. Earlier datagrams are read
+            // first.
             Check.Until(() =>
             {
                 int before = program.Heartbeats;
                 while (program.Socket.Available > 0) program.HearAlive();
-                Thread.Sleep(200); // five times the pause between two
+                Thread.Sleep(200); // five times the usual interval
                 return program.Socket.Available == 0 && program.Heartbeats == before;
             }, "no sign of life while nobody polls");
             Check.True(client.Connected, "connected all the same");
@@ -251,7 +252,7 @@ public static class ClientTests
         }
     }
 
-    public static void EmergencyStop_GoesBothWaysUntilItIsSeen()
+    public static void EmergencyStop_IsSentOnBothLinesUntilAcknowledged()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
@@ -279,7 +280,7 @@ public static class ClientTests
         }
     }
 
-    public static void ArmBeforeTheFirstState_SaysSo()
+    public static void ArmBeforeTheFirstState_IsRefusedWithTheReason()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
@@ -314,7 +315,7 @@ public static class ClientTests
         }
     }
 
-    public static void HandlerThatThrows_IsReportedAndTheClientGoesOn()
+    public static void HandlerThatThrows_IsReportedAndTheClientContinues()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))

@@ -27,7 +27,7 @@ public static class DatagramTests
         return Datagram.Read(bytes, bytes.Length, out DatagramHeader header);
     }
 
-    public static void Crc32_OfTheCheckString_IsTheCataloguedOne()
+    public static void Crc32OfTheCheckString_IsThePublishedValue()
     {
         // CRC-32/ISO-HDLC: check = 0xcbf43926.
         byte[] text = Encoding.ASCII.GetBytes("123456789");
@@ -35,9 +35,9 @@ public static class DatagramTests
         Check.Equal(0xCBF43926u, Crc32.Of(text, 4, 5, Crc32.Of(text, 0, 4)), "in two parts");
     }
 
-    public static void Written_IsByteByByteWhatTheDocumentSays()
+    public static void WrittenDatagram_MatchesTheDocumentByteByByte()
     {
-        // docs/udp.md, "An example"; the C++ side is held against the same bytes.
+        // The example of docs/udp.md, "An example"; the C++ side is tested with the same bytes.
         const string Expected = "57485544020010010807060504030201" + "0500000007000000feffffffffffffff"
             + "03000000000000000400000026fe6db6" + "616263";
         byte[] datagram = Written(SomeHeader(), Encoding.ASCII.GetBytes("abc"));
@@ -65,7 +65,7 @@ public static class DatagramTests
         Check.Equal(DatagramFlaw.None, FlawOf(datagram), "at the end");
     }
 
-    public static void RandomBytes_AreNeverTakenForOne()
+    public static void RandomBytes_AreNeverAccepted()
     {
         var random = new Random(Runner.Seed);
         for (int i = 0; i < 5000; ++i)
@@ -86,7 +86,7 @@ public static class DatagramTests
     {
         var statistics = new ClientStatistics();
         statistics.BeginConversation();
-        // 1, then 3 .. 101 with latencies of 1 .. 99 ms/10, then 2 late and 101 again.
+        // Datagrams 1, then 3 .. 101 with latencies of 1 .. 99 ms/10, then 2 late and 101 again.
         Check.True(statistics.IsNewer(1), "newer");
         statistics.CountState(50000);
         for (uint i = 3; i <= 101; ++i)
@@ -99,7 +99,7 @@ public static class DatagramTests
         Check.Equal(1L, statistics.Lost, "lost");
         Check.Equal(2L, statistics.OutOfOrder, "out of order");
         Check.Near(100.0 / 101.0, statistics.Share, 1e-12, "share");
-        // Nearest rank: of 100 sorted latencies the 50th and 99th; bins of 0.01 ms.
+        // Nearest rank: the 50th and 99th of 100 sorted latencies, in bins of 0.01 ms.
         Check.Near(4.9, statistics.LatencyMs(50), 0.0101, "p50");
         Check.Near(9.8, statistics.LatencyMs(99), 0.0101, "p99");
         Check.Near(9.9, statistics.MaxLatencyMs, 1e-9, "max");
@@ -107,7 +107,7 @@ public static class DatagramTests
         Check.Near(70.0, statistics.LatencyMs(100), 1e-9, "slower than the last bin");
     }
 
-    public static void Statistics_NumbersThatWrap_AreInOrder()
+    public static void StatisticsOfWrappedNumbers_AreInOrder()
     {
         var statistics = new ClientStatistics();
         for (uint i = uint.MaxValue - 2; i != 3; i = unchecked(i + 1))

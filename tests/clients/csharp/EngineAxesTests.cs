@@ -3,8 +3,8 @@ using System.Globalization;
 using System.IO;
 using Wholehand;
 
-/// <summary>The table of axes against the engines' manuals: where forward, left and up of the person are in each, and
-/// the textbook matrices that follow: a rotation R becomes M R Mᵀ, an axial vector det(M) M v.</summary>
+/// <summary>Compares the table of axes with the engines' manuals: where forward, left and up of the person are in each,
+/// and the matrices that follow: a rotation R becomes M R Mᵀ, an axial vector det(M) M v.</summary>
 [Tests]
 public static class EngineAxesTests
 {
@@ -52,13 +52,13 @@ public static class EngineAxesTests
         return V(a.X + b.X, a.Y + b.Y, a.Z + b.Z);
     }
 
-    // M v, its columns being forward, left and up.
+    // M v; the columns of M are forward, left and up.
     private static Vector Change(Manual m, Vector v)
     {
         return Sum(Sum(Times(v.X, m.Forward), Times(v.Y, m.Left)), Times(v.Z, m.Up));
     }
 
-    // A vector turned by the textbook's matrix of a unit quaternion, which is the same in left-handed axes.
+    // Rotates a vector by the textbook's matrix of a unit quaternion, which is the same in left-handed axes.
     private static Vector Turned(Rotation q, Vector v)
     {
         var u = V(q.X, q.Y, q.Z);
@@ -103,12 +103,12 @@ public static class EngineAxesTests
                 Vector position = m.Axes.Position(v);
                 Same(there, Times((float)(1.0 / m.Unit), position), m.Name + ", position");
                 Same(v, m.Axes.PositionFrom(position), m.Name + ", position back");
-                // A torque r × f, carried over, is the cross product of what was carried over.
+                // A converted torque r × f is the cross product of the converted vectors.
                 Same(Cross(m.Axes.Polar(r), there), m.Axes.Axial(Cross(r, v)), m.Name + ", torque");
                 Same(r, m.Axes.AxialFrom(m.Axes.Axial(r)), m.Name + ", axial back");
                 float w = (float)random.NextDouble(), n = (float)Math.Sqrt(Dot(r, r) + w * w);
                 var q = new Rotation(r.X / n, r.Y / n, r.Z / n, w / n);
-                // What is turned and carried over is what is carried over and turned.
+                // Rotating and then converting gives the same as converting and then rotating.
                 Same(Change(m, Turned(q, v)), Turned(m.Axes.Orientation(q), there), m.Name + ", orientation");
                 Rotation back = m.Axes.OrientationFrom(m.Axes.Orientation(q));
                 Same(V(q.X, q.Y, q.Z), V(back.X, back.Y, back.Z), m.Name + ", orientation back");
@@ -116,7 +116,7 @@ public static class EngineAxesTests
         }
     }
 
-    public static void Document_ShowsTheTable()
+    public static void Document_ContainsTheTable()
     {
         string page = Environment.GetEnvironmentVariable("WHOLEHAND_AXES_PAGE");
         if (page == null) return;

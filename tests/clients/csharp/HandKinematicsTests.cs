@@ -3,12 +3,12 @@ using System.Collections.Generic;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>Poses of the links from a scene and joint positions: against the program's own, which it says over
-/// WebSocket, and against a crank by hand.</summary>
+/// <summary>Link poses from a scene and joint positions, compared with the program's own poses over WebSocket, and with
+/// a crank computed by hand.</summary>
 [Tests]
 public static class HandKinematicsTests
 {
-    /// <summary>Carried along x, then turned about z at y = 0.1 m.</summary>
+    /// <summary>A crank: translated along x, then rotated about z at y = 0.1 m.</summary>
     private static Scene Crank()
     {
         var b = new FlatBuffers.FlatBufferBuilder(1024);
@@ -32,7 +32,7 @@ public static class HandKinematicsTests
         return Scene.GetRootAsScene(b.DataBuffer);
     }
 
-    public static void Crank_StandsWhereItIsByHand()
+    public static void Crank_MatchesTheHandCalculation()
     {
         var hand = new HandKinematics(Crank());
         hand.Update(new[] { 0.3f, (float)(Math.PI / 2) });
@@ -75,11 +75,11 @@ public static class HandKinematicsTests
         throw new Failure("a hand without links");
     }
 
-    // Single precision through a chain of links: some 1e-6 m and rad.
-    public static void ShippedHand_IsDrawnWhereTheProgramSaysItIs()
+    // Tolerance: single precision through a chain of links, some 1e-6 m and rad.
+    public static void ShippedHand_MatchesTheProgramsLinkPoses()
     {
         if (Runner.Program == null) return;
-        using (var program = new RealProgram("--port 0")) // no datagrams: states come whole, with the links
+        using (var program = new RealProgram("--port 0")) // without datagrams, states are complete and have the links
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
         {
             HandKinematics hand = null;
@@ -109,7 +109,7 @@ public static class HandKinematicsTests
         Rotation q = hand.Orientation(link);
         Vec3 at = said.PositionM;
         QuatXyzw turn = said.OrientationXyzw;
-        double sign = turn.X * q.X + turn.Y * q.Y + turn.Z * q.Z + turn.W * q.W < 0 ? -1 : 1; // q and -q are one rotation
+        double sign = turn.X * q.X + turn.Y * q.Y + turn.Z * q.Z + turn.W * q.W < 0 ? -1 : 1; // q and -q are the same rotation
         double[] differences =
         {
             at.X - p.X, at.Y - p.Y, at.Z - p.Z, turn.X - sign * q.X, turn.Y - sign * q.Y, turn.Z - sign * q.Z, turn.W - sign * q.W

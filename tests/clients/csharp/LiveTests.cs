@@ -7,8 +7,8 @@ using Wholehand;
 using wholehand.protocol;
 using static Answers;
 
-/// <summary>The client against a running process: udp_stand_in, which is the program's own server and
-/// UDP bridge with records at 1 kHz. What its values mean: tests/station/server/udp_fake_backend.hpp.</summary>
+/// <summary>The client with a running process: udp_stand_in, which is the program's own server and UDP bridge with
+/// records at 1 kHz. Its values are explained in tests/station/server/udp_fake_backend.hpp.</summary>
 [Tests]
 public static class LiveTests
 {
@@ -24,7 +24,7 @@ public static class LiveTests
         return client;
     }
 
-    // Polls, so that polled clients live, until the state says so.
+    // Polls, so that polled clients stay alive, until the state meets the condition.
     private static void Shows(WholehandClient client, Func<HandState, bool> condition, string what)
     {
         var state = new HandState();
@@ -35,7 +35,7 @@ public static class LiveTests
         }, what);
     }
 
-    public static void AtOneKilohertz_StatesComeCompleteAndInOrder()
+    public static void StatesAtOneKilohertz_ArriveCompleteAndInOrder()
     {
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
@@ -59,7 +59,7 @@ public static class LiveTests
         }
     }
 
-    public static void ProgramWithoutDatagrams_IsPlayedByWebSocketAlone()
+    public static void ProgramWithoutDatagrams_IsUsedByWebSocketAlone()
     {
         using (var program = new StandIn("closed:0"))
         using (WholehandClient client = Connect(program))
@@ -75,7 +75,7 @@ public static class LiveTests
         }
     }
 
-    public static void LowRate_IsWhatWasAskedFor()
+    public static void LowRate_IsTheRequestedRate()
     {
         using (var program = new StandIn())
         using (WholehandClient fast = Connect(program))
@@ -95,7 +95,7 @@ public static class LiveTests
         }
     }
 
-    public static void BodiesAndContacts_ComeByWebSocketBesideTheDatagrams()
+    public static void BodiesAndContacts_ArriveByWebSocketBesideTheDatagrams()
     {
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
@@ -111,7 +111,7 @@ public static class LiveTests
         }
     }
 
-    public static void RateZero_LeavesTheStatesToTheWebSocket()
+    public static void RateZero_SendsStatesByWebSocketOnly()
     {
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program, rate: 0))
@@ -177,11 +177,11 @@ public static class LiveTests
             client.Aim(new float[3]);
             Check.Until(() => aim != "", "an aim of too few axes is refused");
             Shows(client, s => s.Values[LeadIn] == 0.005 && s.Values[Aims] == 0, "nothing changed");
-            Accepted(client.SetParameter("lead_in_m", 0.01)); // and the next is heard
+            Accepted(client.SetParameter("lead_in_m", 0.01)); // and the next order is obeyed
         }
     }
 
-    public static void SecondGame_WatchesAndMayStop()
+    public static void SecondGame_MayOnlyWatchAndStop()
     {
         using (var program = new StandIn())
         using (WholehandClient first = Connect(program))
@@ -202,7 +202,7 @@ public static class LiveTests
         }
     }
 
-    public static void GameThatHangs_LosesTheControlsUntilItTakesThemAnew()
+    public static void GameThatHangs_LosesTheControlsUntilItTakesThemAgain()
     {
         using (var program = new StandIn())
         using (WholehandClient watcher = Connect(program))
@@ -219,7 +219,7 @@ public static class LiveTests
                 Thread.Sleep(10);
             }
             Shows(watcher, s => s.Values[HolderAlive] == 1.0, "alive");
-            // Its main thread hangs; its other threads go on receiving.
+            // The main thread hangs; the other threads still receive.
             Shows(watcher, s => s.Values[HolderAlive] == 0.0, "silent");
             Check.True(game.Connected, "it is connected all the same");
             Thread.Sleep(1500);  // after a second the controls are lost
@@ -253,13 +253,13 @@ public static class LiveTests
         }
     }
 
-    public static void ProgramThatIsRestarted_IsFoundAgain()
+    public static void RestartedProgram_IsFoundAgain()
     {
         using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             Shows(client, s => true, "states");
-            program.Kill(); // without a goodbye
+            program.Kill(); // without closing the connection
             Check.Until(() => !client.Connected, "lost");
             using (var second = new StandIn(program.Port.ToString(CultureInfo.InvariantCulture)))
             {
@@ -270,7 +270,7 @@ public static class LiveTests
         }
     }
 
-    public static void WrongToken_IsRefusedInWordsAndTheRightOneIsNot()
+    public static void WrongToken_IsRefusedWithAReasonAndTheRightOneAccepted()
     {
         using (var program = new StandIn("0", "a-rather-long-secret"))
         using (WholehandClient wrong = Connect(program, token: "a-wrong-one"))

@@ -11,17 +11,17 @@ using FlatBuffers;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>The program's side of a conversation, said word by word by a test: a WebSocket (RFC 6455) of
-/// one client, and datagrams.</summary>
+/// <summary>A fake program that a test controls message by message: a WebSocket (RFC 6455) of one client, and
+/// datagrams.</summary>
 internal sealed class MadeUpProgram : IDisposable
 {
     public const ulong Key = 0x1122334455667788;
 
     public readonly Socket Socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
-    public readonly ConcurrentQueue<byte[]> Heard = new ConcurrentQueue<byte[]>(); // messages, but heartbeats
+    public readonly ConcurrentQueue<byte[]> Heard = new ConcurrentQueue<byte[]>(); // messages except heartbeats
     public uint Sequence, Rate, StopSeen;
     public EndPoint Client;
-    public volatile int Heartbeats; // by WebSocket
+    public volatile int Heartbeats; // received by WebSocket
     private readonly TcpListener listener = new TcpListener(IPAddress.Loopback, 0);
     private readonly byte[] buffer = new byte[2000];
     private TcpClient line;
@@ -43,7 +43,7 @@ internal sealed class MadeUpProgram : IDisposable
     /// <summary>Takes the next connection and welcomes it.</summary>
     public void Welcome()
     {
-        // What an earlier conversation said.
+        // Drops messages of an earlier conversation.
         EndPoint from = new IPEndPoint(IPAddress.Any, 0);
         while (Socket.Available > 0) Socket.ReceiveFrom(buffer, ref from);
         line = listener.AcceptTcpClient();
@@ -62,7 +62,7 @@ internal sealed class MadeUpProgram : IDisposable
         int port = ((IPEndPoint)Socket.LocalEndPoint).Port;
         Tell(Finished(b, Payload.Welcome,
             wholehand.protocol.Welcome.CreateWelcome(b, 1, 9, false, version, (ushort)port, Key).Value));
-        // It shows that it lives, as a program does.
+        // Sends signs of life, as a program does.
         lives = true;
         life = new Thread(Live) { IsBackground = true };
         life.Start();
@@ -78,11 +78,11 @@ internal sealed class MadeUpProgram : IDisposable
         }
         catch (Exception e) when (e is IOException || e is InvalidOperationException)
         {
-            // The client has gone.
+            // The client has closed the connection.
         }
     }
 
-    /// <summary>Says nothing any more, but keeps the line.</summary>
+    /// <summary>Sends nothing any more, but keeps the connection.</summary>
     public void FallSilent()
     {
         lives = false;
@@ -156,7 +156,7 @@ internal sealed class MadeUpProgram : IDisposable
 
     // ---- datagrams ----
 
-    /// <summary>The next datagram of that kind, and its command where it has one.</summary>
+    /// <summary>The next datagram of that kind, and its command if it has one.</summary>
     public DatagramHeader HearA(DatagramKind kind, out Command command)
     {
         while (true)

@@ -6,16 +6,16 @@ using Wholehand;
 using wholehand.protocol;
 using static Answers;
 
-/// <summary>Bodies of a game against the program itself, in a scene that has bodies of its own (game_table.toml). How they
-/// fall, follow and are put elsewhere: unity/GameBodyTests.cs, by the same client.</summary>
+/// <summary>Bodies of a game with the real program, in a scene that has its own bodies (game_table.toml).
+/// unity/GameBodyTests.cs tests with the same client how bodies fall, follow and are teleported.</summary>
 [Tests]
 public static class RealBodyTests
 {
     private const float RadiusM = 0.03f;
     private static readonly Vector Above = new Vector(0.5f, 0.3f, 0.17f);
-    private static readonly Vector OverTheHand = new Vector(0.034f, 0.0f, 0.15f); // of the hand at the device's zero
+    private static readonly Vector OverTheHand = new Vector(0.034f, 0.0f, 0.15f); // above the hand at the device's zero
 
-    /// <summary>A client that holds the controls of a program that renders.</summary>
+    /// <summary>A client that holds the controls of a rendering program.</summary>
     private sealed class Play : IDisposable
     {
         public readonly WholehandClient Client;
@@ -47,7 +47,7 @@ public static class RealBodyTests
             return found;
         }
 
-        /// <summary>Where a body is, by the list of all bodies.</summary>
+        /// <summary>Position of a body from the list of all bodies.</summary>
         public bool TryGetPlace(BodyId body, out Vector position)
         {
             position = new Vector();
@@ -76,7 +76,7 @@ public static class RealBodyTests
         }
     }
 
-    public static void Ball_ThatFallsOnTheHandTellsItsTouch()
+    public static void BallFallingOnTheHand_ReportsItsTouch()
     {
         using (var play = new Play())
         {
@@ -85,7 +85,7 @@ public static class RealBodyTests
             Accepted(play.Client.Spawn(ball));
             BodyEvent touched = play.Becomes(BodyEventKind.Touched, 1);
             Check.Equal(9u, touched.Generation, "generation");
-            // It falls 0.15 m at most: 1.7 m/s.
+            // The ball falls 0.15 m at most: 1.7 m/s.
             Check.True(touched.ImpulseNs > 0.005 && touched.ImpulseNs < 0.2 * 1.7, "impulse: " + touched.ImpulseNs);
             Check.Equal(BodyRefusal.None, touched.Refusal, "refusal");
         }
@@ -96,7 +96,7 @@ public static class RealBodyTests
         return Math.Sqrt(Math.Pow(a.X - b.X, 2) + Math.Pow(a.Y - b.Y, 2) + Math.Pow(a.Z - b.Z, 2));
     }
 
-    public static void BodiesBeyondTheSlots_AreInTheWorldAndSimulatedNearTheHand()
+    public static void RegisteredBodies_ExistAndAreSimulatedNearTheHand()
     {
         using (var play = new Play())
         {
@@ -134,7 +134,7 @@ public static class RealBodyTests
         }
     }
 
-    public static void WhatIsRefused_IsNamed()
+    public static void RefusedOrders_AreNamedWithTheReason()
     {
         using (var play = new Play(false))
         {
@@ -165,7 +165,7 @@ public static class RealBodyTests
             Check.True(spawn.Items[0].Index == 1 && spawn.Items[0].Slot == 1, "which");
             Check.Equal(BodyRefusal.NoSuchSlot, spawn.Items[1].Refusal, spawn.Items[1].Reason);
             Check.True(spawn.Items[1].Index == 2 && spawn.Items[1].Slot == 64, "which");
-            play.Becomes(BodyEventKind.Solid, 0); // the good one
+            play.Becomes(BodyEventKind.Solid, 0); // the valid order
             Accepted(play.Client.Remove(new BodyId(0, 3)));
             Check.Equal(BodyRefusal.WrongGeneration, play.Becomes(BodyEventKind.Refused, 0).Refusal, "of the loop");
             Check.True(Ended(play.Client.Spawn(new BodyToSpawn { Slot = 70000 })).Reason.Contains("70000"), "no such slot");

@@ -4,8 +4,8 @@ using System.Globalization;
 using System.Text.RegularExpressions;
 using System.Threading;
 
-/// <summary>`wholehand run`, played by its virtual patient, without a rehearsal; it ends with this process, whatever becomes of
-/// the test.</summary>
+/// <summary>Runs `wholehand run` with its virtual patient and without a rehearsal; it ends with this process, whatever
+/// happens to the test.</summary>
 public sealed class RealProgram : IDisposable
 {
     private readonly Process process;
@@ -29,7 +29,7 @@ public sealed class RealProgram : IDisposable
         }
     }
 
-    // To the end: what it prints must not fill the pipe.
+    // Reads to the end, so that the output does not fill the pipe.
     private void ReadAll()
     {
         string line;

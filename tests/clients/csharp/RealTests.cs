@@ -1,12 +1,12 @@
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>The client against the program itself: `wholehand run --udp`, the cocktail bar, played by its
-/// virtual patient.</summary>
+/// <summary>The client with the real program: `wholehand run --udp`, the cocktail bar, played by its virtual
+/// patient.</summary>
 [Tests]
 public static class RealTests
 {
-    public static void CocktailBar_ReachesTheGameCompleteAndInOrder()
+    public static void StatesOfTheCocktailBar_ArriveCompleteAndInOrder()
     {
         using (var program = new RealProgram())
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
@@ -25,7 +25,7 @@ public static class RealTests
         }
     }
 
-    public static void WithoutDatagrams_AProgramThatWasNeverArmedIsArmed()
+    public static void ProgramNeverArmed_CanBeArmedWithoutDatagrams()
     {
         using (var program = new RealProgram("--port 0 --wait"))
         using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))

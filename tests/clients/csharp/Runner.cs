@@ -3,7 +3,7 @@ using System.Collections.Generic;
 using System.Globalization;
 using System.Reflection;
 
-/// <summary>Classes of tests: every public static method without parameters is one.</summary>
+/// <summary>Marks a class of tests: every public static method without parameters is a test.</summary>
 [AttributeUsage(AttributeTargets.Class)]
 public sealed class TestsAttribute : Attribute
 {
@@ -39,7 +39,7 @@ public static class Check
         }
     }
 
-    /// <summary>Waits for what must come true, up to 300 s: no test depends on how fast the machine is.</summary>
+    /// <summary>Waits up to 300 s for a condition, so that no test depends on the speed of the machine.</summary>
     public static void Until(Func<bool> condition, string what)
     {
         DateTime end = DateTime.UtcNow.AddSeconds(300);
@@ -53,8 +53,8 @@ public static class Check
 
 public static class Latency
 {
-    /// <summary>5 ms at p99, the figure of the program; not held against it on a machine that is itself more
-    /// than 2 ms late at p99 with something as simple as waking a thread.</summary>
+    /// <summary>Checks for 5 ms at p99, the figure of the program. It is not checked on a machine that wakes a thread
+    /// more than 2 ms late at p99.</summary>
     public static void Judge(double p99Ms, double machineP99Ms)
     {
         if (p99Ms <= 5.0) return;
@@ -63,8 +63,8 @@ public static class Latency
     }
 }
 
-/// <summary>WholehandTests.exe [udp_stand_in [wholehand]]: runs all tests, those against running
-/// processes only where these are named. The exit code is the number of failures.</summary>
+/// <summary>WholehandTests.exe [udp_stand_in [wholehand]]: runs all tests; those with running processes only if these
+/// are named. The exit code is the number of failures.</summary>
 public static class Runner
 {
     public static string StandIn, Program;
@@ -100,7 +100,7 @@ public static class Runner
             }
         }
         Console.WriteLine("{0} passed, {1} failed", passed, failed);
-        // A run without tests proves nothing.
+        // A run without any test is a failure.
         return passed == 0 ? 1 : failed;
     }
 

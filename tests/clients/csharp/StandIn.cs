@@ -2,8 +2,8 @@ using System;
 using System.Diagnostics;
 using System.Globalization;
 
-/// <summary>udp_stand_in: the program's own server and UDP bridge with records at 1 kHz. What its values mean:
-/// tests/station/server/udp_fake_backend.hpp.</summary>
+/// <summary>Runs udp_stand_in: the program's own server and UDP bridge with records at 1 kHz. Its values are explained
+/// in tests/station/server/udp_fake_backend.hpp.</summary>
 public sealed class StandIn : IDisposable
 {
     private readonly Process process;
@@ -21,7 +21,7 @@ public sealed class StandIn : IDisposable
 
     public int Port { get; private set; }
 
-    /// <summary>Ends it; the lateness of its own ticks, p99 in ms.</summary>
+    /// <summary>Ends it and returns the lateness of its own ticks, p99 in ms.</summary>
     public double End()
     {
         process.StandardInput.Close();

@@ -3,11 +3,11 @@ using System.Collections.Generic;
 using System.Threading;
 using Wholehand;
 
-/// <summary>Whether the states of some seconds come complete, in order and soon.</summary>
+/// <summary>Checks that the states of some seconds arrive complete, in order and in time.</summary>
 internal static class States
 {
-    /// <summary>How late this machine wakes a thread that does nothing, p99 in ms: what a busy machine
-    /// adds to every latency.</summary>
+    /// <summary>How late this machine wakes an idle thread, p99 in ms; a busy machine adds this to every
+    /// latency.</summary>
     private sealed class Jitter
     {
         private readonly List<double> late = new List<double>();
@@ -44,7 +44,7 @@ internal static class States
         long backwards = 0, skipped = 0;
         client.StateReceived += s =>
         {
-            if (s.Tick < last) ++backwards; // the same one may come twice, where no new ones come
+            if (s.Tick < last) ++backwards; // the same state may come twice if no new one comes
             if (last != 0 && s.Tick > last + 1) skipped += (long)(s.Tick - last - 1);
             last = s.Tick;
         };
@@ -59,7 +59,7 @@ internal static class States
             seconds, received, lost, 100.0 * (1.0 - share), disorder, skipped, p50, p99, what, late);
         Check.True(share >= 0.999, "less than 99.9 % received");
         Check.Equal(0L, disorder + backwards, "out of order");
-        // A second of 1 kHz is a thousand states, whatever the machine does: late ones come in a batch.
+        // A second at 1 kHz has a thousand states on any machine: late ones come in a batch.
         Check.True(received + skipped > 0.9 * 1000 * seconds, "less than 900 ticks a second");
         Latency.Judge(p99, late);
     }

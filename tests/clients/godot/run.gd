@@ -1,5 +1,5 @@
-# One test of test_godot.py, in the game's own frames: WHOLEHAND_TEST names it, WHOLEHAND_PORT is the program's.
-# Exit code 0: passed. Lines that begin with "figure:" are measurements.
+# Runs one test of test_godot.py in the game's own frames: WHOLEHAND_TEST names it, WHOLEHAND_PORT is the program's
+# port. Exit code 0: passed. Lines that begin with "figure:" are measurements.
 extends SceneTree
 
 const Axes = preload("res://addons/wholehand/axes.gd")
@@ -13,14 +13,14 @@ const State = preload("res://addons/wholehand/state.gd")
 const World = preload("res://addons/wholehand/world.gd")
 
 const PATIENCE_MS = 90000
-# Conditions of until(), which takes both sides of an `and`.
+# Conditions for until(), whose expressions evaluate both sides of an `and`.
 const NO_BODIES = "connection.bodies.bodies.empty() and world.game_bodies.empty()"
 const HAS_STATE = "connection.state != null and connection.scene != null"
 const DRAWN = "hand.drawn_tick >= 0 and world.drawn_tick >= 0"
 const STOPPED = "_run_state() == Protocol.RunState.Stopped"
 const RENDERS = "_run_state() == Protocol.RunState.Rendering"
 
-# Godot's manual: Vector3.FORWARD is where a camera looks. Columns: away from the person, left, up.
+# Godot's manual: a camera looks along Vector3.FORWARD. Columns: away from the person, left, up.
 const FROM_PROGRAM = Basis(Vector3.FORWARD, Vector3.LEFT, Vector3.UP)
 
 var connection = Connection.new()
@@ -40,7 +40,7 @@ func _run():
 	connection.connect("replied", self, "_on_replied")
 	connection.add_child(hand)
 	connection.add_child(world)
-	# Where the program's world stands in the game's must not matter.
+	# The pose of the program's world in the game's world must not matter.
 	hand.transform = Transform(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(1, 2, -3))
 	var test = call(OS.get_environment("WHOLEHAND_TEST"))
 	if test is GDScriptFunctionState:
@@ -61,7 +61,7 @@ func check(condition, what):
 	return condition
 
 
-# Frames until an expression of this script's is true; at most 90 s, however slow the machine.
+# Runs frames until an expression of this script is true; at most 90 s, however slow the machine.
 func until(condition, what):
 	var expression = Expression.new()
 	check(expression.parse(condition) == OK, condition)
@@ -85,7 +85,7 @@ func start():
 	yield(until(HAS_STATE, "a state"), "completed")
 
 
-# ---- drawn against the program's own poses, which are in the same message ----
+# ---- drawn poses compared with the program's poses in the same message ----
 
 var worst_link = 0.0
 var worst_body = 0.0
@@ -113,7 +113,7 @@ func drawn_where_the_program_says():
 			% [compared, 1e3 * worst_link, 1e3 * worst_body, worst_turn, 1e3 * moved])
 
 
-# A frame later: the connection's reader still has the message, where it was the last.
+# One frame later, the connection's reader still has the message if it was the last.
 func _has_compared():
 	if connection.state.tick != compared_tick and connection._payload_type() == Protocol.Payload.WorldState:
 		compared_tick = connection.state.tick
@@ -123,7 +123,7 @@ func _has_compared():
 
 func _compare():
 	if hand.drawn_tick != compared_tick or world.drawn_tick != compared_tick:
-		not_drawn += 1 # while it is armed, the scene is of another session than the states
+		not_drawn += 1 # during arming, the scene belongs to another session than the states
 		return
 	var reader = connection._reader
 	var table = reader.table(reader.root(), Protocol.Message.payload)
@@ -233,9 +233,9 @@ func a_game_that_hangs_loses_the_controls():
 # ---- bodies of a game: game_table.toml, whose table's top is at 0.02 m beside the hand ----
 
 const RADIUS = 0.03
-const ABOVE = Vector3(0.5, 0.3, 0.17) # in the program's axes
+const ABOVE = Vector3(0.5, 0.3, 0.17) # position in the program's axes
 const RESTS = Vector3(0.5, 0.3, 0.05)
-const OVER_THE_HAND = Vector3(0.034, 0.0, 0.15) # at the zero of the device
+const OVER_THE_HAND = Vector3(0.034, 0.0, 0.15) # at the device's zero position
 
 var body_events = []
 var touches = []
@@ -245,7 +245,7 @@ var resting = 0
 
 
 func start_with_controls():
-	# Where the program's world stands in the game's must not matter.
+	# The pose of the program's world in the game's world must not matter.
 	world.transform = Transform(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(1, 2, -3))
 	connection.connect("body_event", self, "_on_body_event")
 	connection.connect("bodies_refused", self, "_on_bodies_refused")
@@ -267,7 +267,7 @@ func _on_bodies_refused(_command, items):
 	refused_items = items
 
 
-# The first of them that has not been asked for.
+# Waits for the next event of this kind that was not returned before.
 func becomes(what, slot):
 	yield(self, "idle_frame")
 	var end = OS.get_ticks_msec() + PATIENCE_MS
@@ -281,7 +281,7 @@ func becomes(what, slot):
 	return [what, slot, 0, 0]
 
 
-# Of the program's axes, in the game's world.
+# Converts a pose from the program's axes to the game's world.
 func placed(position, turn = Basis()):
 	return world.global_transform * Transform(FROM_PROGRAM * turn * FROM_PROGRAM.transposed(), FROM_PROGRAM.xform(position))
 
@@ -326,7 +326,7 @@ func _on_body_touched(slot, generation, impulse_ns):
 	touches.append([slot, generation, impulse_ns])
 
 
-# manual.gd: what clients/godot/README.md shows, with a ring and a world.
+# manual.gd contains the code of clients/godot/README.md, with a ring and a world.
 func the_manuals_pieces_are_played():
 	connection.free()
 	var manual = load("res://manual.gd").new()
@@ -366,7 +366,7 @@ func a_driven_body_follows_its_target():
 	own.set_meta("wholehand_body", [5, 1])
 	world.add_child(own)
 	yield(start_with_controls(), "completed")
-	# Wider to the right than high: the axes of the shape matter.
+	# The shape is wider to the right than high, so its axes matter.
 	var pieces = [Shapes.box_piece(Vector3(0.04, 0.02, 0.03)), Shapes.piece_at(Shapes.convex_piece(
 			[Vector3(0, 0, 0), Vector3(0.03, 0, 0), Vector3(0, 0.03, 0), Vector3(0, 0, 0.03)],
 			[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]), Transform(Basis(), Vector3(0, 0.02, 0)))]
@@ -397,7 +397,7 @@ func _is_at_goal():
 	return _off(5, goal) < 0.002 and (world.game_bodies[5].global_transform.basis.x - turned.x).length() < 0.01
 
 
-const NEAR = Vector3(0.1, 0.25, 0.2) # beside the hand, in reach
+const NEAR = Vector3(0.1, 0.25, 0.2) # a place in reach beside the hand
 const BESIDE = Vector3(0.1, 0.25, 0.4)
 const FAR = Vector3(3.0, 0.5, 0.0)
 const ELSEWHERE = Vector3(2.0, -0.5, 1.0)
@@ -447,7 +447,7 @@ func _is_2000_at_goal():
 	return _off(2000, goal) < 1e-4
 
 
-# All of them move, in every frame: each list reports 1,000 bodies, 20 times a second.
+# All bodies move in every frame: each list reports 1,000 bodies, 20 times a second.
 func a_thousand_bodies_are_cheap():
 	yield(start_with_controls(), "completed")
 	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
@@ -457,7 +457,7 @@ func a_thousand_bodies_are_cheap():
 			orders.append({"slot": number, "shape_set": 0, "owner": Protocol.BodyOwner.Game,
 					"position_m": Vector3(3, 0.003 * (number - 1500), 0)})
 		var answer = yield(answered(connection.spawn_bodies(orders), "spawn"), "completed")
-		while not answer[0] and "controls" in answer[1]: # a slow machine loses them: they are taken again
+		while not answer[0] and "controls" in answer[1]: # on a slow machine the controls are lost and taken again
 			yield(answered(connection.take_controls(), "take the controls again"), "completed")
 			answer = yield(answered(connection.spawn_bodies(orders), "spawn"), "completed")
 		check(answer[0], "spawn: %s" % answer[1])
@@ -509,7 +509,7 @@ func refused_orders_say_why():
 			{"slot": 64, "shape_set": 0, "position_m": ABOVE}]), "two of three", "within 5 m"), "completed")
 	check(refused_items.size() == 2 and refused_items[0].item == 1 and refused_items[0].refusal == Protocol.BodyRefusal.BadPose
 			and refused_items[1].slot == 64 and refused_items[1].refusal == Protocol.BodyRefusal.NoSuchSlot, "items: %s" % [refused_items])
-	yield(becomes("solid", 0), "completed") # the good one
+	yield(becomes("solid", 0), "completed") # the valid order
 	yield(accepted(world.remove_body(0, 3), "remove another"), "completed")
 	var event = yield(becomes("refused", 0), "completed")
 	check(event[3] == Protocol.BodyRefusal.WrongGeneration, "by the loop: %s" % [event])
@@ -517,7 +517,7 @@ func refused_orders_say_why():
 	yield(refused(world.remove_body(0, 1), "remove without the controls", "controls"), "completed")
 
 
-# ---- a program that goes and comes ----
+# ---- a program that ends and is restarted ----
 
 var news = []
 
@@ -554,12 +554,12 @@ func nobody_there_is_told_once():
 	check(news.size() == 1 and not news[0][0] and "no connection to 127.0.0.1" in news[0][1], "reported: %s" % [news])
 
 
-# ---- rubbish ----
+# ---- damaged messages ----
 
 func damaged_messages_are_ignored():
 	yield(start(), "completed")
 	yield(until(DRAWN, "a whole state"), "completed")
-	var kept = [] # a whole scene and a whole state
+	var kept = [] # a complete scene and a complete state
 	for payload in [Protocol.Payload.WorldState, Protocol.Payload.Scene]:
 		kept.append(yield(_next_message(payload), "completed"))
 	seed(int(OS.get_environment("WHOLEHAND_SEED")))
@@ -570,7 +570,7 @@ func damaged_messages_are_ignored():
 			message = message.subarray(0, randi() % message.size())
 		else:
 			message[randi() % message.size()] = randi() % 256
-		# Read, not shown: a changed number is still a number.
+		# It is read but not shown: a changed number is still a valid number.
 		var reader = Reader.new()
 		reader.open(message)
 		var table = reader.table(reader.root(), Protocol.Message.payload)
@@ -582,7 +582,7 @@ func damaged_messages_are_ignored():
 			changed += 1
 	check(changed > 0, "some were found to be damaged")
 	print("figure: %d damaged messages, %d found so" % [int(OS.get_environment("WHOLEHAND_MUTATIONS")), changed])
-	# Those that reach the connection are counted.
+	# Damaged messages that reach the connection are counted.
 	connection._reader.open(PoolByteArray([1, 2, 3]))
 	connection._hear()
 	check(connection.ignored == 1, "counted")
@@ -599,7 +599,7 @@ func _next_message(payload):
 	return reader._bytes.data_array
 
 
-# ---- what a scene looks like ----
+# ---- meshes of a scene ----
 
 func every_shape_has_its_mesh():
 	var mine = Spatial.new()
@@ -624,7 +624,7 @@ func every_shape_has_its_mesh():
 	check(hand.link("thumb_ip_flexion") == hand.links[18] and hand.link("tail") == null, "links by name")
 
 
-# Half of what a shape takes up along the program's x, y, z; round shapes lie along z.
+# Half extents of a shape along the program's x, y, z; round shapes lie along z.
 func _half_extents(shape):
 	match shape.type:
 		Protocol.ShapeType.Box:
@@ -648,7 +648,7 @@ func _extents_fit(shape, mesh, turn):
 		return false
 	var expected = FROM_PROGRAM.xform(_half_extents(shape)).abs()
 	var box = Transform(turn, Vector3()).xform(mesh.get_aabb())
-	return (0.5 * box.size - expected).length() < 0.02 * expected.length() # round shapes have corners
+	return (0.5 * box.size - expected).length() < 0.02 * expected.length() # round shapes are approximated by corners
 
 
 func _check_capsule(capsule):
@@ -680,7 +680,7 @@ func a_predicted_hand_is_ahead_of_the_state():
 	check(hand.drawn_tick == connection.state.tick and _ahead() < 1e-6, "it is drawn where the state says")
 
 
-# From where the state itself would be drawn.
+# Distance from the position where the state itself would be drawn.
 func _ahead():
 	var at = hand.links[3].transform.origin
 	hand._draw(connection.state.theta)
@@ -722,7 +722,7 @@ func axes_are_godots():
 		var q = Quat(rand_range(-1, 1), rand_range(-1, 1), rand_range(-1, 1), rand_range(0.1, 1)).normalized()
 		check((FROM_PROGRAM.xform(v) - Axes.to_godot(v)).length() < 1e-6, "a vector")
 		check((Axes.from_godot(Axes.to_godot(v)) - v).length() < 1e-6, "and back")
-		# What is turned and converted is what is converted and turned.
+		# Rotating and then converting gives the same as converting and then rotating.
 		check((Axes.quat_to_godot(q).xform(Axes.to_godot(v)) - Axes.to_godot(q.xform(v))).length() < 1e-5, "a rotation")
 		check((Axes.quat_from_godot(Axes.quat_to_godot(q)).xform(v) - q.xform(v)).length() < 1e-5, "and back")
 

@@ -1,4 +1,4 @@
-# The addon's predictor (test_prediction.py): WHOLEHAND_JOB names the job, WHOLEHAND_ANSWER the file to write.
+# Runs the addon's predictor (test_prediction.py): WHOLEHAND_JOB names the job, WHOLEHAND_ANSWER the file to write.
 extends SceneTree
 
 const MotionPredictor = preload("res://addons/wholehand/motion_predictor.gd")

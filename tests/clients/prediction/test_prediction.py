@@ -1,5 +1,5 @@
-"""What clients draw by prediction against where the hand really is: human motion that the program has recorded, on a line
-whose datagrams take 1 to 21 ms and of which 2 % are lost. The same states go through the predictors of all clients.
+"""Compares predicted drawing of clients with the true hand positions: human motion recorded by the program, on a line
+whose datagrams take 1 to 21 ms; 2 % are lost. The predictors of all clients get the same states.
 
 test_prediction.py BUILD <folder to build in> [Class.test]. Without mono or godot3-server their tests are skipped."""
 import json
@@ -11,7 +11,7 @@ import subprocess
 import sys
 import unittest
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than these matrices
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more time than these small matrices
 import numpy  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -20,8 +20,8 @@ FULL = os.environ.get("WHOLEHAND_FULL") == "1"
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1")) % 2**32
 PERIOD_S = 0.001
 BASE_S, JITTER_S, LOST = 0.001, 0.02, 0.02
-STAMP_LATE_S = 0.002       # the program stamps a state at most so long after its tick
-CLOCK_DIFFERENCE_NS = 7_000_000_000_123  # of the client's machine
+STAMP_LATE_S = 0.002       # largest delay of a state's time stamp after its tick
+CLOCK_DIFFERENCE_NS = 7_000_000_000_123  # offset of the client's clock
 FRAME_S = 1 / 60
 LARGEST_M = 0.002          # p99
 
@@ -45,16 +45,16 @@ class Recorded:
 
 
 class Run:
-    """The states that reach a client, frame by frame, and the truth at each frame."""
+    """The states that reach a client, frame by frame, and the true position at each frame."""
 
     def __init__(self, recorded, rate_hz, draws, once_a_frame=False, polled=False):
-        """@param once_a_frame only the newest state of each frame is taken @param polled arrivals are noticed by frames, half of one late on average"""
+        """@param once_a_frame only the newest state of each frame is used @param polled arrivals are noticed once per frame, half a frame late on average"""
         ticks = numpy.arange(0, len(recorded.theta), 1000 / rate_hz).astype(int)
         ticks = ticks[draws.random(len(ticks)) >= LOST]
         sent_s = ticks * PERIOD_S + draws.uniform(0, STAMP_LATE_S, len(ticks))
         received_s = sent_s + BASE_S + draws.uniform(0, JITTER_S, len(ticks))
         order = numpy.argsort(received_s, kind="stable")
-        order = order[order >= numpy.maximum.accumulate(order)]  # later ones that came before are newer
+        order = order[order >= numpy.maximum.accumulate(order)]  # a state that arrives after a newer one is dropped
         self.at_s = numpy.arange(0.3 + draws.uniform(0, FRAME_S), (len(recorded.theta) - 10) * PERIOD_S, FRAME_S)
         self.frames, next_state = [], 0
         for at_s in self.at_s:
@@ -85,7 +85,7 @@ def by_python(runs):
 
 
 def by_newest(runs):
-    """Without prediction: what is drawn is the newest state."""
+    """Without prediction: the newest state is drawn."""
     answers = []
     for run in runs:
         newest, joints = None, []
@@ -127,7 +127,7 @@ def setUpModule():
 
 
 def furthest_m(runs, answers):
-    """Of every frame, the link that is drawn furthest from where it is."""
+    """For every frame, the largest distance of a drawn link from its true position."""
     off = []
     for run, joints in zip(runs, answers):
         drawn, truth = (HAND.link_poses(theta)[..., :3, 3] for theta in (joints, run.truth))
@@ -142,11 +142,11 @@ class Predicted(unittest.TestCase):
             off, as_it_comes = furthest_m(runs, answers), furthest_m(runs, by_newest(runs))
             print(f"figure: {client}, {name}: links off by {1e3 * numpy.percentile(off, 99):.2f} mm at p99, {1e3 * off.max():.1f} mm "
                   f"at worst; drawn as states come {1e3 * numpy.percentile(as_it_comes, 99):.2f} mm at p99, {len(off)} frames")
-            if "noticed by frames" not in name:  # there the age of a state is not known better than to a frame
+            if "noticed by frames" not in name:  # there the age of a state is known only within a frame
                 self.assertLessEqual(numpy.percentile(off, 99), LARGEST_M, name)
             self.assertGreater(numpy.percentile(as_it_comes, 99), LARGEST_M, f"{name}: there is nothing to predict")
             self.assertLess(numpy.percentile(off, 99), 0.7 * numpy.percentile(as_it_comes, 99), name)
-            # The same as in Python, but for single precision, which the parabola enlarges.
+            # The same as in Python within single precision, whose error the parabola enlarges.
             for answer, expected in zip(answers, by_python(runs)):
                 self.assertLess(abs(answer - expected).max(), 2e-5, name)
 
@@ -176,7 +176,7 @@ class Predicted(unittest.TestCase):
 
 
 class Ends(unittest.TestCase):
-    """What a line cannot show by chance, in closed form."""
+    """Limit cases in closed form, which a random line does not show."""
 
     def moving(self, speed, from_s=0.0, until_s=0.1, session=1, late_s=0.0):
         motion = self.motion
@@ -190,27 +190,27 @@ class Ends(unittest.TestCase):
     def at(self, time_s):
         return self.motion.joints(int(1e9 * time_s) + CLOCK_DIFFERENCE_NS)[0]
 
-    def test_nothing_is_known_before_the_first_state(self):
+    def test_no_prediction_before_the_first_state(self):
         self.assertIsNone(self.motion.joints(0))
         self.moving(1.0, until_s=0.0)
         self.assertEqual(self.at(1.0), 0.0)
 
-    def test_an_even_motion_goes_on_for_50_ms_and_returns_after_100(self):
+    def test_even_motion_is_extrapolated_for_50_ms_and_returns_after_100(self):
         self.moving(2.0)
         for ahead_s, expected in ((0.0, 0.2), (0.02, 0.24), (0.05, 0.3), (0.1, 0.3), (0.175, 0.25), (0.25, 0.2), (9.0, 0.2)):
             self.assertAlmostEqual(self.at(0.1 + ahead_s), expected, 6, f"{ahead_s} s ahead")
 
-    def test_the_fastest_delivery_says_how_old_a_state_is(self):
+    def test_age_of_a_state_is_measured_from_the_fastest_delivery(self):
         self.moving(2.0, until_s=0.05)
-        self.moving(2.0, from_s=0.051, until_s=0.1, late_s=0.03)  # slow ones change nothing of it
+        self.moving(2.0, from_s=0.051, until_s=0.1, late_s=0.03)  # slow states do not change the estimate
         self.assertAlmostEqual(self.at(0.13), 0.26, 6)
 
-    def test_a_clock_that_has_gone_away_is_forgotten_after_4_s(self):
+    def test_drifted_clock_is_corrected_after_4_s(self):
         self.moving(0.5, until_s=0.05)
         self.moving(0.5, from_s=0.051, until_s=5.0, late_s=0.03)
         self.assertAlmostEqual(self.at(5.03), 2.5, 6)
 
-    def test_another_session_begins_anew(self):
+    def test_new_session_restarts_the_prediction(self):
         self.moving(2.0)
         self.moving(-1.0, from_s=0.05, until_s=0.05, session=2)
         self.assertAlmostEqual(self.at(0.06), -0.05, 6)

@@ -1,5 +1,5 @@
-// The rigs of Python's VectorRig on their threads, without Python: what ThreadSanitizer can see of
-// them. tests/apps/test_rig.py runs them inside Python.
+// The rigs of Python's VectorRig on their threads, without Python, for ThreadSanitizer.
+// tests/apps/test_rig.py runs them inside Python.
 #include "simulated_rig.hpp"
 #include "support/figure.hpp"
 
@@ -13,7 +13,7 @@
 namespace wholehand::python {
 namespace {
 
-constexpr int kRigs = 5;  // more than threads: a thread takes a second one
+constexpr int kRigs = 5;  // more rigs than threads, so that a thread takes a second rig
 
 RigFiles exerciseFiles() {
   RigFiles from;
@@ -33,8 +33,8 @@ std::unique_ptr<RigVector> makeRigs(int threads) {
   return rigs;
 }
 
-// What VectorRig does between resets: a few steps, with and without aims, and a rig that begins
-// anew while the others go on.
+// Acts like VectorRig between resets: some steps with and without aims, and a rig that is reset
+// while the others continue.
 void play(RigVector& rigs) {
   rigs.run(20);
   AxisPosition aim = rigs.records()[0].q_m;
@@ -52,7 +52,7 @@ void expectSameBits(const Array& a, const Array& b) {
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
 }
 
-TEST(RigVector, StepsOnThreads_HaveTheBitsOfOneThread) {
+TEST(RigVector, StepsOnThreads_AreBitIdenticalToOneThread) {
   const auto alone = makeRigs(1);
   const auto many = makeRigs(3);
   ASSERT_EQ(many->threads(), 3);
@@ -72,7 +72,7 @@ TEST(RigVector, StepsOnThreads_HaveTheBitsOfOneThread) {
   EXPECT_NE(many->records()[0].q_s[0], many->records()[3].q_s[0]) << "aimed and not aimed";
 }
 
-TEST(RigVector, ARigWithoutReset_DoesNotRunAndOthersDo) {
+TEST(RigVector, RigWithoutReset_DoesNotRunWhileOthersDo) {
   const auto rigs = test::orThrow(RigVector::load(exerciseFiles(), 3, 2));
   test::orThrow(rigs->resetOne(0, 1));  // the others were never reset
   test::orThrow(rigs->resetOne(2, 1));
@@ -82,7 +82,7 @@ TEST(RigVector, ARigWithoutReset_DoesNotRunAndOthersDo) {
   EXPECT_EQ(rigs->records()[2].tick, 9U);
 }
 
-TEST(RigVector, NoMoreThreadsThanRigs) {
+TEST(RigVector, ThreadCount_IsAtMostTheNumberOfRigs) {
   EXPECT_EQ(test::orThrow(RigVector::load(exerciseFiles(), 2, 8))->threads(), 2);
 }
 

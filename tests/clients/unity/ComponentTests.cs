@@ -10,11 +10,12 @@ using Wholehand.Unity.Editor;
 using Wholehand.Unity.Samples;
 using wholehand.protocol;
 
-/// <summary>What components build, and what they say when something is wrong.</summary>
+/// <summary>The objects that components build, and their error messages.</summary>
 [Tests]
 public static class ComponentTests
 {
-    // In closed form, or of a convex mesh by the program's own triangles, counter-clockwise in right-handed axes.
+    // Volume in closed form, or for a convex mesh from the program's own triangles, which are counter-clockwise in
+    // right-handed axes.
     private static double Volume(Shape s)
     {
         switch (s.Type)
@@ -40,7 +41,7 @@ public static class ComponentTests
         using (var truth = new Truth(program.Port))
         using (var game = new Game(program.Port, true))
         {
-            // A mug of the game's own, whose look stays.
+            // The game has its own mug, whose look is kept.
             var mug = new GameObject("my mug");
             mug.transform.SetParent(game.World.transform, false);
             mug.AddComponent<WholehandBody>().BodyName = "mug";
@@ -73,7 +74,7 @@ public static class ComponentTests
             for (int s = 0; s < drawn.Length; ++s)
             {
                 Shape shape = body.Shapes(s).Value;
-                // Corners on the surface: a round shape loses some percent of its volume, an edged one nothing.
+                // The corners lie on the surface: a round shape loses some percent of its volume, an edged one nothing.
                 bool round = shape.Type != ShapeType.Box && shape.Type != ShapeType.ConvexMesh;
                 double expected = Volume(shape);
                 Check.Near(round ? 0.98 * expected : expected, Wholehand.Unity.Tests.ShapeMeshesTests.Volume(drawn[s].sharedMesh), (round ? 0.02 : 1e-4) * expected,
@@ -87,7 +88,7 @@ public static class ComponentTests
         Check.True(meshes > 0, "a convex mesh is among them");
     }
 
-    // Both ends of every capsule, drawn and for physics, against the scene's in its link.
+    // Compares both ends of every capsule, drawn and for physics, with the scene's capsule in its link.
     private static void ExpectCapsules(Game game, Scene scene)
     {
         CapsuleCollider[] colliders = game.Hand.GetComponentsInChildren<CapsuleCollider>(true);
@@ -113,7 +114,7 @@ public static class ComponentTests
         }
     }
 
-    // Bodies of Unity's physics are where the links are drawn, one state later at most, and have a speed.
+    // Bodies of Unity's physics are where the links are drawn, at most one state later, and have a velocity.
     private static void ExpectPhysics(Game game)
     {
         double fastest = 0, furthest = 0;
@@ -149,7 +150,7 @@ public static class ComponentTests
         Check.Near(x.Upper - x.Lower, Math.Abs(Gizmos.LastCubeSize.z), 1e-6, "depth");
     }
 
-    public static void Bar_TakesTheControlsArmsStopsAndLoadsAnotherScene()
+    public static void BarGame_TakesTheControlsArmsStopsAndLoadsAnotherScene()
     {
         using (var program = new RealProgram("--udp 0 --port 0 --wait"))
         {
@@ -220,7 +221,7 @@ public static class ComponentTests
         }, what);
     }
 
-    // For one frame, as a button does.
+    // Presses a key for one frame.
     private static void Press(string button, Func<bool> condition, string what)
     {
         GUILayout.Press = button;
@@ -245,7 +246,7 @@ public static class ComponentTests
         }
     }
 
-    public static void ComponentsWithoutConnection_SayWhatToDo()
+    public static void ComponentsWithoutConnection_ReportWhatToDo()
     {
         Behaviour made = null;
         ExpectError(() => made = new GameObject("lost hand").AddComponent<WholehandHand>(), () => made,
@@ -266,7 +267,7 @@ public static class ComponentTests
         }, () => made, "Wholehand Connection on fast", "0 to 1000 Hz");
     }
 
-    public static void ProgramThatSaysNothingOfLinks_IsNamedOnce()
+    public static void ProgramWithoutLinks_IsReportedOnce()
     {
         using (var program = new StandIn())
         using (var game = new Game(program.Port))
@@ -280,7 +281,7 @@ public static class ComponentTests
         }
     }
 
-    public static void ComponentThatAHandlerDisables_EndsQuietly()
+    public static void ComponentDisabledByAHandler_EndsWithoutErrors()
     {
         using (var program = new StandIn())
         using (var game = new Game(program.Port))
@@ -293,9 +294,9 @@ public static class ComponentTests
         }
     }
 
-    public static void NoProgram_IsReportedAndLooksForOne()
+    public static void MissingProgram_IsReportedAndSearchedFor()
     {
-        using (var game = new Game(1)) // nobody listens at port 1
+        using (var game = new Game(1)) // no program listens at port 1
         {
             game.FramesUntil(() => game.Connection.Message.Contains("no connection to 127.0.0.1:1"), "the message");
             Check.True(!game.Connection.HasState && game.Hand.LinkCount == 0, "nothing is drawn");
@@ -341,7 +342,7 @@ public static class ComponentTests
         }
     }
 
-    // Those that Unity's test runner would run, by NUnit's attributes.
+    // Runs the tests that Unity's test runner would run, found by NUnit's attributes.
     public static void PackagesOwnTests_Pass()
     {
         int passed = 0;

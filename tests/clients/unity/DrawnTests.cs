@@ -9,7 +9,7 @@ using UnityEngine;
 using UnityEngine.Headless;
 using Wholehand;
 
-/// <summary>What a game draws against what the program says.</summary>
+/// <summary>Compares the drawn poses of a game with the program's.</summary>
 [Tests]
 public static class DrawnTests
 {
@@ -47,7 +47,7 @@ public static class DrawnTests
         return frames;
     }
 
-    /// <summary>What is drawn in some seconds at 60 Hz.</summary>
+    /// <summary>Draws for some seconds at 60 Hz and returns the frames.</summary>
     private static List<Drawn> Draw(Game game, double seconds, bool predictsEveryOther = false)
     {
         var frames = new List<Drawn>();
@@ -64,7 +64,7 @@ public static class DrawnTests
             });
             Thread.Sleep(15);
         }
-        Thread.Sleep(100); // until the truth of the last frames has come
+        Thread.Sleep(100); // waits for the true states of the last frames
         Game.NoErrors();
         return frames;
     }
@@ -80,7 +80,7 @@ public static class DrawnTests
         return worst;
     }
 
-    // Angles in between two states are not known: only a frame of the very tick is compared.
+    // Angles between two states are not known: only a frame of exactly the same tick is compared.
     private static double MostTurned(Truth.Frame[] drawn, Truth.Frame[] truth)
     {
         double worst = 0;
@@ -107,7 +107,7 @@ public static class DrawnTests
             turned = Math.Max(turned, MostTurned(drawn, of(before.Tick == tick ? before : after)));
         }
 
-        /// <summary>2 mm, the figure of the program; of the angles single precision is all that is left.</summary>
+        /// <summary>Checks for 2 mm, the figure of the program; angles may differ by single precision only.</summary>
         public string Judge(string what)
         {
             Check.True(off.Count > 30 && ofTheTick > 2, what + ": compared " + off.Count + " frames, " + ofTheTick + " of the tick");
@@ -127,7 +127,7 @@ public static class DrawnTests
         return most;
     }
 
-    public static void Hand_IsWhereTheProgramSaysItIs()
+    public static void Hand_MatchesTheProgramsPoses()
     {
         using (var program = new RealProgram())
         using (var truth = new Truth(program.Port))
@@ -146,7 +146,7 @@ public static class DrawnTests
         }
     }
 
-    // Of each frame, how far the link that is furthest off is from where the program has it at the time of the frame.
+    // For each frame, the largest distance of a link from its true position at the time of the frame.
     private static List<double> OffNow(Truth truth, IEnumerable<Drawn> frames)
     {
         var off = new List<double>();
@@ -162,7 +162,7 @@ public static class DrawnTests
         return off;
     }
 
-    public static void PredictedHand_IsWhereItIsNow()
+    public static void PredictedHand_MatchesThePresentPose()
     {
         using (var program = new RealProgram())
         using (var truth = new Truth(program.Port))
@@ -170,7 +170,7 @@ public static class DrawnTests
         {
             game.Connection.RateHz = 0; // 60 states a second by WebSocket
             game.FramesUntilDrawn();
-            List<Drawn> frames = Draw(game, 5, true); // both see the same motion
+            List<Drawn> frames = Draw(game, 5, true); // with and without prediction see the same motion
             List<double> asTheyCome = OffNow(truth, frames.Where((f, i) => i % 2 == 0)),
                 predicted = OffNow(truth, frames.Where((f, i) => i % 2 == 1));
             Check.True(Moved(frames, d => d.Links[3]) > 0.01, "the hand moves");
@@ -184,7 +184,7 @@ public static class DrawnTests
         }
     }
 
-    public static void ManyBodies_AreWhereTheProgramSaysTheyAreAndAllocateNothing()
+    public static void ManyBodies_MatchTheProgramsPosesAndAllocateNothing()
     {
         using (var program = new RealProgram("--udp 0 --port 0 --scene " + ManyBodies()))
         using (var truth = new Truth(program.Port))
@@ -192,7 +192,7 @@ public static class DrawnTests
         {
             game.FramesUntilDrawn();
             Check.Equal(Cubes + 2, game.World.BodyCount, "bodies");
-            List<Drawn> frames = Draw(game, 1.5); // warm afterwards
+            List<Drawn> frames = Draw(game, 1.5); // afterwards all code is compiled
             var bodies = new Comparison();
             foreach (Drawn drawn in frames) bodies.Add(truth, drawn.WorldTick, drawn.Bodies, p => p.Bodies);
             double moved = Moved(frames, d => d.Bodies[1]);

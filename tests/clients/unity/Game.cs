@@ -4,7 +4,7 @@ using UnityEngine;
 using UnityEngine.Headless;
 using Wholehand.Unity;
 
-/// <summary>A game with a connection, a hand and a world, that stand somewhere and turned in the game's own world; run
+/// <summary>A game with a connection, a hand and a world, translated and rotated in the game's own world; it is run
 /// frame by frame.</summary>
 internal sealed class Game : IDisposable
 {
@@ -57,7 +57,7 @@ internal sealed class Game : IDisposable
         NoErrors();
     }
 
-    /// <summary>What so many frames allocate, of which `each` is called behind each, uncounted.</summary>
+    /// <summary>Bytes that so many frames allocate; `each` is called after each frame and not counted.</summary>
     public static long AllocatedIn(int frames, Action each)
     {
         long sum = 0;

@@ -7,8 +7,9 @@ using Wholehand;
 using Wholehand.Unity;
 using wholehand.protocol;
 
-/// <summary>Bodies that a game spawns by the package's components, against the program itself (game_table.toml: a table
-/// beside the hand, its top at 0.02 m). Places are those of the game's world, in which Wholehand stands turned.</summary>
+/// <summary>Bodies that a game spawns with the package's components, with the real program (game_table.toml: a table
+/// beside the hand, its top at 0.02 m). Positions are in the game's world, in which Wholehand's world is
+/// rotated.</summary>
 [Tests]
 public static class GameBodyTests
 {
@@ -35,7 +36,7 @@ public static class GameBodyTests
             Truth = new Truth(program.Port);
         }
 
-        /// <summary>Frames go on while a game waits.</summary>
+        /// <summary>Runs frames while the game waits for an answer.</summary>
         public CommandReply Ended(Task<CommandReply> command)
         {
             Game.FramesUntil(() => command.IsCompleted, "the command is answered");
@@ -70,7 +71,7 @@ public static class GameBodyTests
         }
     }
 
-    public static void Ball_FallsRestsIsDrawnAndRemoved()
+    public static void SpawnedBall_FallsRestsIsDrawnAndRemoved()
     {
         int meshesBefore = Mesh.Alive;
         using (var play = new Play(true))
@@ -124,13 +125,13 @@ public static class GameBodyTests
         Check.Near(0, (at.At - before.Bodies[3].At).magnitude, 1e-4, "where the program has it");
     }
 
-    // A scene without bodies of its own: there, too, the last body that leaves is not drawn any more.
+    // A scene without its own bodies: there, too, the last body that leaves must no longer be drawn.
     public static void DrivenBody_FollowsItsTargetWithTheGamesOwnLook()
     {
         using (var play = new Play(false, Environment.GetEnvironmentVariable("WHOLEHAND_CONFIG") + "/exercises/game-scene.toml"))
         {
             WholehandWorld world = play.Game.World;
-            // Twice as wide to the right as it is high: the axes of the shape matter.
+            // The shape is twice as wide to the right as it is high, so its axes matter.
             play.Accepted(world.PrepareShapes(4, BodyShapes.Box(new Vector3(0.04f, 0.02f, 0.03f)),
                 BodyShapes.Convex(ShapeMeshes.Box(new Vector3(0.01f, 0.01f, 0.01f))).At(new Vector3(0, 0.02f, 0), Quaternion.identity)));
             var own = new GameObject("my cart").AddComponent<WholehandBody>();
@@ -159,7 +160,7 @@ public static class GameBodyTests
         }
     }
 
-    public static void BodiesBeyondTheSlots_AreOneObjectInAndOutOfReach()
+    public static void RegisteredBody_IsTheSameObjectInAndOutOfReach()
     {
         using (var play = new Play(true))
         {
@@ -203,7 +204,7 @@ public static class GameBodyTests
         return drawn && (drawn.transform.position - place).magnitude < 1e-4;
     }
 
-    // What the program made of the shapes, by volume: a box in closed form, and one of 12 triangles with 8 corners.
+    // Compares the program's shapes by volume: a box in closed form, and a mesh of 12 triangles with 8 corners.
     private static void ExpectPieces(Play play)
     {
         Check.True(play.Game.Connection.Client.TryGetShapes(play.Game.Connection.Bodies.Shapes[0], out GameShapes shapes), "shapes");
@@ -215,7 +216,7 @@ public static class GameBodyTests
         Check.Near(0.02, mesh.InBody.Value.PositionM.Z - box.InBody.Value.PositionM.Z, 1e-6, "0.02 m above the box");
     }
 
-    public static void WhatIsRefused_SaysWhy()
+    public static void RefusedOrders_ReportTheReason()
     {
         using (var play = new Play())
         {
@@ -245,7 +246,7 @@ public static class GameBodyTests
             play.Accepted(world.PrepareShapes(0, BodyShapes.Box(new Vector3(0.02f, 0.02f, 0.02f))));
             for (uint i = 0; i < 64; ++i)
             {
-                // A grid beside the hand; fixed, so that no budget of moving bodies counts.
+                // A grid of fixed bodies beside the hand; fixed bodies do not count for the budget of moving ones.
                 var at = new Vector(0.4f + 0.03f * (i % 8), 0.2f + 0.03f * (i / 8), 0.3f);
                 play.Accepted(world.Spawn(new BodyToSpawn { Slot = i, Owner = BodyOwner.Fixed }, play.InGame(at), world.transform.rotation));
             }

@@ -4,7 +4,7 @@ using UnityEngine;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>Where the program itself says that links and bodies are, by a client of its own on the WebSocket, in
+/// <summary>The program's own poses of links and bodies, received by a separate client over WebSocket and converted to
 /// Unity's axes by hand: (-y, z, x).</summary>
 internal sealed class Truth : IDisposable
 {
@@ -15,7 +15,7 @@ internal sealed class Truth : IDisposable
         public Frame[] Links, Bodies;
     }
 
-    /// <summary>A place and two directions fixed in what is there: the program's x and y, in Unity's axes.</summary>
+    /// <summary>A position and two directions fixed in an object: the program's x and y, in Unity's axes.</summary>
     internal struct Frame
     {
         public Vector3 At, X, Y;
@@ -27,7 +27,7 @@ internal sealed class Truth : IDisposable
             Y = Turned(pose.OrientationXyzw, 0, 1, 0);
         }
 
-        /// <summary>Of something drawn, in the axes of <paramref name="frame"/>.</summary>
+        /// <summary>The frame of a drawn object, in the axes of <paramref name="frame"/>.</summary>
         public Frame(Transform drawn, Transform frame)
         {
             Quaternion back = Quaternion.Inverse(frame.rotation);
@@ -36,7 +36,7 @@ internal sealed class Truth : IDisposable
             Y = back * drawn.rotation * new Vector3(-1, 0, 0);
         }
 
-        // Rows of the textbook's matrix, then (-y, z, x).
+        // Rows of the textbook's rotation matrix, then (-y, z, x).
         private static Vector3 Turned(QuatXyzw q, float x, float y, float z)
         {
             float vx = (1 - 2 * (q.Y * q.Y + q.Z * q.Z)) * x + 2 * (q.X * q.Y - q.Z * q.W) * y + 2 * (q.X * q.Z + q.Y * q.W) * z;
@@ -81,8 +81,8 @@ internal sealed class Truth : IDisposable
         }
     }
 
-    /// <summary>The two neighbours of a moment and how far it is between them; false where they are more than 25 ms
-    /// apart, or there are none.</summary>
+    /// <summary>The two states around a moment, and the moment's share of the time between them; false if they are more
+    /// than 25 ms apart or do not exist.</summary>
     public bool Around(Func<Place, long> clock, double ticksPerSecond, long moment, out Place before, out Place after,
         out float share)
     {

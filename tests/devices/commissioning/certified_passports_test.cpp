@@ -1,6 +1,6 @@
-// Random true axes are measured; gains that hold their certificate at the worst corners of what was
-// measured are then rendered on the true axis, with random passive persons and objects: none
-// becomes unstable. The loop is that of tests/loop/control (AxisSimulation).
+// Measures random true axes and renders gains on each of them whose certificate holds at the worst
+// corners of the measured intervals. Persons and objects are random and passive. No loop may become
+// unstable. The loop is that of tests/loop/control (AxisSimulation).
 #include "certify/certified_sets.hpp"
 #include "devices/commissioning/identification/identify_axis.hpp"
 #include "devices/commissioning/passport.hpp"
@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kTicks = 4000;
 
-// The stiffest gains on a fixed ladder that hold at every corner; nothing: none do.
+// The stiffest gains of a fixed series whose certificate holds at every corner; none if no gains
+// do.
 std::optional<AxisCase> certifiedGains(const DeviceModel& file, const Passport& passport,
                                        AxisDraw& draw) {
   AxisCase c;
@@ -50,7 +51,7 @@ DeviceModel fileOf(const RandomAxis& axis) {
   a.speed_limit = 1.5;
   a.effort_slew_limit = 1e6;
   a.mass = axis.stated_mass;             // wrong by up to 40 %
-  a.damping = 4.0 * axis.plant.damping;  // promises what is not there
+  a.damping = 4.0 * axis.plant.damping;  // states more damping than there is
   a.coulomb = 2.0 * axis.plant.coulomb;
   model.axes = {a};
   return model;
@@ -69,7 +70,7 @@ Passport passportOf(const IdentifiedAxis& found) {
   return passport;
 }
 
-// The true axis under these gains, held by somebody, its avatar touching something.
+// The true axis with these gains, a random person, and an avatar in random contact.
 AxisSimulation sceneOf(const RandomAxis& axis, AxisCase gains, int delay_ticks, AxisDraw& draw) {
   gains.axis.mass = axis.plant.mass;
   gains.axis.damping = axis.plant.damping;
@@ -91,7 +92,7 @@ AxisSimulation sceneOf(const RandomAxis& axis, AxisCase gains, int delay_ticks, 
   return simulation;
 }
 
-TEST(CertifiedPassports, OfRandomTrueAxes_AreNeverUnstable) {
+TEST(CertifiedPassports, GainsCertifiedFromPassports_AreStableOnRandomTrueAxes) {
   AxisDraw draw(421);
   int certified = 0, unstable = 0, hopeless = 0;
   double most_growth = 0.0;
@@ -103,7 +104,8 @@ TEST(CertifiedPassports, OfRandomTrueAxes_AreNeverUnstable) {
     hopeless += gains ? 0 : 1;
     if (!gains) continue;
     ++certified;
-    // A simulation of whole delays: the true one lies between its two neighbours.
+    // The simulation knows whole periods of delay only: the true delay lies between the two
+    // simulated ones.
     const double delay = axis.plant.delay_s / kPeriod_s;
     const int upper = static_cast<int>(std::ceil(delay - 0.1));
     for (const int ticks : {static_cast<int>(std::floor(delay)), upper}) {
@@ -125,13 +127,14 @@ TEST(CertifiedPassports, OfRandomTrueAxes_AreNeverUnstable) {
   figure("of them unstable", unstable, "");
   figure("largest energy of the second four seconds over the first", most_growth, "");
   EXPECT_EQ(unstable, 0);
-  // A fifth at most, and what so few draws may differ by: three standard deviations.
+  // At most a fifth may remain uncertified, plus three standard deviations for so few draws.
   EXPECT_LE(hopeless, 0.2 * count + 3.0 * std::sqrt(0.2 * 0.8 * count))
       << "intervals so wide that nothing is certified prove nothing";
 }
 
-// What the corners are for: with the file's own promises the same search finds gains that swing.
-TEST(CertifiedPassports, TheFilesOwnPromises_WouldHaveBeenUnstable) {
+// Shows that the corners are needed: with the file's own figures, the same search finds unstable
+// gains.
+TEST(CertifiedPassports, GainsCertifiedFromTheFileAlone_AreUnstable) {
   AxisDraw draw(422);
   int unstable = 0;
   for (int i = 0; i < 20; ++i) {

@@ -1,4 +1,5 @@
-// The person at a page, without a network: what reaches the commissioning, and what pages get.
+// ConsoleOperator without a network: the orders that reach the commissioning, and the facts that
+// pages get.
 #include "devices/commissioning/console/console_operator.hpp"
 
 #include "devices/commissioning/commissioning.hpp"
@@ -19,9 +20,9 @@ namespace {
 
 using Facts = CommissioningFacts;
 
-const Question kNumber{Asked::kTravel, "How far?", "x", "m", 0.0, 0.0};
+const Question kNumber{QuestionKind::kTravel, "How far?", "x", "m", 0.0, 0.0};
 
-/// One therapist's page, and a clock that stands where the test puts it.
+/// One therapist's page, with a clock that the test sets.
 struct Page {
   OrderReply order(Order asked) {
     asked.claim = 1;
@@ -35,8 +36,8 @@ struct Page {
   OrderReply hold(std::uint32_t press, bool held = true) {
     return order({orders::HoldToMove{press, held}});
   }
-  OrderReply say(const orders::Any& what) { return order({what}); }
-  /// A press that has lasted for longer than a click.
+  OrderReply give(const orders::Any& what) { return order({what}); }
+  /// Presses the button for longer than a click.
   void press(std::uint32_t number) {
     for (int i = 0; i < 6; ++i, now_ns += 50'000'000) (void)hold(number);
     now_ns -= 50'000'000;
@@ -48,13 +49,13 @@ struct Page {
       {}, {0, 1, 2}, [this] { return now_ns; }, [this] { return ended.load(); }};
 };
 
-TEST(ConsoleOperator, Answer_OfTheQuestionThatIsAsked_IsTakenOnceAndNoOther) {
+TEST(ConsoleOperator, AnswerToTheOpenQuestion_IsTakenOnce) {
   Page page;
   EXPECT_EQ(page.answer(0, "yes").refusal, Refusal::kNotAsked) << "nothing is asked";
   int looks = 0;
   const auto got = page.console.ask(kNumber, [&] {
     if (++looks > 1) return;
-    EXPECT_EQ(page.console.facts()->asked, Asked::kTravel);
+    EXPECT_EQ(page.console.facts()->asked, QuestionKind::kTravel);
     EXPECT_EQ(page.console.facts()->unit, "m");
     EXPECT_EQ(page.answer(2, "0.1").refusal, Refusal::kNotAsked) << "another question";
     EXPECT_EQ(page.answer(1, std::string(65, '1')).refusal, Refusal::kOutOfRange);
@@ -62,18 +63,18 @@ TEST(ConsoleOperator, Answer_OfTheQuestionThatIsAsked_IsTakenOnceAndNoOther) {
     EXPECT_EQ(page.answer(1, "0.2").refusal, Refusal::kNotAsked) << "a second press";
   });
   EXPECT_EQ(got, std::optional<std::string>("0.122"));
-  EXPECT_EQ(page.console.facts()->asked, Asked::kNothing);
+  EXPECT_EQ(page.console.facts()->asked, QuestionKind::kNothing);
 }
 
-TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
+TEST(ConsoleOperator, EveryLossOfTheButton_EndsThePress) {
   const std::vector<std::pair<const char*, std::function<void(Page&)>>> ways = {
       {"let go", [](Page& p) { (void)p.hold(1, false); }},
       {"beats that stop", [](Page& p) { p.now_ns += HoldSwitch::kSilent_ns + 1; }},
-      {"a stop", [](Page& p) { EXPECT_TRUE(p.say(orders::Stop{}).accepted); }},
-      {"an emergency stop", [](Page& p) { EXPECT_TRUE(p.say(orders::EmergencyStop{}).accepted); }},
+      {"a stop", [](Page& p) { EXPECT_TRUE(p.give(orders::Stop{}).accepted); }},
+      {"an emergency stop", [](Page& p) { EXPECT_TRUE(p.give(orders::EmergencyStop{}).accepted); }},
       {"a leader that vanished or is silent",
-       [](Page& p) { (void)p.say(orders::HolderAlive{false}); }},
-      {"another leader", [](Page& p) { (void)p.say(orders::Steer{}); }},
+       [](Page& p) { (void)p.give(orders::HolderAlive{false}); }},
+      {"another leader", [](Page& p) { (void)p.give(orders::Steer{}); }},
       {"the end of the program", [](Page& p) { p.ended = true; }}};
   for (const auto& [name, lose] : ways) {
     Page page;
@@ -86,8 +87,8 @@ TEST(ConsoleOperator, EverythingThatTakesTheButtonAway_EndsThePress) {
   }
 }
 
-// One press holds: the newest. Its release ends it, and so does the release of an earlier press.
-TEST(ConsoleOperator, KeyHeldByTwoPages_IsOnePressThatEitherEnds) {
+// Only the newest press holds. Its release ends it, and so does the release of an earlier press.
+TEST(ConsoleOperator, KeyHeldByTwoPages_EndsWhenEitherReleases) {
   const auto beat = [](Page& p, std::uint32_t claim, bool held) {
     Order asked{orders::HoldToMove{1, held}};
     asked.claim = claim;
@@ -130,13 +131,13 @@ TEST(ConsoleOperator, ButtonHeldThroughAQuestion_MovesNothingAfterIt) {
   EXPECT_TRUE(page.console.holdsKey());
 }
 
-TEST(ConsoleOperator, StepsAndFigures_AreReportedWithWhatFailed) {
+TEST(ConsoleOperator, StepsAndFigures_AreReportedWithTheFailure) {
   Page page;
-  page.console.tellStep({0, StepState::kUnderWay, {}});
-  page.console.tellStep({0, StepState::kDone, {}});
-  page.console.tellStep({1, StepState::kUnderWay, {}});
-  page.console.tell("  x: ...", {{"x", "mass", "kg", 0.98, 1.02}});
-  page.console.tellStep(
+  page.console.reportStep({0, StepState::kUnderWay, {}});
+  page.console.reportStep({0, StepState::kDone, {}});
+  page.console.reportStep({1, StepState::kUnderWay, {}});
+  page.console.reportLine("  x: ...", {{"x", "mass", "kg", 0.98, 1.02}});
+  page.console.reportStep(
       {1, StepState::kFailed, {{"mine.toml", 0, "axes", "x", "is too heavy", "balance it"}}});
   const auto facts = page.console.facts();
   EXPECT_EQ(facts->steps[0].state, StepState::kDone);
@@ -154,20 +155,20 @@ TEST(ConsoleOperator, OrdersOfASession_AreRefusedByName) {
        {orders::Any(orders::Arm{}), orders::Any(orders::LoadExercise{}), orders::Any(orders::Aim{}),
         orders::Any(orders::SetParameter{}), orders::Any(orders::LoadProfile{}),
         orders::Any(orders::TakeControls{}), orders::Any(orders::Spawn{})}) {
-    const OrderReply reply = page.say(what);
+    const OrderReply reply = page.give(what);
     EXPECT_EQ(reply.refusal, Refusal::kNotHere);
     EXPECT_TRUE(reply.reason.starts_with(Order{what}.row().name)) << reply.reason;
   }
 }
 
-TEST(CommissioningRoles, OnlyTheTherapistWhoHoldsTheControls_AnswersAndHolds) {
+TEST(CommissioningRoles, OnlyTheTherapistWithTheControls_MayAnswerAndHoldTheKey) {
   Standing holder;
   holder.holds = true;
   for (const Order& order : {Order{orders::Answer{}}, Order{orders::HoldToMove{}}}) {
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, holder).accepted);
     EXPECT_EQ(mayOrder(Role::kTherapist, order, {}).refusal, Refusal::kNotHolder);
     EXPECT_EQ(mayOrder(Role::kPlayer, order, holder).refusal, Refusal::kTherapistOnly);
-    EXPECT_EQ(mayOrder(Role::kUnsaid, order, holder).refusal, Refusal::kTherapistOnly);
+    EXPECT_EQ(mayOrder(Role::kUnspecified, order, holder).refusal, Refusal::kTherapistOnly);
     EXPECT_EQ(mayOrder(Role::kWatcher, order, holder).refusal, Refusal::kOnlyWatches);
   }
 }

@@ -12,32 +12,33 @@
 
 namespace wholehand::test {
 
-/// What may be wrong with a device.
+/// Faults that a test can inject into a device.
 struct InjectedFaults {
-  std::string axis;  ///< that it is about
+  std::string axis;  ///< axis with the fault
   bool encoder_sign = false, motor_sign = false, wraps = false;
-  double scale = 1.0;               ///< of its position
-  double effort_scale = 1.0;        ///< of its effort
-  std::string swapped_with;         ///< motors of the two are exchanged
-  std::string encoder_of;           ///< encoders of the two are exchanged
-  double homed_off = 0.0;           ///< of its range: where it was homed, it does not stand
-  double hidden_weight = 0.0;       ///< that its file does not state, of its effort limit
-  bool stop_says_silenced = false;  ///< not enabled any more once its watchdog has let go
+  double scale = 1.0;               ///< factor on its position
+  double effort_scale = 1.0;        ///< factor on its effort
+  std::string swapped_with;         ///< axis with which it exchanges the motor
+  std::string encoder_of;           ///< axis with which it exchanges the encoder
+  double homed_off = 0.0;           ///< error of its homed position [share of its range]
+  double hidden_weight = 0.0;       ///< weight not stated in its file [share of its effort limit]
+  bool stop_says_silenced = false;  ///< not enabled once its watchdog let go
   bool deaf_home = false;           ///< WH_HOME fails
-  bool watchdog_bit = false, stop_bit = false;  ///< only its bits change, the axis is pushed on
+  bool watchdog_bit = false,
+       stop_bit = false;  ///< only the status bit changes
   bool no_watchdog = false, no_stop_button = false, anonymous = false, cannot_drop = false;
 };
 
-/// A device behind a driver that is not there: a Mechanism on a simulated clock, with a watchdog
-/// and an emergency stop. Its axes are those of the device file, in another order.
+/// A fake driver with its device: a Mechanism on a simulated clock, with a watchdog and an
+/// emergency stop. Its axes are those of the device file, in another order.
 class FakeDevice final : public DeviceDriver, public TickClock {
  public:
   Mechanism mechanism;
   bool stop_pressed = false;
-  bool frozen = false;            ///< samples stand still
+  bool frozen = false;            ///< samples do not change
   std::vector<double> acting;     ///< effort of each motor in the last period [N or N·m]
-  std::int64_t late_ns = 0;       ///< of the next tick; the mechanism sees a period all the same
-  std::function<void()> on_tick;  ///< after each
+  std::int64_t late_ns = 0;       ///< delay of the next tick; the mechanism advances by one period
+  std::function<void()> on_tick;  ///< called after each tick
   std::function<std::int64_t(std::int64_t)> shown_ns;  ///< reported time of a sample
 
   FakeDevice(const DeviceModel& model, InjectedFaults injected, double period_s = 1e-3)
@@ -56,7 +57,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     mechanism.pushed.assign(n, 0.0);
   }
 
-  // DeviceDriver
+  // Implements DeviceDriver.
   [[nodiscard]] std::string where() const override { return "the fake device"; }
   [[nodiscard]] std::string name() const override { return "fake"; }
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
@@ -105,7 +106,7 @@ class FakeDevice final : public DeviceDriver, public TickClock {
     return WH_OK;
   }
 
-  // TickClock
+  // Implements TickClock.
   void waitForTick() override {
     now_ += std::llround(1e9 * period_s_) + std::exchange(late_ns, 0);
     if (stop_pressed && enabled_ && !injected_.no_stop_button) {
@@ -188,19 +189,20 @@ class FakeDevice final : public DeviceDriver, public TickClock {
   wh_sample last_{};
 };
 
-/// Does what it is asked to: pushes axes, measures distances, hangs weights, presses the stop.
-/// Counts its actions: answers, and every time that it takes the key anew for a step of its own.
+/// An operator that does what it is asked to: pushes axes, measures distances, hangs weights and
+/// presses the stop. Counts its actions: answers, and every press of the key for a step without a
+/// question.
 class ScriptedOperator final : public Operator {
  public:
   ScriptedOperator(FakeDevice& device, const DeviceModel& model) : device_(device), model_(model) {}
 
-  void tell(const std::string& line, const std::vector<FoundFigure>&) override {
+  void reportLine(const std::string& line, const std::vector<FoundFigure>&) override {
     said += line + "\n";
     if (line.find("Take the weight off") == std::string::npos) return;
     for (double& pull : device_.mechanism.pushed) pull = 0.0;
   }
-  void tellStep(const StepNews& news) override { steps.push_back(news); }
-  void tellMotion(const Motion& motion, MotionState state) override {
+  void reportStep(const StepNews& news) override { steps.push_back(news); }
+  void reportMotion(const Motion& motion, MotionState state) override {
     const bool presses = motion.what == MotionKind::kEmergencyStop && state == MotionState::kMoves;
     press_in_ = presses ? 100 : 0;
   }
@@ -223,7 +225,7 @@ class ScriptedOperator final : public Operator {
       look();
       return nobody ? "yes" : "no";
     }
-    if (asked_now.about == Asked::kEmergencyStop) {
+    if (asked_now.about == QuestionKind::kEmergencyStop) {
       device_.stop_pressed = false;
       return "";
     }
@@ -254,11 +256,11 @@ class ScriptedOperator final : public Operator {
 
   bool nobody = true, gave_up = false;
   bool presses_stop = true;
-  int late_ticks = 0;     ///< how long this program stands still before the stop is pressed
-  double off_mark = 0.0;  ///< how far from its mark the device is put [m or rad]
+  int late_ticks = 0;     ///< ticks for which the program stalls before the stop is pressed
+  double off_mark = 0.0;  ///< distance of the device from its mark [m or rad]
   int actions = 0;
   long looks = 0, lets_go_after = 1L << 60;
-  std::function<void()> on_look;  ///< at each look at the key
+  std::function<void()> on_look;  ///< called at each look at the key
   std::string said, asked;
   std::vector<StepNews> steps;
 
@@ -267,7 +269,7 @@ class ScriptedOperator final : public Operator {
     const std::size_t at = question.find("axis ") + 5;
     return device_.indexOf(question.substr(at, question.find(' ', at) - at));
   }
-  // By hand, over a second; the device gives.
+  // Moves the axis by hand within a second, without resistance.
   template <class Look>
   void move(std::size_t axis, double to, const Look& look) {
     const double from = device_.mechanism.true_position(axis);
@@ -283,7 +285,7 @@ class ScriptedOperator final : public Operator {
 
   FakeDevice& device_;
   const DeviceModel& model_;
-  int press_in_ = 0;  ///< looks at the key until the stop is pressed; 0: not to be pressed
+  int press_in_ = 0;  ///< looks at the key until the stop is pressed; 0: never
 };
 
 }  // namespace wholehand::test

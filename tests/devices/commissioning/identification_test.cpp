@@ -1,16 +1,16 @@
-// Identification of one axis: the figures of ideal axes, and intervals on axes that are not.
+// Identification of one axis: figures on ideal axes, and intervals on axes that are not ideal.
 #include "devices/commissioning/identification/identify_axis.hpp"
 #include "random_axes.hpp"
 #include "support/constants.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 
 namespace wholehand::test {
 namespace {
 
-// The truth is that of the plant: AxisDynamics advances it exactly. A few axes in a thousand, whose
-// damping hides mass behind delay, miss the delay by more than a tenth of a tick.
-TEST(IdentifiedAxis, OfRandomIdealAxes_HasTheFiguresOfThePlant) {
+// AxisDynamics advances the plant exactly, so its parameters are the truth. A few axes in a
+// thousand, whose damping masks mass by delay, miss the delay by more than a tenth of a tick.
+TEST(IdentifiedAxis, RandomIdealAxes_GiveTheFiguresOfThePlant) {
   AxisDraw draw(401);
   double mass = 0.0, damping = 0.0, coulomb = 0.0, delay = 0.0;
   int late = 0;
@@ -44,12 +44,12 @@ TEST(IdentifiedAxis, OfRandomIdealAxes_HasTheFiguresOfThePlant) {
   EXPECT_LE(late, 1 + count / 200);
 }
 
-// One disturbance, or all of them: the intervals hold the truth, or the axis is refused.
+// Disturbs axes; the intervals must contain the truth, or the axis must be refused.
 void expectHeldOrRefused(const char* what, unsigned stream, bool stribeck, bool cogging,
                          bool play) {
   AxisDraw draw(stream);
   int refused = 0, held = 0, count = 0;
-  // Where all were refused more are drawn, until one is judged.
+  // If all axes were refused, more are drawn until one is judged.
   for (const int asked = cases(12); count < asked || (refused == count && count < 50); ++count) {
     const RandomAxis axis = draw.disturbed(stribeck, cogging, play);
     const Expected<IdentifiedAxis> found = identifyAxis(traceOf(axis, kPeriod_s), "knee");
@@ -67,26 +67,27 @@ void expectHeldOrRefused(const char* what, unsigned stream, bool stribeck, bool 
   }
   figure(std::string(what) + ": refused of " + std::to_string(count), refused, "axes");
   figure(std::string(what) + ": truth held or refused", 100.0 * (held + refused) / count, "%");
-  // Of a sample three more may miss by chance: with 3.3 % misses, one run in 2,000 has four of 12.
+  // A sample may contain three more misses by chance: with 3.3 % misses, one run in 2,000 has four
+  // of 12.
   EXPECT_GE(held + refused, 0.95 * count - (count < 100 ? 3 : 0)) << what;
   EXPECT_LT(refused, count) << what << ": a measurement that always refuses says nothing";
 }
 
-TEST(IntervalsOfAnAxis, WithFrictionThatFallsWithSpeed_HoldTheTruthOrRefuse) {
+TEST(IntervalsOfAnAxis, StribeckFriction_IntervalsContainTheTruthOrTheAxisIsRefused) {
   expectHeldOrRefused("Stribeck", 402, true, false, false);
 }
-TEST(IntervalsOfAnAxis, WithCogging_HoldTheTruthOrRefuse) {
+TEST(IntervalsOfAnAxis, Cogging_IntervalsContainTheTruthOrTheAxisIsRefused) {
   expectHeldOrRefused("cogging", 403, false, true, false);
 }
-TEST(IntervalsOfAnAxis, WithPlay_HoldTheTruthOrRefuse) {
+TEST(IntervalsOfAnAxis, Play_IntervalsContainTheTruthOrTheAxisIsRefused) {
   expectHeldOrRefused("play", 404, false, false, true);
 }
-TEST(IntervalsOfAnAxis, WithAllAndCrossInertia_HoldTheTruthOrRefuse) {
+TEST(IntervalsOfAnAxis, AllDisturbancesAndCrossInertia_IntervalsContainTheTruthOrTheAxisIsRefused) {
   expectHeldOrRefused("all at once", 405, true, true, true);
 }
 
-// The truth is that of the plant, which the mechanism advances by the true time.
-TEST(LateTicks, InOneOfAHundred_LeaveTheFiguresWhereTheyAre) {
+// The mechanism advances the plant by the true time, so its parameters are the truth.
+TEST(LateTicks, OnePercentOfLateTicks_DoNotChangeTheFigures) {
   AxisDraw draw(409);
   double with = 0.0, without = 0.0;
   const int count = cases(5);
@@ -107,10 +108,10 @@ TEST(LateTicks, InOneOfAHundred_LeaveTheFiguresWhereTheyAre) {
   }
   figure("late in 1 % of ticks: worst mass, by the true times", 100.0 * with, "%");
   figure("late in 1 % of ticks: worst mass, taken as even", 100.0 * without, "%");
-  EXPECT_LE(with, 0.02);  // what the method is held to on ideal axes, ADR 26
+  EXPECT_LE(with, 0.02);  // the bound of the method on ideal axes, ADR 26
 }
 
-TEST(LateTicks, OfNone_LeaveTheTraceAsItIs) {
+TEST(LateTicks, NoLateTicks_LeaveTheTraceUnchanged) {
   AxisDraw draw(419);
   const AxisTrace trace = traceOfIdeal(draw.ideal(), kPeriod_s);
   std::vector<double> taken_s;
@@ -122,30 +123,30 @@ TEST(LateTicks, OfNone_LeaveTheTraceAsItIs) {
   EXPECT_EQ(even.effort, trace.effort);
 }
 
-TEST(LateTicks, TooLongOrTooMany_AreRefusedByTheAxis) {
+TEST(LateTicks, TooLongOrTooManyLateTicks_AreRefusedWithTheAxis) {
   AxisDraw draw(421);
   const RandomAxis axis = draw.ideal();
   UnevenTrace ticks = unevenTraceOf(axis, kPeriod_s, 0.2, draw);
   const auto many = evenTrace(ticks.trace, ticks.taken_s, "thumb");
   ASSERT_FALSE(many.ok());
   EXPECT_EQ(many.errors().front().value, "thumb");
-  EXPECT_TRUE(says(many.errors().front().problem, "late"));
+  EXPECT_TRUE(contains(many.errors().front().problem, "late"));
   ticks = unevenTraceOf(axis, kPeriod_s, 0.0, draw);
   for (std::size_t k = 100; k < ticks.taken_s.size(); ++k) ticks.taken_s[k] += 5e-3;
   EXPECT_FALSE(evenTrace(ticks.trace, ticks.taken_s, "x").ok()) << "a gap of 6 ms";
 }
 
-TEST(IdentifiedAxis, ThatIsHeldByABrake_IsRefusedByName) {
+TEST(IdentifiedAxis, AxisHeldByABrake_IsRefusedByName) {
   AxisDraw draw(406);
   RandomAxis axis = draw.ideal();
   axis.plant.coulomb = 2.0 * axis.effort_limit;
   const auto found = identifyAxis(traceOf(axis, kPeriod_s), "knee");
   ASSERT_FALSE(found.ok());
   EXPECT_EQ(found.errors()[0].value, "knee");
-  EXPECT_TRUE(says(found.errors()[0].problem, "did not move"));
+  EXPECT_TRUE(contains(found.errors()[0].problem, "did not move"));
 }
 
-TEST(IdentifiedAxis, OfATraceThatEndsEarly_IsRefused) {
+TEST(IdentifiedAxis, TraceThatEndsEarly_IsRefused) {
   AxisDraw draw(407);
   AxisTrace trace = traceOf(draw.ideal(), kPeriod_s);
   trace.position.resize(3000);
@@ -153,7 +154,7 @@ TEST(IdentifiedAxis, OfATraceThatEndsEarly_IsRefused) {
   trace.posture.resize(3000);
   const auto found = identifyAxis(trace, "x");
   ASSERT_FALSE(found.ok());
-  EXPECT_TRUE(says(found.errors()[0].problem, "long enough"));
+  EXPECT_TRUE(contains(found.errors()[0].problem, "long enough"));
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
-// Nobody holds the key, so nothing pushes: in every step, by every way to let go, at any tick, also
-// while a question is asked. A page and a person before the fake device, on its simulated clock.
+// Once nobody holds the key, nothing pushes: in every step, for every way of release, at any tick,
+// also while a question is asked. A page and an operator control the fake device on its simulated
+// clock.
 #include "devices/commissioning/commissioning.hpp"
 #include "devices/commissioning/console/console_operator.hpp"
 #include "fake_device.hpp"
 #include "files/device/device_file.hpp"
 #include "passport_file.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <numeric>
@@ -18,30 +19,32 @@ using Step = CommissioningStep;
 
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 constexpr std::int64_t kBeat_ns = 40 * kMillisecond_ns;
-// The law (docs/commissioning.md).
+// Requirement of docs/commissioning.md.
 constexpr std::int64_t kNeutralWithin_ns = 150 * kMillisecond_ns;
-// What a motor was given before acts for so long [the device files' delays, and a tick].
+// An effort acts for so long after it was commanded [the delays of the device files, and a tick].
 constexpr std::int64_t kActs_ns = 5 * kMillisecond_ns;
 constexpr std::int64_t kPressedAgainAfter_ns = 1'000 * kMillisecond_ns;
 
 const char* const kWays[] = {"key up", "leader lost",   "controls released",
                              "Stop",   "EmergencyStop", "page silent"};
 
-/// The page that leads, and the person who holds its button and does by hand what is asked.
-class Bedside final : public Operator {
+/// The leading page, and the person who holds its button and carries out the requested actions by
+/// hand.
+class AttendingOperator final : public Operator {
  public:
-  Bedside(FakeDevice& device, const DeviceModel& model) : device_(device), hands_(device, model) {
+  AttendingOperator(FakeDevice& device, const DeviceModel& model)
+      : device_(device), hands_(device, model) {
     device_.on_tick = [this] { tick(); };
   }
 
-  void tell(const std::string& line, const std::vector<FoundFigure>& f) override {
-    console_.tell(line, f);
-    hands_.tell(line, f);
+  void reportLine(const std::string& line, const std::vector<FoundFigure>& f) override {
+    console_.reportLine(line, f);
+    hands_.reportLine(line, f);
   }
-  void tellStep(const StepNews& news) override { console_.tellStep(news); }
-  void tellMotion(const Motion& motion, MotionState state) override {
-    console_.tellMotion(motion, state);
-    hands_.tellMotion(motion, state);
+  void reportStep(const StepNews& news) override { console_.reportStep(news); }
+  void reportMotion(const Motion& motion, MotionState state) override {
+    console_.reportMotion(motion, state);
+    hands_.reportMotion(motion, state);
   }
   std::optional<std::string> ask(const Question& question,
                                  const std::function<void()>& meanwhile) override {
@@ -49,12 +52,12 @@ class Bedside final : public Operator {
     bool answered = false;
     auto words = console_.ask(question, [&] {
       if (std::exchange(answered, true)) return;
-      for (int i = 0; i < 300; ++i) {  // read and thought about
+      for (int i = 0; i < 300; ++i) {  // the person reads and thinks
         device_.waitForTick();
         meanwhile();
       }
       const std::uint32_t number = console_.facts()->question;
-      say(orders::Answer{number, *hands_.ask(question, meanwhile)});
+      give(orders::Answer{number, *hands_.ask(question, meanwhile)});
     });
     pressAnew();
     return words;
@@ -65,7 +68,7 @@ class Bedside final : public Operator {
   }
   bool gaveUp() override { return false; }
 
-  /// Lets go in that many ticks from now, once; presses anew a second later.
+  /// Releases the key once in `ticks` ticks, by way `way`; presses it again a second later.
   void letGoIn(long ticks, std::size_t way) {
     lets_go_in_ = ticks;
     way_ = way;
@@ -76,13 +79,13 @@ class Bedside final : public Operator {
   }
 
  private:
-  void say(orders::Any what) {
+  void give(orders::Any what) {
     Order order{std::move(what)};
     order.claim = claim_;
     console_.order(order, [](const OrderReply&) {});
   }
   void beat(bool held) {
-    say(orders::HoldToMove{press_, held});
+    give(orders::HoldToMove{press_, held});
     beat_ns_ = device_.now_ns();
   }
   void noteLetGo(std::int64_t at_ns) {
@@ -102,18 +105,18 @@ class Bedside final : public Operator {
         beat(false);
         break;
       case 1:
-        say(orders::HolderAlive{false});
+        give(orders::HolderAlive{false});
         ++claim_;
         break;
       case 2:
-        say(orders::Steer{});
+        give(orders::Steer{});
         ++claim_;
         break;
       case 3:
-        say(orders::Stop{});
+        give(orders::Stop{});
         break;
       case 4:
-        say(orders::EmergencyStop{});
+        give(orders::EmergencyStop{});
         break;
       default:
         break;
@@ -129,13 +132,13 @@ class Bedside final : public Operator {
     }
     if (now_ns >= pressed_again_ns_) {
       pressed_again_ns_ = INT64_MAX;
-      if (console_.facts()->asked == Asked::kNothing) pressAnew();
+      if (console_.facts()->asked == QuestionKind::kNothing) pressAnew();
     }
     if (holds_ && now_ns - beat_ns_ >= kBeat_ns) beat(true);
-    judge(now_ns);
+    check(now_ns);
   }
-  // By what the motors do, not by what the bench says.
-  void judge(std::int64_t now_ns) {
+  // Judges by the motors, not by the reports of the bench.
+  void check(std::int64_t now_ns) {
     const Mechanism& m = device_.mechanism;
     for (std::size_t i = 0; i < device_.acting.size(); ++i) {
       const double pulled = std::abs(m.pushed[i]) / m.axis(i).mass * 1e-3;
@@ -178,13 +181,13 @@ class Bedside final : public Operator {
   std::array<double, WH_MAX_AXES> speed_{};
 };
 
-TEST(LettingGo, OfTheKeyByAnyWayInAnyStep_IsDisabledWithin150MsAndDrivesNothing) {
+TEST(LettingGo, KeyReleasedInAnyWayAndStep_DisablesWithin150Ms) {
   Folder folder;
   const std::string file = folder.file("mine.toml");
   std::filesystem::copy_file(WHOLEHAND_SOURCE_DIR "/config/devices/desktop-3axis.toml", file);
   const DeviceModel model = orThrow(loadDeviceFile(file));
   FakeDevice device(model, {});
-  Bedside bedside(device, model);
+  AttendingOperator bedside(device, model);
   Bench bench = orThrow(Bench::make(device, model, bedside, device, 1e-3));
   CommissioningPlan plan;
   plan.operator_name = "Test";
@@ -193,8 +196,8 @@ TEST(LettingGo, OfTheKeyByAnyWayInAnyStep_IsDisabledWithin150MsAndDrivesNothing)
   plan.draw = [](const ChartPage&, const std::string&) -> Expected<Done> { return Done{}; };
   Commissioning commissioning(bench, plan);
   std::mt19937_64 random = seededRandom(434);
-  // An ended step leaves the device anywhere; a person puts it back, takes the weight off, and
-  // releases the stop.
+  // A step that ended may leave the device anywhere; a person puts it back, takes the weight off
+  // and releases the stop.
   const auto carryOut = [&](Step step) {
     for (std::size_t i = 0; i < model.axes.size(); ++i) {
       const DeviceAxis& a = model.axes[i];
@@ -209,12 +212,12 @@ TEST(LettingGo, OfTheKeyByAnyWayInAnyStep_IsDisabledWithin150MsAndDrivesNothing)
     const long before = bedside.ticks();
     const auto first = carryOut(step);
     ASSERT_TRUE(first.ok()) << format(first.errors());
-    // Of a long measurement, the beginning.
+    // Only the beginning of a long measurement is tested.
     const long takes = std::min(bedside.ticks() - before, underFull() ? 1L << 40 : 6000L);
     for (std::size_t way = 0; takes > 0 && way < std::size(kWays); ++way) {
       for (int run = 0; run < cases(1); ++run) {
         bedside.letGoIn(std::uniform_int_distribution<long>(1, takes)(random), way);
-        (void)carryOut(step);  // refused, or let go where nothing moved
+        (void)carryOut(step);  // refused, or released while nothing moved
         if (HasFailure()) return;
       }
     }

@@ -16,7 +16,7 @@ void Mechanism::advance(const std::vector<double>& effort) {
   }
 }
 
-// What was sent `delay` before this moment of the running period.
+// Effort that was sent one delay before this moment of the running period.
 double Mechanism::acting(std::size_t i, double into_s) const {
   const double ago = axes_[i].delay_s - into_s;
   const auto back = static_cast<std::size_t>(ago <= 0.0 ? 0.0 : std::ceil(ago / period_s_));
@@ -32,7 +32,7 @@ void Mechanism::accelerate(std::size_t i, double into_s, double h) {
   const double motor = a.mass * (1.0 - a.load_share);
   s.before = s.speed;
   if (a.load_share > 0.0) {
-    // A stiff, damped spring behind the gap: 300 Hz of the load.
+    // A stiff, damped spring beyond the play: 300 Hz with the load.
     const double load = a.mass * a.load_share, w = 2.0 * M_PI * 300.0;
     const double gap = s.load_at - s.at, over = gap - std::clamp(gap, -a.play / 2, a.play / 2);
     double between = load * w * w * over;
@@ -46,7 +46,7 @@ void Mechanism::accelerate(std::size_t i, double into_s, double h) {
   const double friction = h * (a.coulomb + a.breakaway * std::exp(-x * x)) / motor;
   s.speed = std::abs(v) <= friction ? 0.0 : v - std::copysign(friction, v);
 }
-// What the neighbours' accelerations of the step before ask of this axis.
+// Effort on this axis from the neighbours' accelerations in the step before.
 double Mechanism::linked(std::size_t i) const {
   double f = 0.0;
   for (const std::size_t j : {i - 1, i + 1}) {

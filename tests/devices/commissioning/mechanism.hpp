@@ -9,25 +9,25 @@
 
 namespace wholehand::test {
 
-/// One axis of a mechanism that is not ideal. SI; per radian for a rotation.
+/// One axis of a non-ideal mechanism. SI units; per radian for a rotation.
 struct MechanismAxis {
   double mass = 1.0, damping = 0.0;
-  double coulomb = 0.0;              ///< dry friction while it slides
-  double breakaway = 0.0;            ///< more than that at rest (Stribeck) [N or N·m]
-  double stribeck_speed = 1e-2;      ///< at which that has fallen to 1/e
-  double cogging = 0.0;              ///< amplitude over position [N or N·m]
-  double cogging_pitch = 1.0;        ///< [m or rad]
-  double play = 0.0;                 ///< between motor, which the encoder sees, and load
-  double load_share = 0.0;           ///< of the mass that lies behind the play
-  double gravity = 0.0;              ///< effort that holds it [N or N·m]
-  double lower = -1.0, upper = 1.0;  ///< stops
-  double step = 0.0;                 ///< of the encoder; 0: ideal
-  double delay_s = 0.0;              ///< any, broken periods included
+  double coulomb = 0.0;          ///< dry friction while sliding [N or N·m]
+  double breakaway = 0.0;        ///< additional friction at rest (Stribeck) [N or N·m]
+  double stribeck_speed = 1e-2;  ///< speed at which the additional friction is 1/e [m/s or rad/s]
+  double cogging = 0.0;          ///< amplitude of the cogging [N or N·m]
+  double cogging_pitch = 1.0;    ///< [m or rad]
+  double play = 0.0;        ///< play between motor and load; the encoder is at the motor [m or rad]
+  double load_share = 0.0;  ///< share of the mass that is behind the play
+  double gravity = 0.0;     ///< effort that balances gravity [N or N·m]
+  double lower = -1.0, upper = 1.0;  ///< end stops [m or rad]
+  double step = 0.0;                 ///< step of the encoder [m or rad]; 0: ideal
+  double delay_s = 0.0;              ///< any value, also fractions of a period
 };
 
-/// Axes with friction that grows towards rest, cogging, play and inertia that links them, advanced
-/// in small steps (symplectic Euler; dry friction as an impulse that stops at rest). A second
-/// opinion on device/simulated, which has none of these.
+/// Axes with Stribeck friction, cogging, play and coupled inertia, advanced in small steps
+/// (symplectic Euler; dry friction as an impulse that stops at rest). It is an independent check of
+/// device/simulated, which has none of these.
 class Mechanism {
  public:
   Mechanism(std::vector<MechanismAxis> axes, double period_s)
@@ -38,9 +38,9 @@ class Mechanism {
     }
   }
 
-  /// Share of the geometric mean of two neighbouring masses that links them (axis i and i + 1).
+  /// Coupling mass of the neighbours i and i + 1, as a share of the geometric mean of their masses.
   double cross_inertia = 0.0;
-  /// Added to the effort of an axis: a hand, a weight.
+  /// External effort on each axis, from a hand or a weight.
   std::vector<double> pushed;
 
   void place(std::size_t axis, double at) { states_[axis].at = states_[axis].load_at = at; }
@@ -52,14 +52,14 @@ class Mechanism {
   }
   [[nodiscard]] const MechanismAxis& axis(std::size_t i) const { return axes_[i]; }
 
-  /// One period under these efforts, each after its own delay.
+  /// Advances one period with these efforts, each after its axis's own delay.
   void advance(const std::vector<double>& effort);
 
  private:
   struct State {
     double at = 0.0, speed = 0.0, load_at = 0.0, load_speed = 0.0;
-    double before = 0.0;        ///< speed at the beginning of the step
-    double acceleration = 0.0;  ///< of the step before
+    double before = 0.0;        ///< speed at the start of the step
+    double acceleration = 0.0;  ///< acceleration in the step before
     std::deque<double> sent;
   };
 

@@ -9,7 +9,7 @@
 
 #include <fstream>
 
-/// A device file with a passport and a check beside it, in a folder of their own.
+/// A device file with a passport and a daily check beside it, in a temporary folder.
 namespace wholehand::test {
 
 inline void writeFile(const std::string& path, const std::string& text) {
@@ -44,7 +44,7 @@ class PassportFolder {
     path = passportPath(device_file, identity.serial);
     check_path = dailyCheckPath(device_file, identity.serial);
   }
-  /// Passport and today's check, as commissioning leaves them.
+  /// Writes the passport and today's check as commissioning does.
   void keep() {
     writeFile(path, passportText(passport));
     writeFile(check_path,
@@ -52,7 +52,7 @@ class PassportFolder {
   }
 
   Folder folder;
-  /// Half past nine in the morning, in Central Europe.
+  /// 9:30 in the morning in Central Europe.
   PlaceTime now{
       std::chrono::sys_days(std::chrono::year(2026) / 11 / 21) + std::chrono::minutes(510),
       std::chrono::minutes(60)};

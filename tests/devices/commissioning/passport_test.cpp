@@ -1,11 +1,11 @@
-// The passport's file: what is written is read, and whatever is wrong with it is refused by name.
+// The passport's file: it is read back as written, and every defect is refused by name.
 #include "devices/commissioning/passport.hpp"
 
 #include "files/device/device_file.hpp"
 #include "files/page/chart_page.hpp"
 #include "files/toml/toml_file.hpp"
 #include "passport_file.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 #include "support/seed.hpp"
 
 #include <cstdlib>
@@ -22,12 +22,12 @@ std::string refusal(const Expected<Value>& passport) {
   return passport.ok() ? "" : format(passport.errors());
 }
 
-TEST(Sha256, OfThePublishedExample_IsThePublishedDigest) {
-  // FIPS 180-4, example of one block: "abc".
+TEST(Sha256, PublishedExample_GivesThePublishedDigest) {
+  // The one-block example of FIPS 180-4: "abc".
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
-TEST(Passport, WrittenAndRead_SaysTheSame) {
+TEST(Passport, WrittenPassport_IsReadBackUnchanged) {
   PassportFolder f;
   f.passport.axes[1].mark = 0.0125;
   f.keep();
@@ -47,18 +47,18 @@ TEST(Passport, WrittenAndRead_SaysTheSame) {
   }
 }
 
-TEST(Passport, ThatLacksAnyOfItsEnd_IsRefused) {
+TEST(Passport, TruncatedPassport_IsRefused) {
   PassportFolder f;
   const std::string whole = passportText(f.passport);
   for (std::size_t length = 0; length < whole.size(); length += 7) {
     writeFile(f.path, whole.substr(0, length));
     const std::string said = refusal(readPassport(f.path));
-    EXPECT_TRUE(says(said, "truncated")) << length << ": " << said;
-    EXPECT_TRUE(says(said, "device commission")) << "no remedy: " << said;
+    EXPECT_TRUE(contains(said, "truncated")) << length << ": " << said;
+    EXPECT_TRUE(contains(said, "device commission")) << "no remedy: " << said;
   }
 }
 
-TEST(Passport, WithAnyByteChanged_IsRefused) {
+TEST(Passport, PassportWithAnyByteChanged_IsRefused) {
   PassportFolder f;
   const std::string whole = passportText(f.passport);
   auto random = seededRandom(411);
@@ -71,25 +71,26 @@ TEST(Passport, WithAnyByteChanged_IsRefused) {
   }
 }
 
-TEST(Passport, SealedButImpossible_IsRefusedByKey) {
+TEST(Passport, SealedPassportWithImpossibleValues_IsRefusedByKey) {
   PassportFolder f;
   f.passport.axes[0].mass = {-1.0, 1.0};
   writeFile(f.path, passportText(f.passport));
-  EXPECT_TRUE(says(refusal(readPassport(f.path)), "mass_kg"));
+  EXPECT_TRUE(contains(refusal(readPassport(f.path)), "mass_kg"));
 }
 
-// What clearToArm() says after one thing was changed.
+// Answer of checkArmingPermit() after one change.
 template <class Change>
 std::string armingAfter(Change change) {
   PassportFolder f;
   f.keep();
   change(f);
-  return refusal(clearToArm(f.identity, orThrow(loadDeviceFile(f.device_file)), f.rate_hz, f.now));
+  return refusal(
+      checkArmingPermit(f.identity, orThrow(loadDeviceFile(f.device_file)), f.rate_hz, f.now));
 }
 
-TEST(Arming, WithPassportAndTodaysCheck_IsCleared) {
+TEST(Arming, PassportAndTodaysCheck_PermitArming) {
   EXPECT_EQ(armingAfter([](PassportFolder&) {}), "");
-  EXPECT_EQ(armingAfter([](PassportFolder& f) {  // on its last day, checked again
+  EXPECT_EQ(armingAfter([](PassportFolder& f) {  // on its last day, with a new check
               const std::string digest = orThrow(readPassport(f.path)).sha256;
               f.now.at += days(30);
               writeFile(f.check_path, dailyCheckText({digest, "A", f.now}));
@@ -97,11 +98,11 @@ TEST(Arming, WithPassportAndTodaysCheck_IsCleared) {
             "");
 }
 
-TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
+TEST(Arming, MissingOrForeignPassportOrCheck_IsRefusedByName) {
   struct Case {
     const char* what;
     void (*change)(PassportFolder&);
-    const char* says;
+    const char* expected;
   };
   const Case all[] = {
       {"no serial", [](PassportFolder& f) { f.identity.serial = ""; }, "says no serial number"},
@@ -143,22 +144,23 @@ TEST(Arming, WithAnythingMissingOrForeign_IsRefusedByName) {
        "another passport"}};
   for (const Case& c : all) {
     const std::string said = armingAfter(c.change);
-    EXPECT_TRUE(says(said, c.says)) << c.what << ": " << said;
-    EXPECT_TRUE(says(said, ";")) << c.what << " has no remedy: " << said;
+    EXPECT_TRUE(contains(said, c.expected)) << c.what << ": " << said;
+    EXPECT_TRUE(contains(said, ";")) << c.what << " has no remedy: " << said;
   }
 }
 
-// A check of `done` at `now`, with a passport of the day before.
+// Refusal at `now` with a check made at `done` and a passport of the day before.
 std::string refusalAt(const PlaceTime& done, const PlaceTime& now) {
   PassportFolder f;
   f.passport.measured_at = {done.at - days(1), done.ahead};
   f.now = done;
   f.keep();
-  return refusal(clearToArm(f.identity, f.model, f.rate_hz, now));
+  return refusal(checkArmingPermit(f.identity, f.model, f.rate_hz, now));
 }
 
-// From UTC-12 to UTC+14, daylight saving's hour included: the law in the place's own words.
-TEST(DailyCheck, AtRandomPlacesAndMoments_OpensOnThePlacesDayForTwelveHours) {
+// Draws places from UTC-12 to UTC+14, with changes of daylight saving time; the rule is stated in
+// local time.
+TEST(DailyCheck, CheckAtRandomPlaces_IsValidOnItsLocalDayForTwelveHours) {
   using std::chrono::minutes;
   auto random = seededRandom(435);
   const auto draw = [&](long low, long high) {
@@ -170,11 +172,11 @@ TEST(DailyCheck, AtRandomPlacesAndMoments_OpensOnThePlacesDayForTwelveHours) {
     const PlaceTime done{
         std::chrono::sys_days(std::chrono::year(2026) / 11 / 21) + minutes(draw(0, 24 * 60)),
         ahead};
-    // One in four where the clock changed by an hour meanwhile.
+    // In one of four cases the local clock changed by an hour meanwhile.
     const minutes now_ahead = draw(0, 3) == 0 ? ahead + minutes(60) : ahead;
     const PlaceTime now{done.at + minutes(draw(-120, 30 * 60)), now_ahead};
     const long passed_min = std::chrono::duration_cast<minutes>(now.at - done.at).count();
-    // What a person sees: the dates on the wall.
+    // The local dates, as a person sees them.
     const auto wall = [](const PlaceTime& t) {
       return std::chrono::floor<days>((t.at + t.ahead).time_since_epoch()).count();
     };
@@ -189,46 +191,46 @@ TEST(DailyCheck, AtRandomPlacesAndMoments_OpensOnThePlacesDayForTwelveHours) {
     const std::string said = refusalAt(done, now);
     const std::string what = format(done) + " at " + format(now) + ": " + said;
     EXPECT_EQ(said.empty(), *says_so == 0) << what;
-    EXPECT_TRUE(says(said, says_so)) << what;
+    EXPECT_TRUE(contains(said, says_so)) << what;
     open += said.empty() ? 1 : 0;
   }
   EXPECT_GT(open, 0);
 }
 
-TEST(DailyCheck, InLosAngelesAndAuckland_IsOfTheDayOnTheWall) {
+TEST(DailyCheck, CheckInLosAngelesAndAuckland_IsValidOnTheLocalDate) {
   using std::chrono::hours;
   using std::chrono::minutes;
   const auto tuesday = std::chrono::sys_days(std::chrono::year(2026) / 11 / 24);
   const minutes west(-8 * 60), east(13 * 60);
   const PlaceTime three_pm{tuesday + hours(15) - west, west};
   EXPECT_EQ(refusalAt(three_pm, {three_pm.at + minutes(65), west}), "") << "UTC's day has changed";
-  EXPECT_TRUE(says(refusalAt(three_pm, {three_pm.at + hours(17), west}), "not checked today"))
+  EXPECT_TRUE(contains(refusalAt(three_pm, {three_pm.at + hours(17), west}), "not checked today"))
       << "eight on Wednesday";
   const PlaceTime four_pm{tuesday + hours(16) - east, east};
-  EXPECT_TRUE(says(refusalAt(four_pm, {four_pm.at + hours(10), east}), "not checked today"))
+  EXPECT_TRUE(contains(refusalAt(four_pm, {four_pm.at + hours(10), east}), "not checked today"))
       << "two on Wednesday, the same day in UTC";
 }
 
-TEST(DailyCheck, WithAClockSetBackOrForward_IsRefusedWithTheClocksName) {
+TEST(DailyCheck, ClockSetBackOrForward_IsRefusedWithTheClockAsReason) {
   using std::chrono::hours;
   PassportFolder f;
   const PlaceTime now = f.now;
-  EXPECT_TRUE(says(refusalAt(now, {now.at - hours(1), now.ahead}), "clock was set back"));
-  EXPECT_TRUE(says(refusalAt(now, {now.at + days(1), now.ahead}), "not checked today"));
+  EXPECT_TRUE(contains(refusalAt(now, {now.at - hours(1), now.ahead}), "clock was set back"));
+  EXPECT_TRUE(contains(refusalAt(now, {now.at + days(1), now.ahead}), "not checked today"));
   const PlaceTime tomorrow{now.at + days(1), now.ahead};
   f.passport.measured_at = tomorrow;
   f.keep();
-  const std::string said = refusal(clearToArm(f.identity, f.model, f.rate_hz, now));
-  EXPECT_TRUE(says(said, "measured_at")) << said;
-  EXPECT_TRUE(says(said, "clock was set back")) << said;
+  const std::string said = refusal(checkArmingPermit(f.identity, f.model, f.rate_hz, now));
+  EXPECT_TRUE(contains(said, "measured_at")) << said;
+  EXPECT_TRUE(contains(said, "clock was set back")) << said;
 }
 
-TEST(PlaceTime, OfThisMachine_FollowsItsTimeZone) {
+TEST(PlaceTime, TimeOfThisMachine_FollowsItsTimeZone) {
   const Folder folder;
   const std::string path = folder.file("place_time.toml");
   const char* const before = std::getenv("TZ");
   const std::string kept = before != nullptr ? before : "";
-  // POSIX writes the offset the other way round: what is added to the wall's clock to get UTC.
+  // POSIX gives the offset with the opposite sign: the time to add to local time to get UTC.
   for (const auto& [zone, ahead_min] :
        std::vector<std::pair<const char*, long>>{{"<-12>12", -720},
                                                  {"<-08>8", -480},
@@ -254,10 +256,10 @@ TEST(PlaceTime, OfThisMachine_FollowsItsTimeZone) {
   ::tzset();
 }
 
-TEST(WorstCorners, OfAPassport_AreTheWorseOfFileAndMeasurement) {
+TEST(WorstCorners, CornersOfAPassport_AreTheWorseOfFileAndMeasurement) {
   PassportFolder f;
   f.passport.axes[0].damping = {2.0, 2.5};  // the file states 3
-  f.passport.axes[1].damping = {3.5, 4.0};  // better than the file
+  f.passport.axes[1].damping = {3.5, 4.0};  // better than the file states
   f.passport.axes[2].delay_s = {1e-3, 1.3e-3};
   f.passport.axes[2].resolution = 1e-3;
   const auto corners = worstCorners(f.model, f.passport, 1e-3);
@@ -276,9 +278,9 @@ TEST(WorstCorners, OfAPassport_AreTheWorseOfFileAndMeasurement) {
       << "a tenth of a period is within what was measured";
 }
 
-// The chart of a passport: what is drawn is what was measured.
+// The chart of a passport shows the measured values.
 
-// The bars, axis by axis: mass, damping, dry friction, delay; null where there is none.
+// The bars of each axis: mass, damping, dry friction, delay; null if there is none.
 std::vector<nlohmann::json> bars(const ChartPage& page) {
   std::vector<nlohmann::json> out;
   for (const ChartTable& table : page.tables) {
@@ -289,7 +291,7 @@ std::vector<nlohmann::json> bars(const ChartPage& page) {
   return out;
 }
 
-TEST(PassportChart, OfIntervals_SpansThemAsSharesOfTheFile) {
+TEST(PassportChart, Intervals_AreDrawnAsSharesOfTheFilesValues) {
   PassportFolder f;
   for (std::size_t i = 0; i < f.model.axes.size(); ++i) {
     const DeviceAxis& axis = f.model.axes[i];
@@ -306,7 +308,7 @@ TEST(PassportChart, OfIntervals_SpansThemAsSharesOfTheFile) {
   }
 }
 
-TEST(PassportChart, OfAFileThatStatesZero_HasNoBarButTheWords) {
+TEST(PassportChart, ValueStatedAsZero_HasTextInsteadOfABar) {
   PassportFolder f;
   f.model.axes[0].coulomb = 0.0;
   f.passport.axes[0].coulomb = {0.0125, 0.25};

@@ -5,7 +5,7 @@
 #include "mechanism.hpp"
 #include "support/seed.hpp"
 
-/// Random axes, and what commissioning would record of them on a simulated clock.
+/// Random axes, and the traces that commissioning would record of them on a simulated clock.
 namespace wholehand::test {
 
 struct RandomAxis {
@@ -15,13 +15,13 @@ struct RandomAxis {
   double cross_inertia = 0.0;
 };
 
-/// Axes of the size of haptic devices: 0.1 to 2 kg, 15 to 60 m/s² at the effort limit, time
+/// Draws axes of the size of haptic devices: 0.1 to 2 kg, 15 to 60 m/s² at the effort limit, time
 /// constants of 25 to 330 ms, dry friction of 0.3 to 3 % of the limit, up to 3 periods of delay.
 class AxisDraw {
  public:
   explicit AxisDraw(unsigned stream) : random_(seededRandom(stream)) {}
   double unit() { return uniform_(random_); }
-  /// Even on the logarithm.
+  /// Draws evenly on a logarithmic scale.
   double between(double low, double high) { return low * std::pow(high / low, unit()); }
 
   RandomAxis ideal() {
@@ -43,9 +43,9 @@ class AxisDraw {
     return out;
   }
 
-  /// Friction that falls over 0.5 to 5 % of the speed that a twentieth of a second at a fifth of
-  /// the limit gives; cogging of 0.2 to 2 % of the limit; play of 0.02 to 0.5 % of the range before
-  /// 5 to 50 % of the mass; a neighbour linked by 5 % of the inertia.
+  /// An axis with disturbances. Stribeck friction falls over 0.5 to 5 % of the speed that a fifth
+  /// of the limit reaches in 0.05 s; cogging is 0.2 to 2 % of the limit; play is 0.02 to 0.5 % of
+  /// the range before 5 to 50 % of the mass; a neighbour is coupled by 5 % of the inertia.
   RandomAxis disturbed(bool stribeck, bool cogging, bool play) {
     RandomAxis out = ideal();
     MechanismAxis& p = out.plant;
@@ -82,7 +82,7 @@ inline ExcitationPlan planFor(const RandomAxis& axis, double period_s) {
   return plan;
 }
 
-/// By the exact solution of device/simulated: ideal axes only.
+/// Trace by the exact solution of device/simulated, for ideal axes only.
 inline AxisTrace traceOfIdeal(const RandomAxis& axis, double period_s) {
   const MechanismAxis& p = axis.plant;
   AxisPlant plant;
@@ -93,7 +93,7 @@ inline AxisTrace traceOfIdeal(const RandomAxis& axis, double period_s) {
   plant.upper = p.upper;
   const auto whole = static_cast<std::size_t>(p.delay_s / period_s);
   const double broken_s = p.delay_s - static_cast<double>(whole) * period_s;
-  // In each period the older command goes on acting for the broken part.
+  // In each period the older command still acts for the fractional part of the delay.
   AxisDynamics older(plant, broken_s), newer(plant, period_s - broken_s);
   Excitation excitation(planFor(axis, period_s));
   AxisTrace trace;
@@ -114,14 +114,14 @@ inline AxisTrace traceOfIdeal(const RandomAxis& axis, double period_s) {
   return trace;
 }
 
-/// A trace, and when its ticks really came.
+/// A trace, and the true times of its ticks.
 struct UnevenTrace {
   AxisTrace trace;
   std::vector<double> taken_s;
 };
 
-/// The same axis, moved by a machine that is late in a share of its ticks, by a quarter of a period
-/// to two; the next tick is on time again where there is time (as RealTicks).
+/// Trace of the same axis on a machine that is late in a share of its ticks, by 0.25 to 2 periods;
+/// the next tick is on time again if possible (as RealTicks).
 inline UnevenTrace unevenTraceOf(const RandomAxis& axis, double period_s, double late_share,
                                  AxisDraw& draw) {
   constexpr int kQuarters = 4;
@@ -145,7 +145,7 @@ inline UnevenTrace unevenTraceOf(const RandomAxis& axis, double period_s, double
   return out;
 }
 
-/// By the test's own mechanism, its neighbour resting beside it.
+/// Trace by the test's own Mechanism, with a neighbour at rest.
 inline AxisTrace traceOf(const RandomAxis& axis, double period_s) {
   Mechanism mechanism({axis.plant, axis.neighbour}, period_s);
   mechanism.cross_inertia = axis.cross_inertia;

@@ -1,11 +1,11 @@
-// Commissioning as it is learned: a person who knows nothing but what is said, at a plant that is
-// not there.
+// Commissioning as training: a person without knowledge follows the instructions at a simulated
+// plant.
 #include "devices/commissioning/simulated/simulated_plant.hpp"
 
 #include "devices/commissioning/commissioning.hpp"
 #include "files/device/device_file.hpp"
 #include "passport_file.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -17,29 +17,29 @@
 namespace wholehand::test {
 namespace {
 
-/// Types the numbers that were said last, and holds the key.
+/// An operator who types the numbers of the last message and holds the key.
 class Newcomer final : public Operator {
  public:
-  void tell(const std::string& line, const std::vector<FoundFigure>&) override {
+  void reportLine(const std::string& line, const std::vector<FoundFigure>&) override {
     said += line + "\n";
     std::smatch number;
     if (std::regex_search(line, number, std::regex(R"((?:reads|with) ([0-9.e+-]+) )"))) {
       last_number_ = number[1];
     }
   }
-  void tellStep(const StepNews& news) override {
+  void reportStep(const StepNews& news) override {
     if (!news.why.empty()) said += format(news.why);
   }
-  void tellMotion(const Motion&, MotionState) override {}
+  void reportMotion(const Motion&, MotionState) override {}
   [[nodiscard]] std::optional<std::string> ask(const Question& question,
                                                const std::function<void()>& meanwhile) override {
     meanwhile();
     switch (question.about) {
-      case Asked::kThisDevice:
-      case Asked::kNobodyAttached:
+      case QuestionKind::kThisDevice:
+      case QuestionKind::kNobodyAttached:
         return "yes";
-      case Asked::kTravel:
-      case Asked::kKnownForce:
+      case QuestionKind::kTravel:
+      case QuestionKind::kKnownForce:
         return last_number_;
       default:
         return "";
@@ -54,7 +54,7 @@ class Newcomer final : public Operator {
   std::string last_number_;
 };
 
-/// A device file of its own, the plant of it, and the newcomer.
+/// A device file, its simulated plant, and the newcomer.
 struct Lesson {
   explicit Lesson(const std::string& file)
       : path(folder.file("mine.toml")), model(load(file, path)), plant(model, 1e-3) {
@@ -86,16 +86,16 @@ struct Lesson {
   std::optional<Commissioning> commissioning;
 };
 
-TEST(SimulatedPlant, OfEachShippedDevice_IsCommissionedByWhatIsSaidAndFoundAsItsFileStates) {
+TEST(SimulatedPlant, EachShippedDevice_CanBeCommissionedByTheInstructionsAlone) {
   for (const std::string& file :
-       aTenth<std::string>({"desktop-3axis", "lambda-pride", "wrist-9axis"})) {
+       sampleTenth<std::string>({"desktop-3axis", "lambda-pride", "wrist-9axis"})) {
     Lesson lesson(file);
     ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
-    EXPECT_TRUE(says(lesson.person.said, "no device is armed with it")) << file;
+    EXPECT_TRUE(contains(lesson.person.said, "no device is armed with it")) << file;
     EXPECT_LE(lesson.bench->largestShare(), kCommissioningShare + 1e-12) << file;
     const Passport passport = orThrow(readPassport(lesson.commissioning->path()));
     for (std::size_t i = 0; i < lesson.model.axes.size(); ++i) {
-      const DeviceAxis& truth = lesson.model.axes[i];  // the plant is what its file says
+      const DeviceAxis& truth = lesson.model.axes[i];  // the plant has the figures of its file
       EXPECT_TRUE(passport.axes[i].mass.contains(truth.mass)) << file << truth.name;
       EXPECT_TRUE(passport.axes[i].damping.contains(truth.damping)) << file << truth.name;
       EXPECT_TRUE(passport.axes[i].coulomb.contains(truth.coulomb)) << file << truth.name;
@@ -103,8 +103,8 @@ TEST(SimulatedPlant, OfEachShippedDevice_IsCommissionedByWhatIsSaidAndFoundAsIts
   }
 }
 
-// A passport that was learned, with a check of the day, beside a device that says it is the same.
-TEST(SimulatedPlant, ItsPassportAndCheck_NeverArmADevice) {
+// A passport from training, with a check of the day, beside a device that claims the same identity.
+TEST(SimulatedPlant, PassportOfASimulatedPlant_NeverArmsADevice) {
   Lesson lesson("desktop-3axis");
   ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
   ASSERT_TRUE(lesson.commissioning->checkToday().ok()) << "the daily check can be learned, too";
@@ -114,22 +114,24 @@ TEST(SimulatedPlant, ItsPassportAndCheck_NeverArmADevice) {
       checkPassport(passport, lesson.plant.identity(), lesson.model, passport.measured_at).ok());
 
   DriverIdentity device = lesson.plant.identity();
-  device.simulated = false;  // a real one, of the same serial number, firmware and SDK
-  const auto armed = clearToArm(device, lesson.model, passport.rate_hz, passport.measured_at);
+  device.simulated = false;  // a real device of the same serial number, firmware and SDK
+  const auto armed =
+      checkArmingPermit(device, lesson.model, passport.rate_hz, passport.measured_at);
   ASSERT_FALSE(armed.ok());
-  EXPECT_TRUE(says(format(armed.errors()), "learned on a simulated plant"));
-  const auto plant =
-      clearToArm(lesson.plant.identity(), lesson.model, passport.rate_hz, passport.measured_at);
+  EXPECT_TRUE(contains(format(armed.errors()), "learned on a simulated plant"));
+  const auto plant = checkArmingPermit(lesson.plant.identity(), lesson.model, passport.rate_hz,
+                                       passport.measured_at);
   ASSERT_FALSE(plant.ok());
-  EXPECT_TRUE(says(format(plant.errors()), "simulated plant: it arms nothing"));
+  EXPECT_TRUE(contains(format(plant.errors()), "simulated plant: it arms nothing"));
 
-  // Without its mark it is another text, which the seal tells.
+  // Removing the mark changes the text, which the seal detects.
   std::string text = passportText(passport);
   const std::string mark = "simulated = true";
   writeFile(passport.path, text.replace(text.find(mark), mark.size(), ""));
-  const auto edited = clearToArm(device, lesson.model, passport.rate_hz, passport.measured_at);
+  const auto edited =
+      checkArmingPermit(device, lesson.model, passport.rate_hz, passport.measured_at);
   ASSERT_FALSE(edited.ok());
-  EXPECT_TRUE(says(format(edited.errors()), "changed after it was written"));
+  EXPECT_TRUE(contains(format(edited.errors()), "changed after it was written"));
 }
 
 }  // namespace

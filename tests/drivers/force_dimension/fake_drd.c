@@ -1,5 +1,5 @@
-/* A fake of Force Dimension's libdrd.so.3: the functions that its reference for C names, around one
- * device. Built also as an old SDK, and as one that lacks a function. */
+/* A fake of Force Dimension's libdrd.so.3: the functions of its C reference, around one device. It
+ * is also built as an old SDK and as one that lacks a function. */
 #include "fake_drd.h"
 
 #include <stdbool.h>
@@ -14,7 +14,7 @@
 
 static fake_device device;
 
-/* A program that loads it finds a device as the maker delivers it. */
+/* A program that loads it finds a device in the maker's delivery state. */
 __attribute__((constructor)) static void deliver(void) { (void)fake_drd(1); }
 
 fake_device* fake_drd(int fresh) {
@@ -62,7 +62,7 @@ int drdClose(char id) {
 
 bool drdIsInitialized(char id) { return id >= 0 && device.initialized; }
 
-/* Leaves its force on, as the SDK's regulation does. */
+/* Leaves the force on, as the SDK's regulation does. */
 int drdAutoInit(char id) {
   (void)id;
   ++device.inits;
@@ -93,7 +93,7 @@ int dhdEnableForce(unsigned char on, char id) {
   return 0;
 }
 
-/* 17 numbers: the driver must have room for them. */
+/* Writes 17 numbers: the driver must have room for them. */
 int dhdGetStatus(int* status, char id) {
   (void)id;
   memset(status, 0, 17 * sizeof *status);

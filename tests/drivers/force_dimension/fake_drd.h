@@ -1,4 +1,4 @@
-/* A Force Dimension device that is not there: what stands behind the fake libdrd.so.3. */
+/* The fake Force Dimension device behind the fake libdrd.so.3. */
 #ifndef WHOLEHAND_TESTS_FAKE_DRD_H
 #define WHOLEHAND_TESTS_FAKE_DRD_H
 
@@ -7,28 +7,27 @@ extern "C" {
 #endif
 
 typedef struct {
-  /* What there is. */
+  /* The connected devices. */
   int devices;
   unsigned short serial[4];
   int has_gripper, left_handed;
-  /* How it is. */
+  /* State of the device. */
   int connected, power, initialized, reset, error;
   int waits_for_button; /* force is on only once its button was pressed */
   int force_on, cause;
-  /* In its own frame: x to the person, z up [m], and the opening of its gripper [rad]. */
+  /* Position in the device's own frame: x to the person, z up [m]; opening of its gripper [rad]. */
   double position_m[3], angle_rad;
-  /* x, y, z [N], three torques [N.m], gripper [N]. */
+  /* Forces x, y, z [N], three torques [N.m], gripper force [N]. */
   double force[7];
-  /* What functions return instead of 0. */
+  /* Return values of the functions; 0 is success. */
   int open_returns, status_returns, position_returns, angle_returns, force_returns, enable_returns,
       init_returns, stop_returns;
-  /* What was called. */
-  int opened, closed, inits, stops, stops_that_leave_force_on, enables, enables_with_a_force,
-      sent;
+  /* Numbers of calls. */
+  int opened, closed, inits, stops, stops_that_leave_force_on, enables, enables_with_a_force, sent;
   int forbidden; /* expert mode, watchdog, velocity trip, time guard, gravity, brakes */
 } fake_device;
 
-/* Of this library; `fresh`: as the maker delivers it. */
+/* The device of this library; `fresh` resets it to the maker's delivery state. */
 fake_device* fake_drd(int fresh);
 
 #ifdef __cplusplus

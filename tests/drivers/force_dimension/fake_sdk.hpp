@@ -46,7 +46,7 @@ class ForceDimensionDriver {
     ::setenv("FORCEDIM_SDK", sdkFolder(sdk).c_str(), 1);
     const std::string path = sdkFolder(sdk) + "/libdrd.so.3";
     library_ = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library_ == nullptr) return;  // there is none
+    if (library_ == nullptr) return;  // no library is loaded
     const auto find = reinterpret_cast<fake_device* (*)(int)>(::dlsym(library_, "fake_drd"));
     fake = find(1);
   }

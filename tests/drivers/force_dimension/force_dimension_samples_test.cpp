@@ -1,7 +1,7 @@
-// Force Dimension devices against a fake of their SDK: what is read, and what is pushed.
+// Force Dimension devices with a fake SDK: samples and efforts.
 #include "fake_sdk.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace wholehand::test {
 namespace {
 
-TEST_F(ForceDimension, ForceThatAnotherProgramLeft_IsGoneBeforeForceIsOn) {
+TEST_F(ForceDimension, ForceLeftByAnotherProgram_IsClearedBeforeEnable) {
   open();
   at.fake->force[2] = 5.0;
   ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
@@ -25,7 +25,7 @@ TEST_F(ForceDimension, ForceThatAnotherProgramLeft_IsGoneBeforeForceIsOn) {
 TEST_F(ForceDimension, ForceButton_DecidesWhetherItIsEnabled) {
   at.fake->waits_for_button = 1;
   enable();
-  EXPECT_TRUE(says(at.said, "press it"));
+  EXPECT_TRUE(contains(at.said, "press it"));
   EXPECT_EQ(at.read().status & WH_ENABLED, 0U);
   at.fake->force_on = 1;  // a person presses it
   EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
@@ -35,7 +35,7 @@ TEST_F(ForceDimension, ForceOff_IsReportedWithItsCodeAndItsReason) {
   struct Cause {
     int code;
     std::uint32_t bits;
-    const char* says;
+    const char* expected;
   };
   open();
   for (const Cause& cause : {Cause{1, 0, "force button"},
@@ -49,11 +49,11 @@ TEST_F(ForceDimension, ForceOff_IsReportedWithItsCodeAndItsReason) {
     at.fake->force_on = 0;
     at.fake->cause = cause.code;
     const wh_sample sample = at.read();
-    EXPECT_EQ(sample.status, cause.bits | WH_HOMED) << cause.says;
+    EXPECT_EQ(sample.status, cause.bits | WH_HOMED) << cause.expected;
     EXPECT_EQ(sample.vendor_code, cause.code);
     at.said.clear();
     (void)at.driver->control(WH_DISABLE, 0.0);
-    EXPECT_TRUE(says(at.said, cause.says));
+    EXPECT_TRUE(contains(at.said, cause.expected));
   }
 }
 
@@ -65,7 +65,7 @@ TEST_F(ForceDimension, ControllerError_IsADriveFault) {
   EXPECT_EQ(sample.vendor_code, 16);
 }
 
-TEST_F(ForceDimension, PowerOffAndOn_IsNotHomedAnyMore) {
+TEST_F(ForceDimension, PowerCycle_LosesTheHoming) {
   enable();
   at.fake->reset = 1;
   EXPECT_EQ(at.read().status & WH_HOMED, 0U);
@@ -95,7 +95,7 @@ TEST_F(ForceDimension, Unplugged_FailsReadsAndWrites) {
   EXPECT_EQ(at.write({0, 0, 0, 0}), WH_FAILED) << "not enabled";
 }
 
-TEST_F(ForceDimension, TimeGuard_IsNothingNewAndTheLastSampleStays) {
+TEST_F(ForceDimension, TimeGuard_ReportsNothingNewAndKeepsTheLastSample) {
   enable();
   at.fake->position_m[2] = 0.01;
   const wh_sample first = at.read();
@@ -117,7 +117,7 @@ TEST_F(ForceDimension, TimeGuard_IsNothingNewAndTheLastSampleStays) {
   EXPECT_EQ(at.write({0, 0, 0, 0}), WH_OK);
 }
 
-TEST_F(ForceDimension, SaturatedMotor_IsInformation) {
+TEST_F(ForceDimension, SaturatedMotor_IsNoFault) {
   enable();
   at.fake->force_returns = 2;
   EXPECT_EQ(at.write({1, 0, 0, 0}), WH_OK);
@@ -127,7 +127,7 @@ TEST_F(ForceDimension, SaturatedMotor_IsInformation) {
   EXPECT_EQ(at.read().status & WH_SATURATED, 0U);
 }
 
-// The device's x is to the person and its y to the right; ours are away and to the left.
+// The device's x points to the person and its y to the right; ours point away and to the left.
 TEST_F(ForceDimension, Frame_IsTurnedAboutTheVertical) {
   enable();
   at.fake->position_m[0] = 0.01, at.fake->position_m[1] = 0.02, at.fake->position_m[2] = 0.03;
@@ -142,17 +142,18 @@ TEST_F(ForceDimension, Frame_IsTurnedAboutTheVertical) {
 }
 
 class Handed : public testing::TestWithParam<int> {};
-// Virtual work is the closed form: what the axes do is what the device does.
+// Virtual work is the closed form: the work of the axes equals that of the device.
 TEST_P(Handed, RandomMoves_DoTheSameWorkOnBothSides) {
   auto random = seededRandom(3);
   std::uniform_real_distribution<double> in(-1.0, 1.0);
   ForceDimensionDriver at;
   at.fake->left_handed = GetParam();
-  const std::string settings =  // askew
+  const std::string settings =  // a frame turned by 0.7 rad
       replaced(kForceSettings, "3.141592653589793", "0.7") + kGripperSettings;
   ASSERT_TRUE(at.load("", settings)) << at.said;
   ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
-  const double sign = GetParam() != 0 ? -1.0 : 1.0;  // the SDK's angle of a left-hand gripper
+  const double sign =
+      GetParam() != 0 ? -1.0 : 1.0;  // sign of the SDK's angle for a left-hand gripper
   for (int i = 0; i < 1000; ++i) {
     double before[4], moved[4];
     const auto draw = [&](double* q) {
@@ -178,7 +179,7 @@ TEST_P(Handed, RandomMoves_DoTheSameWorkOnBothSides) {
 }
 INSTANTIATE_TEST_SUITE_P(Hands, Handed, testing::Values(0, 1));
 
-TEST_F(ForceDimension, Gripper_OpenIsStraightAndClosedIsBent) {
+TEST_F(ForceDimension, OpenGripper_IsAStraightFingerAndClosedABentOne) {
   for (const int left : {0, 1}) {
     ForceDimensionDriver hand;
     hand.fake->left_handed = left;
@@ -190,7 +191,7 @@ TEST_F(ForceDimension, Gripper_OpenIsStraightAndClosedIsBent) {
   }
 }
 
-TEST_F(ForceDimension, ImpossibleCommands_AreRefusedOrHeldToTheLimit) {
+TEST_F(ForceDimension, ImpossibleCommands_AreRefusedOrClamped) {
   enable();
   const int sent = at.fake->sent;
   EXPECT_EQ(at.write({std::nan(""), 0, 0, 0}), WH_FAILED);
@@ -211,7 +212,7 @@ TEST_F(ForceDimension, DroppedWatchdog_SendsNothingMore) {
   EXPECT_EQ(at.fake->sent, sent);
 }
 
-TEST_F(ForceDimension, Closed_HasNoForceAndChangedNoneOfTheMakersLimits) {
+TEST_F(ForceDimension, ClosedDevice_HasNoForceAndUnchangedVendorLimits) {
   enable();
   ASSERT_EQ(at.write({1, 1, 1, 0.05}), WH_OK);
   (void)at.read();

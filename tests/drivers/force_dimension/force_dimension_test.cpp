@@ -1,7 +1,7 @@
-// Force Dimension devices against a fake of their SDK: finding, opening, homing.
+// Force Dimension devices with a fake SDK: finding, opening and homing.
 #include "fake_sdk.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 namespace wholehand::test {
 namespace {
 
-TEST(ForceDimensionSdk, OtherOne_IsRefusedWithWhatIsMissing) {
+TEST(ForceDimensionSdk, UnsuitableSdk_IsRefusedWithTheMissingPart) {
   for (const auto& [sdk, why] : {std::pair{"none", "name its folder in FORCEDIM_SDK"},
                                  {"without_angle", "has no dhdGetGripperAngleRad"},
                                  {"old", "is SDK 3.13"},
@@ -20,16 +20,16 @@ TEST(ForceDimensionSdk, OtherOne_IsRefusedWithWhatIsMissing) {
     ForceDimensionDriver at(sdk);
     const auto driver = at.load();
     ASSERT_FALSE(driver) << sdk;
-    EXPECT_TRUE(says(at.said + whyNot(driver), why));
+    EXPECT_TRUE(contains(at.said + whyNot(driver), why));
   }
 }
 
-TEST_F(ForceDimension, InTheLoop_IsRefusedForAHost) {
+TEST_F(ForceDimension, DriverInALoop_IsRefusedAndReferredToAHost) {
   EXPECT_TRUE(refusedWith(
       at.load("", std::string(kForceSettings) + kGripperSettings, CalledBy::kLoop), "a host can"));
 }
 
-TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
+TEST_F(ForceDimension, Open_MovesNothingAndSwitchesNoForceOn) {
   open();
   EXPECT_EQ(at.fake->inits, 0);
   EXPECT_EQ(at.fake->enables, 0);
@@ -41,7 +41,7 @@ TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
   EXPECT_NEAR(axes[3].effort_limit, 8.0 * 0.07 / 4.0, 1e-12);  // ratio 1.6 / 0.4
   EXPECT_EQ(axes[0].effort_limit, 12.0);
   EXPECT_EQ(axes[0].silence_s, 0.02);
-  EXPECT_TRUE(says(at.said, "fake.7, SDK 3.17.1"));
+  EXPECT_TRUE(contains(at.said, "fake.7, SDK 3.17.1"));
 }
 
 TEST_F(ForceDimension, SerialNumber_OpensThatDeviceAndClosesTheOthers) {
@@ -52,7 +52,7 @@ TEST_F(ForceDimension, SerialNumber_OpensThatDeviceAndClosesTheOthers) {
   EXPECT_EQ(at.driver->identity().sdk, "3.17.1");
 }
 
-TEST_F(ForceDimension, NotFound_SaysWhatThereIs) {
+TEST_F(ForceDimension, DeviceNotFound_IsReportedWithTheAvailableOnes) {
   for (const auto& [locator, devices, why] : {std::tuple{"", 0, "no device: the fake says why"},
                                               {"serial:7", 2, "there are: 11111, 22222"},
                                               {"usb", 2, "names no device"},
@@ -62,24 +62,24 @@ TEST_F(ForceDimension, NotFound_SaysWhatThereIs) {
   }
 }
 
-TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
+TEST_F(ForceDimension, DeviceWithoutARequestedGripper_IsRefused) {
   at.fake->has_gripper = 0;
   EXPECT_TRUE(refusedWith(at.load(), "fake.7 has no gripper"));
   ASSERT_TRUE(at.load("", kForceSettings));
   EXPECT_EQ(at.driver->axes().size(), 3U);
 }
 
-TEST_F(ForceDimension, Settings_AreReadStrictly) {
+TEST_F(ForceDimension, InvalidSettings_AreRefused) {
   const auto driver = at.load("", std::string(kForceSettings) + "watchdog = 3\n");
   ASSERT_FALSE(driver);
   const std::string gripper = replaced(kGripperSettings, "open_rad = 0.5", "open_rad = 0.1");
   const auto crossed =
       at.load("", kForceSettings + replaced(gripper, "closed_rad = 0.1", "closed_rad = 0.5"));
   ASSERT_FALSE(crossed);
-  EXPECT_TRUE(says(at.said, "is not below open_rad"));
+  EXPECT_TRUE(contains(at.said, "is not below open_rad"));
 }
 
-TEST_F(ForceDimension, NotHomed_HomesOnlyOnRequestAndLeavesForceOff) {
+TEST_F(ForceDimension, UnhomedDevice_HomesOnlyOnRequestAndLeavesForceOff) {
   at.fake->initialized = 0;
   open();
   ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
@@ -96,17 +96,17 @@ TEST_F(ForceDimension, NotHomed_HomesOnlyOnRequestAndLeavesForceOff) {
   EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_HOMED));
 }
 
-TEST_F(ForceDimension, HomingThatFails_IsSaidAndForceIsOff) {
+TEST_F(ForceDimension, FailedHoming_IsReportedAndForceIsOff) {
   at.fake->initialized = 0;
   at.fake->init_returns = -1;
   open();
   EXPECT_FALSE(at.driver->control(WH_HOME, 0.0));
-  EXPECT_TRUE(says(at.said, "homing failed: the fake says why"));
+  EXPECT_TRUE(contains(at.said, "homing failed: the fake says why"));
   EXPECT_EQ(at.fake->stops, 1) << "whatever it had begun ends";
   EXPECT_EQ(at.read().status & WH_HOMED, 0U);
 }
 
-TEST(ForceDimensionSettings, ShippedExample_IsRead) {
+TEST(ForceDimensionSettings, ShippedExample_IsAccepted) {
   ForceDimensionDriver at;
   const auto driver =
       at.load("", bytesOfFile(WHOLEHAND_SOURCE_DIR "/drivers/force_dimension/lambda-7.toml"));

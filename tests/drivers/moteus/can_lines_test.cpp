@@ -1,4 +1,4 @@
-// The text protocols of the CAN adapters, and what they make of anything else.
+// The text protocols of the CAN adapters, and how they handle invalid lines.
 #include "moteus/can_lines.hpp"
 
 #include "moteus/registers.hpp"
@@ -32,8 +32,8 @@ std::string slcan(const CanFrame& frame) {
   return {line.data(), writeSlcan(frame, line)};
 }
 
-// docs/protocol/can.md of mjbots/moteus, "Example".
-TEST(Fdcanusb, DocumentedFrame_IsItsLineByteForByte) {
+// Example from docs/protocol/can.md of mjbots/moteus, "Example".
+TEST(Fdcanusb, DocumentedFrame_IsWrittenByteForByte) {
   CanFrame frame;
   frame.id = commandId(1);
   FrameWriter out(frame);
@@ -47,16 +47,16 @@ TEST(Fdcanusb, DocumentedFrame_IsItsLineByteForByte) {
   EXPECT_EQ(fdcanusb(frame), "can send 8001 01000a07206000200150ff140400130d\n");
 }
 
-TEST(Fdcanusb, DocumentedAnswer_SaysWhatTheDocumentationSays) {
+TEST(Fdcanusb, DocumentedAnswer_HasTheDocumentedValues) {
   CanFrame frame;
-  ASSERT_EQ(readFdcanusb("rcv 100 2404000a005000000170ff230d181400", frame), LineSays::kFrame);
+  ASSERT_EQ(readFdcanusb("rcv 100 2404000a005000000170ff230d181400", frame), LineMeaning::kFrame);
   EXPECT_EQ(frame.id, answerId(1));
   Answer answer;
   ASSERT_TRUE(readAnswer(std::span(frame.data).first(frame.size), answer));
   ASSERT_EQ(answer.count, 7U);
   EXPECT_EQ(answer.of(kMode), 10.0);
   EXPECT_NEAR(360.0 * *answer.of(kPosition), 2.88, 1e-9);   // degrees
-  EXPECT_NEAR(360.0 * *answer.of(kVelocity), 23.04, 1e-9);  // degrees a second
+  EXPECT_NEAR(360.0 * *answer.of(kVelocity), 23.04, 1e-9);  // degrees per second
   EXPECT_NEAR(*answer.of(kTorque), -1.44, 1e-9);
   EXPECT_EQ(answer.of(kVoltage), 12.0);
   EXPECT_EQ(answer.of(kTemperature), 20.0);
@@ -70,39 +70,39 @@ TEST(Fdcanusb, FrameBetweenSizes_IsPaddedWithNop) {
   EXPECT_EQ(fdcanusb(frameOf(0x12345678, {})), "can send 12345678 \n");
 }
 
-TEST(Fdcanusb, Lines_AreDistinguished) {
+TEST(Fdcanusb, Lines_AreClassified) {
   CanFrame frame;
-  EXPECT_EQ(readFdcanusb("OK", frame), LineSays::kAccepted);
-  EXPECT_EQ(readFdcanusb("ERR unknown command", frame), LineSays::kRefused);
-  EXPECT_EQ(readFdcanusb("rcv 100 2401 E B F t123", frame), LineSays::kFrame);
+  EXPECT_EQ(readFdcanusb("OK", frame), LineMeaning::kAccepted);
+  EXPECT_EQ(readFdcanusb("ERR unknown command", frame), LineMeaning::kRefused);
+  EXPECT_EQ(readFdcanusb("rcv 100 2401 E B F t123", frame), LineMeaning::kFrame);
   EXPECT_EQ(frame.size, 2);
   for (const char* line : {"", "rcv", "rcv 100 240", "rcv 10g 24", "rcv 100 2g", "rcv 123456789 00",
                            "rcv 3fffffff 00", "can send 8001 00", "rcvv 100 24"}) {
-    EXPECT_EQ(readFdcanusb(line, frame), LineSays::kOther) << line;
+    EXPECT_EQ(readFdcanusb(line, frame), LineMeaning::kOther) << line;
   }
   const std::string too_much = "rcv 100 " + std::string(130, '0');
-  EXPECT_EQ(readFdcanusb(too_much, frame), LineSays::kOther);
+  EXPECT_EQ(readFdcanusb(too_much, frame), LineMeaning::kOther);
 }
 
-// README of normaldotcom/canable2-fw: bIIILDD..., BIIIIIIIILDD..., L as the code of the length.
-TEST(Slcan, Frames_AreTheCommandsOfCanable2) {
+// README of normaldotcom/canable2-fw: bIIILDD..., BIIIIIIIILDD..., with L as the length code.
+TEST(Slcan, Frames_AreWrittenAsTheCommandsOfCanable2) {
   EXPECT_EQ(slcan(frameOf(0x101, {0xab, 0xcd})), "b1012abcd\r");
   EXPECT_EQ(slcan(frameOf(0x8001, {1, 2, 3, 4, 5, 6, 7, 8, 9})),
             "B000080019010203040506070809505050\r");
   CanFrame frame;
-  ASSERT_EQ(readSlcan("b1012abcd", frame), LineSays::kFrame);
+  ASSERT_EQ(readSlcan("b1012abcd", frame), LineMeaning::kFrame);
   EXPECT_EQ(frame.id, 0x101U);
   EXPECT_EQ(frame.size, 2);
   EXPECT_EQ(frame.data[1], 0xcd);
-  EXPECT_EQ(readSlcan("\a", frame), LineSays::kRefused);
-  EXPECT_EQ(readSlcan("z", frame), LineSays::kAccepted);
+  EXPECT_EQ(readSlcan("\a", frame), LineMeaning::kRefused);
+  EXPECT_EQ(readSlcan("z", frame), LineMeaning::kAccepted);
   for (const char* line : {"b", "b101", "b1013abcd", "b8ff1ab", "t1019010203040506070809",
                            "B400000000", "x1012abcd"}) {
-    EXPECT_EQ(readSlcan(line, frame), LineSays::kOther) << line;
+    EXPECT_EQ(readSlcan(line, frame), LineMeaning::kOther) << line;
   }
 }
 
-TEST(LineSplitter, LongLine_IsDroppedWholeAndCounted) {
+TEST(LineSplitter, LongLine_IsDroppedAndCounted) {
   LineSplitter splitter;
   std::vector<std::string> lines;
   const std::string text = "OK\r\n" + std::string(500, 'a') + "\nrcv 100 24\nb1\a";
@@ -113,9 +113,9 @@ TEST(LineSplitter, LongLine_IsDroppedWholeAndCounted) {
   EXPECT_EQ(splitter.dropped(), 1U);
 }
 
-// Whatever an adapter says: no decoder reads or writes outside (the sanitizers check it), and what
-// it takes for a frame is one.
-TEST(Decoders, RandomAndChangedInput_NeverLeaveTheirBounds) {
+// For any input, no decoder reads or writes out of bounds (checked by the sanitizers), and every
+// accepted frame is valid.
+TEST(Decoders, RandomAndChangedInput_StaysWithinBounds) {
   auto random = test::seededRandom(1);
   const std::vector<std::string> seeds = {
       "rcv 100 2404000a005000000170ff230d181400 E B F",
@@ -143,11 +143,11 @@ TEST(Decoders, RandomAndChangedInput_NeverLeaveTheirBounds) {
         line[place] = byte;
     }
     CanFrame frame;
-    const bool is_frame =
-        readFdcanusb(line, frame) == LineSays::kFrame || readSlcan(line, frame) == LineSays::kFrame;
+    const bool is_frame = readFdcanusb(line, frame) == LineMeaning::kFrame ||
+                          readSlcan(line, frame) == LineMeaning::kFrame;
     frames += is_frame ? 1 : 0;
     ASSERT_LE(frame.size, CanFrame::kMostBytes);
-    if (!is_frame) {  // bytes of any kind
+    if (!is_frame) {  // random bytes instead
       frame.size = static_cast<std::uint8_t>(random() % 65);
       for (auto& byte : frame.data) byte = static_cast<std::uint8_t>(random());
     }
@@ -159,7 +159,7 @@ TEST(Decoders, RandomAndChangedInput_NeverLeaveTheirBounds) {
     for (const char byte : line) (void)splitter.take(byte);
     ASSERT_LE(splitter.line().size(), kLongestLine);
   }
-  EXPECT_GT(frames, cases / 10);  // the fuzz reaches beyond the first check
+  EXPECT_GT(frames, cases / 10);  // the inputs reach beyond the first check
   EXPECT_GT(answers, cases / 20);
   EXPECT_GT(texts, cases / 100);
 }

@@ -25,7 +25,8 @@ std::uint32_t varuint(const std::vector<std::uint8_t>& data, std::size_t& at) {
 
 }  // namespace
 
-// Gains that a command leaves on pull by 0.3 N.m: a driver that forgets one is found out.
+// Gains that a command leaves on add 0.3 N.m, so that a driver that forgets to set one fails the
+// test.
 double FakeDrive::torque_nm() const {
   if (mode != 10) return 0.0;
   double torque = command_.torque_nm;
@@ -63,7 +64,7 @@ void FakeDrive::write(std::uint32_t reg, double value, int& wanted_mode, Command
   }
 }
 
-void FakeDrive::obey(int wanted_mode, const Command& command, std::int64_t now_ns) {
+void FakeDrive::apply(int wanted_mode, const Command& command, std::int64_t now_ns) {
   ++commands;
   if (wanted_mode == 0) {
     mode = 0;
@@ -85,7 +86,7 @@ double FakeDrive::valueOf(std::uint32_t reg) const {
       {0x003, torque_nm()},   {0x00c, home},
       {0x00d, 24.0 / 0.5},  // as an int8: half volts
       {0x00e, temperature_c}, {0x00f, fault},
-      {0x101, firmware},      {0x120, 4'000'000'000.0},  // above what an int32 holds with its sign
+      {0x101, firmware},      {0x120, 4'000'000'000.0},  // beyond the range of int32
       {0x121, serial_word},   {0x122, id_}};
   const auto found = values.find(reg);
   return found == values.end() ? 0.0 : found->second;
@@ -111,13 +112,14 @@ void FakeDrive::read(std::uint32_t first, std::uint32_t count, int type,
   }
 }
 
-void FakeDrive::hear(const std::string& text) {
-  heard_ += text;
-  for (std::size_t end = heard_.find('\n'); end != std::string::npos; end = heard_.find('\n')) {
-    const std::string line = heard_.substr(0, end);
-    heard_.erase(0, end + 1);
+void FakeDrive::receive(const std::string& text) {
+  received_ += text;
+  for (std::size_t end = received_.find('\n'); end != std::string::npos;
+       end = received_.find('\n')) {
+    const std::string line = received_.substr(0, end);
+    received_.erase(0, end + 1);
     const auto found = line.rfind("conf get ", 0) == 0 ? conf.find(line.substr(9)) : conf.end();
-    says_ += found == conf.end() ? "ERR error reading\r\n" : found->second + "\r\n";
+    answer_ += found == conf.end() ? "ERR error reading\r\n" : found->second + "\r\n";
   }
 }
 
@@ -134,14 +136,14 @@ std::optional<std::vector<std::uint8_t>> FakeDrive::take(const std::vector<std::
     if (head == 0x40) {
       ++at;
       const std::uint32_t size = varuint(data, at);
-      hear(std::string(data.begin() + static_cast<std::ptrdiff_t>(at),
-                       data.begin() + static_cast<std::ptrdiff_t>(at + size)));
+      receive(std::string(data.begin() + static_cast<std::ptrdiff_t>(at),
+                          data.begin() + static_cast<std::ptrdiff_t>(at + size)));
       at += size;
       continue;
     }
     if (head == 0x42) {
-      const std::string part = says_.substr(0, data.at(at + 1));
-      says_.erase(0, part.size());
+      const std::string part = answer_.substr(0, data.at(at + 1));
+      answer_.erase(0, part.size());
       at += 2;
       out.insert(out.end(), {0x41, 0x01, static_cast<std::uint8_t>(part.size())});
       out.insert(out.end(), part.begin(), part.end());
@@ -152,7 +154,7 @@ std::optional<std::vector<std::uint8_t>> FakeDrive::take(const std::vector<std::
     if (count == 0) count = varuint(data, at);
     const std::uint32_t first = varuint(data, at);
     if (head >= 0x10) {
-      if (wanted_mode >= 0) obey(wanted_mode, command, now_ns);
+      if (wanted_mode >= 0) apply(wanted_mode, command, now_ns);
       wanted_mode = -1;
       read(first, count, type, out);
       continue;
@@ -163,7 +165,7 @@ std::optional<std::vector<std::uint8_t>> FakeDrive::take(const std::vector<std::
       write(first + i, decode(data.data() + at, type), wanted_mode, command);
     }
   }
-  if (wanted_mode >= 0) obey(wanted_mode, command, now_ns);
+  if (wanted_mode >= 0) apply(wanted_mode, command, now_ns);
   if (!reply || out.empty()) return std::nullopt;
   return out;
 }

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-/// Drives that are not there: the register protocol of moteus, written anew from its documentation
-/// and sharing nothing with the driver, so that one is held against the other.
+/// Fake drives with moteus's register protocol, written from its documentation and independent of
+/// the driver, so that the two check each other.
 namespace wholehand::test {
 
 class FakeDrive {
@@ -25,25 +25,25 @@ class FakeDrive {
   double position_rev = 0.0;
   bool answers = true;
   double temperature_c = 25.0;
-  double serial_word = 7.0;  ///< the second of three
+  double serial_word = 7.0;  ///< second of the three words of its serial number
   int firmware = 0x0100;
-  std::int64_t enabling_ns = 10'000'000;  ///< from the first command to position mode
+  std::int64_t enabling_ns = 10'000'000;  ///< time from the first command to position mode
   std::map<std::string, std::string> conf = {{"servo.default_timeout_s", "0.100000"},
                                              {"servo.timeout_mode", "12"},
                                              {"servo.timeout_max_torque_Nm", "0.200000"},
                                              {"servo.fixed_voltage_mode", "0"},
                                              {"servo.inertia_feedforward", "0.000000"}};
-  int commands = 0;  ///< frames that commanded something
+  int commands = 0;  ///< number of frames with a command
 
   [[nodiscard]] int id() const { return id_; }
-  /// The torque at the output [N.m]: what was commanded, and whatever gains were left on.
+  /// Torque at the output [N.m]: the commanded torque, plus an error if gains were left on.
   [[nodiscard]] double torque_nm() const;
-  /// Its watchdog, by its own clock.
+  /// Advances its watchdog by its own clock.
   void advance(std::int64_t now_ns);
-  /// Takes a frame; answers where it is asked to.
+  /// Processes a frame and answers if asked to.
   std::optional<std::vector<std::uint8_t>> take(const std::vector<std::uint8_t>& data, bool reply,
                                                 std::int64_t now_ns);
-  /// As after its power was off for a moment.
+  /// Restarts it as after a short loss of power.
   void restart();
 
  private:
@@ -53,17 +53,17 @@ class FakeDrive {
   };
   void write(std::uint32_t reg, double value, int& wanted_mode, Command& command);
   void read(std::uint32_t first, std::uint32_t count, int type, std::vector<std::uint8_t>& out);
-  void obey(int wanted_mode, const Command& command, std::int64_t now_ns);
-  void hear(const std::string& text);
+  void apply(int wanted_mode, const Command& command, std::int64_t now_ns);
+  void receive(const std::string& text);
   [[nodiscard]] double valueOf(std::uint32_t reg) const;
 
   int id_;
   Command command_;
   std::int64_t fed_ns_ = 0, enabled_ns_ = 0;
-  std::string heard_, says_;
+  std::string received_, answer_;
 };
 
-/// Time that passes only when a test, or the driver's rest(), lets it.
+/// Simulated time, advanced only by the test or the driver's rest().
 struct SimulatedTime {
   std::int64_t now_ns = 1'000'000'000;
 };
@@ -78,20 +78,21 @@ class SimulatedClock final : public moteus::BusClock {
   SimulatedTime& time_;
 };
 
-/// What a bus of a test is made of, beside the drives; outlives the driver.
+/// State of a test's bus; it outlives the driver.
 struct FakeBusState {
   std::vector<FakeDrive> drives;
-  std::int64_t latency_ns = 200'000;  ///< from a command to the answer
+  std::int64_t latency_ns = 200'000;  ///< time from a command to its answer
   bool by_hand = false;               ///< frames reach the drives by deliver() only
   bool unplugged = false;
-  int loses_from = 0, loses = 0;  ///< frames that reach no drive, counted by `frames`
+  int loses_from = 0,
+      loses = 0;  ///< first and number of the frames that reach no drive, counted by `frames`
   std::deque<std::pair<std::int64_t, moteus::CanFrame>> sent;
   std::deque<std::pair<std::int64_t, moteus::CanFrame>> answers;
   int frames = 0;
 
-  /// Gives the drives what was sent until now.
+  /// Delivers all frames sent until now to the drives.
   void deliver(std::int64_t now_ns);
-  /// A frame of somebody else's.
+  /// Puts a frame of another sender on the bus.
   void inject(std::uint32_t id, const std::vector<std::uint8_t>& data, std::int64_t now_ns);
 };
 

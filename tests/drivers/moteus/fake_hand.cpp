@@ -1,4 +1,4 @@
-// fake_hand: three moteus drives behind a pseudo terminal, as a program with a clock of its own.
+// fake_hand: three moteus drives behind a pseudo terminal, as a program with its own clock.
 // Prints the port, then a line whenever a drive changes its mode:
 //   <ms> drive <id> mode <mode> torque <N.m commanded before> silent <ms since its last command>
 //   gap <ms>
@@ -16,7 +16,8 @@
 int main() {
   using Clock = std::chrono::steady_clock;
   const sched_param urgent{85};
-  (void)::sched_setscheduler(0, SCHED_FIFO, &urgent);  // where the machine grants it; threads, too
+  (void)::sched_setscheduler(0, SCHED_FIFO,
+                             &urgent);  // if the machine permits it; threads inherit it
   wholehand::test::PtyAdapter adapter;
   std::printf("%s\n", adapter.port().c_str());
   std::fflush(stdout);
@@ -28,7 +29,8 @@ int main() {
     const double before_ms = now_ms;
     now_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
     gap_ms = std::max(gap_ms, now_ms - before_ms);
-    // A drive is never kept waiting: commands that came while this program was count as in time.
+    // The machine's delays do not count: commands that arrived while this program was stalled count
+    // as in time.
     const double passed_ms = std::min(now_ms - before_ms, 5.0);
     adapter.pass(static_cast<std::int64_t>(passed_ms * 1e6));
     adapter.with([&](auto& drives) {

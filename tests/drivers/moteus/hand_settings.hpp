@@ -9,7 +9,8 @@
 
 namespace wholehand::test {
 
-/// Three motors of a hand: fingers, and a thumb whose flexion is driven over its circumduction.
+/// Three motors of a hand: fingers, and a thumb whose flexion cable runs over its circumduction
+/// joint.
 inline constexpr const char* kHandSettings = R"(kind = "moteus"
 version = 1
 delay_s = 0.001
@@ -56,7 +57,7 @@ effort_limit_nm = 0.8
 thumb_circumduction = 0.4
 )";
 
-/// A settings file of a test; `was` is replaced by `is` where it is named.
+/// Writes a settings file for a test; replaces `was` by `is` if given.
 inline std::string settingsFile(const Folder& folder, const std::string& text = kHandSettings,
                                 const std::string& was = "", const std::string& is = "") {
   return folder.write("settings.toml", was.empty() ? text : replaced(text, was, is));

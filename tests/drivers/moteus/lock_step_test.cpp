@@ -1,6 +1,6 @@
-// One virtual patient on three devices: the built-in one, and the same behind the drivers of Force
-// Dimension and moteus, period by period on a simulated clock. What differs is what the drivers and
-// their wires round.
+// The same virtual patient on the built-in device and behind the drivers of Force Dimension and
+// moteus, period by period on a simulated clock. Differences come only from the rounding of the
+// drivers and their wires.
 #include "devices/plugin/plugin_device.hpp"
 #include "force_dimension/fake_sdk.hpp"
 #include "loop/device/simulated/simulated_device.hpp"
@@ -26,7 +26,7 @@ namespace {
 constexpr double kLoopPeriod_s = 1e-3;
 constexpr int kLockSteps = 5000;
 constexpr double kTorqueStep_nm =
-    0.01;  // the step of a torque as int16 (docs of moteus); in N alike
+    0.01;  // step of a torque as int16 (moteus documentation); also used in N
 constexpr double kRev_rad = 2.0 * std::numbers::pi;
 
 Models patientOn(const std::vector<std::string>& axes) {
@@ -35,7 +35,7 @@ Models patientOn(const std::vector<std::string>& axes) {
   return models;
 }
 
-// Through a tenth to nine tenths of every axis, each at its own pace.
+// Moves every axis between a tenth and nine tenths of its range, each at its own pace.
 Intention travels(const DeviceModel& device) {
   std::vector<Waypoint> way;
   for (int i = 0; i <= 10; ++i) {
@@ -56,8 +56,8 @@ std::unique_ptr<SimulatedDevice> plantOf(const Models& models, int delay_ticks) 
   return std::make_unique<SimulatedDevice>(device, models.patient, travels(device), kLoopPeriod_s);
 }
 
-// A spring towards the middle of each axis, as stiff as takes a tenth of the effort limit at its
-// end, and beyond three quarters of the way a wall ten times as stiff.
+// A spring towards the middle of each axis that takes a tenth of the effort limit at its end, and
+// beyond three quarters of the way a wall ten times as stiff.
 AxisEffort law(const DeviceModel& device, const AxisPosition& q) {
   AxisEffort effort(q.size());
   for (int a = 0; a < q.size(); ++a) {
@@ -71,12 +71,12 @@ AxisEffort law(const DeviceModel& device, const AxisPosition& q) {
 }
 
 struct Apart {
-  double steps = 0.0;   ///< of the encoder, the most
-  double effort = 0.0;  ///< [N or N.m], the most
-  double travel = 0.0;  ///< share of its range that the laziest axis went through
+  double steps = 0.0;   ///< largest difference of positions [encoder steps]
+  double effort = 0.0;  ///< largest difference of efforts [N or N.m]
+  double travel = 0.0;  ///< smallest travel of an axis, as a share of its range
 };
 
-// Runs both, and says how far apart they come.
+// Runs both devices and returns their largest differences.
 Apart runBoth(const Models& models, HapticDevice& built_in, HapticDevice& other,
               const std::function<void()>& before_read, const std::function<void()>& after_write) {
   Apart apart;
@@ -118,7 +118,7 @@ void expectTheSame(const Apart& apart, const std::string& name) {
   EXPECT_GT(apart.travel, 0.3) << "the patient moves";
 }
 
-// The fake's gripper: its opening for a flexion, and the flexion's effort for its force.
+// The fake's gripper: opening per flexion, and lever from its force to the flexion's effort.
 constexpr double kAngleForFlexion = 0.4 / std::numbers::pi, kLever_m = 0.2;
 constexpr const char* kLambdaSettings = R"(kind = "force-dimension"
 version = 1
@@ -138,7 +138,7 @@ force_limit_n = 40.0
 step_rad = 1e-5
 )";
 
-TEST(LockStep, ForceDimension_IsTheBuiltInDevice) {
+TEST(LockStep, ForceDimension_MatchesTheBuiltInDevice) {
   const Models models = patientOn({"x", "y", "z", "finger_flexion"});
   const auto built_in = plantOf(models, 1), plant = plantOf(models, 1);
   ForceDimensionDriver at;
@@ -164,7 +164,7 @@ TEST(LockStep, ForceDimension_IsTheBuiltInDevice) {
   expectTheSame(runBoth(models, *built_in, *device, move, push), "Force Dimension");
 }
 
-// The hand settings, by hand and the other way round: turns of the motors, and efforts of the axes.
+// Sets the motors for given axes, computed by hand as the inverse of the hand settings.
 void place(std::vector<FakeDrive>& drives, const AxisPosition& q) {
   drives[0].position_rev = (q[0] - 1.5) / kRev_rad;
   drives[1].position_rev = (1.0 - 1.5 * q[1]) / kRev_rad;
@@ -178,9 +178,9 @@ AxisEffort pushOf(const std::vector<FakeDrive>& drives) {
   return effort;
 }
 
-// On the bus a command takes a period to arrive, and is answered as it arrives: the built-in device
-// has an output delay of one period, the one behind the bus has none of its own.
-TEST(LockStep, Moteus_IsTheBuiltInDevice) {
+// On the bus a command takes a period to arrive and is answered on arrival. The built-in device has
+// an output delay of one period, the one behind the bus has none.
+TEST(LockStep, Moteus_MatchesTheBuiltInDevice) {
   const Models models = patientOn({"finger_flexion", "thumb_circumduction", "thumb_flexion"});
   const auto built_in = plantOf(models, 1), plant = plantOf(models, 0);
   SimulatedTime time;

@@ -1,9 +1,9 @@
-// The driver on a simulated clock, against drives that are not there.
+// The driver on a simulated clock, with fake drives.
 #include "moteus/moteus_device.hpp"
 
 #include "fake_drive.hpp"
 #include "hand_settings.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class MoteusDrives : public testing::Test {
     ASSERT_TRUE(checked) << format(checked.errors());
     ASSERT_EQ(device->control(WH_ENABLE), WH_OK) << said;
   }
-  // A period of the loop: read, write, 1 ms.
+  // One period of the loop: read, write, 1 ms.
   int tick(const std::array<double, 3>& effort_nm) {
     const int read = device->read(sample);
     wrote = write(effort_nm);
@@ -63,8 +63,8 @@ class MoteusDrives : public testing::Test {
   int wrote = 0;
 };
 
-// A passport holds for these drives in this order: another drive gives another number.
-TEST_F(MoteusDrives, Identity_IsThatOfAllDrivesTogether) {
+// A passport is valid for these drives in this order; another drive changes the serial number.
+TEST_F(MoteusDrives, Identity_CoversAllDrives) {
   const auto serialOf = [this] {
     wh_identity identity{};
     identity.size = sizeof identity;
@@ -78,7 +78,7 @@ TEST_F(MoteusDrives, Identity_IsThatOfAllDrivesTogether) {
   EXPECT_EQ(serialOf(), first);
   bus.drives[1].serial_word = 99;
   EXPECT_NE(serialOf(), first);
-  bus.drives[1].firmware = 0x0101;  // one that was updated alone is no longer what was measured
+  bus.drives[1].firmware = 0x0101;  // a drive that was updated no longer matches the measurement
   wh_identity identity{};
   identity.size = sizeof identity;
   device->identify(identity);
@@ -104,7 +104,7 @@ TEST_F(MoteusDrives, UnsafeSetting_IsRefusedAndSaysHowToSetIt) {
   struct Unsafe {
     const char* setting;
     const char* value;
-    const char* says;
+    const char* expected;
   };
   auto& conf = bus.drives[1].conf;
   const auto safe = conf;
@@ -123,14 +123,14 @@ TEST_F(MoteusDrives, UnsafeSetting_IsRefusedAndSaysHowToSetIt) {
     const auto checked = device->check();
     ASSERT_FALSE(checked) << unsafe.setting << " = " << unsafe.value;
     EXPECT_EQ(checked.errors().size(), 1U) << format(checked.errors());
-    for (const char* part : {"drive 2 (thumb base)", unsafe.setting, unsafe.says}) {
-      EXPECT_TRUE(test::says(format(checked.errors()), part));
+    for (const char* part : {"drive 2 (thumb base)", unsafe.setting, unsafe.expected}) {
+      EXPECT_TRUE(test::contains(format(checked.errors()), part));
     }
   }
 }
 
-// An adapter loses what it is sent just after it was plugged in, and now and then a frame later.
-TEST_F(MoteusDrives, ThatMissAFrame_AreAskedAgainAndNotRefused) {
+// An adapter loses frames just after it was plugged in, and occasionally one later.
+TEST_F(MoteusDrives, LostFrame_IsRepeatedAndNotRefused) {
   const auto refusedWhereLost = [this](int from, int frames) {
     bus.loses_from = bus.frames + from;
     bus.loses = frames;
@@ -146,19 +146,19 @@ TEST_F(MoteusDrives, ThatMissAFrame_AreAskedAgainAndNotRefused) {
   EXPECT_NE(refusedWhereLost(0, 1'000'000), "");
 }
 
-TEST_F(MoteusDrives, SilentDrive_IsRefusedByNameAndTheOthersAreStillJudged) {
+TEST_F(MoteusDrives, SilentDrive_IsRefusedByNameAndTheOthersAreStillChecked) {
   bus.drives[2].answers = false;
   bus.drives[0].conf["servo.timeout_mode"] = "10";
   const auto checked = device->check();
   ASSERT_FALSE(checked);
   const std::string why = format(checked.errors());
-  EXPECT_TRUE(test::says(why, "drive 3 (thumb tip): does not answer"));
-  EXPECT_TRUE(test::says(why, "drive 1 (fingers) servo.timeout_mode"));
+  EXPECT_TRUE(test::contains(why, "drive 3 (thumb tip): does not answer"));
+  EXPECT_TRUE(test::contains(why, "drive 1 (fingers) servo.timeout_mode"));
 }
 
-TEST_F(MoteusDrives, Enabled_StandWithoutTorqueUntilTheFirstCommand) {
+TEST_F(MoteusDrives, EnabledDrives_HaveNoTorqueUntilTheFirstCommand) {
   enable();
-  pass(1'000'000'000);  // the loop starts
+  pass(1'000'000'000);  // the time until the loop starts
   ASSERT_GE(device->read(sample), 0);
   pass(1'000'000);
   ASSERT_EQ(device->read(sample), WH_OK);
@@ -166,17 +166,17 @@ TEST_F(MoteusDrives, Enabled_StandWithoutTorqueUntilTheFirstCommand) {
   for (const auto& drive : bus.drives) EXPECT_EQ(drive.torque_nm(), 0.0);
 }
 
-TEST_F(MoteusDrives, NotHomed_AreNotEnabledAndSaidByName) {
+TEST_F(MoteusDrives, UnhomedDrive_IsReportedByNameAndNotEnabled) {
   bus.drives[1].home = 1;
   EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
   EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
-  EXPECT_TRUE(test::says(said, "drive 2 (thumb base) is not homed"));
+  EXPECT_TRUE(test::contains(said, "drive 2 (thumb base) is not homed"));
   EXPECT_EQ(write({}), WH_FAILED);
   for (const auto& drive : bus.drives) EXPECT_EQ(drive.mode, 0);
 }
 
-// By hand from the settings: fingers 1; base -(tau_c + 0.4 tau_f) / 1.5; tip 1.
-TEST_F(MoteusDrives, Efforts_ReachTheMotorsAndNothingElseDoes) {
+// Computed by hand from the settings: fingers 1; base -(tau_c + 0.4 tau_f) / 1.5; tip 1.
+TEST_F(MoteusDrives, Efforts_AreTheOnlyTorqueOfTheMotors) {
   enable();
   for (int i = 0; i < 5; ++i) (void)tick({0.5, -0.3, 0.2});
   EXPECT_NEAR(bus.drives[0].torque_nm(), 0.5, 1e-7);
@@ -187,8 +187,8 @@ TEST_F(MoteusDrives, Efforts_ReachTheMotorsAndNothingElseDoes) {
   EXPECT_NEAR(sample.effort[2], 0.2, 1e-6);
 }
 
-// By hand: (m + 1.5) / 1; -(m - 1) / 1.5; (m - 0.2) + 0.4 q_1.
-TEST_F(MoteusDrives, Positions_AreThoseOfTheAxes) {
+// Computed by hand: (m + 1.5) / 1; -(m - 1) / 1.5; (m - 0.2) + 0.4 q_1.
+TEST_F(MoteusDrives, Positions_AreConvertedToTheAxes) {
   bus.drives[0].position_rev = -0.1;
   bus.drives[1].position_rev = 0.05;
   bus.drives[2].position_rev = 0.125;
@@ -203,14 +203,14 @@ TEST_F(MoteusDrives, Positions_AreThoseOfTheAxes) {
   EXPECT_EQ(sample.temperature_c[0], 25.0);
 }
 
-TEST_F(MoteusDrives, PositionThatADriveDoesNotKnow_IsNotValid) {
+TEST_F(MoteusDrives, UnknownPositionOfADrive_IsNotValid) {
   enable();
   bus.drives[1].position_rev = std::nan("");
   for (int i = 0; i < 3; ++i) (void)tick({});
   EXPECT_EQ(sample.valid, 1U) << "nor is that of the axis which it shifts";
 }
 
-TEST_F(MoteusDrives, LoopThatStops_IsLetGoByTheDrivesAndStaysSo) {
+TEST_F(MoteusDrives, StoppedLoop_IsReleasedByTheDrivesUntilEnabledAgain) {
   enable();
   for (int i = 0; i < 5; ++i) (void)tick({0.5, 0.0, 0.0});
   ASSERT_GT(bus.drives[0].torque_nm(), 0.4);
@@ -223,7 +223,7 @@ TEST_F(MoteusDrives, LoopThatStops_IsLetGoByTheDrivesAndStaysSo) {
   for (int i = 0; i < 50; ++i) (void)tick({0.5, 0.0, 0.0});
   EXPECT_EQ(bus.drives[0].torque_nm(), 0.0) << "commands do not wake it";
   ASSERT_EQ(device->control(WH_ENABLE), WH_OK);
-  EXPECT_TRUE(test::says(said, "has let go"));
+  EXPECT_TRUE(test::contains(said, "has let go"));
   EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED);
 }
 
@@ -252,10 +252,10 @@ TEST_F(MoteusDrives, DriveFault_IsReportedWithItsCodeAndItsReason) {
   EXPECT_EQ(said, "") << "the tick says nothing";
   ASSERT_EQ(device->control(WH_DISABLE), WH_OK);
   EXPECT_TRUE(
-      test::says(said, "drive 3 (thumb tip) has stopped itself: fault 38, over temperature"));
+      test::contains(said, "drive 3 (thumb tip) has stopped itself: fault 38, over temperature"));
 }
 
-TEST_F(MoteusDrives, LimitsOfADrive_AreInformation) {
+TEST_F(MoteusDrives, LimitsOfADrive_AreNoFault) {
   enable();
   bus.drives[0].fault = 99;
   EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED | WH_SATURATED);
@@ -264,7 +264,7 @@ TEST_F(MoteusDrives, LimitsOfADrive_AreInformation) {
   EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED | WH_DERATING);
 }
 
-TEST_F(MoteusDrives, DriveThatRestarts_IsNeitherHomedNorEnabled) {
+TEST_F(MoteusDrives, RestartedDrive_IsNeitherHomedNorEnabled) {
   enable();
   (void)statusAfter(3);
   bus.drives[1].restart();
@@ -277,28 +277,28 @@ TEST_F(MoteusDrives, AnswerOfAnotherDrive_IsIgnoredAndCounted) {
   const double before = sample.position[0];
   bus.inject(0x0700, {0x2c, 0x01, 0x01, 0x00, 0x00, 0x80, 0x3f}, time.now_ns);
   bus.inject(0x8001, {0x50}, time.now_ns);
-  bus.inject(0x0100, {0x2c, 0x01, 0x01, 0x00}, time.now_ns);  // ours, cut off
+  bus.inject(0x0100, {0x2c, 0x01, 0x01, 0x00}, time.now_ns);  // from our drive, truncated
   EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED);
   EXPECT_EQ(sample.position[0], before);
   EXPECT_EQ(device->round().foreign(), 2U);
   EXPECT_EQ(device->round().malformed(), 1U);
 }
 
-TEST_F(MoteusDrives, DriveThatFallsSilent_LetsTheSamplesStandStill) {
+TEST_F(MoteusDrives, SilentDrive_FreezesTheSamples) {
   enable();
   (void)statusAfter(3);
   bus.drives[0].answers = false;
   (void)statusAfter(2);
   const std::uint64_t sequence = sample.sequence;
   for (int i = 0; i < 30; ++i) EXPECT_EQ(tick({}), WH_NOTHING_NEW);
-  EXPECT_EQ(sample.sequence, sequence);  // stale sample: PluginDevice
+  EXPECT_EQ(sample.sequence, sequence);  // PluginDevice reports it as a stale sample
   bus.drives[0].answers = true;
   (void)statusAfter(5);
   EXPECT_GT(sample.sequence, sequence);
 }
 
-// The position tells when it was measured: an answer that comes late is never new.
-TEST_F(MoteusDrives, Time_IsNotAfterTheMeasurementHoweverTheBusDelays) {
+// The position encodes its time of measurement; a late answer must not look new.
+TEST_F(MoteusDrives, SampleTimeOnADelayingBus_IsNeverAfterTheMeasurement) {
   constexpr std::int64_t kHealthy_ns = 800'000;
   for (const std::int64_t late_ns : {2'500'000, 3'500'000, 5'000'000, 12'000'000, 20'000'000}) {
     SCOPED_TRACE(late_ns);
@@ -306,7 +306,7 @@ TEST_F(MoteusDrives, Time_IsNotAfterTheMeasurementHoweverTheBusDelays) {
     enable();
     const std::int64_t begun_ns = time.now_ns;
     for (int i = 0; i < 300; ++i) {
-      const int delays = i % 100;  // one round alone, then many
+      const int delays = i % 100;  // delays a single round, then many
       bus.latency_ns = delays == 10 || (delays > 40 && delays < 80) ? late_ns : kHealthy_ns;
       (void)device->read(sample);
       (void)write({});
@@ -322,7 +322,7 @@ TEST_F(MoteusDrives, Time_IsNotAfterTheMeasurementHoweverTheBusDelays) {
   }
 }
 
-TEST_F(MoteusDrives, BusThatAnswersLate_GivesNoSampleThatLooksNew) {
+TEST_F(MoteusDrives, LateAnswersOfTheBus_GiveNoSampleThatLooksNew) {
   enable();
   (void)statusAfter(3);
   bus.latency_ns = 12'000'000;
@@ -333,14 +333,14 @@ TEST_F(MoteusDrives, BusThatAnswersLate_GivesNoSampleThatLooksNew) {
     (void)tick({});
   }
   EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
-  EXPECT_TRUE(test::says(said, "later than 3 ms"));
+  EXPECT_TRUE(test::contains(said, "later than 3 ms"));
   bus.latency_ns = 800'000;
   pass(20'000'000);
   EXPECT_EQ(device->control(WH_ENABLE), WH_OK);
 }
 
-// What is asked after a lost answer is not taken for it.
-TEST_F(MoteusDrives, LostAnswer_MakesNoLaterOneLookOld) {
+// The answer to a later request is not taken for the lost one.
+TEST_F(MoteusDrives, LostAnswer_DoesNotAgeLaterSamples) {
   bus.latency_ns = 800'000;
   enable();
   (void)statusAfter(3);
@@ -363,7 +363,7 @@ TEST_F(MoteusDrives, LostAnswer_MakesNoLaterOneLookOld) {
   }
 }
 
-TEST_F(MoteusDrives, CalledByAHostAtFourKilohertz_AskTheBusOnceARoundTrip) {
+TEST_F(MoteusDrives, HostAtFourKilohertz_QueriesTheBusOncePerRoundTrip) {
   bus.latency_ns = 800'000;
   enable();
   const int before = bus.frames;
@@ -378,7 +378,7 @@ TEST_F(MoteusDrives, CalledByAHostAtFourKilohertz_AskTheBusOnceARoundTrip) {
   EXPECT_NEAR(bus.drives[0].torque_nm(), 0.1, 1e-7);
 }
 
-TEST_F(MoteusDrives, ImpossibleCommands_AreRefusedOrHeldToTheLimit) {
+TEST_F(MoteusDrives, ImpossibleCommands_AreRefusedOrClamped) {
   enable();
   EXPECT_EQ(write({std::nan(""), 0.0, 0.0}), WH_FAILED);
   wh_command short_command{};
@@ -390,7 +390,7 @@ TEST_F(MoteusDrives, ImpossibleCommands_AreRefusedOrHeldToTheLimit) {
   EXPECT_NEAR(bus.drives[0].torque_nm(), 0.8, 1e-6);
 }
 
-TEST_F(MoteusDrives, Disabled_HaveNoTorqueAndTakeNone) {
+TEST_F(MoteusDrives, DisabledDrives_HaveNoTorqueAndRefuseCommands) {
   enable();
   for (int i = 0; i < 3; ++i) (void)tick({0.5, 0.0, 0.0});
   ASSERT_EQ(device->control(WH_DISABLE), WH_OK);
@@ -399,14 +399,14 @@ TEST_F(MoteusDrives, Disabled_HaveNoTorqueAndTakeNone) {
   EXPECT_EQ(device->control(WH_HOME), WH_UNSUPPORTED);
 }
 
-TEST_F(MoteusDrives, Closed_AreStopped) {
+TEST_F(MoteusDrives, ClosedDrives_AreStopped) {
   enable();
   for (int i = 0; i < 3; ++i) (void)tick({0.5, 0.0, 0.0});
   device.reset();
   for (const auto& drive : bus.drives) EXPECT_EQ(drive.mode, 0);
 }
 
-TEST_F(MoteusDrives, AdapterThatIsGone_FailsReadsAndWrites) {
+TEST_F(MoteusDrives, UnpluggedAdapter_FailsReadsAndWrites) {
   enable();
   (void)statusAfter(3);
   bus.unplugged = true;

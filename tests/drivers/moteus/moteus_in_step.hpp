@@ -12,8 +12,8 @@
 
 namespace wholehand::test {
 
-/// The driver's own code, called by the test instead of through its shared object: on the test's
-/// clock.
+/// The driver's code, called directly by the test on its clock instead of through the shared
+/// object.
 class MoteusInStep final : public DeviceDriver {
  public:
   MoteusInStep(FakeBusState& bus, SimulatedTime& time)

@@ -1,10 +1,10 @@
-// The driver as a program loads it, over the port of an adapter that is not there.
+// The driver as a program loads it, over the port of a fake adapter.
 #include "devices/plugin/plugin_driver.hpp"
 #include "hand_settings.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "pty_adapter.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -33,11 +33,11 @@ class Port {
     if (loaded) driver = *loaded;
     return loaded;
   }
-  /// Throws where it fails: nothing else is to be tried then.
+  /// Enables the device. Throws on failure, since the rest of the test depends on it.
   void enable() {
     if (!orThrow(load())->control(WH_ENABLE, 0.0)) throw std::runtime_error(said);
   }
-  // Ticks until `done`, for up to 300 s: how fast the machine is decides nothing.
+  // Ticks until `done`, for up to 300 s, so that the speed of the machine does not matter.
   template <class Done>
   bool ticksUntil(Done done, double effort_nm = 0.0) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(300);
@@ -70,7 +70,7 @@ class Port {
 
 class MoteusPort : public testing::TestWithParam<Protocol> {};
 
-TEST_P(MoteusPort, Hand_IsFoundJudgedEnabledAndPushed) {
+TEST_P(MoteusPort, Hand_IsFoundCheckedEnabledAndPushed) {
   Port port(GetParam());
   port.adapter.with([](auto& drives) { drives[0].position_rev = 0.05; });
   port.enable();
@@ -84,7 +84,7 @@ TEST_P(MoteusPort, Hand_IsFoundJudgedEnabledAndPushed) {
   EXPECT_EQ(port.adapter.others(), opened);
 }
 
-TEST_P(MoteusPort, LinesInPiecesAmongNonsense_AreStillRead) {
+TEST_P(MoteusPort, LinesInPiecesAmongInvalidBytes_AreRead) {
   Port port(GetParam());
   port.adapter.chunk = 7;
   port.adapter.babbles = true;
@@ -99,8 +99,9 @@ INSTANTIATE_TEST_SUITE_P(Protocols, MoteusPort,
                            return tested.param == Protocol::kSlcan ? "slcan" : "fdcanusb";
                          });
 
-// `device inspect` beside a session opened the line, and stopped the drives while they rendered.
-TEST_P(MoteusPort, OfASession_IsRefusedToEverybodyElseWhoWritesNothing) {
+// Regression test: `device inspect` beside a session once opened the line and stopped the rendering
+// drives.
+TEST_P(MoteusPort, PortOfASession_IsRefusedToASecondProgramThatWritesNothing) {
   Port port(GetParam());
   port.enable();
   ASSERT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4; }, 0.5));
@@ -112,14 +113,14 @@ TEST_P(MoteusPort, OfASession_IsRefusedToEverybodyElseWhoWritesNothing) {
       {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/moteus.so", locator, settingsFile(folder)},
       [&said](const std::string& line) { said += line + "\n"; });
   ASSERT_FALSE(second);
-  EXPECT_TRUE(says(said + format(second.errors()), "is held by another program"));
+  EXPECT_TRUE(contains(said + format(second.errors()), "is held by another program"));
   EXPECT_EQ(port.adapter.others(), heard) << kAlways;
   EXPECT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4 && port.read == WH_OK; }, 0.5));
   port.driver.reset();
   EXPECT_TRUE(port.load()) << "its owner is gone";
 }
 
-TEST(MoteusPortLost, InTheMiddleOfALine_FailsReadsAndWrites) {
+TEST(MoteusPortLost, AdapterUnpluggedInMidLine_FailsReadsAndWrites) {
   Port port;
   port.enable();
   ASSERT_TRUE(port.ticksUntil([&] { return port.torque_nm() > 0.4; }, 0.5));
@@ -130,8 +131,8 @@ TEST(MoteusPortLost, InTheMiddleOfALine_FailsReadsAndWrites) {
   ASSERT_FALSE(again);
 }
 
-// One by one: the device asks both, and either would do.
-TEST(TtyBus, PortThatIsGone_FailsWhatIsAskedFirst) {
+// Tests send and receive separately, since the device calls both and either would detect the loss.
+TEST(TtyBus, LostPort_FailsTheFirstCall) {
   for (const bool sends : {false, true}) {
     PtyAdapter adapter;
     const auto bus = orThrow(moteus::TtyBus::open(adapter.port(), Protocol::kFdcanusb));
@@ -144,12 +145,12 @@ TEST(TtyBus, PortThatIsGone_FailsWhatIsAskedFirst) {
   }
 }
 
-// Nobody reads: the pseudo terminal takes some 17 KB, then the bus keeps 4 KiB, and then it says
-// so.
-TEST(TtyBus, AdapterThatTakesNothing_FailsInsteadOfWaiting) {
+// Nobody reads: the pseudo terminal takes some 17 KB, then the bus buffers 4 KiB, and then send
+// fails.
+TEST(TtyBus, AdapterThatReadsNothing_FailsInsteadOfBlocking) {
   PtyAdapter adapter;
   const auto bus = orThrow(moteus::TtyBus::open(adapter.port(), Protocol::kFdcanusb));
-  adapter.with([&](auto&) {  // its thread waits for this with its first line
+  adapter.with([&](auto&) {  // holds the lock on which the adapter's thread waits
     moteus::CanFrame frame;
     frame.size = 64;
     int sent = 0;
@@ -175,14 +176,14 @@ TEST(MoteusPortTick, ReadsAndWrites_AllocateNothing) {
   EXPECT_EQ(threadAllocations(), before) << kAlways;
 }
 
-TEST(MoteusPortRefused, UnsafeDrive_IsSaidByTheDriver) {
+TEST(MoteusPortRefused, UnsafeDrive_IsReportedByTheDriver) {
   Port port;
   port.adapter.with([](auto& drives) { drives[0].conf["servo.default_timeout_s"] = "nan"; });
   ASSERT_FALSE(port.load()) << kAlways;
-  EXPECT_TRUE(says(port.said, "drive 1 (fingers) servo.default_timeout_s = nan"));
+  EXPECT_TRUE(contains(port.said, "drive 1 (fingers) servo.default_timeout_s = nan"));
 }
 
-TEST(MoteusPortRefused, LocatorThatLeadsNowhere_IsSaidByTheDriver) {
+TEST(MoteusPortRefused, LocatorWithoutATarget_IsReportedByTheDriver) {
   for (const auto& [locator, why] : {std::pair{"", "must be fdcanusb:PORT"},
                                      {"usb:0", "must be fdcanusb:PORT"},
                                      {"fdcanusb:", "must be fdcanusb:PORT"},
@@ -190,18 +191,18 @@ TEST(MoteusPortRefused, LocatorThatLeadsNowhere_IsSaidByTheDriver) {
                                      {"slcan:/dev/null", "is no serial port"}}) {
     Port port;
     ASSERT_FALSE(port.load(locator));
-    EXPECT_TRUE(says(port.said, why));
+    EXPECT_TRUE(contains(port.said, why));
   }
 }
 
-TEST(SocketCan, WhereItCannotBeHad_SaysWhy) {
+TEST(SocketCan, MissingInterface_IsReportedWithTheReason) {
   const int probe = ::socket(AF_CAN, SOCK_RAW, 1);
   const bool kernel_has_can = probe >= 0 || errno != EAFNOSUPPORT;
   if (probe >= 0) ::close(probe);
   const char* why = kernel_has_can ? "is no interface" : "no CAN in this kernel";
   Port port;
   ASSERT_FALSE(port.load("socketcan:no-such-can"));
-  EXPECT_TRUE(says(port.said, why));
+  EXPECT_TRUE(contains(port.said, why));
 }
 
 }  // namespace

@@ -41,29 +41,30 @@ MotorMap thumb() {
           {axis(0, 0.0, 1.5), axis(1, 0.0, 1.2, {{0, 0.4}})}};
 }
 
-// By hand: q0 = (0.7 - 0.1) / 2 = 0.3; theta1 = -(0.3 + 0.2) / 0.5 = -1; q1 = -1 + 0.4 * 0.3.
-TEST(MotorMap, ThumbInSeries_IsWhereTheFormulaSays) {
+// Computed by hand: q0 = (0.7 - 0.1) / 2 = 0.3; theta1 = -(0.3 + 0.2) / 0.5 = -1; q1 = -1 + 0.4 *
+// 0.3.
+TEST(MotorMap, PositionOfAThumbInSeries_FollowsTheFormula) {
   const PerMotor q = thumb().positions({0.7, 0.3});
   EXPECT_NEAR(q[0], 0.3, 1e-15);
   EXPECT_NEAR(q[1], -0.88, 1e-15);
 }
 
-// By hand: tau_m1 = -tau_1 / 0.5; tau_m0 = (tau_0 + 0.4 tau_1) / 2.
-TEST(MotorMap, ThumbInSeries_BothEffortsLoadTheCircumduction) {
+// Computed by hand: tau_m1 = -tau_1 / 0.5; tau_m0 = (tau_0 + 0.4 tau_1) / 2.
+TEST(MotorMap, EffortsOfAThumbInSeries_BothLoadTheCircumduction) {
   const PerMotor m = thumb().torques({0.2, 0.1});
   EXPECT_NEAR(m[1], -0.2, 1e-15);
   EXPECT_NEAR(m[0], 0.12, 1e-15);
   EXPECT_NEAR(thumb().worstTorque(0), 0.5 * (1.0 + 0.4) / 2.0, 1e-15);
 }
 
-TEST(MotorMap, Travel_CountsWhatTheOtherAxisAdds) {
-  // theta1 is smallest where q1 = 0 and q0 = 1.5: -0.6; and largest at 1.2.
+TEST(MotorMap, Travel_IncludesTheShareOfTheOtherAxis) {
+  // theta1 is smallest, -0.6, for q1 = 0 and q0 = 1.5, and largest at 1.2.
   const auto travel = thumb().motorTravel(1);
   EXPECT_NEAR(travel.lower, -0.2 - 0.5 * 1.2, 1e-15);
   EXPECT_NEAR(travel.upper, -0.2 + 0.5 * 0.6, 1e-15);
 }
 
-TEST(MotorMap, Resolution_AddsTheStepsOfAllMotorsThatMoveIt) {
+TEST(MotorMap, Resolution_AddsTheStepsOfAllItsMotors) {
   EXPECT_NEAR(thumb().resolution(0), 1e-3 / 2.0, 1e-15);
   EXPECT_NEAR(thumb().resolution(1), 1e-3 / 0.5 + 0.4 * 1e-3 / 2.0, 1e-15);
 }
@@ -80,7 +81,7 @@ MotorMap randomMap(std::mt19937_64& random) {
     for (std::size_t b = 0; b < i; ++b) {
       if (random() % 2 == 0) couplings.push_back({b, in(random)});
     }
-    axes.push_back(axis((i + 1) % n, -1.0, 1.0, couplings));  // motors in another order
+    axes.push_back(axis((i + 1) % n, -1.0, 1.0, couplings));  // the motors are in another order
   }
   return {motors, axes};
 }

@@ -31,7 +31,7 @@ std::string hexOf(const std::vector<std::uint8_t>& bytes) {
   return out;
 }
 
-// CAN-FD knows these lengths only; slcan writes their place in the list.
+// CAN-FD allows only these lengths; slcan writes the index in this list.
 constexpr int kLengths[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 
 int padded(std::vector<std::uint8_t>& bytes) {
@@ -45,7 +45,7 @@ int padded(std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 PtyAdapter::PtyAdapter(moteus::TtyBus::Protocol protocol) : protocol_(protocol) {
-  seesTerminal();  // the driver waits for an answer for some time only
+  seesTerminal();  // the driver waits for an answer for a limited time
   for (int id = 1; id <= 3; ++id) {
     drives_.emplace_back(id);
     drives_.back().enabling_ns = 0;
@@ -101,7 +101,7 @@ void PtyAdapter::answer(const std::string& line) {
   const int read = slcan ? std::sscanf(line.c_str(), "B%8x%*1[0-9a-f]%159s", &id, hex) +
                                (line.size() == 10 ? 1 : 0)
                          : std::sscanf(line.c_str(), "can send %x %159s", &id, hex);
-  // Identifiers up to 0x7ff are written short: text for the diagnostic channel.
+  // Identifiers up to 0x7ff are written in short form: text for the diagnostic channel.
   const int is_short =
       slcan && read != 2 ? std::sscanf(line.c_str(), "b%3x%*1[0-9a-f]%159s", &id, hex) : 0;
   const std::lock_guard lock(mutex_);
@@ -134,7 +134,7 @@ void PtyAdapter::run() {
     if (::poll(&wait, 1, 20) <= 0) continue;
     char buffer[512];
     const ssize_t n = ::read(master_, buffer, sizeof buffer);
-    if (n <= 0) {  // nobody has opened the port yet, or has closed it
+    if (n <= 0) {  // the port is not open yet, or closed again
       ::usleep(1000);
       continue;
     }

@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-/// A CAN adapter that is not there, behind a pseudo terminal, in a thread of the test. Its drives
-/// have the test's clock: a machine that stands still is no silence. Its thread has real time,
-/// since the driver waits for its answers.
+/// A fake CAN adapter behind a pseudo terminal, in a thread of the test. Its drives use the test's
+/// clock, so that a stall of the machine is no silence. Its thread runs in real time, since the
+/// driver waits for its answers.
 namespace wholehand::test {
 
 class PtyAdapter {
@@ -22,21 +22,21 @@ class PtyAdapter {
   PtyAdapter& operator=(const PtyAdapter&) = delete;
 
   [[nodiscard]] const std::string& port() const { return port_; }
-  /// Lets the drives' clock run on.
+  /// Advances the drives' clock.
   void pass(std::int64_t ns);
-  /// Runs `look` while no drive moves.
+  /// Calls `look` with the drives locked.
   template <class Look>
   auto with(Look look) {
     const std::lock_guard lock(mutex_);
     return look(drives_);
   }
-  /// Pulls the cable, after half a line.
+  /// Unplugs the adapter after half a line.
   void unplug();
-  /// Lines so far that were no frame.
+  /// The lines received so far that were no frame.
   [[nodiscard]] std::vector<std::string> others();
 
-  std::atomic<bool> babbles{false};  ///< speaks nonsense between its lines
-  std::atomic<int> chunk{4096};      ///< bytes that it writes at a time
+  std::atomic<bool> babbles{false};  ///< sends invalid bytes between its lines
+  std::atomic<int> chunk{4096};      ///< bytes per write
 
  private:
   void run();

@@ -23,8 +23,8 @@ Answer answerOf(const RegisterBytes& bytes) {
   return answer;
 }
 
-// IEEE 754: 1 is 0x3f800000, and NaN has all bits of the exponent.
-TEST(FrameWriter, Floats_StandLeastSignificantByteFirst) {
+// In IEEE 754, 1 is 0x3f800000, and NaN has all bits of the exponent set.
+TEST(FrameWriter, Floats_AreWrittenLeastSignificantByteFirst) {
   CanFrame frame;
   FrameWriter out(frame);
   const std::array<float, 1> one = {1.0F};
@@ -32,14 +32,14 @@ TEST(FrameWriter, Floats_StandLeastSignificantByteFirst) {
   EXPECT_EQ(payloadOf(frame), (RegisterBytes{0x0d, 0x22, 0x00, 0x00, 0x80, 0x3f}));
 }
 
-TEST(FrameWriter, RegisterAbove127_IsTwoBytes) {
+TEST(FrameWriter, RegisterAbove127_TakesTwoBytes) {
   CanFrame frame;
   FrameWriter out(frame);
   out.read(RegisterType::kInt32, 0x102, 1);
   EXPECT_EQ(payloadOf(frame), (RegisterBytes{0x19, 0x82, 0x02}));  // 0x102 = 2 * 128 + 2
 }
 
-TEST(FrameWriter, WhatDoesNotFit_IsReportedAndLeftOut) {
+TEST(FrameWriter, RegistersThatDoNotFit_AreReportedAndLeftOut) {
   CanFrame frame;
   FrameWriter out(frame);
   const std::array<float, 15> many{};
@@ -51,7 +51,7 @@ TEST(FrameWriter, WhatDoesNotFit_IsReportedAndLeftOut) {
   EXPECT_LE(frame.size, 64);
 }
 
-TEST(FrameWriter, DiagnosticText_IsCountedAndOnChannelOne) {
+TEST(FrameWriter, DiagnosticText_IsWrittenWithItsLengthOnChannelOne) {
   CanFrame frame;
   FrameWriter out(frame);
   out.diagnosticWrite("tel stop\n");
@@ -70,7 +70,7 @@ TEST(ReadAnswer, RefusedRegister_IsCountedAndTheRestIsRead) {
   EXPECT_EQ(answer.of(kHomeState), 2.0);
 }
 
-TEST(ReadAnswer, Malformed_IsRefused) {
+TEST(ReadAnswer, MalformedAnswer_IsRefused) {
   const std::vector<RegisterBytes> bad = {
       {0x24},                                            // no count
       {0x24, 0x04},                                      // no register
@@ -86,7 +86,7 @@ TEST(ReadAnswer, Malformed_IsRefused) {
   }
 }
 
-TEST(DiagnosticAnswer, Text_IsReadAndOthersAreNot) {
+TEST(DiagnosticAnswer, DiagnosticText_IsReadAndOtherFramesAreNot) {
   const RegisterBytes text = {0x41, 0x01, 0x03, '0', '.', '1', 0x50};
   EXPECT_EQ(diagnosticAnswer(text), "0.1");
   const RegisterBytes nothing = {0x41, 0x01, 0x00};

@@ -1,5 +1,5 @@
-// A program outside the tree: builds a rig from the installed files, runs a session on a thread of
-// its own and reads the records.
+// A program outside the source tree: builds a rig from the installed files, runs a session in its
+// own thread and reads the records.
 #include <cmath>
 #include <cstdio>
 #include <string>

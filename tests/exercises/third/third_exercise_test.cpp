@@ -1,9 +1,9 @@
-// What docs/exercises.md promises of a third exercise: one folder and one TOML file, no other file
-// changes. This folder's CMakeLists.txt puts them there.
+// Checks the promise of docs/exercises.md: a third exercise is one folder and one TOML file, and no
+// other file changes. This folder's CMakeLists.txt puts them in place.
 #include "exercise_kinds.hpp"
 #include "exercises/load_exercise.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 
 #include <fstream>
 #include <iterator>
@@ -21,7 +21,7 @@ std::string textOf(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(ThirdExercise, ItsFolder_IsListedAndBuiltWithTheOthers) {
+TEST(ThirdExercise, FolderOfAnExercise_IsListedAndBuiltWithTheOthers) {
   std::set<std::string> kinds;
   for (const ExerciseKind& kind : kExerciseKinds) kinds.insert(kind.name);
   for (const char* kind :
@@ -36,14 +36,14 @@ TEST(ThirdExercise, ItsFolder_IsListedAndBuiltWithTheOthers) {
   EXPECT_TRUE(sources.contains("load_exercise.cpp"));
 }
 
-TEST(ThirdExercise, ItsFile_IsFoundByName) {
+TEST(ThirdExercise, FileOfAnExercise_IsFoundByName) {
   const std::vector<ExerciseFile> found = listExercises(kHere);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].name, "hold-still");
   EXPECT_EQ(found[0].path, kFile);
 }
 
-TEST(ThirdExercise, FaultsOfItsFile_AreReportedAtOnceAndByKey) {
+TEST(ThirdExercise, FaultsOfTheFile_AreReportedTogetherByKey) {
   std::string text = textOf(kFile);
   text.replace(text.find("hold_s = 0.2"), 12, "hold_s = -1.0\nbogus = 1");
   const std::string path = testing::TempDir() + "hold-still.toml";
@@ -52,18 +52,18 @@ TEST(ThirdExercise, FaultsOfItsFile_AreReportedAtOnceAndByKey) {
   const auto loaded = loadExercise(path, 1, m.device, m.hand);
   ASSERT_FALSE(loaded.ok());
   const std::string reported = format(loaded.errors());
-  EXPECT_TRUE(says(reported, "hold_s"));
-  EXPECT_TRUE(says(reported, "bogus"));
+  EXPECT_TRUE(contains(reported, "hold_s"));
+  EXPECT_TRUE(contains(reported, "bogus"));
 }
 
-TEST(ThirdExercise, InTheLoop_SeesEveryTickAndTellsHowItGoes) {
+TEST(ThirdExercise, ExerciseInTheLoop_SeesEveryTickAndReportsItsState) {
   ModelFiles files = shippedFiles();
   files.exercise = kFile;
   Models m = load(files);
   ASSERT_NE(m.exercise, nullptr);
   EXPECT_EQ(m.exercise->description().name, "hold-still");
-  // Still for 0.1 s, 0.1 m/s for 0.1 s, then still: held 0.2 s after the filtered velocity (30 Hz)
-  // has fallen from 0.1 to 0.05 m/s, which takes ln 2 / (2 π 30 Hz) = 3.7 ms.
+  // Still for 0.1 s, 0.1 m/s for 0.1 s, then still: the hold of 0.2 s starts when the filtered
+  // velocity (30 Hz) has fallen from 0.1 to 0.05 m/s, which takes ln 2 / (2 π 30 Hz) = 3.7 ms.
   const AxisPosition start(m.device.axisCount());
   const auto script = [start](int read) {
     AxisPosition q = start;
@@ -84,8 +84,9 @@ TEST(ThirdExercise, InTheLoop_SeesEveryTickAndTellsHowItGoes) {
   EXPECT_NEAR(static_cast<double>(reported[0]), 404.0, 2.0);
 }
 
-/// What the guide's first command made, built as the guide says, and played by its virtual patient.
-TEST(NewExercise, MadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
+/// The exercise made by the guide's first command, built as the guide says and played by its
+/// virtual patient.
+TEST(NewExercise, ExerciseMadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
   ModelFiles files = shippedFiles();
   files.exercise = std::string(CLEAN_FOLDER) + "/config/exercises/my-task.toml";
   Models m = load(files);
@@ -109,7 +110,7 @@ TEST(NewExercise, MadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
   EXPECT_TRUE(played);
 }
 
-TEST(NewExercise, PanelThatNamesWhatIsNotThere_IsRefusedWithWhatIs) {
+TEST(NewExercise, PanelWithUnknownNames_IsRefusedWithTheKnownOnes) {
   std::string text = textOf(std::string(CLEAN_FOLDER) + "/config/exercises/my-task.toml");
   text.replace(text.find("name = \"held_s\""), 15, "name = \"bold_s\"");
   text.replace(text.find("band_entered ="), 14, "band_left    =");
@@ -121,9 +122,9 @@ TEST(NewExercise, PanelThatNamesWhatIsNotThere_IsRefusedWithWhatIs) {
   ASSERT_FALSE(loaded.ok());
   ASSERT_EQ(loaded.errors().size(), 2U) << format(loaded.errors());
   EXPECT_EQ(loaded.errors()[0].key, "panel.values[bold_s].name");
-  EXPECT_TRUE(says(loaded.errors()[0].remedy, "held_s"));
+  EXPECT_TRUE(contains(loaded.errors()[0].remedy, "held_s"));
   EXPECT_EQ(loaded.errors()[1].key, "panel.events.band_left");
-  EXPECT_TRUE(says(loaded.errors()[1].remedy, "band_held"));
+  EXPECT_TRUE(contains(loaded.errors()[1].remedy, "band_held"));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "files/page/chart_page.hpp"
+#include "support/contains.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ class PageFile : public testing::Test {
 constexpr const char* kTemplate =
     "<html><script type=\"application/json\">\"wholehand-page-data\"</script></html>";
 
-TEST_F(PageFile, AnyName_StaysInsideItsElementAndComesBack) {
+TEST_F(PageFile, AnyName_StaysInsideItsElementAndIsRestored) {
   const std::string name =
       "</script><img src=x onerror=alert(1)><!-- محمد \" & \\ \x01" + std::string(10'000, 'x');
   const nlohmann::json data = {{"name", name}};
@@ -46,19 +46,19 @@ TEST_F(PageFile, AnyName_StaysInsideItsElementAndComesBack) {
   EXPECT_EQ(nlohmann::json::parse(json)["name"], name);
 }
 
-TEST_F(PageFile, NameThatIsNoUtf8_IsReplacedAndNotRefused) {
+TEST_F(PageFile, InvalidUtf8_IsReplaced) {
   EXPECT_EQ(embeddedJson("\xff"), "\"\\ufffd\"");  // U+FFFD, Unicode's replacement character
 }
 
-TEST_F(PageFile, NoTemplate_SaysHowItIsBuilt) {
+TEST_F(PageFile, MissingTemplate_SaysHowItIsBuilt) {
   const auto missing = readPageTemplate(path("dist/report.html"));
   ASSERT_FALSE(missing.ok());
   const std::string why = format(missing.errors());
-  EXPECT_TRUE(test::says(why, path("dist/report.html")));
-  EXPECT_TRUE(test::says(why, "npm run build"));
+  EXPECT_TRUE(test::contains(why, path("dist/report.html")));
+  EXPECT_TRUE(test::contains(why, "npm run build"));
 }
 
-TEST_F(PageFile, FileWithoutTheMarkOrWithTwo_IsNoTemplate) {
+TEST_F(PageFile, FileWithoutTheMarkerOrWithTwo_IsNoTemplate) {
   for (const std::string& text :
        {std::string("<html></html>"), std::string(kTemplate) + kTemplate}) {
     const auto found = readPageTemplate(write("x.html", text));
@@ -67,7 +67,7 @@ TEST_F(PageFile, FileWithoutTheMarkOrWithTwo_IsNoTemplate) {
   EXPECT_TRUE(readPageTemplate(write("good.html", kTemplate)).ok());
 }
 
-TEST_F(PageFile, Folder_IsMadeWhereOnlyItIsMissing) {
+TEST_F(PageFile, MissingFolder_IsCreatedIfItsParentExists) {
   EXPECT_TRUE(writePage(kTemplate, 1, path("new/index.html")).ok());
   EXPECT_TRUE(fs::exists(path("new/index.html")));
   const auto refused = writePage(kTemplate, 1, path("no/such/index.html"));
@@ -75,8 +75,8 @@ TEST_F(PageFile, Folder_IsMadeWhereOnlyItIsMissing) {
   EXPECT_FALSE(fs::exists(path("no")));
 }
 
-TEST_F(PageFile, PageThatCannotBeWritten_LeavesTheOldOne) {
-  fs::create_directories(path("index.html"));  // a folder stands in its place
+TEST_F(PageFile, PageThatCannotBeWritten_KeepsTheOldOne) {
+  fs::create_directories(path("index.html"));  // a folder has the page's name
   EXPECT_FALSE(writePage(kTemplate, 1, path("index.html")).ok());
   EXPECT_TRUE(fs::is_directory(path("index.html")));
   EXPECT_FALSE(fs::exists(path("index.html.part")));

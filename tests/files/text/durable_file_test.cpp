@@ -1,4 +1,4 @@
-// A file that a power cut leaves whole: what is synced, and in which order.
+// A file that survives a power cut: what is synced, and in which order.
 #include "files/text/text_file.hpp"
 #include "support/folder.hpp"
 
@@ -16,9 +16,9 @@
 #include <vector>
 
 namespace {
-/// What the disk was asked for, in order; null: nobody listens.
+/// Operations requested from the disk, in order; null: not recorded.
 std::vector<std::string>* asked = nullptr;  // NOLINT
-int sync_error = 0;                         // NOLINT: of files
+int sync_error = 0;                         // error of syncing a file
 
 template <class Function>
 Function real(const char* name) {
@@ -62,7 +62,7 @@ std::string contents(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Listens to the disk while it lives.
+/// Records disk operations during its lifetime.
 struct Listening {
   explicit Listening(int error = 0) {
     sync_error = error;
@@ -83,9 +83,9 @@ class DurableFile : public testing::Test {
   const std::string path = place + "/limits.toml";
 };
 
-// A rename may reach the disk before the bytes of its file; an entry of a folder, before the
+// A rename may reach the disk before the bytes of its file, and an entry of a folder before the
 // folder.
-TEST_F(DurableFile, IsSyncedBeforeItIsNamedAndItsFoldersAfter) {
+TEST_F(DurableFile, WrittenFile_IsSyncedBeforeItsRenameAndItsFoldersAfter) {
   ASSERT_EQ(writeDurably(path, "effort_limit = 20"), 0);
   Listening disk;
   ASSERT_EQ(writeDurably(path, "effort_limit = 4"), 0);
@@ -97,7 +97,7 @@ TEST_F(DurableFile, IsSyncedBeforeItIsNamedAndItsFoldersAfter) {
   EXPECT_EQ(files(), 1);
 }
 
-TEST_F(DurableFile, NewName_IsTakenByOneAlone) {
+TEST_F(DurableFile, NewName_IsTakenOnlyOnce) {
   std::string first, second, third;
   ASSERT_EQ(takeNewName(place + "/run", ".h5", first), 0);
   fs::create_symlink(place + "/nowhere", place + "/run-2.h5");
@@ -109,7 +109,7 @@ TEST_F(DurableFile, NewName_IsTakenByOneAlone) {
   EXPECT_NE(randomName(), randomName());
 }
 
-TEST_F(DurableFile, ThatAnotherWrote_IsSyncedBeforeItIsNamed) {
+TEST_F(DurableFile, FileWrittenByAnother_IsSyncedBeforeItsRename) {
   std::ofstream(place + "/part") << "12345";
   Listening disk;
   ASSERT_EQ(renameDurably(place + "/part", path), 0);
@@ -119,7 +119,7 @@ TEST_F(DurableFile, ThatAnotherWrote_IsSyncedBeforeItIsNamed) {
   EXPECT_EQ(contents(path), "12345");
 }
 
-TEST_F(DurableFile, ThatCannotBeSynced_LeavesTheOldOneAndSaysWhy) {
+TEST_F(DurableFile, FileThatCannotBeSynced_KeepsTheOldOneAndReportsTheError) {
   ASSERT_EQ(writeDurably(path, "old"), 0);
   for (const int error : {EIO, ENOSPC, EDQUOT}) {
     const Listening disk(error);
@@ -130,7 +130,7 @@ TEST_F(DurableFile, ThatCannotBeSynced_LeavesTheOldOneAndSaysWhy) {
   EXPECT_EQ(writeDurably(place + "/no/folder", "new"), ENOENT);
 }
 
-TEST_F(DurableFile, InPlaceOfALink_LeavesWhatItLeadsTo) {
+TEST_F(DurableFile, FileInPlaceOfALink_KeepsTheLinksTarget) {
   std::ofstream(place + "/other") << "other's";
   fs::create_symlink(place + "/other", path);
   ASSERT_EQ(writeDurably(path, "mine"), 0);

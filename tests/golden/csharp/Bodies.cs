@@ -4,7 +4,7 @@ using System.Linq;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>What a game gives and gets for its bodies, from and to the canonical form.</summary>
+/// <summary>Converts what a game sends and receives for its bodies from and to the canonical form.</summary>
 internal static class Bodies
 {
     /// <summary>The argument of an order, as an array of the client's own type.</summary>
@@ -83,11 +83,11 @@ internal static class Bodies
         return new Rotation(Number(q, "x"), Number(q, "y"), Number(q, "z"), Number(q, "w"));
     }
 
-    /// <summary>What the game's copy says takes the place of what the message says.</summary>
+    /// <summary>Replaces the message's bodies by those of the game's copy.</summary>
     public static void Copied(WholehandClient client, Dictionary<string, object> read)
     {
         var slots = new BodySlots();
-        if (!client.TryGetBodies(slots)) throw new Exception("no copy of the bodies"); // not one of rubbish: it escapes
+        if (!client.TryGetBodies(slots)) throw new Exception("no copy of the bodies"); // not an expected error of damaged bytes: it escapes
         CopyRegistered(slots, read);
         if (slots.Count == 0 && !read.ContainsKey("bodies")) return;
         read["bodies"] = Enumerable.Range(0, slots.Count).Select(i => (object)new Dictionary<string, object>
@@ -97,8 +97,8 @@ internal static class Bodies
         }).ToList();
     }
 
-    // Those that the copy has: it knows nothing of a number that is no body's any more, or never was. Of a number that a
-    // damaged list has twice, it has the last.
+    // The copy has no entry for a number that no body has any more, or never had. If a damaged list has a number twice,
+    // the copy has its last body.
     private static void CopyRegistered(BodySlots slots, Dictionary<string, object> read)
     {
         if (!read.ContainsKey("registered")) return;

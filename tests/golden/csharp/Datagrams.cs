@@ -6,7 +6,7 @@ using Wholehand;
 /// <summary>Golden datagrams of the program, as the client's socket receives them.</summary>
 internal static class Datagrams
 {
-    /// <summary>What is in a datagram, and whether the client takes it after those that came before.</summary>
+    /// <summary>The content of a datagram, and whether the client accepts it after the earlier ones.</summary>
     public static object Judge(Dictionary<string, object> entry)
     {
         byte[][] conversation = ((List<object>)entry["conversation"]).Select(Golden.BytesOf).ToArray();

@@ -3,7 +3,7 @@ using System.Collections;
 using System.Collections.Generic;
 using System.Linq;
 
-/// <summary>Tables as the client hands them to a game, as the canonical form.</summary>
+/// <summary>Converts tables as the client gives them to a game to the canonical form.</summary>
 internal sealed class Form
 {
     private readonly Dictionary<string, object> objects;
@@ -18,7 +18,7 @@ internal sealed class Form
         return ((List<object>)((Dictionary<string, object>)objects[table])["fields"]).Cast<Dictionary<string, object>>();
     }
 
-    // As flatc names a field; no member has the name of its class.
+    // The field's name as flatc writes it; no member has the name of its class.
     private static string Member(object table, string field)
     {
         string name = string.Concat(field.Split('_').Select(part => char.ToUpperInvariant(part[0]) + part.Substring(1)));
@@ -31,7 +31,7 @@ internal sealed class Form
         foreach (Dictionary<string, object> field in FieldsOf(name))
         {
             var kind = (string)field["kind"];
-            if (kind == "utype" || kind == "union") continue; // of commands, which this client only writes
+            if (kind == "utype" || kind == "union") continue; // a field of commands, which this client only writes
             object value = kind == "vector" ? Vector(field, table) : Element(kind, field, Get(table, (string)field["name"]));
             if (!IsDefault(field, kind, value)) form[(string)field["name"]] = value;
         }
@@ -56,7 +56,7 @@ internal sealed class Form
         string name = Member(table, (string)field["name"]);
         var count = (int)table.GetType().GetProperty(name + "Length").GetValue(table, null);
         var at = table.GetType().GetMethod(name, new[] { typeof(int) });
-        // More than any message has room for: as a game would find out element by element.
+        // More elements than a message can hold; a game would notice when it reads them.
         if (count < 0 || count > 1000000) throw new InvalidOperationException("a vector that no message has");
         return Enumerable.Range(0, count).Select(i => Element((string)field["element"], field,
             at.Invoke(table, new object[] { i }))).ToList();

@@ -9,7 +9,7 @@ using Wholehand;
 using wholehand.protocol;
 
 /// <summary>The C# client reads and writes golden messages and datagrams: Golden.exe JOB.json ANSWER.json. Bytes enter
-/// where those of a socket do, and orders leave by the methods that a game calls.</summary>
+/// where a socket's bytes do, and orders leave by the methods that a game calls.</summary>
 public static class Golden
 {
     private const BindingFlags Inside = BindingFlags.NonPublic | BindingFlags.Instance | BindingFlags.Static;
@@ -73,7 +73,7 @@ public static class Golden
         }
         catch (Exception e)
         {
-            return Of("escaped", e.ToString()); // the runner counts it
+            return Of("escaped", e.ToString()); // the runner counts escaped exceptions
         }
         finally
         {
@@ -81,7 +81,7 @@ public static class Golden
         }
     }
 
-    // Of the processor: no pause of the machine counts.
+    // Processor time, so that pauses of the machine do not count.
     private static TimeSpan UsedTime()
     {
         using (Process here = Process.GetCurrentProcess()) return here.TotalProcessorTime;
@@ -123,15 +123,15 @@ public static class Golden
         return Of("payload", Of(kind, table));
     }
 
-    // As the thread that listens calls it.
+    // Calls it as the listening thread does.
     private static void Hear(WholehandClient client, byte[] bytes)
     {
-        var larger = new byte[64 * 1024]; // it reads into memory that holds more than the message
+        var larger = new byte[64 * 1024]; // it reads into a buffer larger than the message
         Buffer.BlockCopy(bytes, 0, larger, 0, bytes.Length);
         typeof(WholehandClient).GetMethod("Hear", Inside).Invoke(client, new object[] { larger, bytes.Length, 1L });
     }
 
-    // Payloads that no event hands on; a welcome opens a conversation.
+    // Payloads that no event passes on; a welcome opens a conversation.
     private static Payload Unheard(byte[] bytes)
     {
         var message = new ByteBuffer(bytes);
@@ -145,7 +145,7 @@ public static class Golden
         return Message.GetRootAsMessage(new ByteBuffer(bytes)).PayloadAsWelcome();
     }
 
-    // What the copies of a game say takes the place of what the message says.
+    // Replaces the message's values by those of the game's copies.
     private static void Copied(WholehandClient client, Dictionary<string, object> read)
     {
         var hand = new HandState { SentMonotonicNs = -1 };
@@ -221,7 +221,7 @@ public static class Golden
             MethodInfo method = typeof(WholehandClient).GetMethod(order);
             if (method == null || method.DeclaringType != typeof(WholehandClient)) return null;
             Set(client, "connected", true);
-            Set(client, "haveState", true); // Arm is refused before the first
+            Set(client, "haveState", true); // Arm is refused before the first state
             Set(client, "command", unchecked((uint)(double)entry["id"] - 1));
             Dictionary<string, object>[] described = form.FieldsOf(order).ToArray();
             object[] values = method.GetParameters()
@@ -232,7 +232,7 @@ public static class Golden
             }
             catch (TargetInvocationException e) when (e.InnerException is ArgumentException)
             {
-                return null; // the client declines it
+                return null; // the client refuses it
             }
             return Convert.ToBase64String(Get<Queue<byte[]>>(client, "toSend").Dequeue());
         }

@@ -4,7 +4,7 @@ using System.Globalization;
 using System.Linq;
 using System.Text;
 
-/// <summary>JSON of the runner: objects, lists, strings, numbers (double), true, false. mono brings no reader.</summary>
+/// <summary>Reads and writes the runner's JSON: objects, lists, strings, numbers (double), true, false. mono has no reader.</summary>
 internal sealed class Json
 {
     private readonly string text;
@@ -85,7 +85,7 @@ internal sealed class Json
         return items;
     }
 
-    // Behind its first quotation mark.
+    // Reads a text from after its first quotation mark.
     private string Text()
     {
         var plain = new StringBuilder();

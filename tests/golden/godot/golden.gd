@@ -1,16 +1,16 @@
-# The addon reads and writes golden messages (tests/golden/run.py): WHOLEHAND_JOB names the job, WHOLEHAND_ANSWER the file
-# to write. Messages enter where those of a socket do; orders are the methods that a game calls.
+# The addon reads and writes golden messages (tests/golden/run.py): WHOLEHAND_JOB names the job, WHOLEHAND_ANSWER the
+# file to write. Messages enter where a socket's messages do; orders are the methods that a game calls.
 extends SceneTree
 
 const Recorder = preload("res://recorder.gd")
 
 const SCRIPT_VARIABLE = 8192 # PROPERTY_USAGE_SCRIPT_VARIABLE
-const POSES = {"Shape": "in_body", "RegisteredBody": "pose"} # names of position_m and orientation; else at_zero
+const POSES = {"Shape": "in_body", "RegisteredBody": "pose"} # fields with position_m and orientation; else at_zero
 const METHODS = {"Action": "act", "Spawn": "spawn_bodies", "Remove": "remove_bodies", "Teleport": "teleport_bodies",
 		"SetOwner": "set_body_owners", "BodyTargets": "set_body_targets"}
 
 var objects
-var heard # payload -> form, of the message that is read now
+var heard # payload -> form, of the message being read
 var buffer = StreamPeerBuffer.new()
 
 
@@ -24,18 +24,18 @@ func _init():
 	for entry in job.read:
 		var bytes = Marshalls.base64_to_raw(entry.bytes)
 		var began_us = OS.get_ticks_usec()
-		answer.read[entry.name] = read(bytes) # null where a script failed
+		answer.read[entry.name] = read(bytes) # null if a script failed
 		answer.longest_s = max(answer.longest_s, 1e-6 * (OS.get_ticks_usec() - began_us))
 	for entry in job.write:
 		answer.write[entry.name] = write(entry)
 	file.open(OS.get_environment("WHOLEHAND_ANSWER"), File.WRITE)
-	# Godot writes a vertical tab, which damaged texts have, as no reader of JSON takes it.
+	# Godot writes a vertical tab, which damaged texts may contain, in a way that no JSON reader accepts.
 	file.store_string(to_json(answer).replace("\\v", "\\u000b"))
 	file.close()
 	quit()
 
 
-# ---- what the program says ----
+# ---- messages of the program ----
 
 func read(bytes):
 	var connection = Recorder.new()
@@ -55,7 +55,7 @@ func read(bytes):
 	connection.free()
 	if ignored > 0:
 		return {"refused": ""}
-	# Of these the addon says nothing where there is nothing new.
+	# The addon reports nothing for these messages if they contain nothing new.
 	if kind == Recorder.Protocol.Payload.Controls:
 		heard = {"Controls": {"held_by_you": held}}
 	elif kind == Recorder.Protocol.Payload.Events and heard.empty():
@@ -105,7 +105,7 @@ func fields_of(table):
 	return fields
 
 
-# Every variable of the object that is a field of the table. Others fail, unless they are put together elsewhere.
+# Every variable of the object that is a field of the table. Other variables fail, unless they are handled elsewhere.
 func variables_of(object, table):
 	var form = {}
 	var fields = fields_of(table)
@@ -175,7 +175,7 @@ func bits(kind, value):
 
 # ---- orders ----
 
-# Null where the addon has no such order.
+# Null if the addon has no such order.
 func write(entry):
 	var method = METHODS.get(entry.order, entry.order.capitalize().to_lower().replace(" ", "_"))
 	var connection = Recorder.new()
@@ -214,7 +214,7 @@ func number(kind, digits):
 	return buffer.get_float() if kind == "f32" else buffer.get_double()
 
 
-# An item of an order to bodies, as a game gives it.
+# An item of an order to bodies, as a game passes it.
 func body_or_piece(table, form):
 	match table:
 		"BodyName":

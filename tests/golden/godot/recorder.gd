@@ -1,4 +1,4 @@
-# A connection that keeps what it would send.
+# A connection that stores messages instead of sending them.
 extends "res://addons/wholehand/connection.gd"
 
 var kept = PoolByteArray()

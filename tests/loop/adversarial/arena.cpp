@@ -13,7 +13,8 @@ std::string fileOf(const std::string& kind, const std::string& name) {
   return kConfig + kind + "/" + name + ".toml";
 }
 
-/// How long a minimum-jerk way may take so as to stay below half of every speed limit [s].
+/// Duration of a minimum-jerk motion that stays below half of every speed limit, at least 0.1 s
+/// [s].
 double wayTime(const DeviceModel& device, const AxisPosition& from, const AxisPosition& to) {
   double time_s = 0.1;
   for (int a = 0; a < from.size(); ++a) {
@@ -23,7 +24,8 @@ double wayTime(const DeviceModel& device, const AxisPosition& from, const AxisPo
   return time_s;
 }
 
-/// Back and above, `aside` of the way to the left, where no scene has a body; open.
+/// An open hand at the back and at the top, where no scene has a body; `aside` is the share of the
+/// way to the left.
 AxisPosition clearOf(const DeviceModel& device, double aside) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
@@ -35,7 +37,8 @@ AxisPosition clearOf(const DeviceModel& device, double aside) {
   return q;
 }
 
-/// Where the base of a hand is that holds a body: its axis 0.049, 0.041, 0.004 m from there.
+/// Sets the position axes so that the hand holds the body: its base is (0.049, 0.041, 0.004) m from
+/// it.
 void reachFor(const SceneBody& body, const DeviceModel& device, AxisPosition& q) {
   const Eigen::Vector3d base_m = body.pose.translation_m - Eigen::Vector3d(0.049, 0.041, 0.004);
   for (int i = 0; i < 3; ++i) {
@@ -45,7 +48,7 @@ void reachFor(const SceneBody& body, const DeviceModel& device, AxisPosition& q)
   }
 }
 
-/// Grasps and fights: to a body, closing; tearing open; off to some corner; and again.
+/// Eight rounds: moves to a body, closes on it, tears open and moves to a random corner.
 Intention graspAndFight(const Models& m, double aside, Random& random) {
   std::vector<Waypoint> way{{0.0, clearOf(m.device, aside)}};
   const auto go = [&](const AxisPosition& q) {
@@ -110,7 +113,7 @@ std::optional<Outcome> Arena::run(const Case& c, int ticks, Random& random,
   const auto rig = orThrow(buildRigWithoutPerson(models_, std::move(changing), {}, &device));
   if (change) change(*rig);
   Bones bones(*rig);
-  for (const double aside : {0.0, 0.95, 0.0, 0.95}) {  // who plays begins elsewhere each time
+  for (const double aside : {0.0, 0.95, 0.0, 0.95}) {  // each start has another lateral position
     std::unique_ptr<Player> player = models_.exercise->makePlayer({random()});
     if (!player) {
       player = std::make_unique<ScriptedPlayer>(graspAndFight(models_, aside, random));

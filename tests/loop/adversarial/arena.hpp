@@ -4,7 +4,7 @@
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
 
-/// Which device, hand, exercise and patient meet, and how.
+/// Combines a device, a hand, an exercise and a patient into one test case.
 namespace wholehand::test {
 
 using Random = std::mt19937_64;
@@ -16,19 +16,20 @@ struct Case {
   }
 };
 
-/// Draws by the seed and the case alone: a case does the same among all and among few.
+/// A generator seeded by the seed and the case alone: a case gives the same run in any selection.
 Random randomOf(const Case& c);
 
-/// Loads what a case is made of, and keeps it for the next case; the world is built anew each time,
-/// as the bodies of the last one lie about.
+/// Loads the models of a case and keeps them for the next case. The world is built anew for each
+/// run, since the last run has moved its bodies.
 class Arena {
  public:
-  /// Where the exercise is refused for this device: which keys are at fault.
+  /// Loads the models of a case. @return the keys that the exercise finds at fault in this device
   [[nodiscard]] std::vector<std::string> enter(const Case& c, int level);
 
-  /// The patient, as shipped but for when it happens, who does the exercise, or grasps and fights
-  /// where it has no virtual patient. `change` may change the rig. @pre enter()
-  /// @return nothing where the hand starts inside a body
+  /// Runs the shipped patient with random times of its habits. The patient does the exercise; an
+  /// exercise without a virtual patient gets a patient who grasps and fights. `change` may change
+  /// the rig. @pre enter()
+  /// @return nullopt where the hand starts inside a body
   std::optional<Outcome> run(const Case& c, int ticks, Random& random,
                              const std::function<void(Rig&)>& change = {});
 

@@ -10,10 +10,11 @@ namespace wholehand::test {
 namespace {
 
 constexpr int kAfterStop = 150;
-constexpr int kLookEvery = 5;  // at the bones: 7 mm of way at 1.5 m/s, less than a bone is deep
+constexpr int kLookEvery =
+    5;  // ticks between two checks of the bones: 7 mm at 1.5 m/s, less than a bone's depth
 
-/// Whatever a record holds that is not finite, by name; empty: nothing. An infinite distance is one
-/// to no body, and a closure that is not a number touches nothing.
+/// Names the fields of a record that are not finite; empty: none. An infinite distance means that
+/// there is no body, and a closure of NaN means that nothing is touched; both are allowed.
 std::string notFinite(const TickRecord& r) {
   std::string out;
   const auto check = [&out](const std::string& name, bool good) {
@@ -32,7 +33,8 @@ bool isNeutral(const AxisEffort& sent, const AxisEffort& neutral) {
   return std::equal(sent.begin(), sent.end(), neutral.begin(), neutral.end());
 }
 
-/// Which effort was beyond a limit; empty: none. `hardest` becomes the largest share of a limit.
+/// Names the effort that is beyond a limit; empty: none. `hardest` becomes the largest share of a
+/// limit.
 std::string beyondLimit(const TickRecord& r, const AxisEffort& before, const DeviceModel& device,
                         double& hardest) {
   for (int a = 0; a < r.sent.size(); ++a) {
@@ -58,7 +60,7 @@ double Bones::deepest(const TickRecord& record) {
   }
   hand_.updateKinematics(record.theta);
   double deepest_m = -1.0;
-  // The slots of a game, which come after the scene's bodies, are empty here.
+  // The slots of a game follow the scene's bodies and are empty here.
   const int bodies = static_cast<int>(rig_.models.scene.bodies.size());
   for (int b = 0; b < std::min(record.body_count, bodies); ++b) {
     if ((placed_ >> b & 1U) != 0) continue;
@@ -69,7 +71,7 @@ double Bones::deepest(const TickRecord& record) {
       for (const Eigen::Vector3d& point : {c.a_m, Eigen::Vector3d(0.5 * (c.a_m + c.b_m)), c.b_m}) {
         const Eigen::Vector3d p = inBody(state, body, at * point);
         for (const Shape& shape : body.shapes) {
-          // Digits meet the core of a soft body.
+          // Digits touch the core of a soft body, not its surface.
           const Shape met = c.part == HandPart::kPalm ? shape : coreOf(body, shape);
           deepest_m = std::max(deepest_m, -signedDistance(met, p));
         }
@@ -81,9 +83,9 @@ double Bones::deepest(const TickRecord& record) {
 
 namespace {
 
-/// What is wrong with a tick, in words; empty: nothing.
-std::string judge(const TickRecord& r, const AxisEffort& before, const Rig& rig, Bones& bones,
-                  Outcome& out) {
+/// Says what is wrong with a tick; empty: nothing.
+std::string violationOf(const TickRecord& r, const AxisEffort& before, const Rig& rig, Bones& bones,
+                        Outcome& out) {
   if (std::string bad = notFinite(r); !bad.empty()) return "not finite: " + bad;
   if (std::string bad = beyondLimit(r, before, rig.models.device, out.hardest); !bad.empty()) {
     return bad;
@@ -112,12 +114,12 @@ std::optional<Outcome> attack(Rig& rig, ChangingDevice& device, Player& player, 
     record->tick = static_cast<std::uint64_t>(k);
     record->time_s = k * kPeriod_s;
     renderer.tick(1, *record);
-    player.see(*record);
+    player.onRecord(*record);
     if (stop_tick < 0 && any(record->faults & kStoppingFaults)) {
       stop_tick = k;
       out.stopped_by = record->faults & kStoppingFaults;
     }
-    out.broken = judge(*record, before, rig, bones, out);
+    out.broken = violationOf(*record, before, rig, bones, out);
     out.touched_ticks += record->contact_count > 0 ? 1 : 0;
     before = record->sent;
     if (stop_tick >= 0) {

@@ -5,11 +5,11 @@
 
 #include <optional>
 
-/// One patient on one device, hand and exercise, on the simulated clock; and what must hold of
-/// every tick, for every kind of person.
+/// Runs one patient on one device, hand and exercise on the simulated clock and checks what must
+/// hold in every tick for every kind of patient.
 namespace wholehand::test {
 
-/// A device whose person changes while the rig around it stays.
+/// A device whose person can be replaced while the rig around it stays.
 class ChangingDevice final : public HapticDevice, public KnownPerson {
  public:
   void put(std::unique_ptr<SimulatedDevice> device) { now_ = std::move(device); }
@@ -34,38 +34,40 @@ class ChangingDevice final : public HapticDevice, public KnownPerson {
   std::unique_ptr<SimulatedDevice> now_;
 };
 
-/// What a run came to.
+/// Result of a run.
 struct Outcome {
-  std::string broken;  ///< what no tick may hold and one did; empty: nothing
-  int ticks = 0;       ///< before the stop
+  std::string broken;  ///< the violation that ended the run; empty: none
+  int ticks = 0;       ///< ticks before the stop
   Fault stopped_by = Fault::kNone;
-  int neutral_after_ticks = -1;  ///< of the stop, asked for or not; -1: never
+  int neutral_after_ticks = -1;  ///< ticks from the stop to neutral; -1: never
   int touched_ticks = 0;
-  double deepest_m = -1.0;  ///< bone of the hand in a body; negative: outside. See Bones
-  double hardest = 0.0;     ///< largest effort, of its limit
+  double deepest_m = -1.0;  ///< depth of a bone of the hand in a body; negative: outside. See Bones
+  double hardest = 0.0;     ///< largest effort as a share of its limit
   bool let_go = false;
 };
 
-/// How deep the bones of the hand, the axes of its capsules, are in bodies that stand or move by
-/// themselves. Skin gives way by a millimetre or two; a bone within a body has gone through it.
+/// Measures how deep the bones of the hand (the axes of its capsules) are in bodies that are fixed
+/// or move by themselves. Skin gives way by a millimetre or two; a bone inside a body has gone
+/// through its surface.
 class Bones {
  public:
   explicit Bones(const Rig& rig) : rig_(rig), hand_(rig.models.hand) {}
-  /// The deepest bone in any body [m]; bodies that an exercise has placed are left out from then
-  /// on.
+  /// Depth of the deepest bone in any body [m]. A body that an exercise has placed is left out from
+  /// then on.
   double deepest(const TickRecord& record);
   void reset() { placed_ = 0; }
 
  private:
   const Rig& rig_;
   ArticulatedBody hand_;
-  std::uint32_t placed_ = 0;  // bit per body
+  std::uint32_t placed_ = 0;  // one bit per body
 };
 
-/// Arms, runs `ticks` or to the first fault, asks for a stop, runs 150 more, or to the first tick
-/// that is broken: a number that is not finite, an effort beyond its limit or its slew limit, a
-/// device not at neutral 100 ms after the stop, a bone within a body.
-/// @pre the rig's device is `device`  @return nothing where it is refused to arm
+/// Arms, runs `ticks` or to the first fault, requests a stop and runs 150 more ticks. Ends at the
+/// first violation: a number that is not finite, an effort beyond its limit or its slew limit, a
+/// device not at neutral 100 ms after the stop, a bone inside a body.
+/// @pre the rig's device is `device`
+/// @return nullopt where arming is refused
 std::optional<Outcome> attack(Rig& rig, ChangingDevice& device, Player& player, Bones& bones,
                               int ticks);
 

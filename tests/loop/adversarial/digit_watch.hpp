@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-/// What an exercise gives to digits that touch nothing, judged by what a tick's record says.
+/// Measures, from the tick records, the exercise's effort on digits that touch nothing.
 namespace wholehand::test {
 
-/// Which capsules an axis moves against the palm: by moving it.
+/// Finds the capsules that an axis moves relative to the palm, by moving that axis.
 inline std::vector<bool> movedCapsules(const HandModel& hand, int axis) {
   AxisPosition open(hand.axis_count), closed(hand.axis_count);
   open[axis] = hand.axis_lower[axis];
@@ -21,18 +21,19 @@ inline std::vector<bool> movedCapsules(const HandModel& hand, int axis) {
   return moved;
 }
 
-/// The largest of each, as shares of the axis's effort limit.
+/// Largest efforts of the exercise on untouched digits, as shares of the axis's effort limit.
 struct UntouchedEffort {
-  /// Where the digit has touched nothing since the exercise's effort began: what its own closing
-  /// since then does not account for.
+  /// Effort on a digit that has touched nothing since the exercise's effort began, less the effort
+  /// that its own closing since then explains.
   double unasked = 0.0;
-  /// Where it has been past its first touch, or none was known, for longer than a light touch lets
-  /// go, and it has touched nothing for so long that the effort of a grasp has faded.
+  /// Effort on a digit that has been past its first touch (or whose first touch is unknown) for
+  /// longer than a light touch takes to let go, and that has touched nothing until the effort of a
+  /// grasp has faded.
   double past = 0.0;
-  /// Where it has touched nothing for so long: what neither the lead-in nor the way by which the
-  /// digit is behind the device accounts for.
+  /// Effort on a digit that has touched nothing for that long, less what the lead-in and the
+  /// digit's lag behind the device explain.
   double beyond_lead_in = 0.0;
-  int digits_past = 0;  ///< how many times a digit was where `past` looks, with α > 0
+  int digits_past = 0;  ///< number of times that `past` was measured with α > 0
 };
 
 class DigitWatch {
@@ -46,8 +47,9 @@ class DigitWatch {
     }
   }
 
-  /// Until a stop: then the effort falls to neutral, whatever the exercise would give.
-  void see(const TickRecord& r) {
+  /// Checks a tick. A stop ends the watch, since the effort then falls to neutral whatever the
+  /// exercise gives.
+  void onRecord(const TickRecord& r) {
     stopped_ = stopped_ || any(r.faults & kStoppingFaults);
     if (stopped_) return;
     for (Digit& digit : digits_) look(digit, r);
@@ -55,18 +57,19 @@ class DigitWatch {
   [[nodiscard]] const UntouchedEffort& found() const { return found_; }
 
  private:
-  static constexpr int kFaded = 650, kLetGo = 40;  // ticks; a grasp let go of at its firmest
-  static constexpr double kSlack_m = 1.5e-3;       // of fingertip path, by which a touch may be off
+  static constexpr int kFaded = 650,
+                       kLetGo = 40;           // [ticks] a grasp that is let go of at its firmest
+  static constexpr double kSlack_m = 1.5e-3;  // tolerance of a touch along the fingertip's path
 
   struct Digit {
     ExerciseWall wall;
     std::vector<bool> capsules;
-    int untouched = kFaded + 1, past = 0;  // ticks
-    bool touched = false;                  // since α rose
-    double lowest = 0.0;                   // since then
+    int untouched = kFaded + 1, past = 0;  // [ticks]
+    bool touched = false;                  // since α rose above 0
+    double lowest = 0.0;                   // lowest position since then
   };
 
-  /// It bears on something, or is inside the surface that is drawn of a soft body.
+  /// True where the digit presses on something or is inside the drawn surface of a soft body.
   bool touches(const Digit& digit, const TickRecord& r) const {
     return insideSoftBody(digit, r) ||
            std::any_of(
@@ -76,7 +79,7 @@ class DigitWatch {
   }
 
   bool insideSoftBody(const Digit& digit, const TickRecord& r) const {
-    if (!(r.exercise.effort[digit.wall.axis] < 0.0)) return false;  // nothing to judge
+    if (!(r.exercise.effort[digit.wall.axis] < 0.0)) return false;  // no effort to judge
     const ArticulatedBody at = handAt(rig_.models.hand, r.q_s);
     const std::vector<SceneBody>& bodies = rig_.models.scene.bodies;
     for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -1,8 +1,8 @@
-// Every shipped device, hand, exercise and patient together: for every kind of person the device is
-// pushed within its limits and comes to rest when it is asked to.
+// Runs every combination of shipped device, hand, exercise and patient. The device must stay within
+// its limits and come to rest on request, for every kind of patient.
 #include "loop/adversarial/arena.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
-#include "support/says.hpp"
 
 #include <cmath>
 #include <ctime>
@@ -14,13 +14,13 @@
 namespace wholehand::test {
 namespace {
 
-/// Patients who put in no energy of their own, or (tremor) a little: nothing of theirs may stop a
-/// device. All others are active.
+/// Patients who put in no energy of their own, or (tremor) a little; they may not cause a stop. All
+/// others are active.
 const std::set<std::string> kPassive = {
     "relaxed-adult",    "stiff-adult",  "no-arm",       "tremor",
     "enslaved-fingers", "pill-rolling", "holds-a-ball", "weak"};
 
-/// How a patient may make a device stop: docs/patients.md.
+/// The stops that a patient may cause according to docs/patients.md.
 Fault documentedStops(const Case& c) {
   if (kPassive.contains(c.patient)) return Fault::kNone;
   return Fault::kSpeedLimit;
@@ -30,8 +30,8 @@ std::string pathOf(const std::string& folder, const std::string& name) {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + folder + "/" + name + ".toml";
 }
 
-/// Whether an exercise refuses a device that lacks what it needs. Asked of the exercise, once for
-/// each pair; the device that the exercises are made for is refused by none.
+/// True if the exercise refuses a device that lacks what it needs. Each pair is checked once by
+/// loading it; no exercise refuses the device that the exercises are made for.
 bool refused(const Case& c) {
   static std::map<std::string, bool> known;
   const std::string pair = c.device + " " + c.exercise;
@@ -43,8 +43,8 @@ bool refused(const Case& c) {
   return known[pair] = is;
 }
 
-/// Whether a key of a fault, as "wall.axes[finger_flexion].name", is a key of the exercise's own
-/// file: every word of it stands there.
+/// True if a key of a fault, such as "wall.axes[finger_flexion].name", belongs to the exercise's
+/// own file: the file contains every word of the key.
 bool standsIn(const std::string& exercise, const std::string& key) {
   const std::string text = bytesOfFile(pathOf("exercises", exercise));
   std::string word;
@@ -73,9 +73,9 @@ std::vector<Case> everyCase() {
   return all;
 }
 
-/// All, or a part by the seed in which every device, hand, exercise and patient is at least once
-/// (in a case that is not refused), and every refused pair of device and exercise; of those, under
-/// a sanitizer, a few.
+/// All cases, or a random selection by the seed. The selection has every device, hand, exercise and
+/// patient at least once in a case that is not refused, and every refused pair of device and
+/// exercise; under a sanitizer it keeps only a few of these.
 std::vector<Case> sampled(std::vector<Case> all, std::size_t most) {
   if (cases(1) > 1) return all;
   Random random = seededRandom(41);
@@ -91,7 +91,7 @@ std::vector<Case> sampled(std::vector<Case> all, std::size_t most) {
   };
   const auto rest = std::stable_partition(all.begin(), all.end(), covers);
   const auto needed = static_cast<std::size_t>(rest - all.begin());
-  all.resize(std::min(all.size(), kFew ? most : std::max(needed, most)));
+  all.resize(std::min(all.size(), kReducedCounts ? most : std::max(needed, most)));
   return all;
 }
 
@@ -103,7 +103,7 @@ struct Tally {
   std::map<std::string, int> outcomes;
 };
 
-void judge(const Case& c, const Outcome& o, Tally& tally) {
+void checkOutcome(const Case& c, const Outcome& o, Tally& tally) {
   EXPECT_EQ(o.broken, "") << c.text();
   const Fault allowed = documentedStops(c);
   EXPECT_EQ(o.stopped_by | allowed, allowed)
@@ -134,10 +134,10 @@ void print(const Tally& tally) {
   figure("bone deepest in a body (negative: outside)", 1e3 * tally.deepest_m, "mm");
 }
 
-TEST(EveryPatient, OnEveryDeviceHandAndExercise_IsPushedWithinLimitsAndLetDownGently) {
+TEST(EveryPatient, OnEveryDeviceHandAndExercise_StaysWithinLimitsAndStopsGently) {
   constexpr int kTicks = 3000;
   const std::vector<Case> all = everyCase();
-  const std::vector<Case> tried = sampled(all, kFew ? 8 : 60);
+  const std::vector<Case> tried = sampled(all, kReducedCounts ? 8 : 60);
   Arena arena;
   Tally tally;
   const std::clock_t began = std::clock();
@@ -154,17 +154,17 @@ TEST(EveryPatient, OnEveryDeviceHandAndExercise_IsPushedWithinLimitsAndLetDownGe
     Random random = randomOf(c);
     const std::optional<Outcome> outcome = arena.run(c, kTicks, random);
     ASSERT_TRUE(outcome) << "starts inside a body";
-    judge(c, *outcome, tally);
+    checkOutcome(c, *outcome, tally);
   }
   print(tally);
   figure("cases of all", static_cast<double>(tried.size()) / static_cast<double>(all.size()), "");
   figure("CPU time", static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC, "s");
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(tally.touched, tally.runs / 4);
   }
 }
 
-/// Nobody would notice if it saw nothing.
+/// The check must be able to fail: an effort beyond a limit is reported.
 TEST(Attack, LimitTighterThanTheRenderers_IsNoticed) {
   Arena arena;
   const Case c{"lambda-pride", "adult-median-right", "free-grasping", "stiff-adult"};
@@ -173,10 +173,10 @@ TEST(Attack, LimitTighterThanTheRenderers_IsNoticed) {
   const auto outcome =
       arena.run(c, 3000, random, [](Rig& rig) { rig.models.device.axes[0].effort_limit = 0.5; });
   ASSERT_TRUE(outcome);
-  EXPECT_TRUE(says(outcome->broken, "x beyond its limit"));
+  EXPECT_TRUE(contains(outcome->broken, "x beyond its limit"));
 }
 
-TEST(Bones, HandWhoseFingerIsInABall_AreWithinABody) {
+TEST(Bones, FingerInsideABall_MeasuresTheBallsRadiusAsDepth) {
   Models m = load(shippedFiles());
   const AxisPosition q(m.device.axisCount());
   const Capsule& tip = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
@@ -191,7 +191,7 @@ TEST(Bones, HandWhoseFingerIsInABall_AreWithinABody) {
   record.body_count = 1;
   record.bodies[0].position_m = Vec3::from(at_m);
   Bones bones(*rig);
-  EXPECT_NEAR(bones.deepest(record), kRadius_m, 1e-12);  // its middle
+  EXPECT_NEAR(bones.deepest(record), kRadius_m, 1e-12);  // the fingertip is at its centre
   record.bodies[0].position_m = Vec3::from(at_m + Eigen::Vector3d(0.5, 0.0, 0.0));
   EXPECT_LT(bones.deepest(record), 0.0);
 }

@@ -7,7 +7,7 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSlamGap_m = 5e-4;  // between the hand, as it is let go, and the wall
+constexpr double kSlamGap_m = 5e-4;  // between the hand, when it is let go, and the wall
 
 AxisPosition startOf(const Throw& how, const DeviceModel& device) {
   AxisPosition q(device.axisCount());
@@ -20,7 +20,7 @@ AxisPosition startOf(const Throw& how, const DeviceModel& device) {
   return q;
 }
 
-/// With a wall, or without one to learn where the hand is let go.
+/// Runs the throw against a wall, or without one (NaN) to find where the hand is let go.
 Bounce flung(const Throw& how, double wall_m = std::numeric_limits<double>::quiet_NaN()) {
   Models m = thrown(how);
   const bool free = std::isnan(wall_m);
@@ -41,7 +41,7 @@ Bounce flung(const Throw& how, double wall_m = std::numeric_limits<double>::quie
       out.face_m = reach(rig->models.hand, r.q_s, ahead);
     }
     if (free) return;
-    if (!touched && r.contact_count == 0) {  // at last just before the touch
+    if (!touched && r.contact_count == 0) {  // the last such tick is the one before the touch
       out.impact_m_s = speed;
       out.stretch_m = sign * (r.q_m[axis] - r.q_s[axis]);
     }

@@ -1,5 +1,5 @@
-// One axis of the mechanism flung into a fixed wall, and nobody holds it: what the adaptive damping
-// is worth, and what a rebound without it comes from.
+// One axis of the mechanism is thrown into a fixed wall and nobody holds it. Measures the effect of
+// the adaptive damping and the cause of the rebound without it.
 #include "loop/adversarial/slam.hpp"
 
 #include "support/tolerance.hpp"
@@ -11,7 +11,7 @@
 namespace wholehand::test {
 namespace {
 
-/// The x axis by itself: no finger gives way, so that nothing but the coupling stores energy.
+/// The x axis alone: no finger gives way, so only the coupling stores energy.
 Throw alone() {
   Throw how;
   how.alone = true;
@@ -34,17 +34,19 @@ TEST(Slam, AtSixTenths_AdaptiveDampingLowersTheReboundByThirtyPercent) {
   const Pair pair = withAndWithout(how);
   print("slam at 0.6 m/s", pair);
   EXPECT_EQ(pair.with.faults | pair.without.faults, Fault::kNone);
-  // The same throw, and not limited by the device: a figure of the damping alone.
+  // Both throws hit at the same speed and no device limit acts: the difference is the damping's
+  // alone.
   EXPECT_NEAR(pair.with.impact_m_s, 0.6, 0.015);
   EXPECT_NEAR(pair.with.impact_m_s, pair.without.impact_m_s, 0.005);
   const Models m = thrown(how);
   EXPECT_LT(std::max(pair.with.peak_n, pair.without.peak_n), flungAxis(m, how).effort_limit);
   EXPECT_EQ(pair.with.phi, 1.0);
-  EXPECT_LE(pair.with.rebound_m_s, 0.7 * pair.without.rebound_m_s);  // the issue's figure
+  EXPECT_LE(pair.with.rebound_m_s,
+            0.7 * pair.without.rebound_m_s);  // the bound that the issue requires
 }
 
-/// A mass on the coupling's spring and γ damping of Eq. (3), sampled, filtered and late as those of
-/// the device, the hand standing still in the wall from the touch on.
+/// Rebound speed of a mass on the coupling's spring and the γ damping of Eq. (3), with the device's
+/// sampling, filter and delay. The hand stands still in the wall from the touch on.
 double reboundOfAMass(const DeviceAxis& axis, const CouplingGains& gains, const Bounce& start) {
   constexpr int kSteps = 100;
   constexpr double kPeriod_s = 1e-3, kStep_s = kPeriod_s / kSteps;
@@ -54,7 +56,7 @@ double reboundOfAMass(const DeviceAxis& axis, const CouplingGains& gains, const 
   double q = start.stretch_m, v = start.impact_m_s, filtered = v, sent = 0.0, acting = 0.0,
          rebound = 0.0;
   for (int tick = 0; tick < 200; ++tick) {
-    acting = std::exchange(sent, -gains.k_pm[0] * q - b_gamma * filtered);  // a tick late
+    acting = std::exchange(sent, -gains.k_pm[0] * q - b_gamma * filtered);  // acts one tick late
     for (int i = 0; i < kSteps; ++i) {
       const double friction = axis.damping * v + std::copysign(axis.coulomb, v);
       v += kStep_s * (acting - friction) / axis.mass;
@@ -66,7 +68,7 @@ double reboundOfAMass(const DeviceAxis& axis, const CouplingGains& gains, const 
   return rebound;
 }
 
-TEST(Slam, WithoutDamping_ReboundsAsAMassOnTheCouplingsSpring) {
+TEST(Slam, WithoutDamping_ReboundsLikeAMassOnTheCouplingSpring) {
   Throw how = alone();
   how.adaptive = false;
   const Models m = thrown(how);
@@ -82,7 +84,7 @@ TEST(Slam, JustBelowTheSpeedLimit_StaysWithinTheEffortLimitAndTheWallHolds) {
   const Models m = thrown(how);
   const DeviceAxis& axis = flungAxis(m, how);
   how.speed_m_s = 0.98 * axis.speed_limit;
-  how.effort_share = 2.0;  // an arm that is stronger than the device
+  how.effort_share = 2.0;  // twice the device's effort
   const Pair pair = withAndWithout(how);
   print("slam at the speed limit", pair);
   for (const Bounce& bounce : {pair.with, pair.without}) {
@@ -90,14 +92,14 @@ TEST(Slam, JustBelowTheSpeedLimit_StaysWithinTheEffortLimitAndTheWallHolds) {
     EXPECT_GT(bounce.impact_m_s, 0.95 * axis.speed_limit);
     EXPECT_LE(bounce.peak_n, axis.effort_limit + 1e-9);
     EXPECT_LT(bounce.rebound_m_s, bounce.impact_m_s);
-    EXPECT_LT(bounce.depth_m, 5e-3);  // of a wall of 100 mm
+    EXPECT_LT(bounce.depth_m, 5e-3);  // the wall is 100 mm thick
   }
 }
 
 /// Impulses along an axis from the touch on, over the time in which the damping fades.
 struct Impact {
-  double acted_n_s = 0.0;  ///< of the contacts on the hand
-  double felt_n_s = 0.0;   ///< of the device on whoever moves it
+  double acted_n_s = 0.0;  ///< contact impulse on the hand
+  double felt_n_s = 0.0;   ///< rendered impulse on the person
   double coupling_peak_n = 0.0;
   int ticks = 0;
 };
@@ -106,10 +108,10 @@ struct Strike {
   double ball_kg, speed_m_s;
 };
 
-/// A hand that goes on whatever it feels strikes a free ball.
+/// A hand that keeps its speed whatever the force strikes a free ball.
 Impact struck(const Strike& strike, bool adaptive) {
   constexpr double kFrom_m = -0.08, kTo_m = 0.08, kGap_m = 0.02, kRadius_m = 0.03;
-  constexpr double kRamp_s = 0.1;  // to its speed
+  constexpr double kRamp_s = 0.1;  // time to reach its speed
   Throw how = alone();
   how.adaptive = adaptive;
   Models m = thrown(how);
@@ -139,7 +141,7 @@ Impact struck(const Strike& strike, bool adaptive) {
   return out;
 }
 
-TEST(Impact, OfAHandThatGoesOn_IsFeltAsItActedAndWithDampingAsMuchMoreAsAlgorithm1Says) {
+TEST(Impact, HandThatKeepsItsSpeed_RenderedImpulseEqualsContactImpulsePlusAlgorithm1Damping) {
   const AxisRendering gains = thrown(alone()).rendering.axes[0];
   for (const Strike& strike :
        {Strike{0.2, 0.15}, {0.5, 0.15}, {1.0, 0.15}, {0.5, 0.3}, {1.0, 0.3}}) {
@@ -148,9 +150,11 @@ TEST(Impact, OfAHandThatGoesOn_IsFeltAsItActedAndWithDampingAsMuchMoreAsAlgorith
                                          strike.speed_m_s, strike.ball_kg);
     figure(what + ", without Algorithm 1", plain.felt_n_s / plain.acted_n_s, "");
     figure(what + ", with it", damped.felt_n_s / damped.acted_n_s, "");
-    // The hand has its speed again: what acted went through the coupling.
+    // The hand has its full speed again, so the whole contact impulse has passed through the
+    // coupling.
     EXPECT_NEAR(plain.felt_n_s, plain.acted_n_s, tolerance(0.02) * plain.acted_n_s);
-    // Phi rises to the peak's, then fades with tau: K_dm v times its integral.
+    // Phi rises to its value at the peak, then fades with tau; the damping's impulse is K_dm v
+    // times the integral of phi.
     const double phi = std::min(1.0, (damped.coupling_peak_n - gains.effort_dead) /
                                          (gains.effort_full - gains.effort_dead));
     const double faded = 1.0 - std::exp(-1e-3 * damped.ticks / gains.decay_s);

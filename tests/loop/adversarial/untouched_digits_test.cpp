@@ -1,5 +1,5 @@
-// An exercise pushes no digit that touches nothing. WHOLEHAND_FULL tries 10,000
-// random hands, postures and approaches, WHOLEHAND_CASES=3-5 the cases 3 and 4 of them.
+// An exercise must not push a digit that touches nothing. WHOLEHAND_FULL tries 10,000 random hands,
+// postures and approaches; WHOLEHAND_CASES=3-5 runs only the cases 3 and 4.
 #include "files/hand/hand_file.hpp"
 #include "loop/adversarial/attack.hpp"
 #include "loop/adversarial/digit_watch.hpp"
@@ -16,7 +16,7 @@ namespace wholehand::test {
 namespace {
 
 using Random = std::mt19937_64;
-constexpr double kMost = 0.01;  ///< of the limit: the figure that is asked for
+constexpr double kMost = 0.01;  ///< largest allowed share of the effort limit, as required
 
 ModelFiles barFiles(const std::string& exercise, int level, const std::string& hand,
                     const std::string& patient) {
@@ -30,8 +30,8 @@ AxisPosition pose(double x_m, double y_m, double fingers, double turn, double th
   return of<AxisPosition>(x_m, y_m, 0.0, fingers, turn, thumb);
 }
 
-/// A relaxed adult with a median right hand in level 1 of the bar, who moves drawn back into a
-/// posture and then to the one dispenser there is, at (0.119, 0.041).
+/// A relaxed adult with a median right hand plays level 1 of the bar: takes a posture while drawn
+/// back, then moves to the only dispenser, at (0.119, 0.041).
 UntouchedEffort reachFor(const AxisPosition& goal, double y_m, int& touching_ticks) {
   AxisPosition posture = goal;
   posture[0] = -0.08, posture[1] = y_m;
@@ -45,7 +45,7 @@ UntouchedEffort reachFor(const AxisPosition& goal, double y_m, int& touching_tic
   DigitWatch watch(*rig);
   runTicks(*rig->renderer, 4500, [&](const TickRecord& r) {
     EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone);
-    watch.see(r);
+    watch.onRecord(r);
     touching_ticks += r.contact_count > 0 ? 1 : 0;
   });
   return watch.found();
@@ -57,7 +57,7 @@ void expectNoPush(const UntouchedEffort& found) {
   EXPECT_LE(found.beyond_lead_in, kMost);
 }
 
-TEST(FlexedHand, WithItsBackAtTheDispenser_IsNotPushedOpen) {
+TEST(FlexedHand, BackOfTheHandAtTheDispenser_IsNotPushedOpen) {
   int touching = 0;
   expectNoPush(reachFor(pose(0.085, 0.08, 2.4, 0.0, 0.0), 0.08, touching));
   EXPECT_GT(touching, 1000) << "a knuckle rests on the dispenser";
@@ -76,7 +76,7 @@ TEST(FlexedThumb, BesideTheDispenser_IsNotPushedOpen) {
   EXPECT_GT(touching, 1000);
 }
 
-/// One of the shipped exercises with a shipped hand, kept for the cases that share them.
+/// A shipped exercise with a shipped hand, kept for the cases that share them.
 struct Stage {
   Models models;
   HandFile hand;
@@ -114,8 +114,8 @@ class Stages {
   std::map<std::string, Stage> stages_;
 };
 
-/// A hand that comes to a body from anywhere, as anything from stretched to a fist, stays or goes
-/// on about it, closes and opens, as fast as the device allows.
+/// Hand motion to a body from a random place in a random posture between stretched and fist. It
+/// then stays or moves about the body, closes and opens, at up to 0.85 of the speed limits.
 Intention approach(const Models& m, const SceneBody& body, Random& random) {
   const double side = m.hand.side == Side::kLeft ? -1.0 : 1.0;
   const auto held = [&](double value, int a) {
@@ -140,13 +140,13 @@ Intention approach(const Models& m, const SceneBody& body, Random& random) {
   AxisPosition q(6);
   for (int a = 0; a < 3; ++a) q[a] = held(uniform(random, -0.12, 0.12), a);
   q[0] = m.device.axes[0].lower;
-  // A fist keeps the palm away from things: more come half open.
+  // A fist keeps the palm away from things, so most cases come half open.
   const double most = random() % 4 == 0 ? 1.0 : 0.4;
   posture(q, most);
   std::vector<Waypoint> way{{0.0, q}};
   const auto go = [&] {
     double time_s = 0.05;
-    const double share = uniform(random, 0.3, 0.85);  // of the speed limits
+    const double share = uniform(random, 0.3, 0.85);  // share of the speed limits
     for (int a = 0; a < 6; ++a) {
       const double limit = m.device.axes[a].speed_limit;
       time_s = std::max(time_s, 1.875 * std::abs(q[a] - way.back().q[a]) / (share * limit));
@@ -155,7 +155,7 @@ Intention approach(const Models& m, const SceneBody& body, Random& random) {
     const double rest_s = random() % 2 == 0 ? 0.02 : uniform(random, 0.2, 0.8);
     way.push_back({way.back().time_s + rest_s, q});
   };
-  const bool from_palm = random() % 2 == 0;  // else from wherever it is
+  const bool from_palm = random() % 2 == 0;  // false: from wherever it is
   about(q, random() % 4 == 0 ? 0.1 : 0.03);
   if (random() % 2 == 0) posture(q, most);
   if (from_palm) {
@@ -172,7 +172,7 @@ Intention approach(const Models& m, const SceneBody& body, Random& random) {
   return Intention::throughWaypoints(std::move(way));
 }
 
-/// Puts a body at the palm, anyhow.
+/// Places a body near the palm in a random pose.
 void putAround(Rig& rig, const TickRecord& r, int body, Random& random) {
   const HandModel& hand = rig.models.hand;
   const Pose palm = handAt(hand, r.q_s).linkPose(hand.palm_link);
@@ -222,7 +222,7 @@ void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient,
                                                   std::make_unique<ScriptedPlayer>(way), 1e-3);
   RigOptions options;
-  options.uncertified = true;  // hands of any size: gains are not what is asked about
+  options.uncertified = true;  // hands of any size: certified gains are not tested here
   const auto rig = build(std::move(models), std::move(device), options);
   ++tally.cases;
   if (!rig->renderer->arm()) {
@@ -234,7 +234,7 @@ void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
   DigitWatch watch(*rig);
   bool engaged = false, touched = false, stopped = false;
   runTicks(*rig->renderer, 1800, [&](const TickRecord& r) {
-    watch.see(r);
+    watch.onRecord(r);
     engaged = engaged || r.exercise.alpha > 0.0;
     touched = touched || r.contact_count > 0;
     stopped = stopped || any(r.faults & kStoppingFaults);
@@ -253,7 +253,7 @@ void tryOne(Stages& stages, std::uint32_t number, DigitTally& tally) {
   take(found, tally.worst);
 }
 
-TEST(UntouchedDigits, RandomHandsPosturesApproaches_GetNothingFromAnyExercise) {
+TEST(UntouchedDigits, RandomHandsPosturesAndApproaches_GetNoEffortFromAnyExercise) {
   const bool full = fullCounts();
   std::printf("seed: WHOLEHAND_SEED=%llu\n", static_cast<unsigned long long>(seed()));
   unsigned from = 0, to = full ? 10'000 : 60;
@@ -278,7 +278,8 @@ TEST(UntouchedDigits, RandomHandsPosturesApproaches_GetNothingFromAnyExercise) {
          "% of the limit");
   figure("CPU time", static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC, "s");
   if (some != nullptr) return;
-  EXPECT_GT(tally.engaged, full ? tally.cases / 10 : 0);  // one case in seven engages
+  EXPECT_GT(tally.engaged,
+            full ? tally.cases / 10 : 0);  // at least one case in ten; one in seven was seen
 }
 
 }  // namespace

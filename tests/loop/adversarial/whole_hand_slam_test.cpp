@@ -1,5 +1,5 @@
-// The whole hand flung into a fixed wall at 0.6 m/s, and nobody holds it. Which part of the hand
-// hits, and whether it gives way, is the throw's.
+// The whole hand is thrown into a fixed wall at 0.6 m/s and nobody holds it. The throw decides
+// which part of the hand hits and whether it gives way.
 #include "loop/adversarial/slam.hpp"
 #include "support/constants.hpp"
 #include "support/test_names.hpp"
@@ -9,8 +9,8 @@
 namespace wholehand::test {
 namespace {
 
-/// Less of the speed comes back than this where fingers or thumb fold: they take the blow, and what
-/// there is to lower is small.
+/// Rebound share below which fingers or thumb have folded and absorbed the blow. There is then
+/// little rebound left to lower.
 constexpr double kFolds = 0.45;
 
 struct Posture {
@@ -18,7 +18,7 @@ struct Posture {
   double fingers_rad, circumduction_rad;
 };
 constexpr Posture kStraight{"straight", 0.0, 0.0};
-constexpr Posture kReaching{"reaching", 65.0 * kDeg, 5.0 * kDeg};  // as `experiment exercise` does
+constexpr Posture kReaching{"reaching", 65.0 * kDeg, 5.0 * kDeg};  // as in `experiment exercise`
 
 Throw throwOf(const std::string& device, const std::string& hand, const Posture& posture,
               const std::string& axis, bool towards_upper) {
@@ -31,7 +31,7 @@ Throw throwOf(const std::string& device, const std::string& hand, const Posture&
 }
 
 void print(const Throw& how, const Posture& posture, const Pair& pair) {
-  const bool rebounds = pair.without.rebound_m_s > 1e-3;  // else there is nothing to lower
+  const bool rebounds = pair.without.rebound_m_s > 1e-3;  // false: there is no rebound to lower
   const std::string lowered =
       rebounds ? std::to_string(static_cast<int>(std::lround(100.0 * pair.loweredBy()))) : "-";
   std::printf(
@@ -44,27 +44,28 @@ void print(const Throw& how, const Posture& posture, const Pair& pair) {
       any(pair.without.faults) ? ", undamped stopped by the speed limit" : "");
 }
 
-/// The same throw twice, not limited by the device, nothing but the damping different.
+/// Checks that the two throws differ in the damping alone and that no device limit acts.
 void expectAFairComparison(const Throw& how, const Pair& pair) {
   EXPECT_EQ(pair.with.faults, Fault::kNone);
-  // Undamped, a folding hand may fling an axis past its speed limit, and the device is stopped.
+  // Without damping, a folding hand may push an axis past its speed limit, which stops the device.
   EXPECT_TRUE(pair.without.faults == Fault::kNone || pair.without.faults == Fault::kSpeedLimit);
-  // The last reading before the touch: up to a tick of 0.6 mm, and of slowing down, apart.
+  // The last reading before the touch may be up to a tick (0.6 mm, and its slowing down) earlier.
   EXPECT_NEAR(pair.with.impact_m_s, 0.6, 0.016);
   EXPECT_NEAR(pair.with.impact_m_s, pair.without.impact_m_s, 0.016);
   const Models m = thrown(how);
   EXPECT_LT(std::max(pair.with.peak_n, pair.without.peak_n), flungAxis(m, how).effort_limit);
-  EXPECT_EQ(pair.with.tank_n + pair.without.tank_n, 0.0);  // the damping's work, not the tank's
+  EXPECT_EQ(pair.with.tank_n + pair.without.tank_n,
+            0.0);  // the effect is the damping's, not the tank's
   EXPECT_LT(std::max(pair.with.depth_m, pair.without.depth_m), 1e-3);
 }
 
 class WholeHandSlam : public testing::TestWithParam<const char*> {};
 
-TEST_P(WholeHandSlam, EveryWayAtSixTenths_TheReboundIsLoweredByThirtyPercentOrTheHandFolds) {
+TEST_P(WholeHandSlam, EveryDirectionAtSixTenths_ReboundIsThirtyPercentLowerOrTheHandFolds) {
   const std::vector<Posture> postures =
       thrown(throwOf(GetParam(), "adult-median-right", kStraight, "x", true)).device.axisCount() > 3
           ? std::vector<Posture>{kStraight, kReaching}
-          : std::vector<Posture>{kStraight};  // no fingers to move
+          : std::vector<Posture>{kStraight};  // no finger axes
   for (const Posture& posture : postures) {
     for (const char* axis : {"x", "y", "z"}) {
       for (const bool towards_upper : {true, false}) {
@@ -74,9 +75,11 @@ TEST_P(WholeHandSlam, EveryWayAtSixTenths_TheReboundIsLoweredByThirtyPercentOrTh
         SCOPED_TRACE(std::string(axis) + (towards_upper ? "+ " : "- ") + posture.name);
         expectAFairComparison(how, pair);
         if (pair.without.share() >= kFolds) {
-          EXPECT_LE(pair.with.rebound_m_s, 0.7 * pair.without.rebound_m_s);  // the issue's figure
+          EXPECT_LE(pair.with.rebound_m_s,
+                    0.7 * pair.without.rebound_m_s);  // the bound that the issue requires
         } else {
-          // Damped fingers fold less; what that gives back is little of the blow.
+          // Damped fingers fold less; the rebound that this adds is a small share of the impact
+          // speed.
           EXPECT_LT(pair.with.rebound_m_s, pair.without.rebound_m_s + 0.05 * pair.with.impact_m_s);
         }
       }
@@ -100,12 +103,12 @@ TEST(WholeHandSlam, StraightFingersFirst_EveryHandReboundsThirtyPercentSlower) {
   }
   figure("slam of the whole hand at 0.6 m/s, straight fingers first, rebound lowered by at least",
          100.0 * least, "%");
-  EXPECT_GE(least, 0.3);  // the issue's figure
+  EXPECT_GE(least, 0.3);  // the bound that the issue requires
 }
 
-/// Why the shipped gains let an effort on the arm raise its own damping: the blow goes through the
-/// straight fingers into the arm, and what the finger axes feel of it does not fill Φ.
-TEST(WholeHandSlam, DampedByTheFingersEffortsAlone_PhiIsNotFilledAndTheReboundHardlyLower) {
+/// The reason why the shipped gains let an effort on the arm raise its own damping: the blow passes
+/// through the straight fingers into the arm, and the efforts of the finger axes do not fill Φ.
+TEST(WholeHandSlam, DampedByFingerEffortsAlone_PhiIsNotFilledAndReboundIsHardlyLower) {
   Throw how = throwOf("lambda-pride", "adult-median-right", kStraight, "x", true);
   how.palm_contact = false;
   const Pair pair = withAndWithout(how);

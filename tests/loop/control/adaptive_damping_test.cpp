@@ -42,14 +42,15 @@ TEST(AdaptiveDamping, RandomEfforts_EqualThePrintedAlgorithmUpToChatter) {
       effort = 0.99 * effort + 0.3 * noise(rng) + (k % 500 == 250 ? 8.0 : 0.0);
       const double expected = printed.update(effort, effort_full, decay_s);
       phi = activate(phi, effort, 0.0, effort_full, decay_s, 1, kPeriod_s);
-      // On a slow release the printed one decays for a tick below ρ, then jumps back: at most T/τ.
+      // On a slow release the printed algorithm decays for a tick below ρ, then jumps back: at most
+      // T/τ.
       EXPECT_LE(std::abs(phi - expected), kPeriod_s / decay_s * (1.0 + 1e-9));
       EXPECT_GE(phi, expected - 1e-12);
     }
   }
 }
 
-TEST(AdaptiveDamping, OneTimeConstantAfterPeak_IsExpMinusOne) {
+TEST(AdaptiveDamping, OneTimeConstantAfterPeak_IsExpOfMinusOne) {
   double phi = activate(0.0, 9.0, 0.5, 5.0, 0.3, 1, kPeriod_s);
   EXPECT_EQ(phi, 1.0);
   for (int k = 0; k < 300; ++k) phi = activate(phi, 0.0, 0.5, 5.0, 0.3, 1, kPeriod_s);
@@ -84,19 +85,19 @@ TEST(AdaptiveDamping, NonFiniteEffort_CountsAsFullForce) {
   }
 }
 
-TEST(AdaptiveDamping, NonFiniteState_IsForgotten) {
+TEST(AdaptiveDamping, NonFiniteState_IsReplaced) {
   EXPECT_EQ(activate(std::nan(""), 0.0, 0.5, 5.0, 0.3, 1, kPeriod_s), 0.0);
   EXPECT_EQ(activate(HUGE_VAL, 0.0, 0.5, 5.0, 0.3, 1, kPeriod_s), 1.0);
 }
 
-TEST(AdaptiveDamping, FullNotAboveDead_IsAStepAtTheDeadBand) {
+TEST(AdaptiveDamping, FullNotAboveDeadBand_IsAStepAtTheDeadBand) {
   for (const double full : {0.5, 0.1, -1.0, std::nan("")}) {
     EXPECT_EQ(activate(0.0, 0.5, 0.5, full, 0.3, 1, kPeriod_s), 0.0);
     EXPECT_EQ(activate(0.0, 0.6, 0.5, full, 0.3, 1, kPeriod_s), 1.0);
   }
 }
 
-TEST(AdaptiveDamping, NoTimeConstant_DecaysAtOnce) {
+TEST(AdaptiveDamping, DecayTimeNotPositive_DecaysAtOnce) {
   for (const double decay_s : {0.0, -1.0, std::nan("")}) {
     EXPECT_EQ(activate(1.0, 0.0, 0.5, 5.0, decay_s, 1, kPeriod_s), 0.0);
   }
@@ -120,7 +121,7 @@ TEST(AdaptiveDamping, UnitOfEffort_DoesNotChangeActivation) {
   }));
 }
 
-/// Axes: two of the base (the second with palm contact), two of the hand.
+/// Four axes: two of the base (the second with palm contact) and two of the hand.
 AdaptiveDampingConfig fourAxes() {
   AdaptiveDampingConfig c{4,           AxisEffort(4, 0.0), AxisEffort(4, 10.0), AxisTime(4, 0.3),
                           AxisFlag(4), AxisFlag(4)};
@@ -131,7 +132,7 @@ AdaptiveDampingConfig fourAxes() {
 
 const auto fourEfforts = of<AxisEffort, double, double, double, double>;
 
-TEST(AdaptiveDamping, Equation5_HandAxesTheirOwnBaseAxesTheLargest) {
+TEST(AdaptiveDamping, Equation5_HandAxesUseTheirOwnAndBaseAxesTheLargest) {
   const auto s = adaptDamping({}, fourEfforts(9.0, 3.0, 2.0, -5.0), fourAxes(), 1, kPeriod_s);
   EXPECT_DOUBLE_EQ(s.phi[2], 0.2);
   EXPECT_DOUBLE_EQ(s.phi[3], 0.5);
@@ -145,7 +146,7 @@ TEST(AdaptiveDamping, PalmContact_RaisesItsOwnAxis) {
   EXPECT_DOUBLE_EQ(s.phi[0], 0.2);
 }
 
-TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwn) {
+TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwnEffort) {
   AdaptiveDampingConfig c = fourAxes();
   c.hand_axis = AxisFlag(4);
   c.palm_contact = AxisFlag(4);
@@ -156,7 +157,7 @@ TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwn) {
   EXPECT_DOUBLE_EQ(s.phi[3], 0.5);
 }
 
-TEST(AdaptiveDamping, StateRemembersPerAxis_NotTheLargest) {
+TEST(AdaptiveDamping, StateOfABaseAxis_KeepsItsOwnActivationNotTheLargest) {
   const AdaptiveDampingConfig c = fourAxes();
   auto s = adaptDamping({}, fourEfforts(0.0, 0.0, 10.0, 0.0), c, 1, kPeriod_s);
   s = adaptDamping(s, fourEfforts(0.0, 0.0, 0.0, 0.0), c, 300, kPeriod_s);

@@ -10,10 +10,11 @@ namespace wholehand::test {
 
 using Complex = std::complex<double>;
 
-inline constexpr double kSide = 0.02;  ///< of a boundary, from both sides
+inline constexpr double kSide =
+    0.02;  ///< relative distance to a boundary at which a test looks at both sides
 
-/// One axis at 1 kHz, nobody attached, K_ds by Eq. (14).
-/// @param filter_hz of the velocity; 0: no filter
+/// One axis at 1 kHz without a person, K_ds by Eq. (14). @param filter_hz of the velocity; 0: no
+/// filter
 inline AxisLoop loopOf(double mass, double damping, int delay_ticks, double k_pm, double phi_k_dm,
                        double filter_hz, double k_ps_per_s2 = 2500.0, double gamma = 0.0) {
   AxisLoop l;

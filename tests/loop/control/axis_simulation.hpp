@@ -9,8 +9,8 @@
 
 namespace wholehand::test {
 
-/// Device and person, m ẍ + b ẋ + k x = f, over one period under a held effort: the closed form of
-/// a damped oscillator. (closedLoopMatrix() has the matrix exponential by its series.)
+/// Device and person, m ẍ + b ẋ + k x = f, over one period under a constant effort, by the closed
+/// form of a damped oscillator. (closedLoopMatrix() uses a series of the matrix exponential.)
 class HeldMotion {
  public:
   HeldMotion(double mass, double damping, double stiffness, double period_s) {
@@ -44,9 +44,10 @@ class HeldMotion {
   double xx_, xv_, vx_, vv_, fx_, fv_;
 };
 
-/// One axis through time: the tick's filter, coupling and delay, device and person by HeldMotion,
-/// the avatar by symplectic Euler, what it holds implicitly. Neither matrix nor eigenvalue: a
-/// second opinion on closedLoopMatrix(). A wall pushes only on the far side of wall_at.
+/// Simulates one axis over time: filter, coupling and delay of the tick, device and person by
+/// HeldMotion, the avatar by symplectic Euler, the held object implicitly. It uses neither a matrix
+/// nor an eigenvalue, so it is independent of closedLoopMatrix(). A wall pushes only beyond
+/// wall_at.
 class AxisSimulation {
  public:
   AxisSimulation(const AxisLoop& loop, ContactCase contact)
@@ -58,17 +59,17 @@ class AxisSimulation {
 
   double x = 0.0, v = 0.0, xs = 0.0, vs = 0.0;  ///< device and avatar
   double wall_at = 0.0;
-  double most_change = HUGE_VAL;  ///< of the effort in a tick
-  bool wall_linear = true;        ///< pulls, too: as the certificate's matrix has it
+  double most_change = HUGE_VAL;  ///< largest change of the effort in a tick
+  bool wall_linear = true;        ///< the wall also pulls, as in the certificate's matrix
 
-  /// Before the first tick: the filter knows where the device is.
+  /// Sets the state before the first tick: the filter knows the position but not the speed.
   void start(double position, double velocity) {
     x = before_ = position;
     v = velocity;
     filtered_ = 0.0;
   }
 
-  /// In flight for long: the filter knows the speed, too, and the damping is felt.
+  /// Sets the state of a long flight: the filter knows the speed, and the damping acts.
   void fly(double velocity) {
     start(0.0, velocity);
     filtered_ = velocity;
@@ -76,7 +77,7 @@ class AxisSimulation {
     queue_.fill(sent_);
   }
 
-  /// @param tank_effort sent with the rest @param push of a person, acts at once
+  /// @param tank_effort sent with the rest @param push effort of a person, acts at once
   void tick(double tank_effort = 0.0, double push = 0.0) noexcept {
     const double t = l.period_s;
     filtered_ = (l.filter_tau_s * filtered_ + (x - before_)) / (l.filter_tau_s + t);
@@ -106,12 +107,13 @@ class AxisSimulation {
   [[nodiscard]] double filtered() const noexcept { return filtered_; }
   [[nodiscard]] double sent() const noexcept { return sent_; }
   [[nodiscard]] double felt() const noexcept { return felt_; }  ///< acted during the last period
-  /// K_pm e + B ė: what drove the avatar in its last step, as it is felt.
+  /// K_pm e + B ė: the drive of the avatar in its last step, as the person feels it.
   [[nodiscard]] double avatarDrive() const noexcept {
     return l.k_pm / l.k_ps_per_s2 * acceleration_;
   }
 
-  /// Of all that moves or is stretched, person and object included, as it is felt.
+  /// Energy of everything that moves or is stretched, including person and object, as the person
+  /// feels it.
   [[nodiscard]] double energy() const noexcept {
     const double felt_scale = l.k_pm / l.k_ps_per_s2;
     const double e = x - xs, depth = x - wall_at;
@@ -139,8 +141,8 @@ class AxisSimulation {
   std::size_t at_ = 0;
 };
 
-/// Whether the stretch between device and avatar swings wider in the last eighth than in the
-/// second: a drift of both together is none.
+/// True if the stretch between device and avatar swings wider in the last eighth of the time than
+/// in the second eighth. A drift of both together does not count.
 inline bool swingsWider(AxisSimulation axis, long ticks) {
   axis.start(axis.x == 0.0 ? 1e-3 : axis.x, axis.v);
   const long window = ticks / 8;

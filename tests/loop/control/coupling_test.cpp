@@ -1,8 +1,8 @@
 #include "loop/control/bilateral_coupling.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "one_axis_gains.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ RenderingConfig oneAxisFile(double k_pm, std::optional<double> armature = {}) {
   return file;
 }
 
-TEST(ResolveGains, AxisThatIsHeavyEnough_TakesNoArmature) {
+TEST(ResolveGains, AxisThatIsHeavyEnough_GetsNoArmature) {
   const auto gains =
       orThrow(resolveGains(oneAxisFile(1000.0), AxisMatrix::Constant(1, 1, 0.25), 1e-3));
   EXPECT_EQ(gains.armature[0], 0.0);
@@ -60,7 +60,7 @@ TEST(ResolveGains, AxisThatIsHeavyEnough_TakesNoArmature) {
   EXPECT_NEAR(damping[0], 0.25 * (2.0 * std::sqrt(4000.0) - 4.0), tolerance(1e-12));
 }
 
-TEST(ResolveGains, VeryLightAxis_TakesTheArmatureThatItLacksToFiftyThousand) {
+TEST(ResolveGains, VeryLightAxis_GetsTheMissingArmatureForFiftyThousand) {
   const auto gains =
       orThrow(resolveGains(oneAxisFile(4.0), AxisMatrix::Constant(1, 1, 4e-5), 1e-3));
   EXPECT_NEAR(gains.armature[0], 4.0 / 5e4 - 4e-5, 1e-18);
@@ -84,15 +84,15 @@ TEST(ResolveGains, StatedArmature_IsTaken) {
   EXPECT_EQ(heavier(0, 1), 1.0);
 }
 
-TEST(ResolveGains, StiffnessThatRings_IsRefusedWithTheBoundAndTheRate) {
+TEST(ResolveGains, StiffnessThatRings_IsRefusedWithBoundAndRate) {
   const auto of = [](double inertia) { return AxisMatrix::Constant(1, 1, inertia); };
   EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3), 1e-3).ok());  // exactly 1/T²
   const auto refused = resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3 / 1.01), 1e-3);
   ASSERT_FALSE(refused.ok());
   const std::string text = format(refused.errors());
-  EXPECT_TRUE(says(text, "r.toml: x.armature = 0"));
-  EXPECT_TRUE(says(text, "at least 9.9e-06"));  // 1e-3 (1 − 1/1.01)
-  EXPECT_TRUE(says(text, "1005 Hz"));           // sqrt(1.01e6), rounded up
+  EXPECT_TRUE(contains(text, "r.toml: x.armature = 0"));
+  EXPECT_TRUE(contains(text, "at least 9.9e-06"));  // 1e-3 (1 − 1/1.01)
+  EXPECT_TRUE(contains(text, "1005 Hz"));           // sqrt(1.01e6), rounded up
   EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3 / 1.01), 1.0 / 1005.0).ok());
 }
 
@@ -139,15 +139,15 @@ TEST(VelocityEstimator, SkippedPeriods_DoNotChangeASteadyVelocity) {
   EXPECT_NEAR(s.filtered[0], 0.1, tolerance(1e-12));
 }
 
-// ---- Eq. (2), (3) closed round a simulated avatar of one axis
+// ---- Eq. (2), (3) closed around a simulated avatar of one axis
 
-/// Device on a given path, avatar under Eq. (2) and symplectic Euler, as in a tick.
+/// The device follows a given path; the avatar moves by Eq. (2) and symplectic Euler, as in a tick.
 struct Rig {
   CouplingGains gains;
   double period_s = 1e-3;
   VelocityState velocity = {};
   double q_s = 0.0, qd_s = 0.0;
-  bool after_step = false;  ///< the wrong pairing, to show that the test sees it
+  bool after_step = false;  ///< wrong pairing of states, to show that the test detects it
 
   double tick(double position) {
     const AxisPosition q_m(1, position);
@@ -165,13 +165,13 @@ struct Rig {
   }
 };
 
-TEST(BilateralCoupling, SteadyAcceleration_FeelsTheMassOfTheClosedForm) {
+TEST(BilateralCoupling, SteadyAcceleration_RendersTheMassOfTheClosedForm) {
   for (const double gamma : {0.0, 0.3, 1.0}) {
     for (const double kp : {900.0, 2500.0, 1e4}) {
       Rig rig{oneAxisGains(1000.0, kp, gamma)};
       double effort = 0.0;
       for (int k = 0; k < 2000; ++k) effort = rig.tick(0.5 * 0.7 * (k * 1e-3) * (k * 1e-3));
-      // Closed form: the lag (1 + k_d τ)/k_p, and γ takes the filter's part of it away.
+      // Closed form: the lag is (1 + k_d τ)/k_p, and γ removes the filter's part of it.
       const double kd = criticalDamping(kp, 1e-3);
       const double mass = 1000.0 * (1.0 + (1.0 - gamma) * kd * rig.gains.filter_tau_s[0]) / kp;
       EXPECT_NEAR(-effort / 0.7, mass, tolerance(1e-6) * mass) << "γ " << gamma << " k_p " << kp;
@@ -179,7 +179,7 @@ TEST(BilateralCoupling, SteadyAcceleration_FeelsTheMassOfTheClosedForm) {
   }
 }
 
-TEST(BilateralCoupling, SteadyFreeMotion_HasNoDragWithThePairingOfTheTick) {
+TEST(BilateralCoupling, SteadyFreeMotion_HasNoDragWithTheTicksPairing) {
   for (const double gamma : {0.0, 0.3, 1.0}) {
     Rig rig{oneAxisGains(1000.0, 2500.0, gamma)};
     Rig wrong{oneAxisGains(1000.0, 2500.0, gamma)};
@@ -195,7 +195,7 @@ TEST(BilateralCoupling, SteadyFreeMotion_HasNoDragWithThePairingOfTheTick) {
   }
 }
 
-TEST(BilateralCoupling, HeldAvatar_IsFeltAsTheSpring) {
+TEST(BilateralCoupling, HeldAvatar_RendersTheSpring) {
   const CouplingGains gains = oneAxisGains(1000.0, 2500.0, 0.3);
   const AxisEffort f =
       couplingEffort(AxisPosition(1, 0.012), AxisVelocity(1), AxisPosition(1, 0.002),
@@ -203,9 +203,9 @@ TEST(BilateralCoupling, HeldAvatar_IsFeltAsTheSpring) {
   EXPECT_DOUBLE_EQ(f[0], -10.0);  // 1000 N/m · 10 mm, against the person
 }
 
-TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
-  // The dissipated power of both sides' dampers: D (v_f − v_s)² at γ = 1, and
-  // D v_s (v_s − v_f), which can be negative, in the paper's law γ = 0.
+TEST(BilateralCoupling, CouplingDampers_PowerHasTheSignThatGammaGives) {
+  // Power that the dampers of both sides dissipate: D (v_f − v_s)² at γ = 1, and D v_s (v_s − v_f),
+  // which can be negative, in the paper's law γ = 0.
   EXPECT_TRUE(rc::check("dampers", [](double raw_f, double raw_s) {
     const double vf = std::remainder(raw_f, 1.0), vs = std::remainder(raw_s, 1.0);
     RC_PRE(std::isfinite(vf) && std::isfinite(vs));
@@ -227,7 +227,7 @@ TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
   const AxisPosition q(1, 0.0);
   const double drive =
       avatarEffort(q, AxisVelocity(1, 0.2), q, AxisVelocity(1, 0.1), dampingOf(paper), paper)[0];
-  EXPECT_GT(drive * 0.1, 0.0);  // γ = 0: power for the avatar that nobody pays
+  EXPECT_GT(drive * 0.1, 0.0);  // γ = 0: the avatar receives power that nobody supplies
 }
 
 TEST(BilateralCoupling, UnitOfLength_DoesNotChangeThePhysics) {
@@ -249,14 +249,15 @@ TEST(BilateralCoupling, UnitOfLength_DoesNotChangeThePhysics) {
       return avatarEffort(AxisPosition(1, s * qm), AxisVelocity(1, s * vm), AxisPosition(1, s * qs),
                           AxisVelocity(1, s * vs), dampingOf(g), g)[0];
     };
-    // Powers of two: equal to the last bit.
+    // The factors are powers of two, so results are equal to the last bit.
     RC_ASSERT(felt(b, lambda) * lambda == felt(a, 1.0));
     RC_ASSERT(driven(b, lambda) * lambda == driven(a, 1.0));
   }));
 }
 
-TEST(BilateralCoupling, SpringOfThePerson_IsTheSpringOfTheAvatar) {
-  // At rest what is felt is what acts, on every axis and in every posture: σ = 1.
+TEST(BilateralCoupling, SpringOnThePerson_EqualsTheSpringOnTheAvatar) {
+  // At rest the rendered effort equals the effort on the avatar, on every axis and in every
+  // posture: σ = 1.
   CouplingGains g{2,
                   AxisStiffness(2, 10.0),
                   AxisDamping(2),
@@ -274,7 +275,7 @@ TEST(BilateralCoupling, SpringOfThePerson_IsTheSpringOfTheAvatar) {
   const AxisEffort f_s = avatarEffort(q_m, still, q_s, still, damping, g);
   const AxisEffort f = couplingEffort(q_m, still, q_s, still, damping, g);
   EXPECT_EQ(f_s[0], 7.0);
-  EXPECT_EQ(f_s[1], 2.25);  // and axes do not mix
+  EXPECT_EQ(f_s[1], 2.25);  // axes do not mix
   EXPECT_EQ(f[0], -f_s[0]);
   EXPECT_EQ(f[1], -f_s[1]);
 }

@@ -1,6 +1,6 @@
-// The energy tank against the rows of unstable and stable loops that were computed before this
-// project began by an independent program (a push of 5 N on a rigid wall, 10 µm encoder, 20 N
-// limit), and against closed forms.
+// Compares the energy tank with closed forms and with a table of unstable and stable loops. An
+// independent program computed the table before this project began (a push of 5 N on a rigid wall,
+// 10 µm encoder, 20 N limit).
 #include "loop/control/energy_tank.hpp"
 
 #include "devices/one_axis.hpp"
@@ -25,11 +25,11 @@ CouplingGains gainsOfAxis(const Loop& loop) {
 
 struct Outcome {
   double speed_rms = 0.0;          // over the last 2 s
-  double effort_change_rms = 0.0;  // what the tank added
+  double effort_change_rms = 0.0;  // the tank's contribution
   double largest_effort = 0.0;
 };
 
-/// A person pushes with a force over time; the avatar meets a rigid wall.
+/// A person pushes with a force over time; the avatar touches a rigid wall.
 template <class Push>
 Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m, double end_s,
                  Push&& push) {
@@ -43,8 +43,8 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
   person.axes[0].mass = loop.person_mass;
   person.axes[0].damping = loop.person_damping;
   person.axes[0].stiffness = loop.person_stiffness;
-  // The push is a force: it is sent beside the effort, without delay, as a pull of the intention
-  // would be. The device adds both.
+  // The push is a force: the test adds it to the effort without delay, as an intention's pull would
+  // act. The device adds both.
   DeviceModel plant = device;
   plant.axes[0].effort_limit = 1e6;
   plant.output_delay_ticks = 0;
@@ -119,13 +119,13 @@ INSTANTIATE_TEST_SUITE_P(EnergyTank, UnstableRow,
                          ::testing::Values(std::pair{1000.0, 1}, std::pair{2000.0, 1},
                                            std::pair{4000.0, 1}, std::pair{2000.0, 4}));
 
-TEST(EnergyTank, ReciprocalStableLoop_IsLeftAlone) {
+TEST(EnergyTank, ReciprocalStableLoop_IsNotChanged) {
   // γ = 1, vigorous free motion and a wall, relaxed arm: 0 N in the table.
   Loop loop{0.8, 1.0, 1.0, 5.0, 100.0, 1000.0, 1.0, 2500.0, 1};
   EXPECT_EQ(simulate(loop, true, 0.02, 0.0, 6.0, vigorous).effort_change_rms, 0.0);
 }
 
-TEST(EnergyTank, CertifiedGainsOfTheSixAxisDevice_AreHardlyTouched) {
+TEST(EnergyTank, CertifiedGainsOfTheSixAxisDevice_AreHardlyChanged) {
   // config/rendering/lambda-pride.toml, x: b = 6 N·s/m, γ = 0.3, K_ps 3900.
   Loop loop{0.8, 6.0, 1.0, 5.0, 100.0, 1000.0, 0.3, 3900.0, 1};
   const Outcome out = simulate(loop, true, 0.02, 0.0, 6.0, vigorous);
@@ -134,9 +134,10 @@ TEST(EnergyTank, CertifiedGainsOfTheSixAxisDevice_AreHardlyTouched) {
   EXPECT_LT(out.effort_change_rms, 0.02);
 }
 
-TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
-  // A rigid wall pressed 25 mm deep and left again, 1500 N/m, the effort held to 8 of 20 N: what
-  // the saturated spring holds is counted with the 8 N, so that nothing seems made of nothing.
+TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyTheTank) {
+  // The axis presses 25 mm into a wall of 1500 N/m and leaves it, with the effort limited to 8 of
+  // 20 N. The energy of the saturated spring is counted with the 8 N, so no energy appears to be
+  // made.
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].damping = 6.0;
   device.axes[0].effort_limit = 20.0;
@@ -149,7 +150,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
   double before = 0.0;
   for (int k = 0; k <= 1000; ++k) {
     const double x = 0.0125 * (1.0 - std::cos(2.0 * std::numbers::pi * k / 1000.0));
-    // The work of the held spring along the step, exactly: the mean effort.
+    // The exact work of the limited spring along the step, by the mean effort.
     const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
     tank = recordSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisEffort(1),
                       AxisEffort(1, 8.0));
@@ -162,7 +163,8 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
 }
 
 TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
-  // An ideal spring, stretched and released along any path, gives back what it took: E = Ê again.
+  // An ideal spring, stretched and released along any path, returns the energy it took: E = Ê
+  // again.
   EnergyTankConfig config;
   config.axes = 1;
   config.capacity = AxisEnergy(1, 10.0);
@@ -190,8 +192,8 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   EXPECT_NEAR(tank.energy[0], 10.0, 1e-9);
 }
 
-TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
-  // 2 N along a motion of 0.1 m/s give 0.2 W; 50 mJ last 0.25 s, then damping takes 2 N back.
+TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidForAndThenTakenBack) {
+  // 2 N along a motion of 0.1 m/s give 0.2 W; 50 mJ last 0.25 s, then the damping takes 2 N back.
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;  // Ê = 20 N · 5 mm / 2
   EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
@@ -212,9 +214,9 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   EXPECT_NEAR(effort, -2.0, 0.01);
 }
 
-TEST(EnergyTank, ExerciseThatPushesTheHand_IsNotTheWorldsEnergy) {
-  // The same push by an exercise gives 2 J in 10 s. The hand's tank, 50 mJ, stays as it was: the
-  // power limit bounds an exercise. A spring of the loop that pushes beside it is charged.
+TEST(EnergyTank, ExerciseThatPushesTheHand_IsNotChargedToTheTank) {
+  // The same push by an exercise gives 2 J in 10 s. The hand's tank of 50 mJ stays full, since the
+  // power limit bounds an exercise. A loop spring that pushes at the same time is charged.
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;
   device.output_delay_ticks = 3;
@@ -237,8 +239,9 @@ TEST(EnergyTank, ExerciseThatPushesTheHand_IsNotTheWorldsEnergy) {
   }
 }
 
-TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
-  // Empty, at the worst debt: a count δ within a tick, at every rate.
+TEST(EnergyTank, OneEncoderCount_ChangesTheEffortByAtMostAFiftiethOfTheLimit) {
+  // The tank is empty with the largest debt, and the position changes by one count δ within a tick;
+  // at every rate.
   DeviceModel device = oneAxisDevice(0.8);
   device.axes[0].effort_limit = 20.0;
   device.axes[0].encoder_step = 1e-5;
@@ -256,12 +259,12 @@ TEST(EnergyTank, OneCountOfTheEncoder_MakesAFiftiethOfTheLimitAtMost) {
   }
 }
 
-/// Two axes of 1000 N/m whose avatar is held by a rigid object: J q̇_s = 0 along n = (0.6, 0.8),
-/// free along m = (−0.8, 0.6) and at rest there. The person takes both axes around a circle.
+/// Two axes of 1000 N/m whose avatar is held by a rigid object. The object blocks n = (0.6, 0.8)
+/// and is free and at rest along m = (−0.8, 0.6). The person moves both axes around a circle.
 struct HeldPair {
   double sigma = 1.0;  ///< of the second axis: it acts on the object with K_pm / σ
 
-  /// Around n · q_s = 0 with a force balance along m: mᵀ K_s (q_m − q_s) = 0.
+  /// Avatar position on n · q_s = 0 with a force balance along m: mᵀ K_s (q_m − q_s) = 0.
   [[nodiscard]] AxisPosition avatar(const AxisPosition& q) const {
     const double k_1 = 1000.0, k_2 = 1000.0 / sigma;
     const double along = (-0.8 * k_1 * q[0] + 0.6 * k_2 * q[1]) / (0.64 * k_1 + 0.36 * k_2);
@@ -276,7 +279,7 @@ struct Circled {
   double hand_j, least_axis_j, damped_n;
 };
 
-/// H after whole turns of radius 5 mm, one a second.
+/// H after `turns` whole turns of radius 5 mm, one per second.
 Circled circle(const HeldPair& pair, int turns) {
   EnergyTankConfig config;
   config.axes = 2;
@@ -308,7 +311,7 @@ Circled circle(const HeldPair& pair, int turns) {
     for (int i = 0; i < 2; ++i) {
       const double e = 0.5 * (a[i] - a_s[i] + b[i] - b_s[i]);
       f[i] = -1000.0 * e;
-      drive[i] = 1000.0 * e;  // as felt: what the account of an axis goes by
+      drive[i] = 1000.0 * e;  // the axis's account uses the rendered drive
     }
     tank = recordSent(tank, f, drive, no_limit);
     const EnergyTankStep step =
@@ -323,16 +326,17 @@ Circled circle(const HeldPair& pair, int turns) {
   return out;
 }
 
-TEST(EnergyTank, ClosedCycleAcrossTwoAxes_IsOneAccount) {
-  // What goes in through the one axis comes out through the other: nothing is made, nothing damped.
+TEST(EnergyTank, ClosedCycleAcrossTwoAxes_KeepsEnergyInOneAccount) {
+  // The energy that enters through one axis leaves through the other: no energy is made, none is
+  // damped.
   const Circled held = circle({}, 100);
   EXPECT_NEAR(held.hand_j, 0.1, 1e-9);
   EXPECT_EQ(held.damped_n, 0.0);
 }
 
-TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsSeenByTheHandAlone) {
-  // σ = 3 on the second axis. K = K_pm (I − m mᵀ K_s / (mᵀ K_s m)) is felt; by Green's theorem a
-  // turn this way round makes π r² (K_21 − K_12).
+TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsChargedToTheHandsAccountOnly) {
+  // σ = 3 on the second axis. The rendered stiffness is K = K_pm (I − m mᵀ K_s / (mᵀ K_s m)). By
+  // Green's theorem a turn in this direction makes π r² (K_21 − K_12).
   HeldPair pair;
   pair.sigma = 3.0;
   const double k_1 = 1000.0, k_2 = 1000.0 / 3.0, mkm = 0.64 * k_1 + 0.36 * k_2;
@@ -342,13 +346,13 @@ TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsSeenByTheHandAlone) {
   EXPECT_NEAR(0.1 - one.hand_j, turn_j, 1e-3 * turn_j);
   EXPECT_EQ(one.damped_n, 0.0);
   EXPECT_GT(one.least_axis_j, 0.0);
-  // It goes on: the account is empty after so many turns, and what is made is taken back.
+  // After enough turns the account is empty, and the damping takes the energy back.
   const int turns = static_cast<int>(std::ceil(0.1 / turn_j)) + 1;
   EXPECT_GT(circle(pair, turns).damped_n, 0.1);
 }
 
-TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
-  // α k p²/2 from 0 to 4 mJ with the finger held still: E falls by as much.
+TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFromTheTank) {
+  // α k p²/2 rises from 0 to 4 mJ with the finger held still: E falls by the same amount.
   DeviceModel device = oneAxisDevice(0.8);
   const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
   const CouplingGains gains = gainsOfAxis(Loop{});

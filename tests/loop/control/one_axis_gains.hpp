@@ -7,7 +7,7 @@
 
 namespace wholehand::test {
 
-/// Gains of one axis whose avatar weighs k_pm / k_ps, and a 30 Hz velocity filter.
+/// Gains of one axis with an avatar inertia of k_pm / k_ps and a 30 Hz velocity filter.
 inline CouplingGains oneAxisGains(double k_pm, double k_ps_per_s2, double gamma) {
   CouplingGains g;
   g.axes = 1;
@@ -20,7 +20,7 @@ inline CouplingGains oneAxisGains(double k_pm, double k_ps_per_s2, double gamma)
   return g;
 }
 
-/// D of one axis at its reference, by Eq. (14) spelt out.
+/// D of one axis at its reference, by Eq. (14) written out.
 inline AxisDamping dampingOf(const CouplingGains& g, double period_s = 1e-3) {
   return AxisDamping(1, 2.0 * std::sqrt(g.k_pm[0] * g.inertia[0]) - period_s * g.k_pm[0]);
 }

@@ -3,12 +3,12 @@
 #include <array>
 #include <tuple>
 
-/// Tables of an independent program (series for the matrix exponential, repeated squaring for the
-/// radius).
+/// Tables of an independent program (a series for the matrix exponential, repeated squaring for the
+/// spectral radius).
 namespace wholehand::test {
 
-/// Largest stiffness of a rigid contact, 30 Hz: mass [kg], damping [N·s/m], delay [ticks],
-/// stiffness [N/m].
+/// Largest stiffness of a rigid contact with a 30 Hz filter: mass [kg], damping [N·s/m], delay
+/// [ticks], stiffness [N/m].
 inline constexpr std::tuple<double, double, int, double> kRigidContactTable[] = {
     {0.1, 0.2, 0, 400},   {0.1, 0.2, 1, 133},  {0.1, 0.2, 2, 80},    {0.1, 1.0, 0, 2003},
     {0.1, 1.0, 1, 669},   {0.1, 1.0, 2, 402},  {0.1, 5.0, 0, 10084}, {0.1, 5.0, 1, 3379},
@@ -18,7 +18,7 @@ inline constexpr std::tuple<double, double, int, double> kRigidContactTable[] = 
     {1.0, 0.2, 2, 80},    {1.0, 1.0, 0, 2001}, {1.0, 1.0, 1, 667},   {1.0, 1.0, 2, 400},
     {1.0, 5.0, 0, 10009}, {1.0, 5.0, 1, 3338}, {1.0, 5.0, 2, 2004}};
 
-/// The same of 0.5 kg and 1 N·s/m with more and more damping Φ K_dm: delay [ticks], filter [Hz; 0:
+/// The same for 0.5 kg and 1 N·s/m with increasing damping Φ K_dm: delay [ticks], filter [Hz; 0:
 /// none], stiffness.
 inline constexpr std::array<double, 6> kDampings = {0, 2, 5, 10, 20, 40};
 inline constexpr std::tuple<int, double, std::array<double, 6>> kDampedContactTable[] = {

@@ -13,17 +13,17 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-TEST(Transition, AtItsEndsAndInTheMiddle_IsTheCubic) {
+TEST(Transition, EndsAndMiddle_AreThoseOfTheCubic) {
   EXPECT_EQ(transitionAlpha({0.0, true}), 0.0);
   EXPECT_EQ(transitionAlpha({0.5, true}), 0.5);
   EXPECT_EQ(transitionAlpha({1.0, true}), 1.0);
   EXPECT_NEAR(transitionAlpha({0.25, true}), 3.0 / 16.0 - 2.0 / 64.0, tolerance(1e-15));
-  // Level at both ends, steepest in the middle: slope 6u − 6u².
+  // Zero slope at both ends, steepest in the middle: slope 6u − 6u².
   EXPECT_NEAR(transitionAlpha({1e-4, true}) / 1e-4, 0.0, 1e-3);
   EXPECT_NEAR((transitionAlpha({0.501, true}) - transitionAlpha({0.499, true})) / 0.002, 1.5, 1e-5);
 }
 
-TEST(Transition, EngagedThenReleased_TakesItsTimes) {
+TEST(Transition, EngagedThenReleased_TakesTheConfiguredTimes) {
   const TransitionConfig config;
   TransitionState state;
   int on = 0, off = 0;
@@ -33,7 +33,7 @@ TEST(Transition, EngagedThenReleased_TakesItsTimes) {
   EXPECT_NEAR(off, 300, 1);  // T_off = 0.3 s
 }
 
-TEST(Transition, DistanceBetweenTheTwo_KeepsWhatItWas) {
+TEST(Transition, DistanceBetweenTheThresholds_KeepsItsState) {
   const TransitionConfig config;  // 20 and 30 mm
   TransitionState state;
   const auto at = [&](double distance_m, bool allowed = true) {
@@ -50,7 +50,7 @@ TEST(Transition, DistanceBetweenTheTwo_KeepsWhatItWas) {
   EXPECT_TRUE(at(0.0));
   EXPECT_FALSE(at(kInfinite));
   EXPECT_TRUE(at(0.0));
-  EXPECT_FALSE(at(0.0, false));  // the controls' holder is silent
+  EXPECT_FALSE(at(0.0, false));  // the control client is silent
 }
 
 TEST(Transition, ReversedAtAnyMoment_NeverJumps) {
@@ -69,7 +69,7 @@ TEST(Transition, ReversedAtAnyMoment_NeverJumps) {
   EXPECT_GT(largest, 0.0);
 }
 
-TEST(Transition, SkippedPeriods_CountInFull) {
+TEST(Transition, SkippedPeriods_CountAsTicks) {
   const TransitionConfig config;
   TransitionState slow, fast;
   for (int i = 0; i < 100; ++i) slow = advanceTransition(slow, 0.0, true, config, 5, kPeriod_s);
@@ -79,7 +79,8 @@ TEST(Transition, SkippedPeriods_CountInFull) {
 }
 
 TEST(Transition, FingerHeldStill_TipForceChangesByAtMostFiveHundredthsOfANewton) {
-  // 10 N along the fingertip's path, 1 kHz. The steepest: 10 N · 1.5 / 0.3 s · 1 ms = 0.05 N.
+  // 10 N along the fingertip's path at 1 kHz. The steepest change is 10 N · 1.5 / 0.3 s · 1 ms =
+  // 0.05 N.
   const TransitionConfig config;
   double largest_n = 0.0, before_n = 0.0;
   TransitionState state;
@@ -91,7 +92,7 @@ TEST(Transition, FingerHeldStill_TipForceChangesByAtMostFiveHundredthsOfANewton)
     before_n = force_n;
   }
   EXPECT_LE(largest_n, 0.05);
-  EXPECT_GT(largest_n, 0.0499);  // it does come close
+  EXPECT_GT(largest_n, 0.0499);  // the bound is nearly reached
 }
 
 }  // namespace

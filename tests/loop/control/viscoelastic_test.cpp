@@ -16,16 +16,16 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
-/// The reference's bottle: no valve, no air.
+/// The reference's bottle: without valve and air.
 constexpr Cushion kSyrup{380.0, 60.0, 80.0, 80.0, 0.0};
 
-/// S = f²/2k + k_s y²/2 of a cushion [J].
+/// S = f²/2k + k_s y²/2: stored energy of a cushion [J].
 double cushionEnergy_j(const Cushion& cushion, const CushionStep& at) {
   return 0.5 * (at.effort * at.effort / cushion.stiffness +
                 cushion.return_stiffness * at.travel * at.travel);
 }
 
-/// Presses with a constant effort: f = k (x - y), so that d ẏ = f - k_s y alone says where y goes.
+/// Presses with a constant effort: f = k (x - y), so that d ẏ = f - k_s y alone determines y.
 class SteadyPush {
  public:
   SteadyPush(const Cushion& cushion, double effort) : cushion_(cushion), effort_(effort) {}
@@ -57,8 +57,9 @@ TEST(Cushion, PressedWithAConstantEffort_YieldsAsSpringAndDashpotInSeries) {
   EXPECT_NEAR(push.depth(), 0.023369, 5e-6);
 }
 
-/// f relaxes from k x to k k_s x/(k + k_s) with d/(k + k_s): 3.8, 2.4116, 0.7280, 0.5182 N at 0,
-/// 0.1, 0.5, 2 s; by a factor 1/(1 + T (k + k_s)/d) = 0.9945301 a tick.
+/// f relaxes from k x to k k_s x/(k + k_s) with the time constant d/(k + k_s): 3.8, 2.4116, 0.7280,
+/// 0.5182 N at 0, 0.1, 0.5, 2 s. Its excess falls by a factor 1/(1 + T (k + k_s)/d) = 0.9945301 per
+/// tick.
 TEST(Cushion, HeldAtADepth_RelaxesExponentially) {
   CushionStep at;
   const double rest = 380.0 * 60.0 / 440.0 * 0.01;
@@ -67,7 +68,7 @@ TEST(Cushion, HeldAtADepth_RelaxesExponentially) {
     at = advanceCushion(kSyrup, at.travel, 0.01, true, kPeriod_s);
     EXPECT_NEAR((at.effort - rest) / before, 0.9945301, 5e-8) << i;
     before = at.effort - rest;
-    if (i == 1500) break;  // then the difference is rounding
+    if (i == 1500) break;  // beyond this the difference is rounding
   }
   at = CushionStep{};
   for (int i = 1; i <= 2000; ++i) {
@@ -78,13 +79,13 @@ TEST(Cushion, HeldAtADepth_RelaxesExponentially) {
   EXPECT_NEAR(at.effort, 0.5182, 1e-4);
 }
 
-TEST(Cushion, BelowItsOpening_HoldsAsASpring) {
+TEST(Cushion, BelowTheValvesOpeningForce_HoldsAsASpring) {
   const Cushion valve{280.0, 25.0, 80.0, 7.5, 0.25};
   CushionStep at;
   for (int i = 0; i < 5000; ++i) at = advanceCushion(valve, at.travel, 0.0008, true, kPeriod_s);
   EXPECT_EQ(at.travel, 0.0);
   EXPECT_NEAR(at.effort, 0.224, tolerance(1e-12));  // 280 · 0.0008
-  // Above it the liquid flows, as fast as what is above it pushes.
+  // Above the opening force the liquid flows at a rate that the excess determines.
   SteadyPush push(valve, 1.5);
   push.tick();
   const double first_m = push.depth();
@@ -92,13 +93,13 @@ TEST(Cushion, BelowItsOpening_HoldsAsASpring) {
   EXPECT_NEAR((push.depth() - first_m) / kPeriod_s, 1.25 / 80.0, 1e-5);
 }
 
-TEST(Cushion, WithAClosedNozzle_IsItsShell) {
+TEST(Cushion, ClosedNozzle_ActsAsItsShellAlone) {
   EXPECT_EQ(advanceCushion(kSyrup, 0.002, 0.01, false, kPeriod_s).travel, 0.002);
   EXPECT_NEAR(advanceCushion(kSyrup, 0.002, 0.01, false, kPeriod_s).effort, 380.0 * 0.008,
               tolerance(1e-12));
 }
 
-/// 0.3 s of a bottle that is let go of at 20 mm: nothing is felt, and y decays with d_air/k_s = 0.3
+/// Checks 0.3 s of a bottle released at 20 mm: the effort is 0, and y decays with d_air/k_s = 0.3
 /// s.
 void expectDecay(const Cushion& bottle, double depth_m, bool flows) {
   CushionStep at{0.02, 0.0};
@@ -109,16 +110,16 @@ void expectDecay(const Cushion& bottle, double depth_m, bool flows) {
   EXPECT_NEAR(at.travel, 0.02 * std::exp(-1.0), 3e-5);
 }
 
-/// Whatever the liquid.
-TEST(Cushion, LetGo_SucksItsAirBack) {
+/// The time does not depend on the liquid.
+TEST(Cushion, Released_SucksItsAirBack) {
   for (const double d : {80.0, 328.0}) {
     expectDecay({280.0, 25.0, d, 7.5, 0.25}, 0.0, false);
   }
 }
 
-/// A live factor of 0 on the stiffness: nothing is felt, and the shell keeps its time.
-// y falls by d / (d + T k_s) a tick, e-fold in 1.33 s: below a picometre after 31 s from 10 mm.
-TEST(Cushion, LetGoForLong_IsWholeAndNotADenormalNumber) {
+/// A released bottle: y falls by d / (d + T k_s) per tick, a factor e in 1.33 s. From 10 mm it is
+/// below a picometre after 31 s.
+TEST(Cushion, ReleasedForLong_ReachesZeroWithoutADenormalNumber) {
   double travel = 0.01;
   const int ticks =
       static_cast<int>(std::ceil(std::log(0.01 / 1e-12) / std::log1p(1e-3 * 60.0 / 80.0)));
@@ -129,12 +130,14 @@ TEST(Cushion, LetGoForLong_IsWholeAndNotADenormalNumber) {
   EXPECT_EQ(travel, 0.0);
 }
 
-TEST(Cushion, WithoutStiffness_ComesBackUnfelt) {
+// A live factor of 0 on the stiffness: the effort is 0, and the shell recovers at the same rate.
+TEST(Cushion, WithoutStiffness_RecoversWithoutEffort) {
   expectDecay({0.0, 25.0, 80.0, 7.5, 0.25}, 0.03, true);
 }
 
-/// Any drive, valve and liquid: what stands in loop/control/viscoelastic.hpp, to rounding.
-TEST(Cushion, RandomDrives_GiveNothingAndHeldNoMoreThanTheBareSpring) {
+/// Checks the claims of loop/control/viscoelastic.hpp for random drives, valves and liquids, to
+/// rounding.
+TEST(Cushion, RandomDrives_MakeNoEnergyAndStoreNoMoreThanTheBareSpring) {
   auto random = seededRandom(3901);
   double most_made_j = -1.0, most_beyond_spring_j = -1.0;
   for (int drive = 0; drive < cases(100'000); ++drive) {
@@ -153,7 +156,7 @@ TEST(Cushion, RandomDrives_GiveNothingAndHeldNoMoreThanTheBareSpring) {
       const CushionStep next =
           advanceCushion(c, at.travel, depth + step, random() % 3 != 0, elapsed_s);
       const double stored_j = cushionEnergy_j(c, next) - cushionEnergy_j(c, at);
-      // Before its first touch a digit does no work.
+      // A digit does no work before its first touch.
       const double within = std::max(0.0, depth + step) - std::max(0.0, depth);
       most_made_j = std::max(most_made_j, stored_j - next.effort * within);
       most_beyond_spring_j = std::max(
@@ -168,9 +171,9 @@ TEST(Cushion, RandomDrives_GiveNothingAndHeldNoMoreThanTheBareSpring) {
   EXPECT_LE(most_beyond_spring_j, 1e-13);
 }
 
-/// An effort that acts n ticks late, on a digit that stays on the shell: what the delay of the bare
-/// spring gives, and n² k² T Δx²/4d for the liquid.
-TEST(Cushion, DelayedDrives_GiveNoMoreThanTheCertificateCharges) {
+/// The effort acts n ticks late on a digit that stays on the shell. The delay makes what that of
+/// the bare spring makes, and n² k² T Δx²/4d for the liquid.
+TEST(Cushion, DelayedDrives_MakeNoMoreEnergyThanTheCertificateCharges) {
   auto random = seededRandom(3902);
   double most_j = -1.0;
   for (int drive = 0; drive < cases(20'000); ++drive) {
@@ -187,7 +190,7 @@ TEST(Cushion, DelayedDrives_GiveNoMoreThanTheCertificateCharges) {
     double speed = 0.0, given_j = 0.0;
     for (int i = 1; i < 60; ++i) {
       speed = random() % 3 == 0 ? uniform(random, -0.5, 0.5) : speed;
-      // It stays pressed: the law of the bare spring has no end there.
+      // The digit stays pressed, since the law of the bare spring has no end there.
       const double x = std::max(depth.back() + speed * kPeriod_s, at.travel + 1e-4);
       const double dx = x - depth.back();
       const auto ago = [&](const std::vector<double>& of) {
@@ -204,9 +207,9 @@ TEST(Cushion, DelayedDrives_GiveNoMoreThanTheCertificateCharges) {
   EXPECT_LE(most_j, 1e-12);
 }
 
-/// The certificate's law at every frequency: H(z) = k (1 - T k/(d + T (k + k_s) - d z⁻¹)) where the
-/// bare spring k stands, H(1) = k k_s/(k + k_s).
-TEST(Cushion, AtAnyFrequency_AsksForNoMoreDampingThanTheCertificateCharges) {
+/// The certificate's law at every frequency: H(z) = k (1 - T k/(d + T (k + k_s) - d z⁻¹)) in place
+/// of the bare spring k, H(1) = k k_s/(k + k_s).
+TEST(Cushion, AnyFrequency_NeedsNoMoreDampingThanTheCertificateCharges) {
   auto random = seededRandom(3903);
   double most = -1.0;
   for (int i = 0; i < cases(100'000); ++i) {
@@ -223,9 +226,10 @@ TEST(Cushion, AtAnyFrequency_AsksForNoMoreDampingThanTheCertificateCharges) {
 }
 
 /// Share of the damping of lambda-pride's finger axis with the heaviest hand, 2.7e-4 kg·m², that a
-/// bottle of a stiffness at the tip needs; a numerical sweep of the same criterion, made apart from
-/// this program, gave 0.861, 0.904 and 0.958 for 200, 280 and 380 N/m, and 457 N/m as the largest.
-TEST(Cushion, OnAFingerAxis_NeedsTheShareThatWasComputedApart) {
+/// bottle needs for its stiffness at the tip. A numerical sweep of the same criterion by an
+/// independent program gave 0.861, 0.904 and 0.958 for 200, 280 and 380 N/m, and 457 N/m as the
+/// largest stiffness.
+TEST(Cushion, OnAFingerAxis_NeedsTheDampingShareOfTheIndependentSweep) {
   constexpr double kArm = 0.08 * 0.08;
   const auto share = [](double stiffness_n_m, double resistance_n_s_m) {
     CoupledCase c;
@@ -249,17 +253,18 @@ TEST(Cushion, OnAFingerAxis_NeedsTheShareThatWasComputedApart) {
   EXPECT_NEAR(share(280.0, closed), 0.904, 6e-4);
   EXPECT_NEAR(share(380.0, closed), 0.958, 6e-4);
   EXPECT_NEAR(share(457.0, closed), 1.0, 6e-4);
-  // What the liquid of 80 N·s/m asks for beside its shell: k² T²/4d of 2.34 N·s/m.
+  // The liquid of 80 N·s/m needs, in addition to its shell, k² T²/4d of 2.34 N·s/m.
   EXPECT_NEAR(share(280.0, 80.0) - share(280.0, closed), 280.0 * 280.0 * 1e-6 / 320.0 / 2.34375,
               tolerance(1e-6));
 }
 
-/// A syrup of 0.1 Pa·s in a nozzle of 2.4 mm and 20 mm, on 7 cm²: 8·0.1·0.02·49e-8/(π·33.1776e-12).
-TEST(Cushion, OfANozzle_IsHagenAndPoiseuille) {
+/// A syrup of 0.1 Pa·s in a nozzle of 2.4 mm diameter and 20 mm length on 7 cm²:
+/// 8·0.1·0.02·49e-8/(π·33.1776e-12).
+TEST(Cushion, NozzleResistance_FollowsHagenPoiseuille) {
   EXPECT_NEAR(nozzleResistance({0.1, 0.02, 2.4e-3}, 7e-4), 75.218, 1e-3);
 }
 
-TEST(Cushion, NotANumber_PushesNobody) {
+TEST(Cushion, NonFiniteInput_GivesNoEffort) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(advanceCushion(kSyrup, nan, 0.01, true, kPeriod_s).effort, 0.0);
   EXPECT_EQ(advanceCushion(kSyrup, 0.0, nan, true, kPeriod_s).effort, 0.0);

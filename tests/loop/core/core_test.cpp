@@ -33,7 +33,7 @@ static_assert(!std::is_constructible_v<AxisPosition, AxisVelocity>);
 static_assert(!std::is_convertible_v<int, AxisPosition>, "a size is not a position");
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
-TEST(AxisArray, OfSizeAndValue_HoldsThatManyOfIt) {
+TEST(AxisArray, SizeAndValue_FillTheArray) {
   EXPECT_EQ(AxisPosition().size(), 0);
   const AxisEffort none, f(3, 1.5);
   EXPECT_EQ(none.begin(), none.end());
@@ -50,7 +50,7 @@ TEST(AxisArray, View_WritesThroughToTheArray) {
   EXPECT_EQ(q.vec().size(), kMaxAxes);
 }
 
-TEST(AxisArray, CopiedAsBytes_IsEqual) {
+TEST(AxisArray, BytewiseCopy_IsEqual) {
   AxisVelocity a(2, 3.25);
   a[1] = -1.0;
   AxisVelocity b;
@@ -59,7 +59,7 @@ TEST(AxisArray, CopiedAsBytes_IsEqual) {
   EXPECT_EQ(b[1], -1.0);
 }
 
-TEST(AxisArray, AllFinite_SeesEveryElementAndNothingBehindTheEnd) {
+TEST(AxisArray, AllFinite_ChecksEveryElementAndNoneBeyondTheEnd) {
   AxisPosition q(4, 1.0);
   EXPECT_TRUE(allFinite(q));
   EXPECT_TRUE(allFinite(AxisPosition{}));
@@ -74,7 +74,7 @@ TEST(AxisArray, AllFinite_SeesEveryElementAndNothingBehindTheEnd) {
   EXPECT_TRUE(allFinite(q));
 }
 
-TEST(AxisArray, FullSizedMatrices_NeedNoHeap) {
+TEST(AxisArray, FullSizedMatrices_DoNotAllocate) {
   const AllocationScope scope;
   AxisMatrix m = AxisMatrix::Identity(kMaxAxes, kMaxAxes);
   m *= 2.0;
@@ -111,7 +111,7 @@ TEST(Diagnostics, SeveralFaults_AreOneLineEachInOrder) {
 
 // ---- expected
 
-TEST(Expected, Value_IsReachedEveryWay) {
+TEST(Expected, Value_IsReachedByEveryAccessor) {
   Expected<std::string> e(std::string("hand"));
   ASSERT_TRUE(e.ok());
   EXPECT_TRUE(static_cast<bool>(e));
@@ -121,7 +121,7 @@ TEST(Expected, Value_IsReachedEveryWay) {
   EXPECT_EQ(std::as_const(e).value(), "hands");
 }
 
-TEST(Expected, Errors_AllStay) {
+TEST(Expected, SeveralErrors_AreAllKept) {
   const Expected<int> one(Diagnostic{"a.toml", 1, "", "", "broken", ""});
   ASSERT_FALSE(one.ok());
   ASSERT_EQ(one.errors().size(), 1U);
@@ -136,7 +136,7 @@ TEST(Expected, MoveOnlyValue_CanBeTaken) {
   EXPECT_EQ(*taken, 7);
 }
 
-TEST(Expected, WrongSide_ThrowsInsteadOfReadingGarbage) {
+TEST(Expected, AccessToTheWrongSide_Throws) {
   Expected<int> bad(Diagnostic{});
   EXPECT_THROW((void)bad.value(), std::bad_variant_access);
   const Expected<int> good(1);
@@ -156,7 +156,7 @@ TEST(Fault, Bits_CombineAndAreReported) {
   EXPECT_TRUE(any(f & kStoppingFaults));
 }
 
-/// Of `count` things, that each has a name of its own.
+/// Checks that each of `count` items has a name of its own.
 void expectNamesOfTheirOwn(int count, const std::function<std::string(int)>& nameOf) {
   std::set<std::string> names = {"unknown"};
   for (int i = 0; i < count; ++i) EXPECT_TRUE(names.insert(nameOf(i)).second) << i;
@@ -190,7 +190,7 @@ TEST(Pose, InverseAndProduct_AreThoseOfHomogeneousMatrices) {
   EXPECT_LE(((a * p) - (matrix(a) * p.homogeneous()).head<3>()).norm(), tolerance(1e-15));
 }
 
-TEST(QuatXyzw, KeepsItsOrderBothWays) {
+TEST(QuatXyzw, Conversion_KeepsTheComponentOrderBothWays) {
   const Eigen::Quaterniond q(0.1, 0.2, 0.3, 0.4);  // Eigen: w first
   const QuatXyzw stored = QuatXyzw::from(q);
   EXPECT_EQ(stored.x, 0.2);
@@ -201,16 +201,16 @@ TEST(QuatXyzw, KeepsItsOrderBothWays) {
 
 // ---- untrusted text
 
-TEST(Printable, ControlDirectionAndBrokenUtf8_AreShownAsWhatTheyAre) {
+TEST(Printable, ControlCharactersAndInvalidUtf8_AreEscaped) {
   EXPECT_EQ(printable("Glas für 2 Gäste \u2192 \U0001F378"), "Glas für 2 Gäste \u2192 \U0001F378");
   EXPECT_EQ(printable("a\x1b[2J\n"), "a\\x1b[2J\\x0a");
   EXPECT_EQ(printable("\u009b"), "\\u{009b}");  // CSI in one character
   EXPECT_EQ(printable("\u202e\u2066"), "\\u{202e}\\u{2066}");
   EXPECT_EQ(printable("\xff"), "\\xff");
-  EXPECT_EQ(printable("\xc0\xaf"), "\\xc0\\xaf");                    // a slash, longer than need be
+  EXPECT_EQ(printable("\xc0\xaf"), "\\xc0\\xaf");                    // overlong encoding of a slash
   EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // a surrogate
   EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond U+10FFFF
-  EXPECT_EQ(printable("\xe2\x82"), "\\xe2\\x82");                    // cut off
+  EXPECT_EQ(printable("\xe2\x82"), "\\xe2\\x82");                    // truncated
 }
 
 TEST(Printable, LongText_IsCutAtACharacter) {

@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-/// m q̈ + b q̇ + k q = 0 from (q0, v0), underdamped: the textbook's decaying oscillation.
+/// m q̈ + b q̇ + k q = 0 from (q0, v0), underdamped: the closed form of a decaying oscillation.
 double freeDecay(double m, double b, double k, double q0, double v0, double t_s) {
   const double sigma = b / (2.0 * m);
   const double omega = std::sqrt(k / m - sigma * sigma);
@@ -35,7 +35,7 @@ TEST_P(AxisDynamicsAtRate, FreeDecay_FollowsClosedForm) {
 }
 
 TEST_P(AxisDynamicsAtRate, StepEffort_FollowsClosedForm) {
-  // Around the new rest F/k the motion is the free decay from -F/k.
+  // Around the new rest position F/k the motion is the free decay from -F/k.
   constexpr double kForce = 3.0, kStiffness = 135.0;
   AxisDynamics axis(
       {.mass = 1.35, .damping = 7.45, .stiffness = kStiffness, .lower = -1, .upper = 1},
@@ -59,8 +59,8 @@ TEST_P(AxisDynamicsAtRate, RampEffortOnDamper_FollowsClosedForm) {
   }
 }
 
-TEST_P(AxisDynamicsAtRate, LightStiffFinger_StaysExact) {
-  // A finger axis moves in tens of milliradian-seconds: many times faster than the arm.
+TEST_P(AxisDynamicsAtRate, LightStiffFinger_FollowsClosedForm) {
+  // A finger axis settles many times faster than the arm.
   AxisDynamics axis({.mass = 2e-4, .damping = 0.03, .stiffness = 40.0, .lower = -1, .upper = 1},
                     period_s());
   axis.place(0.3, 0.0);
@@ -100,8 +100,8 @@ TEST_P(AxisDynamicsAtRate, RampThroughDryFriction_BreaksAwayInsideThePeriod) {
 }
 
 TEST_P(AxisDynamicsAtRate, DryFrictionAndSpring_LosesFourFcOverKPerCycle) {
-  // Each half cycle of a Coulomb-damped spring loses 2 f_c/k of amplitude (a textbook's staircase),
-  // until it sticks where k |q| <= f_c.
+  // Each half cycle of a spring with Coulomb friction loses 2 f_c/k of amplitude (the textbook's
+  // staircase), until the mass sticks where k |q| <= f_c.
   constexpr double kStiffness = 400.0, kFriction = 0.8, kMass = 1.0, kStart = 0.0191;
   AxisDynamics axis(
       {.mass = kMass, .stiffness = kStiffness, .coulomb = kFriction, .lower = -1, .upper = 1},
@@ -137,8 +137,8 @@ TEST_P(AxisDynamicsAtRate, HittingAStop_RestsThereAndLeavesWhenPulled) {
 }
 
 TEST(AxisDynamics, TwoRates_AgreeThroughStickSlipAndStops) {
-  // What a force that is constant over a millisecond does must not depend on how often it is looked
-  // at: 1 kHz and 4 kHz meet at every millisecond, dry friction and stops included.
+  // The effect of a force that is constant over a millisecond must not depend on the sampling rate:
+  // 1 kHz and 4 kHz agree at every millisecond, with dry friction and stops.
   const AxisPlant plant{.mass = 0.8,
                         .damping = 6.0,
                         .stiffness = 150.0,

@@ -1,4 +1,5 @@
-// What conformance finds of an axis by pushing it, against axes whose law is known.
+// Checks the axis response that the conformance check finds by pushing, against axes with a known
+// law.
 #include "devices/conformance/pushes.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
@@ -16,7 +17,7 @@ struct DrawnAxis {
   double gain = 0.0, damping = 0.0, friction = 0.0, own = 0.0, delay_s = 0.0, resolution = 0.0;
 };
 
-/// Axes of the size of haptic devices, and machines that read them as they can.
+/// Draws axes of the size of haptic devices and irregular sampling times.
 class Draw {
  public:
   explicit Draw(unsigned stream) : random_(seededRandom(stream)) {}
@@ -33,7 +34,7 @@ class Draw {
     out.resolution = between(2e-6, 2e-5);
     return out;
   }
-  /// One sample a millisecond, some of them late, and `stalls` of 4 to 10 ms.
+  /// One sample per millisecond, some of them late, with about `stalls` stalls of 4 to 10 ms.
   std::vector<double> times(double until_s, int stalls) {
     std::vector<double> out;
     const double chance = stalls / (until_s * 1e3);
@@ -48,12 +49,13 @@ class Draw {
   std::mt19937_64 random_;
 };
 
-// Whole and half pushes to and fro, written at the times at which the machine came to it.
-std::vector<PushTrace::Given> pushes(const std::vector<double>& times, double push_s) {
+// Whole and half pushes in both directions, each written at the first sampling time after it is
+// due.
+std::vector<PushTrace::EffortChange> pushes(const std::vector<double>& times, double push_s) {
   const std::pair<double, double> kPushes[] = {{0.2, 1.0},  {-0.2, 1.0}, {-0.2, 1.0},
                                                {0.2, 1.0},  {0.1, 1.4},  {-0.1, 1.4},
                                                {-0.1, 1.4}, {0.1, 1.4},  {0.0, 100.0}};
-  std::vector<PushTrace::Given> out;
+  std::vector<PushTrace::EffortChange> out;
   double due_s = 0.01;
   for (const auto& [share, lasts] : kPushes) {
     for (const double t : times) {
@@ -66,9 +68,9 @@ std::vector<PushTrace::Given> pushes(const std::vector<double>& times, double pu
   return out;
 }
 
-// The law of AxisResponse in steps of 10 µs.
+// Integrates the law of AxisResponse in steps of 10 µs.
 PushTrace traceOf(const DrawnAxis& axis, const std::vector<double>& times,
-                  std::vector<PushTrace::Given> given) {
+                  std::vector<PushTrace::EffortChange> given) {
   constexpr double kStep_s = 1e-5;
   PushTrace out;
   out.given = std::move(given);
@@ -89,12 +91,12 @@ PushTrace traceOf(const DrawnAxis& axis, const std::vector<double>& times,
   return out;
 }
 
-// No shorter than the checks push: the axis moves by 30 steps of its encoder.
+// Duration of a push: at least as long as the check's, so that the axis moves by 30 encoder steps.
 double pushOf(const DrawnAxis& axis, double drawn_s) {
   return std::max(drawn_s, std::sqrt(60.0 * axis.resolution / (0.2 * axis.gain)));
 }
 
-/// The largest deviations of a number of drawn axes.
+/// Largest deviations over a number of drawn axes.
 struct Apart {
   double gain = 0.0, delay_s = 0.0, own = 0.0, unexplained = 0.0, halves = 0.0;
 };
@@ -120,8 +122,8 @@ Apart apartFor(unsigned stream, int stalls) {
   return out;
 }
 
-// What the checks allow, or less; but for what stays unexplained, which in a few of 10,000 honest
-// axes is above the check's 11 %: an axis that creeps under dry friction.
+// Allows what the checks allow, or less. The exception is the unexplained share: in a few of 10,000
+// correct axes that creep under dry friction it is above the check's 11 %.
 void expectWithinWhatTheChecksAllow(const Apart& apart, const std::string& of) {
   EXPECT_LE(apart.gain, tolerance(0.2));
   EXPECT_LE(apart.delay_s, tolerance(0.003));
@@ -133,22 +135,22 @@ void expectWithinWhatTheChecksAllow(const Apart& apart, const std::string& of) {
   figure("gain of half pushes of " + of + ", apart at most", 100.0 * apart.halves, "%");
 }
 
-TEST(AxisResponse, OfDrawnAxes_IsTheirLaw) {
+TEST(AxisResponse, DrawnAxes_AreIdentified) {
   expectWithinWhatTheChecksAllow(apartFor(1000, 0), "pushed axes");
 }
 
-// Three stalls of 4 to 10 ms in half a second; after longer ones the checks judge nothing.
-TEST(AxisResponse, OfAMachineThatStalls_IsTheirLaw) {
+// Three stalls of 4 to 10 ms in half a second; the checks do not judge a trace with longer ones.
+TEST(AxisResponse, MachineThatStalls_DoesNotSpoilTheIdentification) {
   expectWithinWhatTheChecksAllow(apartFor(2000, 3), "pushed axes by a machine that stalls");
 }
 
-TEST(AxisResponse, PositionsThatStandStillAndJump_AreFound) {
+TEST(AxisResponse, PositionsThatStandStillAndJump_AreDetected) {
   for (int i = 0; i < cases(20); ++i) {
     Draw draw(3000 + static_cast<unsigned>(i));
     const DrawnAxis axis = draw.axis();
     const auto times = draw.times(0.5, 0);
     PushTrace trace = traceOf(axis, times, pushes(times, 0.03));
-    // Held for 10 samples where it moves fastest: the next one is elsewhere.
+    // Holds the position for 10 samples where the axis moves fastest; the next sample jumps.
     std::size_t fast = 20;
     const auto moved = [&](std::size_t k) {
       return std::abs(trace.seen[k + 10].position - trace.seen[k].position);

@@ -1,4 +1,4 @@
-// A simulated device whose person links its axes.
+// A simulated device with a person whose axes are linked.
 #include "devices/one_axis.hpp"
 #include "loop/device/simulated/simulated_device.hpp"
 #include "loop/patient/active_patient.hpp"
@@ -29,7 +29,7 @@ DeviceModel twoAxes(double mass = 0.8) {
   return device;
 }
 
-/// 1 kg, 20 N·s/m, 200 N/m on each of two axes, and `stiffness` from one to the other.
+/// A person of 1 kg, 20 N·s/m, 200 N/m on each of two axes, and `stiffness` from one to the other.
 PatientConfig person(double stiffness, double damping = 0.0, double mass = 0.0) {
   PatientConfig patient = nobody(2);
   patient.axes[0] = {"x", 1.0, 20.0, 200.0};
@@ -60,12 +60,13 @@ DeviceReading push(SimulatedDevice& device, double on_x, double on_y, int ticks)
 }
 
 /// At rest q = q_i + K⁻¹ f; K = [200 -80; -80 200], whose inverse is [200 80; 80 200] / 33600.
-TEST(LinkedDevice, ConstantEffort_RestsWhereTheMatrixSays) {
+TEST(LinkedDevice, ConstantEffort_RestsWhereTheStiffnessMatrixSays) {
   const auto device = opened(twoAxes(), person(-80.0), restAt(0.01, -0.02));
   const DeviceReading reading = push(*device, 3.0, 0.0, 6000);
   EXPECT_NEAR(reading.q_m[0], 0.01 + 3.0 * 200.0 / 33600.0, tolerance(1e-9));
   EXPECT_NEAR(reading.q_m[1], -0.02 + 3.0 * 80.0 / 33600.0, tolerance(1e-9));
-  EXPECT_NEAR(personAt(*device).effort[0], -3.0, tolerance(1e-7));  // holds what is pushed
+  EXPECT_NEAR(personAt(*device).effort[0], -3.0,
+              tolerance(1e-7));  // the person holds against the push
   EXPECT_NEAR(personAt(*device).effort[1], 0.0, tolerance(1e-7));
 }
 
@@ -80,8 +81,8 @@ TEST(LinkedDevice, LinkedMass_MovesTheOtherAxisFromTheFirstTick) {
   EXPECT_NEAR(device->velocity()[1], -0.1 * 2.0 * 0.5 / determinant, tolerance(1e-12));
 }
 
-/// A link that is as small as rounding moves the axes as if it were not there.
-TEST(LinkedDevice, LinkNextToNothing_MovesAsSingleAxesDo) {
+/// A link as small as rounding moves the axes as if it were not there.
+TEST(LinkedDevice, LinkOfNearlyZero_MovesAsSingleAxesDo) {
   SimulatedDevice linked(twoAxes(), person(1e-13), restAt(0.01, 0.0), kTick_s);
   PatientConfig apart = person(0.0);
   apart.links = {};
@@ -104,12 +105,12 @@ TEST(LinkedDevice, PersonWhoLetsGo_LeavesBothAxesToTheDevice) {
   const double before = device->velocity()[1];
   push(*device, 2.0, 0.0, 100);
   EXPECT_TRUE(device->person().hasLetGo());
-  EXPECT_NEAR(device->velocity()[1], before, tolerance(1e-12));  // nothing pulls it
+  EXPECT_NEAR(device->velocity()[1], before, tolerance(1e-12));  // no force acts on it
   EXPECT_EQ(personAt(*device).effort[1], 0.0);
 }
 
-/// The axis that is slammed is let go; the other keeps what is its own, and is pulled no more.
-TEST(LinkedDevice, SlammedAxis_PullsTheOtherNoMore) {
+/// A slam lets go of its own axis; the other axis keeps its own stiffness and is no longer pulled.
+TEST(LinkedDevice, SlammedAxis_NoLongerPullsTheOther) {
   PatientConfig patient = person(-80.0, -5.0, 0.3);
   patient.slam = {.axis = "x", .towards_upper = true, .after_s = 0.1, .speed_share = 0.01};
   const auto device = opened(twoAxes(), patient, restAt(0.0, 0.0));
@@ -119,7 +120,7 @@ TEST(LinkedDevice, SlammedAxis_PullsTheOtherNoMore) {
   EXPECT_EQ(device->position()[1], 0.0);
 }
 
-TEST(LinkedDevice, SameCallsTwice_GiveTheSameBitsAndAllocateNothing) {
+TEST(LinkedDevice, SameCallsTwice_GiveTheSameBitsAndDoNotAllocate) {
   DeviceModel model = twoAxes();
   for (DeviceAxis& axis : model.axes) {
     axis.coulomb = 0.2;
@@ -144,9 +145,9 @@ TEST(LinkedDevice, SameCallsTwice_GiveTheSameBitsAndAllocateNothing) {
   EXPECT_EQ(first, second);
 }
 
-TEST(LinkedDevice, WorkOfThePersonRoundACircle_IsWhatTheirDampersTake) {
-  // A device that leads both axes round a circle, stiffly: what the person's springs and dampers
-  // do over whole turns is -∮ ẋᵀ B ẋ dt = -turns π r² ω tr(B), by virtual work.
+TEST(LinkedDevice, PersonAroundACircle_DoesMinusTheWorkOfTheirDampers) {
+  // The device leads both axes around a circle stiffly. Over whole turns the work of the person's
+  // springs and dampers is -∮ ẋᵀ B ẋ dt = -turns π r² ω tr(B), by virtual work.
   constexpr double kRadius_m = 0.01, kTurn_s = 0.5;
   const double omega = 2.0 * std::numbers::pi / kTurn_s;
   const PatientConfig patient = person(-80.0, -5.0);

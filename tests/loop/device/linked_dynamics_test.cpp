@@ -1,5 +1,5 @@
-// Axes that a person links, by themselves: against closed forms, against single axes, and that
-// nothing but the effort puts energy in.
+// Axes that a person links: compared with closed forms and with single axes; only the effort may
+// put in energy.
 #include "loop/device/simulated/linked_dynamics.hpp"
 
 #include "loop/device/simulated/axis_dynamics.hpp"
@@ -42,7 +42,7 @@ struct Draw {
   }
 };
 
-/// Nothing but mass, far from stops.
+/// Axes with mass only, far from their stops.
 LinkedPlant freeMasses(int n, double mass) {
   return {mass * AxisMatrix::Identity(n, n),
           AxisMatrix::Zero(n, n),
@@ -86,7 +86,7 @@ AxisEffort drawEffort(Draw& draw, int n, double most) {
   return f;
 }
 
-/// Without dry friction and stops, no direction and no moment is special.
+/// Removes dry friction and stops: no direction and no moment is special then.
 void takeOutEvents(LinkedPlant& plant) {
   const int n = plant.coulomb.size();
   plant.coulomb = AxisEffort(n);
@@ -102,9 +102,9 @@ double energyOf(const LinkedPlant& plant, const LinkedDynamics& axes) {
   return 0.5 * v.dot(plant.mass * v) + 0.5 * q.dot(plant.stiffness * q);
 }
 
-/// Two masses with a spring k between them: their middle goes on, their distance swings with
-/// sqrt(2 k / m), or decays with a damper there.
-TEST(LinkedDynamics, TwoMassesOnASpring_SwingAsTheirNormalModesSay) {
+/// Two masses with a spring k between them: the mean position moves uniformly, the distance swings
+/// with sqrt(2 k / m), or decays with a damper in parallel.
+TEST(LinkedDynamics, TwoMassesOnASpring_SwingInTheirNormalModes) {
   constexpr double kMass = 0.8, kSpring = 300.0, kDamper = 4.0;
   LinkedPlant plant = freeMasses(2, kMass);
   AxisMatrix between(2, 2);
@@ -130,7 +130,7 @@ TEST(LinkedDynamics, TwoMassesOnASpring_SwingAsTheirNormalModesSay) {
 }
 
 /// q̈ = M⁻¹ f for an effort that rises linearly: q = M⁻¹ f' t³ / 6.
-TEST(LinkedDynamics, LinkedMassUnderARamp_GoesAsItsInverseSays) {
+TEST(LinkedDynamics, LinkedMassUnderARamp_MovesAsItsInverseSays) {
   LinkedPlant plant = freeMasses(2, 0.0);
   plant.mass << 2.0, 1.0, 1.0, 2.0;  // inverse: 2/3, -1/3
   LinkedDynamics axes(plant, kStep_s);
@@ -143,10 +143,11 @@ TEST(LinkedDynamics, LinkedMassUnderARamp_GoesAsItsInverseSays) {
   EXPECT_NEAR(axes.velocity(1), -1.0 / 3.0 * 3.0 * 0.25, tolerance(1e-12));
 }
 
-/// Diagonal matrices are so many single axes (AxisDynamics, another implementation): to rounding
-/// without dry friction and stops; with friction to what its average over a step of 1/16 ms leaves
-/// open. An impact loses what the effort would give in the rest of its step, up to 20 m/s² / 16 kHz
-/// = 1.3 mm/s, for the tenths of a second until friction or the next stop forgets it.
+/// Diagonal matrices must move as single axes (AxisDynamics, another implementation). Without dry
+/// friction and stops they agree to rounding. With friction they agree to what its average over a
+/// step of 1/16 ms leaves open. An impact loses what the effort would give in the rest of its step,
+/// up to 20 m/s² / 16 kHz = 1.3 mm/s, for the tenths of a second until friction or the next stop
+/// removes the difference.
 enum class Events { kNone, kFriction, kStops };
 class DiagonalMatrices : public ::testing::TestWithParam<std::pair<Events, double>> {};
 INSTANTIATE_TEST_SUITE_P(Events, DiagonalMatrices,
@@ -192,9 +193,9 @@ TEST_P(DiagonalMatrices, AnyEffort_MovesThemAsSingleAxes) {
   EXPECT_LE(worst, tolerance(allowed));
 }
 
-/// M' = R M Rᵀ, f' = R f give q' = R q: for every R without dry friction and stops, and with them
-/// where R is another order of the axes.
-TEST(LinkedDynamics, AxesTurnedOrInAnotherOrder_MoveTheSame) {
+/// M' = R M Rᵀ, f' = R f give q' = R q: for every rotation R without dry friction and stops, and
+/// with them where R permutes the axes.
+TEST(LinkedDynamics, AxesRotatedOrPermuted_MoveTheSame) {
   constexpr int kAxes = 4;
   Draw draw{seededRandom(402)};
   for (int trial = 0; trial < cases(20); ++trial) {
@@ -229,7 +230,8 @@ TEST(LinkedDynamics, AxesTurnedOrInAnotherOrder_MoveTheSame) {
   }
 }
 
-/// Kinetic and spring energy grow by at most effort times way, whatever sticks, slides or is hit.
+/// Kinetic and spring energy grow by at most effort times distance, with sticking, sliding and
+/// impacts.
 TEST(LinkedDynamics, AnyPassivePersonAndEffort_NeverGainsMoreThanTheWorkDone) {
   Draw draw{seededRandom(404)};
   double smooth = 0.0, worst = 0.0;
@@ -239,7 +241,7 @@ TEST(LinkedDynamics, AnyPassivePersonAndEffort_NeverGainsMoreThanTheWorkDone) {
     const bool events = trial % 2 == 1;
     if (!events) takeOutEvents(plant);
     LinkedDynamics axes(plant, draw.chance(0.5) ? 1e-3 : 0.25e-3);
-    double most = 1e-6;  // J: what sticks moves by a rounding of it
+    double most = 1e-6;  // [J] a sticking axis moves by a rounding error of this
     for (int k = 0; k < 100; ++k) {
       const AxisEffort f = drawEffort(draw, n, 3.0);
       const double before = energyOf(plant, axes);
@@ -259,15 +261,15 @@ TEST(LinkedDynamics, AnyPassivePersonAndEffort_NeverGainsMoreThanTheWorkDone) {
   }
   std::printf("figure: energy out of nothing in a period, of the most there was = %.3g\n", smooth);
   std::printf("figure: the same with dry friction and stops = %.3g\n", worst);
-  EXPECT_LE(smooth, tolerance(1e-9));  // the exact solution: rounding
-  // Of grams with a newton of friction, in the step in which something starts, stops or sticks.
+  EXPECT_LE(smooth, tolerance(1e-9));  // exact solution: rounding
+  // Axes of grams with a newton of friction, in the step in which one starts, stops or sticks.
   EXPECT_LE(worst, tolerance(2e-4));
 }
 
-/// M = [2 1; 1 2] at speed (v, 0) meets a stop on the first axis: the impulse p takes v, and the
-/// other axis goes on at p M⁻¹₁₀ = v / 2. Taking the one speed alone would have made energy of
+/// M = [2 1; 1 2] at speed (v, 0) meets a stop on the first axis. The impulse p takes v, and the
+/// other axis moves on at p M⁻¹₁₀ = v / 2. Setting only the one speed to zero would make energy for
 /// (v, w) with w < 0.
-TEST(LinkedDynamics, StopThatIsMet_PassesItsImpulseOn) {
+TEST(LinkedDynamics, AxisThatHitsAStop_PassesItsImpulseToTheOther) {
   LinkedPlant plant = freeMasses(2, 0.0);
   plant.mass << 2.0, 1.0, 1.0, 2.0;
   plant.upper[0] = 0.001;
@@ -277,15 +279,15 @@ TEST(LinkedDynamics, StopThatIsMet_PassesItsImpulseOn) {
   EXPECT_EQ(axes.position(0), 0.001);
   EXPECT_EQ(axes.velocity(0), 0.0);
   EXPECT_NEAR(axes.velocity(1), 0.5, tolerance(1e-12));
-  // Pushed on into the stop: the other feels nothing of it.
+  // The first axis is pushed into the stop: no effort reaches the other.
   const auto f = arrayOf<AxisEffort>({3.0, 0.0});
   for (int k = 0; k < 100; ++k) axes.advance(f, f);
   EXPECT_EQ(axes.position(0), 0.001);
   EXPECT_NEAR(axes.velocity(1), 0.5, tolerance(1e-9));
 }
 
-/// A spring of 100 N/m between two axes; the second has 0.5 N of dry friction. Pulled slowly, it
-/// stays until the first is 5 mm ahead.
+/// A spring of 100 N/m links two axes; the second has 0.5 N of dry friction. It stays until the
+/// slowly pulled first axis is 5 mm ahead.
 TEST(LinkedDynamics, AxisThatSticks_StaysUntilItsLinkPullsHardEnough) {
   LinkedPlant plant = freeMasses(2, 0.5);
   AxisMatrix between(2, 2);
@@ -299,14 +301,14 @@ TEST(LinkedDynamics, AxisThatSticks_StaysUntilItsLinkPullsHardEnough) {
     const auto f = arrayOf<AxisEffort>({force, 0.0});
     for (int k = 0; k < 8000; ++k) axes.advance(f, f);
   };
-  pull(0.0049 * 1100.0);  // alone it is moved to f / (1000 + 100)
+  pull(0.0049 * 1100.0);  // alone, the axis moves to f / (1000 + 100)
   EXPECT_NEAR(axes.position(0), 0.0049, tolerance(1e-9));
   EXPECT_NEAR(axes.position(1), 0.0, tolerance(1e-9));
-  pull(0.02 * 1100.0);  // slides after it, to within 5 mm
+  pull(0.02 * 1100.0);  // the second follows to within 5 mm
   EXPECT_NEAR(axes.position(0) - axes.position(1), 0.005, tolerance(1e-5));
 }
 
-TEST(LinkedDynamics, Advance_AllocatesNothing) {
+TEST(LinkedDynamics, Advance_DoesNotAllocate) {
   Draw draw{seededRandom(405)};
   LinkedDynamics axes(drawPlant(draw, 9), kStep_s);
   const AllocationScope count;
@@ -314,8 +316,8 @@ TEST(LinkedDynamics, Advance_AllocatesNothing) {
   EXPECT_EQ(count.allocations(), 0U);
 }
 
-/// Every solution keeps the three conditions that solveBox() states.
-TEST(BoxProblem, AnyMatrixAndBounds_KeepsItsConditions) {
+/// Every solution satisfies the three conditions that solveBox() states.
+TEST(BoxProblem, AnyMatrixAndBounds_SatisfiesItsConditions) {
   Draw draw{seededRandom(406)};
   for (int trial = 0; trial < cases(2000); ++trial) {
     const int n = 1 + draw.upTo(8);
@@ -345,7 +347,7 @@ TEST(BoxProblem, AnyMatrixAndBounds_KeepsItsConditions) {
   }
 }
 
-TEST(BoxProblem, MatrixThatIsNotDefinite_IsReportedAndEnds) {
+TEST(BoxProblem, IndefiniteMatrix_IsReportedWithoutALoop) {
   AxisMatrix g(2, 2);
   g << 1.0, 2.0, 2.0, 1.0;
   AxisColumn w = AxisColumn::Ones(2), bound = AxisColumn::Constant(2, HUGE_VAL), lambda;

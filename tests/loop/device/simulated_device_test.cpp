@@ -23,14 +23,14 @@ using test::stayAt;
 
 constexpr double kPeriod_s = 1e-3;
 
-TEST(SimulatedDevice, FirstRead_TellsTheStartAndLetsNoTimePass) {
+TEST(SimulatedDevice, FirstRead_GivesTheStartWithoutElapsedTime) {
   const auto device = opened(oneAxisDevice(0.8), nobody(), stayAt(0.04));
   DeviceReading reading;
   ASSERT_EQ(device->write(AxisEffort(1, 5.0)), Fault::kNone);
   ASSERT_EQ(device->read(reading, 7), Fault::kNone);
   EXPECT_EQ(reading.q_m[0], 0.04);
   EXPECT_NEAR(personAt(*device).intention[0], 0.04,
-              0.5 / 0x1p20);  // half a step of what is reported
+              0.5 / 0x1p20);  // half a step of the reported resolution
   EXPECT_EQ(personAt(*device).effort[0], 0.0);
 }
 
@@ -41,14 +41,14 @@ TEST(SimulatedDevice, ConstantEffort_MovesByHalfATSquared) {
   EXPECT_NEAR(device->velocity()[0], (2.0 / 0.5) * 0.25, 1e-12);
 }
 
-TEST(SimulatedDevice, OutputDelay_ActsExactlyThatManyTicksLater) {
+TEST(SimulatedDevice, OutputDelay_DelaysByExactlyThatManyTicks) {
   for (int delay = 0; delay <= 3; ++delay) {
     DeviceModel model = oneAxisDevice(1.0);
     model.output_delay_ticks = delay;
     const auto device = opened(model, nobody(), stayAt(0.0));
     DeviceReading reading;
     ASSERT_EQ(device->read(reading, 1), Fault::kNone);
-    // One tick of 1 N, then nothing: one impulse of 1 mN·s, `delay` ticks late.
+    // One tick of 1 N, then none: one impulse of 1 mN·s, `delay` ticks late.
     ASSERT_EQ(device->write(AxisEffort(1, 1.0)), Fault::kNone);
     for (int tick = 1; tick <= 6; ++tick) {
       ASSERT_EQ(device->read(reading, 1), Fault::kNone);
@@ -89,7 +89,7 @@ TEST(SimulatedDevice, EffortBeyondTheLimit_Saturates) {
   EXPECT_NEAR(device->velocity()[0], 20.0 * 0.01, 1e-12);
 }
 
-TEST(SimulatedDevice, Encoder_RoundsToItsStepAndHidesNothingElse) {
+TEST(SimulatedDevice, Encoder_RoundsToItsStepOnly) {
   DeviceModel model = oneAxisDevice(1.0);
   model.axes[0].encoder_step = 1e-4;
   const auto device = opened(model, nobody(), stayAt(0.0));
@@ -102,10 +102,10 @@ TEST(SimulatedDevice, Encoder_RoundsToItsStepAndHidesNothingElse) {
   EXPECT_GT(device->position()[0], 0.01);
 }
 
-TEST(SimulatedDevice, OwnWeight_IsBalancedByNeutralAndFallsWithout) {
+TEST(SimulatedDevice, OwnWeight_IsBalancedByNeutralAndFallsWithoutIt) {
   DeviceModel model = oneAxisDevice(0.8);
   model.axes[0].neutral_effort = 0.8 * 9.81;
-  model.output_delay_ticks = 2;  // what is on its way when the device opens is neutral, too
+  model.output_delay_ticks = 2;  // efforts in the delay line are neutral when the device opens
   const auto device = opened(model, nobody(), stayAt(0.0));
   DeviceReading reading;
   for (int i = 0; i < 500; ++i) ASSERT_EQ(device->read(reading, 1), Fault::kNone);
@@ -117,12 +117,13 @@ TEST(SimulatedDevice, OwnWeight_IsBalancedByNeutralAndFallsWithout) {
 }
 
 /// The person follows a sinusoid: q/q_i = (k + jωB)/(k - ω²m + jω(b + B)).
-TEST(SimulatedDevice, SinusoidalIntention_IsFollowedAsTheTransferFunctionSays) {
+TEST(SimulatedDevice, SinusoidalIntention_IsFollowedByTheTransferFunction) {
   constexpr double kHz = 2.0, kOmega = 2.0 * std::numbers::pi * kHz, kAmplitude = 0.03;
   DeviceModel model = oneAxisDevice(0.8);
   model.axes[0].damping = 6.0;
   PatientConfig patient = personOf({"x", 0.554, 6.45, 135.0});
-  // A dense track of the sinusoid: minimum jerk stops at each waypoint, a motion file does not.
+  // A dense track of the sinusoid is needed: minimum jerk stops at each waypoint, a motion file
+  // does not.
   MotionFile motion;
   motion.columns = {"x"};
   for (int i = 0; i <= 800; ++i) {
@@ -134,7 +135,7 @@ TEST(SimulatedDevice, SinusoidalIntention_IsFollowedAsTheTransferFunctionSays) {
   const Intention intention =
       Intention::fromMotion(motion, as_it_is, model, AxisPosition(1), nullptr);
   const auto device = opened(model, patient, intention);
-  // Both sides' first harmonic over six whole periods, after four seconds to settle.
+  // First harmonic of both signals over six whole periods, after four seconds to settle.
   std::complex<double> moved, wanted;
   DeviceReading reading;
   for (int i = 0; i < 7000; ++i) {
@@ -151,8 +152,8 @@ TEST(SimulatedDevice, SinusoidalIntention_IsFollowedAsTheTransferFunctionSays) {
   EXPECT_NEAR(std::abs(moved / wanted - expected), 0.0, 1e-4);
 }
 
-/// A rendered spring of stiffness K on a quantised device, let go off its middle: the largest speed
-/// in the last second of five.
+/// Largest speed in the last second of five of a rendered spring of stiffness K on a quantised
+/// device, released off its rest position.
 double lateSpeed(double stiffness, double coulomb, double encoder_step) {
   DeviceModel model = oneAxisDevice(0.8);
   model.axes[0].damping = 0.5;
@@ -172,15 +173,16 @@ double lateSpeed(double stiffness, double coulomb, double encoder_step) {
 TEST(SimulatedDevice, QuantisedSpringInsideAbbottOkamura_ComesToRest) {
   // Abbott and Okamura 2005: no limit cycle for K <= min(2b/T, 2 f_c/Δ) = min(1000, 1000) N/m here.
   EXPECT_EQ(lateSpeed(900.0, 0.2, 4e-4), 0.0);
-  // Beyond it, and without the dry friction that holds the last encoder step, it keeps moving.
+  // Beyond the bound, and without the dry friction that holds the last encoder step, it keeps
+  // moving.
   EXPECT_GT(lateSpeed(2000.0, 0.0, 4e-4), 1e-3);
 }
 
-/// 1000 ticks from each of two openings.
+/// Runs 1000 ticks after each of two openings.
 void expectTheSameBitsTwice(SimulatedDevice& device, double amplitude) {
   std::vector<double> first, second;
   for (std::vector<double>* seen : {&first, &second}) {
-    ASSERT_TRUE(device.open().ok());  // opening again starts again
+    ASSERT_TRUE(device.open().ok());  // opening again restarts the device
     for (int i = 0; i < 1000; ++i) {
       const DeviceReading reading = hold(device, amplitude * std::sin(0.02 * i), 1);
       seen->push_back(reading.q_m[0]);
@@ -199,7 +201,7 @@ TEST(SimulatedDevice, SameCallsTwice_GiveTheSameBits) {
   const Intention way = Intention::throughWaypoints(
       {{0.0, AxisPosition(1, 0.0)}, {0.4, AxisPosition(1, 0.05)}, {0.9, AxisPosition(1, -0.05)}});
   expectTheSameBitsTwice(*opened(model, personOf({"x", 0.5, 8.0, 135.0}), way), 1.0);
-  // The same with habits, which take all their room when they begin.
+  // The same with habits, which reserve all their memory when they begin.
   PatientConfig patient = personOf({"x", 0.5, 8.0, 135.0, 1.5, 4.0});
   patient.fight_reaction_s = 0.05;
   patient.letting_go.after_s = 0.7;
@@ -214,7 +216,7 @@ TEST(SimulatedDevice, SameCallsTwice_GiveTheSameBits) {
 
 // ---- persons who act
 
-TEST(SimulatedDevice, Tremor_MovesAFreeMassAsItsIntegralSays) {
+TEST(SimulatedDevice, Tremor_MovesAFreeMassByTheIntegralOfItsForce) {
   constexpr double kAmplitude = 2.0, kHz = 5.0, kMass = 0.8;
   constexpr double kOmega = 2.0 * std::numbers::pi * kHz;
   PatientConfig patient = nobody();
@@ -227,7 +229,7 @@ TEST(SimulatedDevice, Tremor_MovesAFreeMassAsItsIntegralSays) {
   double lowest = 0.0, highest = 0.0, before = first;
   for (int k = 1; k <= 1000; ++k) {
     ASSERT_EQ(device->read(reading, 1), Fault::kNone);
-    // The trapezoid of the effort, which is linear over a period, is all there is.
+    // The effort is linear over a period, so its trapezoid is exact.
     const double v = device->velocity()[0];
     lowest = std::min(lowest, v);
     highest = std::max(highest, v);
@@ -245,22 +247,22 @@ TEST(SimulatedDevice, PersonWhoLetsGo_LeavesTheBareMechanismToTheDevice) {
   DeviceModel model = oneAxisDevice(0.5);
   const auto device = opened(model, patient, stayAt(0.02));
   hold(*device, 2.0, 1 + 3000);
-  const double rest = 0.02 + 2.0 / 600.0;  // spring against effort
+  const double rest = 0.02 + 2.0 / 600.0;  // the person's spring balances the effort
   EXPECT_NEAR(device->position()[0], rest, 1e-9);
   EXPECT_NEAR(personAt(*device).effort[0], -2.0, 1e-6);
   EXPECT_FALSE(device->person().hasLetGo());
   hold(*device, 2.0, 100);
   EXPECT_TRUE(device->person().hasLetGo());
   EXPECT_EQ(personAt(*device).effort[0], 0.0);
-  // 0.5 kg, nothing else: neither the person's mass nor damper nor spring.
+  // 0.5 kg remains: the person's mass, damper and spring are gone.
   EXPECT_NEAR(device->position()[0] - rest, 0.5 * (2.0 / 0.5) * 0.1 * 0.1, 1e-7);
   EXPECT_NEAR(device->velocity()[0], (2.0 / 0.5) * 0.1, 1e-6);
-  ASSERT_TRUE(device->open().ok());  // and is held again from the start
+  ASSERT_TRUE(device->open().ok());  // the person holds it again from the start
   EXPECT_EQ(hold(*device, 0.0, 1).q_m[0], 0.02);
   EXPECT_FALSE(device->person().hasLetGo());
 }
 
-TEST(SimulatedDevice, LetGoOnTheMove_GoesOnAtItsSpeed) {
+TEST(SimulatedDevice, LetGoInMotion_KeepsItsSpeed) {
   PatientConfig patient = personOf({"x", 1.0, 60.0, 900.0});
   patient.letting_go.after_s = 0.2;
   const Intention way =
@@ -300,7 +302,7 @@ TEST(SimulatedDevice, Slam_DrawsBackReachesItsSpeedLetsGoAndCoasts) {
     EXPECT_NEAR(fastest, 0.98 * 1.5, 0.003 * 1.5);  // reached, and never the limit itself
     EXPECT_LT(fastest, 1.5);
     EXPECT_NEAR(furthest_back, -0.085 + 0.05 * 0.17, 2e-3);
-    EXPECT_LT(let_go_at, 0.05);  // room is left to fly
+    EXPECT_LT(let_go_at, 0.05);  // room is left to coast
     EXPECT_LE(hardest, 2.0 * 20.0);
     // v' = -(b v + f_c)/m from there.
     const double v = sign * device->velocity()[0], decay = std::exp(-6.0 / 0.8 * 0.02);
@@ -309,8 +311,8 @@ TEST(SimulatedDevice, Slam_DrawsBackReachesItsSpeedLetsGoAndCoasts) {
   }
 }
 
-/// On a rendered spring of 1000 N/m: the work the person does in the last second [J], and the
-/// fastest then.
+/// A person on a rendered spring of 1000 N/m: work in the last second [J] and largest speed in that
+/// second.
 struct Swing {
   double work = 0.0, fastest = 0.0;
 };
@@ -336,16 +338,16 @@ Swing swingOf(double fight) {
   return swing;
 }
 
-TEST(SimulatedDevice, Fighter_KeepsASpringSwingingThatAloneWouldComeToRest) {
+TEST(SimulatedDevice, Fighter_KeepsASpringSwingingThatWouldOtherwiseRest) {
   EXPECT_LT(swingOf(0.0).fastest, 1e-6);
   const Swing fought = swingOf(12.0);
-  // First harmonic of a square wave in phase with the speed against the damper, less what the
+  // The first harmonic of a square wave in phase with the speed, against the damper less what the
   // sampled spring (K T/2) and the sampled sign put in: v = 4 A / (π b).
   EXPECT_NEAR(fought.fastest, 4.0 * 12.0 / (std::numbers::pi * 5.5), 0.3);
   EXPECT_NEAR(fought.work, 0.5 * 5.5 * fought.fastest * fought.fastest, 2.0);
 }
 
-TEST(SimulatedDevice, ClosedOrUnfitCalls_AreFaultsAndKeepTheLastEffort) {
+TEST(SimulatedDevice, ClosedDeviceOrWrongSize_IsAFaultAndKeepsTheLastEffort) {
   SimulatedDevice device(oneAxisDevice(1.0), nobody(), stayAt(0.0), kPeriod_s);
   DeviceReading reading;
   EXPECT_EQ(device.read(reading, 1), Fault::kDeviceRead);

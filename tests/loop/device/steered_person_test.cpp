@@ -1,4 +1,4 @@
-// A person at a screen steers the virtual patient's hand: what it pushes against may give way.
+// A person at a screen steers the virtual patient's hand; the hand's support may suddenly give way.
 #include "files/device/device_file.hpp"
 #include "files/patient/patient_file.hpp"
 #include "loop/device/simulated/simulated_device.hpp"
@@ -15,12 +15,12 @@ namespace wholehand {
 namespace {
 
 struct LetGo {
-  double fastest = 0.0;  ///< of the axis [rad/s]
-  double end = 0.0;      ///< where it is a second later [rad]
+  double fastest = 0.0;  ///< largest speed of the axis [rad/s]
+  double end = 0.0;      ///< position a second later [rad]
 };
 
-/// An axis of the paper's device, held at `from` with the most that the device may, against a
-/// person whose aim is `to`, then let go of at once.
+/// Holds an axis of the paper's device at `from` with the device's largest effort, against a person
+/// who aims at `to`, then releases it at once.
 LetGo letGo(const char* name, double from, double to) {
   const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
   const auto model = loadDeviceFile(config + "devices/lambda-pride.toml");
@@ -44,23 +44,23 @@ LetGo letGo(const char* name, double from, double to) {
   for (int tick = 0; tick < 1600; ++tick) {
     const bool holds = tick < 600;
     AxisEffort effort = model->neutral();
-    if (holds) {  // a spring and a damper, as far as the limit allows
+    if (holds) {  // a spring and a damper within the effort limit
       const double ahead = device.position()[axis] - from + 0.02 * device.velocity()[axis];
       effort[axis] -= std::clamp(ahead / 0.05, -1.0, 1.0) * most;
     }
     EXPECT_EQ(device.read(reading, 1), Fault::kNone);
     EXPECT_EQ(device.write(effort), Fault::kNone);
     seen.q_m = reading.q_m;
-    player.see(seen);
+    player.onRecord(seen);
     if (!holds) out.fastest = std::max(out.fastest, std::abs(device.velocity()[axis]));
   }
   out.end = device.position()[axis];
   return out;
 }
 
-// Found by random aims of a finger on a screen: a squeezing hand slipped off a bottle, and the stop
-// for excess speed ended the game. The limits are those of the device's file.
-TEST(SteeredPerson, WhatItPushedAgainstGivesWay_StaysBelowTheSpeedLimit) {
+// Random aims of a finger on a screen found this: a squeezing hand slipped off a bottle, and the
+// stop for excess speed ended the game. The limits are those of the device file.
+TEST(SteeredPerson, SupportThatGivesWay_StaysBelowTheSpeedLimit) {
   const LetGo closing = letGo("finger_flexion", 0.4, 2.8);
   EXPECT_LT(closing.fastest, 10.0);
   EXPECT_NEAR(closing.end, 2.8, 0.05) << "the aim is reached all the same";
@@ -69,8 +69,8 @@ TEST(SteeredPerson, WhatItPushedAgainstGivesWay_StaysBelowTheSpeedLimit) {
   EXPECT_LT(letGo("x", -0.07, 0.07).fastest, 1.5);
 }
 
-// Ticks that come late see the axis further on. It is no faster for that.
-TEST(SteeredPerson, LateTicks_LeaveTheIntentionAlone) {
+// A late tick sees the axis further on, although the axis is no faster.
+TEST(SteeredPerson, LateTicks_DoNotChangeTheIntention) {
   constexpr int kLate = 4;
   DeviceModel device;
   DeviceAxis axis;
@@ -97,7 +97,7 @@ TEST(SteeredPerson, LateTicks_LeaveTheIntentionAlone) {
     TickRecord seen;
     seen.elapsed_periods = kLate;
     seen.q_m = q;
-    watched->see(seen);
+    watched->onRecord(seen);
   }
   EXPECT_NEAR(q[0], 0.9, 1e-6);
 }

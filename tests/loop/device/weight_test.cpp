@@ -1,9 +1,9 @@
-// An axis that weighs something moves as its weightless twin, from opening to closing.
+// An axis with weight must move as its weightless twin, from opening to closing.
 #include "devices/host/device_host.hpp"
 #include "devices/plain_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
+#include "support/contains.hpp"
 #include "support/rig_tools.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -19,8 +19,8 @@ namespace {
 constexpr double kCycle_s = 250e-6, kMass_kg = 0.6;
 std::int64_t g_cycle_ns = 0;
 
-/// Three carriages that weigh something and fall while they are not enabled. Their first enabling
-/// takes them off a stand.
+/// A driver of three carriages with weight that fall while they are not enabled. Their first
+/// enabling lifts them off a stand.
 class HeavyDriver final : public PlainDriver {
  public:
   HeavyDriver(const std::array<double, 3>& weight_n, std::uint32_t disabled, bool at_neutral)
@@ -86,7 +86,7 @@ DeviceModel modelOf(const std::array<double, 3>& weight_n) {
   return model;
 }
 
-/// A host on the clock of the test, with a loop that does as a session does.
+/// A host on the test's clock with a loop that acts as a session does.
 struct HeldDevice {
   explicit HeldDevice(const std::array<double, 3>& weight)
       : weight_n(weight), driver(weight, WH_FALLS, true), model(modelOf(weight)) {
@@ -108,7 +108,7 @@ struct HeldDevice {
     EXPECT_EQ(answer.ok, 1) << answer.text;
     if (verb == WH_ENABLE) session = answer.session;
   }
-  /// A millisecond in which the loop renders this on every axis.
+  /// Runs one millisecond in which the loop renders this effort on every axis.
   void tick(double effort_n) {
     HostCommand command{};
     command.session = session;
@@ -132,7 +132,8 @@ struct HeldDevice {
   std::uint64_t requests = 0, commands = 0, session = 0;
 };
 
-// Each axis weighs 0 to 10 N. Two sessions with any pause; the first ends well, or its loop dies.
+// Each axis weighs 0 to 10 N. Two sessions with a random pause; the first ends normally or its loop
+// dies.
 TEST(HeavyAxis, HeldByAHost_MovesAsItsWeightlessTwin) {
   auto random = seededRandom(3406);
   for (int i = 0; i < cases(200); ++i) {
@@ -142,7 +143,7 @@ TEST(HeavyAxis, HeldByAHost_MovesAsItsWeightlessTwin) {
     HeldDevice heavy(weight_n);
     HeldDevice light({});
     const bool dies = random() % 2 == 0;
-    // While the host still lets go of a dead loop, 20 ms and 80 ms, it refuses to enable.
+    // The host refuses to enable while it still lets go of a dead loop (20 ms and 80 ms).
     const int pause_ticks = static_cast<int>(random() % 1000) + (dies ? 110 : 0);
     const double amplitude_n = uniform(random, 0.0, 3.0);
     double farthest_m = 0.0;

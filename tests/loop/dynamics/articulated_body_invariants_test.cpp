@@ -21,12 +21,12 @@ TEST(ArticulatedBody, RandomTrees_InertiasAreSymmetricAndPositiveDefinite) {
     EXPECT_EQ((m - m.transpose()).cwiseAbs().maxCoeff(), 0.0);
     EXPECT_EQ((reduced - reduced.transpose()).cwiseAbs().maxCoeff(), 0.0);
     EXPECT_EQ(m.llt().info(), Eigen::Success);
-    // Definitions of M_r, h_r and the inverse, dense.
+    // M_r, h_r and the inverse by their definitions, with dense matrices.
     const Eigen::MatrixXd g = hand.synergy;
     EXPECT_LE((reduced - g.transpose() * m * g).norm(), tolerance(1e-12) * reduced.norm());
     EXPECT_LE((body.reducedBias().vec() - g.transpose() * body.bias().vec()).norm(),
               tolerance(1e-12) * (1.0 + body.bias().vec().norm()));
-    // Of a lopsided tree inverting costs digits, as many as its condition number has.
+    // Inverting an ill-conditioned tree loses as many digits as its condition number has.
     const Eigen::MatrixXd inverse = body.reducedInertiaInverse();
     EXPECT_LE(
         (inverse * reduced - Eigen::MatrixXd::Identity(hand.axis_count, hand.axis_count)).norm(),
@@ -80,7 +80,7 @@ double potential(const ArticulatedBody& body, const Eigen::Vector3d& gravity) {
   return out;
 }
 
-/// θ̈ of the joint-space equation of motion.
+/// θ̈ by the joint-space equation of motion.
 Eigen::VectorXd accelerate(ArticulatedBody& body, const JointState& s,
                            const Eigen::Vector3d& gravity) {
   (void)body.update(s.theta, s.theta_dot, gravity);
@@ -128,7 +128,7 @@ TEST(ArticulatedBody, FreeSwing_KeepsItsEnergy) {
   ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
   const double after = kinetic(body, s.theta_dot) + potential(body, gravity);
   EXPECT_NEAR(after, before, tolerance(1e-6) * most_kinetic);
-  EXPECT_GT(most_kinetic - least_kinetic, 0.05 * kinetic_before);  // it did swing
+  EXPECT_GT(most_kinetic - least_kinetic, 0.05 * kinetic_before);  // the tree did swing
 }
 
 TEST(ArticulatedBody, DrivenMotion_EnergyGrowsByThePowerOfTheTorques) {
@@ -150,7 +150,7 @@ TEST(ArticulatedBody, DrivenMotion_EnergyGrowsByThePowerOfTheTorques) {
   });
 }
 
-/// A rod of length l hinged at its end, standing for the closed form of every textbook.
+/// A rod of length l hinged at its end, compared with the textbook's closed form.
 TEST(ArticulatedBody, HingedRod_HasTextbookInertiaAndWeight) {
   HandModel hand;
   hand.joint_count = hand.axis_count = 1;
@@ -167,7 +167,7 @@ TEST(ArticulatedBody, HingedRod_HasTextbookInertiaAndWeight) {
   JointPosition theta(1, std::numbers::pi / 6.0);
   ASSERT_TRUE(body.update(theta, JointVelocity(1, 2.0), {0.0, 0.0, -9.81}));
   EXPECT_NEAR(body.inertia()(0, 0), 0.2 * 0.3 * 0.3 / 3.0, tolerance(1e-15));  // m l² / 3
-  // A turn about +y lowers +x, so holding the rod up needs −m g (l/2) cos θ.
+  // A rotation about +y lowers +x, so holding the rod up needs −m g (l/2) cos θ.
   EXPECT_NEAR(body.bias()[0], -0.2 * 9.81 * 0.15 * std::cos(std::numbers::pi / 6.0),
               tolerance(1e-14));
 }

@@ -15,7 +15,7 @@
 namespace wholehand::test {
 namespace {
 
-/// M θ̈ + h against τ, as a share of the terms that add up to τ.
+/// Residual of M θ̈ + h = τ, relative to the terms that add up to τ.
 double residual(const ArticulatedBody& body, const Eigen::VectorXd& acceleration,
                 const JointEffort& torque) {
   const Eigen::MatrixXd m = body.inertia();
@@ -25,7 +25,7 @@ double residual(const ArticulatedBody& body, const Eigen::VectorXd& acceleration
   return sum.cwiseAbs().cwiseQuotient(terms).maxCoeff();
 }
 
-/// Prints "figure: <name> = <value>", relative and therefore without a unit.
+/// Prints "figure: <name> = <value>"; the value is relative and has no unit.
 void relativeFigure(const std::string& name, double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
@@ -33,13 +33,14 @@ void relativeFigure(const std::string& name, double value) {
   ::testing::Test::RecordProperty(name, text.data());
 }
 
-/// Condition number: a random tree may be so lopsided that inverting costs digits.
+/// Condition number of a matrix: a random tree may be so ill-conditioned that inverting loses
+/// digits.
 double condition(const Eigen::MatrixXd& m) {
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues();
   return values[values.size() - 1] / values[0];
 }
 
-/// A random tree by ours and by Bullet, in the same random state.
+/// A random tree in our implementation and in Bullet's, in the same random state.
 struct Twins {
   Twins(const HandModel& hand, Rng& rng) : body(hand), bullet(hand), s(randomState(rng, hand)) {
     bullet.setState(s.theta, s.theta_dot);
@@ -49,15 +50,15 @@ struct Twins {
   JointState s;
 };
 
-TEST(ArticulatedBody, RandomTrees_ForwardDynamicsAndBiasEqualBullets) {
+TEST(ArticulatedBody, RandomTrees_ForwardDynamicsAndBiasEqualThoseOfBullet) {
   forRandomTrees(7, 300, [](const HandModel& hand, Rng& rng) {
     Twins twins(hand, rng);
     auto& [body, bullet, s] = twins;
     const Eigen::Vector3d gravity = randomVector(rng, 10.0);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, gravity));
-    // Bullet's articulated-body algorithm, which shares no code and no method with ours.
+    // Bullet's articulated-body algorithm shares no code and no method with ours.
     EXPECT_LE(residual(body, bullet.acceleration(s.torque, gravity), s.torque), tolerance(1e-10));
-    // Under τ = h Bullet must find no acceleration; measured against the one without torque.
+    // Under τ = h Bullet must find no acceleration, relative to the acceleration without torque.
     const double unheld =
         bullet.acceleration(JointEffort(hand.joint_count), gravity).cwiseAbs().maxCoeff();
     EXPECT_LE(bullet.acceleration(body.bias(), gravity).cwiseAbs().maxCoeff(),
@@ -65,7 +66,7 @@ TEST(ArticulatedBody, RandomTrees_ForwardDynamicsAndBiasEqualBullets) {
   });
 }
 
-TEST(ArticulatedBody, RandomTrees_InertiaInvertsBulletsColumns) {
+TEST(ArticulatedBody, RandomTrees_InertiaTimesBulletsInverseIsIdentity) {
   forRandomTrees(9, 60, [](const HandModel& hand, Rng& rng) {
     Twins twins(hand, rng);
     auto& [body, bullet, s] = twins;
@@ -78,7 +79,7 @@ TEST(ArticulatedBody, RandomTrees_InertiaInvertsBulletsColumns) {
   });
 }
 
-TEST(ArticulatedBody, RandomTrees_LinksStandWhereBulletPutsThem) {
+TEST(ArticulatedBody, RandomTrees_LinkPositionsEqualThoseOfBullet) {
   forRandomTrees(10, 60, [](const HandModel& hand, Rng& rng) {
     Twins twins(hand, rng);
     auto& [body, bullet, s] = twins;
@@ -90,11 +91,11 @@ TEST(ArticulatedBody, RandomTrees_LinksStandWhereBulletPutsThem) {
   });
 }
 
-TEST(ArticulatedBody, KinematicsOfAnother_GiveTheBitsOfItsOwn) {
+TEST(ArticulatedBody, KinematicsTakenFromAnotherBody_GiveTheSameBits) {
   forRandomTrees(10, 100, [](const HandModel& hand, Rng& rng) {
     ArticulatedBody own(hand), placed(hand), taken(hand);
     const Eigen::Vector3d gravity = randomVector(rng, 10.0);
-    // Elsewhere first: whatever is left of it would show.
+    // Updates at another state first, so that anything left of it would show.
     const JointState before = randomState(rng, hand), s = randomState(rng, hand);
     ASSERT_TRUE(taken.update(before.theta, before.theta_dot, gravity));
     ASSERT_TRUE(own.update(s.theta, s.theta_dot, gravity));
@@ -123,21 +124,22 @@ TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
 
     const Eigen::MatrixXd g = hand.synergy;
     const Eigen::VectorXd driving = torque.vec() - body.bias().vec();
-    // Gᵀ (τ − h) = f_s: what the person feels is the virtual-work force.
+    // Gᵀ (τ − h) = f_s: the rendered effort is the virtual-work force.
     const double reduced_rounding = 1e-15 * condition(body.reducedInertia());
-    // A drawn f_s may be next to nothing: what rounds is τ, which holds up h as well.
+    // A drawn f_s may be nearly zero; the rounding is that of τ, which also balances h.
     const double torque_rounding =
         1e-14 * (g.cwiseAbs().transpose() * torque.vec().cwiseAbs()).norm();
     EXPECT_LE((g.transpose() * driving - f_s.vec()).norm(),
               tolerance((1e-10 + reduced_rounding) * f_s.vec().norm() + torque_rounding));
-    // M⁻¹ (τ − h) lies in range(G): the coupled joints need no constraint. Bullet accelerates.
+    // M⁻¹ (τ − h) lies in range(G): the coupled joints need no constraint. Bullet computes the
+    // acceleration.
     const Eigen::VectorXd acceleration = bullet.acceleration(torque, gravity);
     const Eigen::VectorXd reduced = g.colPivHouseholderQr().solve(acceleration);
-    // τ holds up h as well: what rounding leaves is a share of what h alone would cause.
+    // τ also balances h, so the rounding is a share of the acceleration that h alone would cause.
     const double unheld =
         bullet.acceleration(JointEffort(hand.joint_count), gravity).norm() + acceleration.norm();
     EXPECT_LE((acceleration - g * reduced).norm(), tolerance(1e-10) * unheld);
-    // The same by our own M, to rounding.
+    // The same with our own M, to rounding.
     const Eigen::MatrixXd m = body.inertia();
     const Eigen::VectorXd own = m.llt().solve(driving);
     const Eigen::VectorXd own_reduced = g.colPivHouseholderQr().solve(own);
@@ -145,7 +147,7 @@ TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
   });
 }
 
-// ---- the hands of the house
+// ---- the shipped hands
 
 struct DeviceAndHand {
   const char* device;
@@ -154,7 +156,7 @@ struct DeviceAndHand {
 
 class ShippedHand : public testing::TestWithParam<DeviceAndHand> {
  protected:
-  /// A posture and rates of the kind a tick sees: on the synergy, within some centimetres.
+  /// A posture and rates as in a tick: on the synergy, within some centimetres.
   static JointState posture(Rng& rng, const HandModel& hand) {
     JointState s{hand.theta0, JointVelocity(hand.joint_count), JointEffort(hand.joint_count)};
     for (int a = 0; a < hand.axis_count; ++a) {
@@ -179,7 +181,7 @@ TEST_P(ShippedHand, ForwardDynamics_EqualBulletsTo1em9) {
     bullet.setState(s.theta, s.theta_dot);
     const Eigen::VectorXd theirs = bullet.acceleration(s.torque, gravity);
     const double whole = residual(body, theirs, s.torque);
-    // Under τ = h Bullet must find no acceleration; measured against the one without torque.
+    // Under τ = h Bullet must find no acceleration, relative to the acceleration without torque.
     const Eigen::VectorXd unheld = bullet.acceleration(JointEffort(hand.joint_count), gravity);
     const double bias = bullet.acceleration(body.bias(), gravity).cwiseAbs().maxCoeff() /
                         unheld.cwiseAbs().maxCoeff();

@@ -96,7 +96,7 @@ Eigen::VectorXd BulletTwin::acceleration(const JointEffort& torque,
   btAlignedObjectArray<btScalar> reals;
   btAlignedObjectArray<btVector3> vectors;
   btAlignedObjectArray<btMatrix3x3> matrices;
-  // A "step" of 1 s adds the acceleration to the velocities, which are put back afterwards.
+  // A "step" of 1 s adds the acceleration to the velocities, which are restored afterwards.
   body_->computeAccelerationsArticulatedBodyAlgorithmMultiDof(1.0, reals, vectors, matrices, false,
                                                               false, false);
   Eigen::VectorXd out(hand_->joint_count);
@@ -110,7 +110,8 @@ Eigen::VectorXd BulletTwin::acceleration(const JointEffort& torque,
 }
 
 Eigen::VectorXd BulletTwin::inverseInertiaColumn(int joint) {
-  // Only what the articulated-body pass has cached is used, so it must have run at this posture.
+  // This call uses only what the articulated-body pass has cached, so the pass must have run in
+  // this posture.
   (void)acceleration(JointEffort(hand_->joint_count), Eigen::Vector3d::Zero());
   std::vector<double> force(6 + body_->getNumDofs(), 0.0), output(6 + body_->getNumDofs(), 0.0);
   for (int i = 0; i < body_->getNumLinks(); ++i) {

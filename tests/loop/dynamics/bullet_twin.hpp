@@ -9,7 +9,7 @@ class btMultiBody;
 
 namespace wholehand::test {
 
-/// The same tree of links as a btMultiBody: Bullet's articulated-body algorithm (Featherstone, in
+/// The same tree of links as a btMultiBody. Bullet's articulated-body algorithm (Featherstone, in
 /// link frames, O(n)) is an implementation of the dynamics that shares nothing with ours.
 class BulletTwin {
  public:

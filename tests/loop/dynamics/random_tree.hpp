@@ -22,9 +22,9 @@ inline Eigen::Matrix3d randomRotation(Rng& rng) {
       .toRotationMatrix();
 }
 
-/// A tree as odd as the interface allows: any branching, skew axes, general inertias, massless
-/// carriages, locked links of either kind (fixed, or without a joint), joints numbered out of
-/// order.
+/// A random tree with every irregularity that the interface allows: any branching, skew axes,
+/// general inertias, massless carriages, locked links of either kind (fixed, or without a joint),
+/// joints numbered out of order.
 inline HandModel randomTree(Rng& rng, int link_count, int axis_count) {
   HandModel hand;
   hand.axis_count = axis_count;

@@ -1,4 +1,4 @@
-// What all that watches and limits costs in a tick, in CPU time.
+// CPU time of the safety chain per tick.
 #include "loop/core/compiler.hpp"
 #include "loop/fault_injection/fault_bench.hpp"
 #include "loop/safety/safety_chain.hpp"
@@ -8,14 +8,14 @@
 namespace wholehand::test {
 namespace {
 
-/// The steps of docs/safety.md in their order, as HapticRenderer::tick() calls them.
+/// Runs the steps of docs/safety.md in their order, as HapticRenderer::tick() calls them.
 void run(SafetyChain& chain, TickRecord& record) {
-  chain.judgeReading(Fault::kNone, record);
-  chain.judgeWorld(record.contacts.data(), record.contact_count, {}, record);
+  chain.checkReading(Fault::kNone, record);
+  chain.checkWorld(record.contacts.data(), record.contact_count, {}, record);
   chain.watchEnergy(0.0, record);
   chain.limitEffort(record);
-  chain.judgeWrite(Fault::kNone, record);
-  chain.judgeStep(Fault::kNone, record);
+  chain.checkWrite(Fault::kNone, record);
+  chain.checkStep(Fault::kNone, record);
   chain.conclude(record);
 }
 
@@ -48,7 +48,7 @@ TEST_P(SafetyChainCost, WithEveryBodyMoving_TakesAtMostTenMicroseconds_slow) {
     for (TickRecord& r : ticks) run(chain, r);
     cost_us.push_back(1e-3 * (1e9 * cpu_s() - begin_ns) / static_cast<double>(ticks.size()));
     ASSERT_EQ(chain.latched(), Fault::kNone);
-    ASSERT_EQ(chain.state(), SafetyState::kRendering);  // the work was done
+    ASSERT_EQ(chain.state(), SafetyState::kRendering);  // the chain did its work
   }
   std::sort(cost_us.begin(), cost_us.end());
   const double median_us = cost_us[cost_us.size() / 2];

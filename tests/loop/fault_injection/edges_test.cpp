@@ -1,5 +1,5 @@
-// The edges of a run: between arming and the first tick, a machine that slept, an arming that is
-// taken back, two faults in one tick.
+// Edge cases of a run: motion between arming and the first tick, a machine that slept, a disarming
+// while it renders, two faults in one tick.
 #include "loop/fault_injection/fault_bench.hpp"
 
 #include <climits>
@@ -7,16 +7,16 @@
 namespace wholehand::test {
 namespace {
 
-/// The reading is off from the first tick on, not yet when it is armed.
+/// Shifts the reading from the first tick on, but not yet at arming.
 Sabotage movedBy(int axis, double way) {
   Sabotage out;
   out.device = {{InjectedKind::kEncoderJump, 1, INT_MAX - 1, axis, way}};
   return out;
 }
 
-// The simulated hand stands where the device was armed. A device elsewhere would be pulled back
-// there as soon as the effort is blended in, through whatever is in between.
-TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes) {
+// The simulated hand stands where the device was armed. The coupling would pull a device elsewhere
+// back there as soon as the effort is blended in, through anything in between.
+TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsAFaultAndNothingPushes) {
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(31);
   for (int axis = 0; axis < workbench().axes(); ++axis) {
@@ -39,7 +39,7 @@ TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes)
   }
 }
 
-TEST(MovedSinceArming, ByLess_IsBlendedIn) {
+TEST(MovedSinceArming, BelowATwentiethOfTheRange_IsBlendedIn) {
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(32);
   for (int axis = 0; axis < workbench().axes(); ++axis) {
@@ -48,7 +48,7 @@ TEST(MovedSinceArming, ByLess_IsBlendedIn) {
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
     for (int k = 0; k < 250; ++k) {
-      witness.see(bench.tick());
+      witness.onRecord(bench.tick());
       ASSERT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone) << of.name << ", tick " << k;
     }
     EXPECT_EQ(witness.problem(), "");
@@ -56,7 +56,7 @@ TEST(MovedSinceArming, ByLess_IsBlendedIn) {
   }
 }
 
-/// Stands still, however much time is said to pass.
+/// Stands still, however many periods are reported as elapsed.
 class StillDevice final : public RestingDevice {
  public:
   using RestingDevice::RestingDevice;
@@ -67,8 +67,8 @@ class StillDevice final : public RestingDevice {
   int least_periods = INT_MAX;
 };
 
-// At 8 kHz 2^31 periods are three days: a process that was stopped, a machine that was paused.
-TEST(LongSleep, OfMorePeriodsThanAnIntHolds_IsALongGapAndNoTimeTravel) {
+// At 8 kHz 2^31 periods are three days: the process was stopped or the machine slept.
+TEST(LongSleep, MorePeriodsThanAnIntHolds_AreALongGap) {
   for (const std::uint32_t periods : {3'000'000'000U, UINT32_MAX}) {
     StillDevice device(inside(workbench().models().device));
     AnalyticWorld world(workbench().models().hand,
@@ -86,7 +86,7 @@ TEST(LongSleep, OfMorePeriodsThanAnIntHolds_IsALongGapAndNoTimeTravel) {
   }
 }
 
-TEST(NoPeriod, OfALoopThatSaysZero_CountsAsOne) {
+TEST(NoPeriod, LoopThatReportsZeroPeriods_CountsAsOne) {
   std::mt19937_64 random = seededRandom(33);
   Bench bench(workbench(), {}, random, workbench().config());
   ASSERT_TRUE(bench.renderer.arm());
@@ -97,24 +97,23 @@ TEST(NoPeriod, OfALoopThatSaysZero_CountsAsOne) {
   }
 }
 
-// An arming that is taken back after ticks have followed leaves a device that is let down, not
-// dropped.
-TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
+// Disarming after ticks have run must let the effort down, not drop it.
+TEST(Disarm, WhileItPushes_CausesNoStep) {
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(34);
   double largest = 0.0;
-  // Six motions, and more where none of them was pushed hard enough to show a step.
+  // Runs six motions, and more if none of them pushed hard enough to show a step.
   for (int i = 0; i < 6 || (largest <= 1.0 && i < 60); ++i) {
     Bench bench(workbench(), {}, random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
-    for (int k = 0; k < 300 + 20 * (i % 6); ++k) witness.see(bench.tick());
+    for (int k = 0; k < 300 + 20 * (i % 6); ++k) witness.onRecord(bench.tick());
     for (int a = 0; a < workbench().axes(); ++a) {
       largest = std::max(largest, std::abs(bench.record.sent[a] - config.safety.neutral[a]) /
                                       config.safety.supervisor.most_change[a]);
     }
     bench.renderer.disarm();
-    for (int k = 0; k < kNeutralWithin; ++k) witness.see(bench.tick());
+    for (int k = 0; k < kNeutralWithin; ++k) witness.onRecord(bench.tick());
     EXPECT_EQ(witness.problem(), "");
     EXPECT_TRUE(witness.atNeutral());
     EXPECT_TRUE(bench.renderer.atNeutral());
@@ -122,8 +121,8 @@ TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
   EXPECT_GT(largest, 1.0);  // a step would have shown
 }
 
-// What stops the run is what somebody will look for, not an effort that was clamped beside it.
-/// Runs until it stops, as a therapist who allows the least. False: it is not armed.
+// Runs with the smallest user limits until it stops. @return false if arming is refused.
+// The record must name the cause of the stop, not an effort that was clamped in the same tick.
 bool stopsAllowingTheLeast(Bench& bench) {
   std::vector<double> least;
   for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
@@ -134,7 +133,7 @@ bool stopsAllowingTheLeast(Bench& bench) {
   return true;
 }
 
-TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
+TEST(TwoFaults, ClampedOnOneAxisAndNanOnAnother_NameTheStoppingOne) {
   std::mt19937_64 random = seededRandom(35);
   const RendererConfig& config = workbench().config();
   int clamped = 0;
@@ -144,7 +143,7 @@ TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
     sabotage.push_tick = 300 + 10 * i;
     sabotage.push_axis = 2;
     Bench bench(workbench(), sabotage, random, config);
-    // What is clamped then is known before the device's limit.
+    // The effort is clamped before the device's limit is reached.
     ASSERT_TRUE(stopsAllowingTheLeast(bench));
     EXPECT_EQ(bench.record.faults & kStoppingFaults, Fault::kNonFiniteEffort);
     EXPECT_EQ(bench.record.fault_axis, 2);
@@ -153,9 +152,9 @@ TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
   EXPECT_GT(clamped, 0);
 }
 
-// A fault of the world or of writing is of no axis: a reader who looks at the axis that was merely
-// clamped in the same tick repairs the wrong thing.
-TEST(TwoFaults, ClampedBesideAFaultOfNoAxis_NameNone) {
+// A fault of the world or of a write belongs to no axis. Naming an axis that was only clamped in
+// the same tick would mislead whoever repairs it.
+TEST(TwoFaults, ClampedAxisBesideAFaultWithoutAxis_NameNoAxis) {
   std::mt19937_64 random = seededRandom(36);
   const RendererConfig& config = workbench().config();
   using World = InjectedWorldFault::Kind;

@@ -10,10 +10,11 @@
 
 #include <optional>
 
-/// A whole tick, cheap enough for ten thousands of faults, and what must hold of every one.
+/// A whole tick that is cheap enough for tens of thousands of faults, and the checks that hold for
+/// each of them.
 namespace wholehand::test {
 
-/// What is put wrong in one run: any of the three.
+/// The faults of one run: any of the three kinds.
 struct Sabotage {
   std::vector<InjectedFault> device;
   InjectedWorldFault world{InjectedWorldFault::Kind::kStepFails, -1, 0};
@@ -21,7 +22,7 @@ struct Sabotage {
   int push_tick = 0, push_axis = 0;
 };
 
-/// A device's models and what a renderer of them is made of, loaded once.
+/// A device's models and the parts of its renderer, loaded once.
 struct Workbench {
   explicit Workbench(const std::string& device, const std::string& hand = "adult-median-right",
                      double of_period_s = kPeriod_s)
@@ -29,7 +30,7 @@ struct Workbench {
     Models m = withWeight(load(shippedFiles(device, "empty", hand, "stiff-adult")));
     auto simulated = std::make_unique<SimulatedDevice>(
         m.device, m.patient, Intention::throughWaypoints({{0.0, clear(m.device)}}), period_s);
-    // Not said to be simulated: everything is watched.
+    // The device is not declared as simulated, so everything is monitored.
     inner = std::move(simulated);
     RigOptions options;
     options.period_s = period_s;
@@ -50,7 +51,7 @@ inline const Workbench& workbench() {
   return bench;
 }
 
-/// Off every stop, so that a stuck encoder differs from a hand that rests at one.
+/// A position off every stop, so that a stuck encoder differs from a hand that rests at a stop.
 inline AxisPosition inside(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
@@ -59,8 +60,8 @@ inline AxisPosition inside(const DeviceModel& device) {
   return q;
 }
 
-/// One run: a stiff person who slams the device about against a rigid stop halfway along the first
-/// axis, while an exercise pushes.
+/// One run: a stiff person slams the device about against a rigid stop halfway along the first axis
+/// while an exercise pushes.
 struct Bench {
   Bench(const Workbench& workbench, const Sabotage& sabotage, std::mt19937_64& random,
         const RendererConfig& config)
@@ -91,7 +92,7 @@ struct Bench {
     record.tick = static_cast<std::uint64_t>(++ticks);
     renderer.tick(device.nextElapsedPeriods(), record);
     record.command_count = 0;
-    // What is judged is what the device holds, not what the loop would like it to.
+    // The checks use what the device holds, not what the loop has requested.
     EXPECT_TRUE(same(record.sent, accepting.held())) << "tick " << ticks;
     return record;
   }
@@ -107,12 +108,12 @@ struct Bench {
   int ticks = -1;
 };
 
-/// Watches that every effort sent is one that may be sent. Says what was wrong first.
+/// Checks that every effort sent is allowed. Reports the first violation.
 class Witness {
  public:
   explicit Witness(const RendererConfig& config) : config_(config), last_(config.safety.neutral) {}
 
-  void see(const TickRecord& r) {
+  void onRecord(const TickRecord& r) {
     double power_w = 0.0;
     for (int a = 0; a < r.sent.size(); ++a) {
       const double change = std::abs(r.sent[a] - last_[a]);
@@ -124,28 +125,28 @@ class Witness {
       steepest = std::max(steepest, change / config_.safety.supervisor.most_change[a]);
       power_w += std::max((r.sent[a] - config_.safety.neutral[a]) * r.qd_mf[a], 0.0);
     }
-    // The slew limit has the last word: power may fall no faster than it lets efforts fall.
+    // The slew limit has priority: power falls no faster than it lets the efforts fall.
     if (power_w > config_.safety.supervisor.power_limit_w + 1e-9 &&
         !any(r.faults & (Fault::kEffortSlew | kStoppingFaults)) && r.authority == 1.0) {
       complain(r, -1, "powerful", power_w);
     }
     last_ = r.sent;
   }
-  /// From a stop on, efforts only fall towards neutral.
-  void seeFall(const TickRecord& r) {
+  /// Checks that after a stop efforts only fall towards neutral.
+  void onFallingRecord(const TickRecord& r) {
     for (int a = 0; a < r.sent.size(); ++a) {
       const double before = std::abs(last_[a] - config_.safety.neutral[a]);
       const double now = std::abs(r.sent[a] - config_.safety.neutral[a]);
       if (now > before + 1e-12) complain(r, a, "rising", now - before);
     }
-    see(r);
+    onRecord(r);
   }
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] bool atNeutral() const {
     return std::memcmp(last_.data(), config_.safety.neutral.data(),
                        sizeof(double) * last_.size()) == 0;
   }
-  double steepest = 0.0;  ///< change of an effort, in slew limits
+  double steepest = 0.0;  ///< largest change of an effort, in slew limits
 
  private:
   void complain(const TickRecord& r, int axis, const char* what, double value) {

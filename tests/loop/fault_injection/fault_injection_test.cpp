@@ -1,4 +1,4 @@
-// Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
+// Injects every stopping fault on every axis at random ticks; WHOLEHAND_FULL tries 1,000 of each.
 #include "loop/core/compiler.hpp"
 #include "loop/fault_injection/fault_bench.hpp"
 #include "support/test_names.hpp"
@@ -9,8 +9,8 @@ namespace {
 using WorldKind = InjectedWorldFault::Kind;
 
 constexpr int kLatestTick = 400;
-constexpr int kReportedWithin = 2600;  // ticks; a stuck encoder needs a second and evidence
-constexpr int kGapEvery = 100;         // ticks, where gaps are repeated
+constexpr int kReportedWithin = 2600;  // [ticks] a stuck encoder needs a second and evidence
+constexpr int kGapEvery = 100;         // [ticks] between repeated gaps
 
 struct Kind {
   const char* name;
@@ -19,7 +19,7 @@ struct Kind {
   std::optional<WorldKind> world;
   Push push = Push::kWell;
   bool of_axis = false;
-  int ramp_delay = 0;    ///< what is known only after the write starts the ramp in the next tick
+  int ramp_delay = 0;    ///< 1: a fault known only after the write starts the ramp in the next tick
   bool repeats = false;  ///< short gaps, one after another
 };
 
@@ -65,14 +65,14 @@ std::vector<Kind> kinds() {
   };
 }
 
-/// In which tick the supervisor must report, from what was read alone: written anew, by the words
-/// of docs/safety.md.
+/// Predicts the tick in which the supervisor must report, from the readings alone. Implemented
+/// independently from docs/safety.md.
 class Oracle {
  public:
   Oracle(const Kind& kind, const RendererConfig& config, int at, int axis)
       : kind_(kind), s_(config.safety.supervisor), at_(at), axis_(axis) {}
 
-  /// @param sent_before the effort that was in force when this was read
+  /// @param sent_before effort in force when this was read
   [[nodiscard]] bool met(const TickRecord& r, const AxisEffort& sent_before) {
     const double q = r.q_m[axis_], moved = std::abs(q - q_) - 2.0 * s_.encoder_step[axis_];
     const double fastest = s_.speed_limit[axis_] * s_.period_s;
@@ -84,7 +84,8 @@ class Oracle {
     if (kind_.reported == Fault::kWorkspace) {
       met = q < s_.lower[axis_] - s_.margin[axis_] || q > s_.upper[axis_] + s_.margin[axis_];
     }
-    if (kind_.reported == Fault::kLateInARow) {  // the fourth gap within a second, or late in a row
+    if (kind_.reported ==
+        Fault::kLateInARow) {  // the fourth gap within a second, or several late ticks in a row
       met = tick == at_ + (kind_.repeats ? 3 * kGapEvery : s_.watch.late_in_a_row);
     }
     if (kind_.reported == Fault::kEncoderStuck) met = stuck(r, sent_before);
@@ -122,7 +123,7 @@ class Oracle {
   const SupervisorConfig& s_;
   int at_, axis_;
   double q_ = 0.0, still_at_ = 0.0, least_ = 0.0, most_ = 0.0;
-  double travel_ = 0.0;  ///< of the base axes, in their ranges
+  double travel_ = 0.0;  ///< of the base axes, as a share of their ranges
   AxisPosition before_;
   int since_ = 0, fast_ticks_ = 0;
 };
@@ -137,14 +138,14 @@ struct Totals {
 Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis, int refused_ticks) {
   Sabotage out;
   if (kind.device) {
-    // As the device's reads are counted: arming makes the first.
-    // A write that is refused for ever leaves the device where it is: see WriteRefusedForEver.
+    // Reads of the device are counted; arming makes the first. A write that is refused forever
+    // leaves the device where it is: see WriteRefusedForEver.
     const int more =
         *kind.device == InjectedKind::kWriteFails ? refused_ticks - 1 : kReportedWithin;
     out.device = {
         faultBeyond(bench.models().device, kPeriod_s, *kind.device, axis, at + 1, at + 1 + more)};
   }
-  if (kind.repeats) {  // of six milliseconds each
+  if (kind.repeats) {  // six milliseconds each
     out.device.clear();
     for (int tick = at + 1; tick <= at + 1 + 9 * kGapEvery; tick += kGapEvery) {
       out.device.push_back({InjectedKind::kLongGap, tick, tick, 0, 5.0});
@@ -157,20 +158,21 @@ Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis, in
   return out;
 }
 
-/// From the tick that reported it: the ramp, exactly neutral within 100 ms, nothing after it.
+/// Checks from the tick that reported it: the ramp, exactly neutral within 100 ms, then no more
+/// effort.
 void expectFall(const Kind& kind, Bench& bench, Witness& witness, Totals& totals) {
   const int steps = bench.world.steps();
   const double authority = bench.record.authority;
   int neutral_after = -1;
   for (int k = 1; k <= kNeutralWithin + 20; ++k) {
     const TickRecord& r = bench.tick();
-    witness.seeFall(r);
+    witness.onFallingRecord(r);
     ASSERT_EQ(r.safety_state, SafetyState::kFaulted) << k;
     if (k == 1 && kind.ramp_delay == 1) {
       ASSERT_LT(r.authority, authority);
     }
     if (k == 10) {
-      ASSERT_FALSE(bench.renderer.arm());  // still on its way
+      ASSERT_FALSE(bench.renderer.arm());  // the ramp is not finished
     }
     if (neutral_after < 0 && witness.atNeutral()) neutral_after = k;
     if (k == kNeutralWithin - 1) {
@@ -183,7 +185,7 @@ void expectFall(const Kind& kind, Bench& bench, Witness& witness, Totals& totals
   totals.latest_neutral = std::max(totals.latest_neutral, neutral_after + 1);
 }
 
-/// A person arms again: it renders again, from neutral.
+/// Checks that after a new arming it renders again, from neutral.
 void expectRearming(Bench& bench, const RendererConfig& config, int ticks) {
   bench.device.clear();
   bench.world.clear();
@@ -192,7 +194,7 @@ void expectRearming(Bench& bench, const RendererConfig& config, int ticks) {
   ASSERT_TRUE(armed) << format(armed.errors());
   Witness witness(config);
   bench.ticks = -1;
-  for (int k = 0; k < ticks; ++k) witness.see(bench.tick());
+  for (int k = 0; k < ticks; ++k) witness.onRecord(bench.tick());
   EXPECT_EQ(witness.problem(), "");
   EXPECT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone);
   EXPECT_GT(bench.record.authority, 0.0);
@@ -216,7 +218,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
     const TickRecord& r = bench.tick();
     met = oracle.met(r, sent);
     const bool falls = met && kind.ramp_delay == 0;
-    falls ? witness.seeFall(r) : witness.see(r);
+    falls ? witness.onFallingRecord(r) : witness.onRecord(r);
     if (!met) {
       ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone)
           << "in tick " << k << ", too early: axis " << r.fault_axis;
@@ -225,7 +227,8 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
     sent = r.sent;
   }
   ++totals.runs;
-  if (!met) {  // one that sticks at a stop or where a clamped effort cannot change is not seen
+  if (!met) {  // an encoder that sticks at a stop, or where a clamped effort cannot change, is not
+               // detected
     ASSERT_EQ(kind.reported, Fault::kEncoderStuck);
     ASSERT_TRUE(oracle.atStop(bench.record.q_m[axis]) ||
                 std::abs(bench.record.sent[axis]) >= 0.8 * config.safety.effort_limit[axis])
@@ -251,7 +254,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
 
 int runsOfEach() {
   if (fullCounts()) return 1000;
-  return kFew ? 2 : 6;
+  return kReducedCounts ? 2 : 6;
 }
 
 class StoppingFault : public ::testing::TestWithParam<Kind> {};
@@ -280,7 +283,7 @@ TEST_P(StoppingFault, OnEveryAxisAtRandomTicks_ReachesNeutralAndStaysUntilArmed)
 INSTANTIATE_TEST_SUITE_P(Kinds, StoppingFault, ::testing::ValuesIn(kinds()),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
-// Whatever the number of axes: a few of every kind on the other shipped devices.
+// Runs a few faults of every kind on the other shipped devices, which have other numbers of axes.
 class OtherDevice : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(OtherDevice, EveryStoppingFaultOnARandomAxis_ReachesNeutral) {

@@ -10,18 +10,18 @@
 
 namespace wholehand::test {
 
-/// What an exercise does wrong, from one tick on.
+/// Fault of the exercise from one tick on.
 enum class Push {
-  kWell,      ///< nothing: it sways
-  kNan,       ///< no number on one axis
+  kWell,      ///< no fault: it sways
+  kNan,       ///< NaN on one axis
   kInfinite,  ///< infinity on one axis
   kTooHard,   ///< ten times the limit on one axis
-  kStep,      ///< from one side to the other on one axis, in no time
+  kStep,      ///< a step from one side to the other on one axis
   kAlong      ///< with the motion on every axis, at nine tenths of the limits
 };
 
-/// Pushes every axis to and fro by a fifth of its limit, and fades out where it may not push. A
-/// test names its fault.
+/// Pushes every axis back and forth by a fifth of its limit and fades out where it may not push. A
+/// test sets its fault.
 class PushingExercise final : public Exercise {
  public:
   PushingExercise(AxisEffort limit, Push fault, int tick, int axis)
@@ -45,7 +45,7 @@ class PushingExercise final : public Exercise {
     if (tick_ >= at_) goWrong(*input.observed, out.effort);
   }
 
-  /// Nothing goes wrong from now on.
+  /// Removes the fault.
   void clear() noexcept { fault_ = Push::kWell; }
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits&) const override {

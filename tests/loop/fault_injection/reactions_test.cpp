@@ -1,4 +1,4 @@
-// What does not stop rendering, what stops it without a fault, and what keeps it from being armed.
+// Events that do not stop rendering, that stop it without a fault, or that prevent arming.
 #include "loop/fault_injection/fault_bench.hpp"
 
 namespace wholehand::test {
@@ -10,12 +10,13 @@ Sabotage pushing(Push push, int at, int axis) {
   return {.push = push, .push_tick = at, .push_axis = axis};
 }
 
-/// Runs to the end, rendering; the bits seen from tick `at` on, OR-ed.
+/// Runs to the end and checks that rendering continues. @return the fault bits seen from tick `at`
+/// on, OR-ed
 Fault expectGoesOn(Bench& bench, Witness& witness, int ticks, int at) {
   Fault seen = Fault::kNone;
   for (int k = 0; k < ticks; ++k) {
     const TickRecord& r = bench.tick();
-    witness.see(r);
+    witness.onRecord(r);
     if (k >= at) seen |= r.faults;
     EXPECT_EQ(r.faults & kStoppingFaults, Fault::kNone) << "tick " << k << " axis " << r.fault_axis;
     if (any(r.faults & kStoppingFaults)) break;
@@ -33,11 +34,11 @@ struct Limit {
 };
 class Limited : public ::testing::TestWithParam<Limit> {};
 
-TEST_P(Limited, EffortOnEveryAxis_IsHeldAndReportedAndRenderingGoesOn) {
+TEST_P(Limited, EffortOnEveryAxis_IsClampedAndReportedAndRenderingContinues) {
   const Limit limit = GetParam();
   std::mt19937_64 random = seededRandom(21);
   int runs = 0, seen_runs = 0;  // pressed hard against the stop, the sum may be at the limit anyway
-  for (int axis = 0; axis < 3; ++axis) {  // whom a push does not throw beyond the speed limit
+  for (int axis = 0; axis < 3; ++axis) {  // a push on these does not exceed the speed limit
     for (int i = 0; i < cases(kRuns); ++i) {
       const int at = static_cast<int>(uniform(random, 210, 400));
       SCOPED_TRACE("tick " + std::to_string(at) + ", axis " + std::to_string(axis));
@@ -52,7 +53,7 @@ TEST_P(Limited, EffortOnEveryAxis_IsHeldAndReportedAndRenderingGoesOn) {
       if (HasFailure()) return;
     }
   }
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(seen_runs, runs / 2);
   }
 }
@@ -62,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Limited,
                                            Limit{"SlewLimit", Push::kStep, Fault::kEffortSlew}),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
-TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
+TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_StaysWithinTheLimit) {
   std::mt19937_64 random = seededRandom(22);
   int limited = 0, slewed = 0, ticks = 0;
   double largest_w = 0.0;
@@ -76,8 +77,8 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
       const TickRecord& r = bench.tick();
       EXPECT_FALSE(any(r.faults & Fault::kWorldGivesEnergy));  // the exercise does
       if (any(r.faults & kStoppingFaults))
-        break;  // pushed along, a finger may pass its speed limit
-      witness.see(r);
+        break;  // pushed along its motion, a finger may exceed its speed limit
+      witness.onRecord(r);
       ++ticks;
       limited += any(r.faults & Fault::kPowerLimit) ? 1 : 0;
       slewed += any(r.faults & Fault::kEffortSlew) ? 1 : 0;
@@ -89,7 +90,7 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
     }
     EXPECT_EQ(witness.problem(), "");
   }
-  if (kCountsTell) {
+  if (kStatisticsMeaningful) {
     EXPECT_GT(limited, ticks / 20);
   }
   std::printf("power: held in %d of %d ticks, slew limit in %d; at most %.2f of the limit\n",
@@ -105,15 +106,15 @@ TEST(EmergencyStop, AtRandomTicks_FallsToNeutralAndIsDisarmedUntilArmed) {
     Bench bench(workbench(), {}, random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
-    for (int k = 0; k < at; ++k) witness.see(bench.tick());
+    for (int k = 0; k < at; ++k) witness.onRecord(bench.tick());
     const double authority = bench.record.authority;
     bench.renderer.requestEmergencyStop();
-    witness.seeFall(bench.tick());
+    witness.onFallingRecord(bench.tick());
     EXPECT_EQ(bench.record.faults & (Fault::kEmergencyStop | Fault::kStopRequested),
               Fault::kEmergencyStop | Fault::kStopRequested);
     ASSERT_LT(bench.record.authority, authority);
     for (int k = 1; k < kNeutralWithin + 20; ++k) {
-      witness.seeFall(bench.tick());
+      witness.onFallingRecord(bench.tick());
       if (k == kNeutralWithin - 1) {
         ASSERT_TRUE(witness.atNeutral());
       }
@@ -127,8 +128,8 @@ TEST(EmergencyStop, AtRandomTicks_FallsToNeutralAndIsDisarmedUntilArmed) {
   }
 }
 
-// A person who presses springs forward when the device lets go: that is no fault of anybody.
-TEST(Stop, WhilePersonAndHandFlyOff_EndsDisarmedNotFaulted) {
+// A person who presses springs forward when the device lets go; that is not a fault.
+TEST(Stop, WhilePersonAndHandSpringForward_EndsDisarmedNotFaulted) {
   std::mt19937_64 random = seededRandom(29);
   const RendererConfig& config = workbench().config();
   for (int axis = 0; axis < workbench().axes(); ++axis) {
@@ -139,10 +140,10 @@ TEST(Stop, WhilePersonAndHandFlyOff_EndsDisarmedNotFaulted) {
     Bench bench(workbench(), sabotage, random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
-    for (int k = 0; k < 300; ++k) witness.see(bench.tick());
+    for (int k = 0; k < 300; ++k) witness.onRecord(bench.tick());
     bench.renderer.requestStop();
     for (int k = 0; k < kNeutralWithin; ++k) {
-      witness.seeFall(bench.tick());
+      witness.onFallingRecord(bench.tick());
       ASSERT_EQ(bench.record.faults & kStoppingFaults, Fault::kNone) << k;
     }
     EXPECT_TRUE(witness.atNeutral());
@@ -151,8 +152,8 @@ TEST(Stop, WhilePersonAndHandFlyOff_EndsDisarmedNotFaulted) {
   }
 }
 
-// Nothing that is sent arrives: the record says what the device holds, not what was wished, and the
-// run is over after a second, so that somebody else can act.
+// Every write is refused: the record holds the effort that the device holds, not the requested one,
+// and the run ends after a second so that somebody else can act.
 TEST(WriteRefusedForEver, WhileRendering_IsFaultedAndFinishedAfterASecond) {
   std::mt19937_64 random = seededRandom(30);
   const RendererConfig& config = workbench().config();
@@ -161,20 +162,20 @@ TEST(WriteRefusedForEver, WhileRendering_IsFaultedAndFinishedAfterASecond) {
   Bench bench(workbench(), refused, random, config);
   ASSERT_TRUE(bench.renderer.arm());
   Witness witness(config);
-  for (int k = 0; k < 300; ++k) witness.see(bench.tick());
+  for (int k = 0; k < 300; ++k) witness.onRecord(bench.tick());
   const AxisEffort held = bench.record.sent;
   int ticks = 0;
   for (; ticks < 3000 && !bench.renderer.finished(); ++ticks) {
-    witness.see(bench.tick());
+    witness.onRecord(bench.tick());
     ASSERT_EQ(std::memcmp(bench.record.sent.data(), held.data(), sizeof(double) * held.size()), 0);
     ASSERT_EQ(bench.record.safety_state, SafetyState::kFaulted);
   }
   EXPECT_FALSE(bench.renderer.atNeutral());
-  EXPECT_NEAR(ticks, 1000 + 80, 5);  // the ramp, then a second of asking
+  EXPECT_NEAR(ticks, 1000 + 80, 5);  // the ramp, then a second of requests
   EXPECT_EQ(witness.problem(), "");
 }
 
-TEST(HolderSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
+TEST(HolderSilent, WhileTheExercisePushes_FadesOutAndRenderingContinues) {
   std::mt19937_64 random = seededRandom(24);
   for (int i = 0; i < cases(kRuns); ++i) {
     const int at = static_cast<int>(uniform(random, 210, 500));
@@ -185,7 +186,7 @@ TEST(HolderSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
     expectGoesOn(bench, witness, at, at);
     bench.record.command_count = 1;
     bench.record.commands[0] = {CommandType::kHolderAlive, 0, 0.0, {}};
-    witness.see(bench.tick());
+    witness.onRecord(bench.tick());
     EXPECT_EQ(bench.record.faults & Fault::kHolderSilent, Fault::kHolderSilent);
     const Fault seen = expectGoesOn(bench, witness, 300, 0);
     EXPECT_EQ(seen & Fault::kHolderSilent, Fault::kHolderSilent);
@@ -193,8 +194,8 @@ TEST(HolderSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
   }
 }
 
-// A simulated device moves nobody, and virtual machines stall: counted only.
-TEST(Lateness, OfASimulatedDevice_IsCountedOnly) {
+// A simulated device moves nobody, and virtual machines stall: late ticks are only counted.
+TEST(Lateness, SimulatedDevice_IsOnlyCounted) {
   std::mt19937_64 random = seededRandom(25);
   RendererConfig config = workbench().config();
   config.safety.supervisor = makeSupervisor(workbench().models().device, kPeriod_s, true);
@@ -208,7 +209,7 @@ TEST(Lateness, OfASimulatedDevice_IsCountedOnly) {
   Witness witness(config);
   Fault seen = Fault::kNone;
   for (int k = 0; k < 700; ++k) {
-    witness.see(bench.tick());
+    witness.onRecord(bench.tick());
     seen |= bench.record.faults;
   }
   EXPECT_EQ(witness.problem(), "");
@@ -217,7 +218,7 @@ TEST(Lateness, OfASimulatedDevice_IsCountedOnly) {
 
 class Arming : public ::testing::TestWithParam<InjectedKind> {};
 
-TEST_P(Arming, OfADeviceThatIsNotReady_IsRefusedAndNothingMoves) {
+TEST_P(Arming, DeviceThatIsNotReady_IsRefusedAndNothingMoves) {
   std::mt19937_64 random = seededRandom(26);
   Sabotage not_ready;
   not_ready.device = {{GetParam(), 0, 0, 0, 0.0}};
@@ -241,15 +242,15 @@ TEST(ArmingTwice, WhileRenderingOrFalling_IsRefusedAndNothingChanges) {
   Bench bench(workbench(), {}, random, config);
   ASSERT_TRUE(bench.renderer.arm());
   Witness witness(config);
-  for (int k = 0; k < 300; ++k) witness.see(bench.tick());
+  for (int k = 0; k < 300; ++k) witness.onRecord(bench.tick());
   EXPECT_FALSE(bench.renderer.arm());
   EXPECT_EQ(bench.renderer.safetyState(), SafetyState::kRendering);
-  witness.see(bench.tick());
+  witness.onRecord(bench.tick());
   EXPECT_EQ(bench.record.authority, 1.0);
   bench.renderer.requestStop();
-  for (int k = 0; k < 30; ++k) witness.seeFall(bench.tick());
+  for (int k = 0; k < 30; ++k) witness.onFallingRecord(bench.tick());
   EXPECT_FALSE(bench.renderer.arm());
-  for (int k = 0; k < kNeutralWithin; ++k) witness.seeFall(bench.tick());
+  for (int k = 0; k < kNeutralWithin; ++k) witness.onFallingRecord(bench.tick());
   EXPECT_TRUE(witness.atNeutral());
   EXPECT_EQ(witness.problem(), "");
 }
@@ -257,7 +258,7 @@ TEST(ArmingTwice, WhileRenderingOrFalling_IsRefusedAndNothingChanges) {
 TEST(ArmingOutside, TheWorkspace_IsRefusedWithTheAxis) {
   std::mt19937_64 random = seededRandom(28);
   Sabotage outside;
-  outside.device = {{InjectedKind::kEncoderJump, 0, 0, 1, 1.0}};  // 1 m off
+  outside.device = {{InjectedKind::kEncoderJump, 0, 0, 1, 1.0}};  // 1 m away
   Bench bench(workbench(), outside, random, workbench().config());
   const Expected<Done> armed = bench.renderer.arm();
   ASSERT_FALSE(armed);

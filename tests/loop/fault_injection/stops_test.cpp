@@ -1,4 +1,4 @@
-// Every kind of stop at every moment only lets go. The effort is judged at the device.
+// Every kind of stop at every moment only reduces the effort, measured at the device.
 #include "loop/fault_injection/fault_bench.hpp"
 #include "support/tolerance.hpp"
 
@@ -8,7 +8,7 @@ namespace {
 enum class StopKind { kPlain, kEmergency, kGentle };
 constexpr int kLastTick = 400;
 
-/// What docs/safety.md says of the share that is left: 1 − (3u² − 2u³) of u = time / duration.
+/// Share that is left according to docs/safety.md: 1 − (3u² − 2u³) with u = time / duration.
 double shareLeft(double time_s, double duration_s) {
   const double u = std::min(time_s / duration_s, 1.0);
   return 1.0 - u * u * (3.0 - 2.0 * u);
@@ -16,9 +16,9 @@ double shareLeft(double time_s, double duration_s) {
 
 struct Stop {
   StopKind kind = StopKind::kPlain;
-  int seen_in = 0;          ///< tick; it is asked for before it
-  double fade_out_s = 0.0;  ///< of the exercise
-  int plain_in = -1;        ///< tick that sees a plain stop, too; -1: none
+  int seen_in = 0;          ///< tick that sees it; it is requested before
+  double fade_out_s = 0.0;  ///< fade-out time of the exercise
+  int plain_in = -1;        ///< tick that also sees a plain stop; -1: none
   double period_s = kPeriod_s;
 
   [[nodiscard]] double duration_s() const {
@@ -32,10 +32,10 @@ void ask(HapticRenderer& renderer, StopKind kind) {
   if (kind == StopKind::kGentle) renderer.requestGentleStop();
 }
 
-/// What the device held after each tick until the end, and when.
+/// Effort that the device held after each tick until the end, and its time.
 struct HeldEfforts {
   std::vector<AxisEffort> held;
-  std::vector<double> time_s;  ///< periods elapsed, those skipped before it included
+  std::vector<double> time_s;  ///< elapsed time, including skipped periods
 };
 
 HeldEfforts runToTheEnd(Bench& bench, const Stop& stop, std::mt19937_64& random) {
@@ -56,12 +56,12 @@ HeldEfforts runToTheEnd(Bench& bench, const Stop& stop, std::mt19937_64& random)
   return run;
 }
 
-/// Empty where the law holds; else what broke it first.
+/// Empty if the rule holds; otherwise the first violation.
 std::string faultOf(const HeldEfforts& run, const Stop& stop, const AxisEffort& neutral) {
   const auto seen = static_cast<std::size_t>(stop.seen_in);
   const AxisEffort before = seen == 0 ? neutral : run.held[seen - 1];
   for (std::size_t k = seen; k < run.held.size(); ++k) {
-    // The tick that sees it counts as one period.
+    // The tick that sees the stop counts as one period.
     const double most =
         shareLeft(run.time_s[k] - run.time_s[seen] + stop.period_s, stop.duration_s());
     for (int a = 0; a < neutral.size(); ++a) {
@@ -89,9 +89,9 @@ const Workbench& drawnBench(std::mt19937_64& random) {
   return all[random() % all.size()];
 }
 
-// Law: from the tick that sees a stop on, the effort of each axis stays between neutral and a share
-// of what it was, which only falls: in 80 ms, after a gentle stop in fade_out_s + 80 ms.
-TEST(StopAtAnyTick, OfEveryKind_OnlyLetsGo) {
+// Rule: from the tick that sees a stop, the effort of each axis stays between neutral and a share
+// of its earlier value. The share only falls: in 80 ms, after a gentle stop in fade_out_s + 80 ms.
+TEST(StopAtAnyTick, EveryKind_OnlyReducesTheEffort) {
   auto random = seededRandom(3401);
   int pushed = 0;
   const int count = cases(3000);
@@ -113,7 +113,7 @@ TEST(StopAtAnyTick, OfEveryKind_OnlyLetsGo) {
         ", seen in tick " + std::to_string(stop.seen_in) + ", fade-out " +
         std::to_string(stop.fade_out_s) + " s, " + bench.models().device.name + ", " +
         std::to_string(1e3 * stop.period_s) + " ms, faults " + faultNames(run.renderer.latched());
-    if (static_cast<int>(ran.held.size()) <= stop.seen_in) continue;  // a fault was first
+    if (static_cast<int>(ran.held.size()) <= stop.seen_in) continue;  // a fault came first
     ASSERT_EQ(faultOf(ran, stop, config.safety.neutral), "") << where;
     const AxisEffort& last = ran.held[static_cast<std::size_t>(std::max(stop.seen_in - 1, 0))];
     const double effort = std::abs(last[0] - config.safety.neutral[0]);

@@ -1,4 +1,5 @@
-// What a person does of their own accord, against closed forms.
+// A patient's own efforts, compared with closed forms.
+#include "files/shipped_models.hpp"
 #include "loop/patient/active_patient.hpp"
 #include "loop/patient/person_tools.hpp"
 #include "support/constants.hpp"
@@ -23,8 +24,8 @@ PatientInput felt(double q, double qd, double rendered = 0.0, double impedance =
           AxisEffort(2, impedance)};
 }
 
-TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
-  ActivePatient person(calm(2), fingers(), kPeriod_s);
+TEST(ActivePatient, WithoutHabits_DoesNothingAndKeepsHolding) {
+  ActivePatient person(calmPatient(2), fingers(), kPeriod_s);
   EXPECT_FALSE(person.mayLetGo());
   for (int k = 0; k < 100; ++k) {
     person.advance(felt(0.1 * k, 5.0, 1e3, 1e6));
@@ -37,7 +38,7 @@ TEST(ActivePatient, WithoutHabits_DoesNothingAndHoldsOn) {
 // ---- tremor
 
 PatientConfig trembling(std::uint64_t phase_seed) {
-  PatientConfig patient = calm(2);
+  PatientConfig patient = calmPatient(2);
   patient.axes[0].tremor = 0.08;
   patient.axes[1].tremor = 0.05;
   patient.tremor.frequency_hz = 6.0;
@@ -57,11 +58,12 @@ TEST(Tremor, AfterAnyTime_IsASinusoidWithoutStepsOnEachAxis) {
     at_quarter += last * person.end()[1];
   }
   EXPECT_NEAR(square / kTicks, 0.5 * 0.08 * 0.08, 1e-12);  // A²/2 over whole cycles
-  // Correlation of the axes is the cosine between their phases: not one rhythm for both.
+  // The correlation of the axes is the cosine of their phase difference: they do not share one
+  // phase.
   EXPECT_LT(std::abs(at_quarter / kTicks), 0.95 * 0.5 * 0.08 * 0.05);
 }
 
-TEST(Tremor, PhaseSeed_DecidesThePhasesAndNothingElse) {
+TEST(Tremor, PhaseSeed_SetsOnlyThePhases) {
   ActivePatient a(trembling(7), fingers(), kPeriod_s), b(trembling(7), fingers(), kPeriod_s),
       c(trembling(8), fingers(), kPeriod_s);
   EXPECT_EQ(a.end()[0], b.end()[0]);
@@ -74,13 +76,14 @@ TEST(Tremor, PhaseSeed_DecidesThePhasesAndNothingElse) {
 // ---- spastic catch
 
 PatientConfig spastic(double gain = 0.3) {
-  PatientConfig patient = calm(2);
+  PatientConfig patient = calmPatient(2);
   patient.axes[0].reflex = {gain, 60.0 * kDeg, 2.0};
   patient.reflex = {0.04, 0.03};
   return patient;
 }
 
-/// Opened at a constant speed from t = 0, from where the reflex begins.
+/// Reflex effort after `seconds` of opening at a constant speed from t = 0, starting where the
+/// reflex begins.
 double pulledAfter(double seconds, double speed_rad_s, double period_s) {
   ActivePatient person(spastic(), fingers(), period_s);
   for (int k = 0; k < std::lround(seconds / period_s); ++k) {
@@ -89,7 +92,7 @@ double pulledAfter(double seconds, double speed_rad_s, double period_s) {
   return person.end()[0];
 }
 
-TEST(SpasticCatch, OpenedAtConstantSpeed_IsTheClosedFormAfterTheDelay) {
+TEST(SpasticCatch, OpenedAtConstantSpeed_FollowsTheClosedFormAfterTheDelay) {
   constexpr double kSpeed = 3.0, kDelay_s = 0.04, kLag_s = 0.03;
   EXPECT_EQ(pulledAfter(0.0395, kSpeed, 1e-4), 0.0);
   for (const double t_s : {0.06, 0.1, 0.2}) {
@@ -103,7 +106,7 @@ TEST(SpasticCatch, OpenedAtConstantSpeed_IsTheClosedFormAfterTheDelay) {
   }
 }
 
-TEST(SpasticCatch, SlowOpeningClosingOrBeyondTheAngle_IsNotCaught) {
+TEST(SpasticCatch, SlowOpeningClosingOrBeyondTheAngle_DoesNotTrigger) {
   EXPECT_EQ(pulledAfter(0.3, 59.0 * kDeg, kPeriod_s), 0.0);
   EXPECT_GT(pulledAfter(0.3, 70.0 * kDeg, kPeriod_s), 0.0);
   EXPECT_EQ(reflexDrive({0.3, 1.0, 2.0}, 1.0, 3.0), 0.0);   // closing
@@ -111,13 +114,13 @@ TEST(SpasticCatch, SlowOpeningClosingOrBeyondTheAngle_IsNotCaught) {
   EXPECT_EQ(reflexDrive({0.3, 1.0, 2.0}, 1.5, -3.0), 0.3 * 2.0 * 0.5);
 }
 
-TEST(SpasticCatch, OpeningThatStops_StillPullsForTheDelayAndFadesWithTheMuscle) {
+TEST(SpasticCatch, OpeningThatStops_PullsForTheDelayThenFadesWithTheMuscle) {
   ActivePatient person(spastic(), fingers(), kPeriod_s);
   for (int k = 0; k < 200; ++k) person.advance(felt(2.0 - 3.0 * k * kPeriod_s, -3.0));
   const double caught = person.end()[0];
   for (int k = 0; k < 40; ++k) person.advance(felt(1.4, 0.0));
   const double late = person.end()[0];
-  EXPECT_GT(late, 0.9 * caught);  // the device stands, the person still pulls: active
+  EXPECT_GT(late, 0.9 * caught);  // the device stands and the person still pulls: an active effort
   for (int k = 0; k < 30; ++k) person.advance(felt(1.4, 0.0));
   EXPECT_NEAR(person.end()[0], late * std::exp(-1.0), 1e-12);  // one lag later
   EXPECT_EQ(person.end()[1], 0.0);                             // the thumb has no reflex here
@@ -125,30 +128,30 @@ TEST(SpasticCatch, OpeningThatStops_StillPullsForTheDelayAndFadesWithTheMuscle) 
 
 // ---- fight
 
-TEST(Fight, WhateverIsFelt_IsAnsweredWithAllOfIt) {
-  EXPECT_EQ(fightEffort(0.4, 0.1, -3.0, 0.1), -0.4);  // on with the motion
+TEST(Fight, EveryMotionAndEffort_IsAnsweredWithTheFullStrength) {
+  EXPECT_EQ(fightEffort(0.4, 0.1, -3.0, 0.1), -0.4);  // with the motion
   EXPECT_EQ(fightEffort(0.4, 0.1, 3.0, 0.1), 0.4);
   EXPECT_EQ(fightEffort(0.4, 0.1, 0.09, 0.1), -0.4);  // at rest: against the device
   EXPECT_EQ(fightEffort(0.4, -0.1, -0.09, 0.1), 0.4);
   EXPECT_EQ(fightEffort(0.4, 0.0, 0.0, 0.1), 0.4);
 }
 
-TEST(Fight, ReactionTime_IsThatOfWhatWasFelt) {
-  PatientConfig patient = calm(2);
+TEST(Fight, ReactionTime_DelaysTheAnswer) {
+  PatientConfig patient = calmPatient(2);
   patient.axes[0].fight = 0.4;
   patient.fight_reaction_s = 0.02;
   ActivePatient person(patient, fingers(), kPeriod_s);
   int turned_at = -1;
   for (int k = 0; k < 50; ++k) {
     person.advance(felt(1.0, 0.0, k < 10 ? -1.0 : 1.0));
-    ASSERT_EQ(person.begin()[0], person.end()[0]);  // held over the period
+    ASSERT_EQ(person.begin()[0], person.end()[0]);  // constant over the period
     ASSERT_EQ(std::abs(person.end()[0]), 0.4);
     if (turned_at < 0 && person.end()[0] < 0.0) turned_at = k;
   }
   EXPECT_EQ(turned_at, 10 + 20);
 }
 
-TEST(ActivePatient, AllHabitsTogether_AreHeldToTheDevicesLimit) {
+TEST(ActivePatient, AllHabitsTogether_StayWithinTheDevicesLimit) {
   PatientConfig patient = trembling(1);
   patient.axes[0].tremor = 10.0;
   patient.axes[0].fight = 50.0;
@@ -164,8 +167,8 @@ TEST(ActivePatient, AllHabitsTogether_AreHeldToTheDevicesLimit) {
 
 // ---- letting go
 
-/// The impedance's effort is the strength at most, at any speed, and what it was below it.
-TEST(Strength, WhateverIsIntended_PullsNoHarder) {
+/// The impedance's effort is limited to the strength at any speed and is unchanged below it.
+TEST(Strength, AnyIntention_PullsNoHarder) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   PatientAxis person;
@@ -185,14 +188,14 @@ TEST(Strength, WhateverIsIntended_PullsNoHarder) {
   EXPECT_GT(held, 100);
 }
 
-/// Threshold of the slowest catch; a healthy hand opens as it likes.
-TEST(SpasticCatch, UncaughtOpening_IsItsThreshold) {
-  EXPECT_EQ(uncaughtOpening(patientNamed("spastic")), 1.0);
-  EXPECT_EQ(uncaughtOpening(patientNamed("relaxed-adult")),
+/// The opening speed that triggers no catch is the lowest threshold; a healthy hand has none.
+TEST(SpasticCatch, UncaughtOpeningSpeed_IsTheLowestThreshold) {
+  EXPECT_EQ(reflexFreeOpeningSpeed(patientNamed("spastic")), 1.0);
+  EXPECT_EQ(reflexFreeOpeningSpeed(patientNamed("relaxed-adult")),
             std::numeric_limits<double>::infinity());
 }
 
-TEST(LettingGo, AtItsTime_NothingOfThePersonIsLeft) {
+TEST(LettingGo, AfterItsTime_NoEffortOfThePersonIsLeft) {
   PatientConfig patient = trembling(1);
   patient.letting_go.after_s = 0.25;
   ActivePatient person(patient, fingers(), kPeriod_s);
@@ -207,8 +210,8 @@ TEST(LettingGo, AtItsTime_NothingOfThePersonIsLeft) {
   EXPECT_FALSE(person.hasLetGo());
 }
 
-TEST(LettingGo, AtItsEffort_IsForGood) {
-  PatientConfig patient = calm(2);
+TEST(LettingGo, AboveItsEffort_IsPermanent) {
+  PatientConfig patient = calmPatient(2);
   patient.letting_go.effort_share = 0.5;  // 1 N·m
   ActivePatient person(patient, fingers(), kPeriod_s);
   person.advance(felt(1.0, 0.0, 0.0, 0.99));
@@ -219,8 +222,8 @@ TEST(LettingGo, AtItsEffort_IsForGood) {
   EXPECT_TRUE(person.hasLetGo());
 }
 
-// What a person does of their own accord on several axes at once: a tremor along a direction, and
-// reflexes of which one triggers all.
+// A person's own efforts on several axes at once: a tremor along a direction, and reflexes that one
+// axis triggers for all.
 
 DeviceModel threeDigits() {
   return digits({"finger_flexion", "thumb_circumduction", "thumb_flexion"});
@@ -232,7 +235,7 @@ PatientInput felt(const AxisPosition& q, const AxisVelocity& qd) {
 
 /// A u sin(2πft + φ): all axes pass zero together, and the direction is u in every tick.
 TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
-  PatientConfig patient = calm(3);
+  PatientConfig patient = calmPatient(3);
   patient.tremor.along = AxisEffort(3);
   patient.tremor.along[0] = 0.08;
   patient.tremor.along[2] = -0.06;
@@ -244,13 +247,13 @@ TEST(TremorAlong, AllAxes_SwingAlongTheDirectionInOnePhase) {
     largest = std::max(largest, std::abs(person.end()[0]));
     person.advance(felt(AxisPosition(3), AxisVelocity(3)));
   }
-  // Two turns of 5 Hz, looked at 200 times each: the top is missed by 1 - cos(π / 200) at most.
+  // Two cycles of 5 Hz with 200 samples each: the peak is missed by 1 - cos(π / 200) at most.
   EXPECT_LE(largest, 0.08);
   EXPECT_GE(largest, 0.08 * std::cos(std::numbers::pi / 200.0));
 }
 
-TEST(TremorAlong, PhasesOfSingleAxes_AreWhatTheyWereWithoutIt) {
-  PatientConfig alone = calm(3), both = calm(3);
+TEST(TremorAlong, PhasesOfSingleAxes_DoNotChange) {
+  PatientConfig alone = calmPatient(3), both = calmPatient(3);
   alone.axes[1].tremor = both.axes[1].tremor = 0.05;
   both.tremor.along = AxisEffort(3);
   both.tremor.along[0] = 0.1;
@@ -259,14 +262,14 @@ TEST(TremorAlong, PhasesOfSingleAxes_AreWhatTheyWereWithoutIt) {
 }
 
 PatientConfig fist(bool together) {
-  PatientConfig patient = calm(3);
+  PatientConfig patient = calmPatient(3);
   patient.axes[0].reflex = {0.3, 1.0, 2.0};
   patient.axes[2].reflex = {0.1, 2.0, 1.2};
   patient.reflex = {.delay_s = 0.04, .muscle_lag_s = 0.03, .largest_triggers_all = together};
   return patient;
 }
 
-/// Fingers opened at 3 rad/s, thumb at rest at 0.2 rad, for long.
+/// Settled reflex efforts with the fingers opened at 3 rad/s and the thumb at rest at 0.2 rad.
 AxisEffort caught(bool together) {
   ActivePatient person(fist(together), threeDigits(), kPeriod_s);
   AxisPosition q(3, 0.2);
@@ -276,9 +279,9 @@ AxisEffort caught(bool together) {
   return person.end();
 }
 
-/// In the end the muscle holds what it is asked for: g (v - v_th) (s_th - q), v - v_th = 2 rad/s of
-/// the fingers for all digits.
-TEST(SpasticFist, FingersOpened_MakeTheThumbCatchToo) {
+/// The settled muscle effort is g (v - v_th) (s_th - q); v - v_th = 2 rad/s is that of the fingers
+/// for all digits.
+TEST(SpasticFist, FingersOpened_TriggerTheThumbsReflexToo) {
   const AxisEffort alone = caught(false), together = caught(true);
   EXPECT_NEAR(alone[0], 0.3 * 2.0 * 1.8, tolerance(1e-9));
   EXPECT_EQ(alone[2], 0.0);
@@ -287,7 +290,7 @@ TEST(SpasticFist, FingersOpened_MakeTheThumbCatchToo) {
   EXPECT_EQ(together[1], 0.0);  // has no reflex
 }
 
-TEST(SpasticFist, SlowOpening_CatchesNothing) {
+TEST(SpasticFist, SlowOpening_TriggersNothing) {
   ActivePatient person(fist(true), threeDigits(), kPeriod_s);
   AxisVelocity qd(3);
   qd[0] = -0.99;  // below 1 rad/s

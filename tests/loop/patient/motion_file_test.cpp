@@ -1,8 +1,8 @@
 #include "files/patient/motion_file.hpp"
 
 #include "loop/patient/motion.hpp"
+#include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ std::string written(const std::string& content) {
   return path;
 }
 
-/// The file's faults, one a line.
+/// The file's faults, one per line.
 std::string faultsOf(const std::string& content, const DeviceModel* device = nullptr) {
   const std::string path = written(content);
   const Expected<MotionFile> motion = loadMotionFile(path, device);
@@ -38,9 +38,10 @@ DeviceModel sled() {
   return device;
 }
 
-#define EXPECT_SAYS(text, part) EXPECT_TRUE(says((text), part)) << "it says instead:\n" << (text)
+#define EXPECT_CONTAINS(text, part) \
+  EXPECT_TRUE(contains((text), part)) << "it says instead:\n" << (text)
 
-TEST(MotionFile, GoodFile_IsReadWithItsUnitsRemoved) {
+TEST(MotionFile, ValidFile_IsReadAndItsUnitsRemoved) {
   const std::string path = written(
       "\xEF\xBB\xBF# recorded by hand\r\ntime_s, x_m ,finger_flexion_rad\r\n"
       "0.5,-1e-3,+0.25\r\n\r\n0.51, 2e-3 ,0.5\r\n");
@@ -51,117 +52,118 @@ TEST(MotionFile, GoodFile_IsReadWithItsUnitsRemoved) {
   EXPECT_EQ(motion.samples, (std::vector<std::vector<double>>{{-1e-3, 0.25}, {2e-3, 0.5}}));
 }
 
-TEST(MotionFile, TimeColumn_MayStandAnywhere) {
+TEST(MotionFile, TimeColumn_MayBeAnywhere) {
   const std::string path = written("x_m,time_s,z_m\n1,0,3\n4,1,6\n");
   const MotionFile motion = orThrow(loadMotionFile(path));
   EXPECT_EQ(motion.columns, (std::vector<std::string>{"x", "z"}));
   EXPECT_EQ(motion.samples[1], (std::vector<double>{4.0, 6.0}));
 }
 
-TEST(MotionFile, MissingOrUnreadable_SaysSo) {
-  EXPECT_SAYS(format(loadMotionFile("/no/such/motion.csv").errors()),
-              "/no/such/motion.csv: cannot be opened");
-  EXPECT_SAYS(format(loadMotionFile(::testing::TempDir()).errors()), "not a folder");
+TEST(MotionFile, MissingOrUnreadableFile_IsReported) {
+  EXPECT_CONTAINS(format(loadMotionFile("/no/such/motion.csv").errors()),
+                  "/no/such/motion.csv: cannot be opened");
+  EXPECT_CONTAINS(format(loadMotionFile(::testing::TempDir()).errors()), "not a folder");
 }
 
 TEST(MotionFile, EmptyOrTooShort_IsRefused) {
-  EXPECT_SAYS(faultsOf(""), "is empty");
-  EXPECT_SAYS(faultsOf("\n# nothing\n\n"), "is empty");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n"), "has no row of samples");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n"), "has only 1 row of samples");
+  EXPECT_CONTAINS(faultsOf(""), "is empty");
+  EXPECT_CONTAINS(faultsOf("\n# nothing\n\n"), "is empty");
+  EXPECT_CONTAINS(faultsOf("time_s,x_m\n"), "has no row of samples");
+  EXPECT_CONTAINS(faultsOf("time_s,x_m\n0,0\n"), "has only 1 row of samples");
 }
 
-/// A file that is something else gets one message, whatever it holds, and no raw bytes in it.
-TEST(MotionFile, SomethingElse_IsSaidOnce) {
+/// A file of another kind gets one message without raw bytes, whatever it holds.
+TEST(MotionFile, FileOfAnotherKind_GetsOneMessage) {
   const auto once = [](const std::string& content) {
     const std::string faults = faultsOf(content);
     EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 0) << faults;
     EXPECT_TRUE(
         std::none_of(faults.begin(), faults.end(), [](unsigned char c) { return c < 0x20; }));
-    EXPECT_SAYS(faults, "first line names the columns: time_s, x_m");
+    EXPECT_CONTAINS(faults, "first line names the columns: time_s, x_m");
     return faults;
   };
   std::string every_byte;
   for (int i = 0; i < 1024; ++i) every_byte += static_cast<char>(i);
-  EXPECT_SAYS(once(every_byte), "is not a CSV text");
-  EXPECT_SAYS(once("\x89HDF\r\n\x1a\n"), "is not a motion");
-  EXPECT_SAYS(faultsOf(std::string("t\0i\0m\0e\0", 8)), "is a text in UTF-16; save it as UTF-8");
-  EXPECT_SAYS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
-              ":2: is not a motion");
-  EXPECT_SAYS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header
-  EXPECT_SAYS(faultsOf("\xFF\xFEt"), "is a text in UTF-16; save it as UTF-8");
+  EXPECT_CONTAINS(once(every_byte), "is not a CSV text");
+  EXPECT_CONTAINS(once("\x89HDF\r\n\x1a\n"), "is not a motion");
+  EXPECT_CONTAINS(faultsOf(std::string("t\0i\0m\0e\0", 8)),
+                  "is a text in UTF-16; save it as UTF-8");
+  EXPECT_CONTAINS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
+                  ":2: is not a motion");
+  EXPECT_CONTAINS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header
+  EXPECT_CONTAINS(faultsOf("\xFF\xFEt"), "is a text in UTF-16; save it as UTF-8");
   for (const char divider : {';', '\t', ' '}) {
     std::string table = "time_s,x_m\n0,0\n1,1\n";
     std::replace(table.begin(), table.end(), ',', divider);
-    EXPECT_SAYS(faultsOf(table), "divided by something else; divide the columns by commas");
+    EXPECT_CONTAINS(faultsOf(table), "divided by something else; divide the columns by commas");
   }
-  EXPECT_SAYS(once("time_s,x_m\n0,0\n1,\x01\n2,\x01\n"), ":3: is not a CSV text");
-  EXPECT_SAYS(format(loadMotionFile("/dev/zero").errors()), "is not a file");
+  EXPECT_CONTAINS(once("time_s,x_m\n0,0\n1,\x01\n2,\x01\n"), ":3: is not a CSV text");
+  EXPECT_CONTAINS(format(loadMotionFile("/dev/zero").errors()), "is not a file");
 }
 
-TEST(MotionFile, ValueInAMessage_IsWholeUtf8) {
-  EXPECT_SAYS(faultsOf("time_s,größe_m\n0,0\n1,1\n"), "column 2 = größe_m: is no known axis");
-  EXPECT_SAYS(faultsOf("time_s,gr\xF6\xDF"
-                       "e_m\n0,0\n1,1\n"),
-              "column 2 = gr??e_m");  // Latin-1
+TEST(MotionFile, ValueInAMessage_IsValidUtf8) {
+  EXPECT_CONTAINS(faultsOf("time_s,größe_m\n0,0\n1,1\n"), "column 2 = größe_m: is no known axis");
+  EXPECT_CONTAINS(faultsOf("time_s,gr\xF6\xDF"
+                           "e_m\n0,0\n1,1\n"),
+                  "column 2 = gr??e_m");  // Latin-1
 }
 
-TEST(MotionFile, Header_EachFaultNamesItsColumn) {
-  EXPECT_SAYS(faultsOf("x_m\n0\n1\n"), "time_s: is missing");
-  EXPECT_SAYS(faultsOf("time_s\n0\n1\n"), "has no axis column");
-  EXPECT_SAYS(faultsOf("time_s,x\n0,0\n1,1\n"), "column 2 = x: has no known unit");
-  EXPECT_SAYS(faultsOf("time_s,x_mm\n0,0\n1,1\n"), "column 2 = x_mm: has no known unit");
-  EXPECT_SAYS(faultsOf("time_s,figner_flexion_rad\n0,0\n1,1\n"),
-              "column 2 = figner_flexion_rad: is no known axis; use one of x, y, z");
-  EXPECT_SAYS(faultsOf("time_s,x_rad\n0,0\n1,1\n"), "x is a translation: use _m");
-  EXPECT_SAYS(faultsOf("time_s,yaw_m\n0,0\n1,1\n"), "yaw is a rotation: use _rad");
-  EXPECT_SAYS(faultsOf("time_s,x_m,x_m\n0,0,0\n1,1,1\n"), "column 3 = x_m: stands there twice");
-  EXPECT_SAYS(faultsOf("time_s,,x_m\n0,0,0\n1,1,1\n"), "column 2: has no name");
+TEST(MotionFile, FaultInTheHeader_NamesItsColumn) {
+  EXPECT_CONTAINS(faultsOf("x_m\n0\n1\n"), "time_s: is missing");
+  EXPECT_CONTAINS(faultsOf("time_s\n0\n1\n"), "has no axis column");
+  EXPECT_CONTAINS(faultsOf("time_s,x\n0,0\n1,1\n"), "column 2 = x: has no known unit");
+  EXPECT_CONTAINS(faultsOf("time_s,x_mm\n0,0\n1,1\n"), "column 2 = x_mm: has no known unit");
+  EXPECT_CONTAINS(faultsOf("time_s,figner_flexion_rad\n0,0\n1,1\n"),
+                  "column 2 = figner_flexion_rad: is no known axis; use one of x, y, z");
+  EXPECT_CONTAINS(faultsOf("time_s,x_rad\n0,0\n1,1\n"), "x is a translation: use _m");
+  EXPECT_CONTAINS(faultsOf("time_s,yaw_m\n0,0\n1,1\n"), "yaw is a rotation: use _rad");
+  EXPECT_CONTAINS(faultsOf("time_s,x_m,x_m\n0,0,0\n1,1,1\n"), "column 3 = x_m: stands there twice");
+  EXPECT_CONTAINS(faultsOf("time_s,,x_m\n0,0,0\n1,1,1\n"), "column 2: has no name");
 }
 
-TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
+TEST(MotionFile, FaultInARow_NamesItsLineAndColumn) {
   const std::string head = "time_s,x_m\n0,0\n";
-  EXPECT_SAYS(faultsOf(head + "1\n"), ":3: has 1 value, the header names 2 columns");
-  EXPECT_SAYS(faultsOf(head + "1,2,3\n"), ":3: has 3 values");
-  EXPECT_SAYS(faultsOf(head + "1,fast\n"), ":3: x_m = fast: is not a number");
-  EXPECT_SAYS(faultsOf(head + "1,+-1\n"), ":3: x_m = +-1: is not a number");
-  EXPECT_SAYS(faultsOf(head + "1,0x10\n"), ":3: x_m = 0x10: is not a number");
-  EXPECT_SAYS(faultsOf(head + "1,\n"), ":3: x_m: is empty");
-  EXPECT_SAYS(faultsOf(head + "1,nan\n"), ":3: x_m = nan: is not finite");
-  EXPECT_SAYS(faultsOf(head + "inf,1\n"), ":3: time_s = inf: is not finite");
-  EXPECT_SAYS(faultsOf(head + "1,1e999\n"), ":3: x_m = 1e999: is not finite");
-  EXPECT_SAYS(faultsOf(head + "1,1e6\n"), ":3: x_m = 1e6: is out of range");
-  EXPECT_SAYS(faultsOf(head + "0,1\n"), ":3: time_s = 0: does not increase");
-  EXPECT_SAYS(faultsOf(head + "1,1\n0.5,1\n"), ":4: time_s = 0.5: does not increase");
-  EXPECT_SAYS(faultsOf(head + "3601,1\n"), ":3: time_s = 3601: is more than an hour");
+  EXPECT_CONTAINS(faultsOf(head + "1\n"), ":3: has 1 value, the header names 2 columns");
+  EXPECT_CONTAINS(faultsOf(head + "1,2,3\n"), ":3: has 3 values");
+  EXPECT_CONTAINS(faultsOf(head + "1,fast\n"), ":3: x_m = fast: is not a number");
+  EXPECT_CONTAINS(faultsOf(head + "1,+-1\n"), ":3: x_m = +-1: is not a number");
+  EXPECT_CONTAINS(faultsOf(head + "1,0x10\n"), ":3: x_m = 0x10: is not a number");
+  EXPECT_CONTAINS(faultsOf(head + "1,\n"), ":3: x_m: is empty");
+  EXPECT_CONTAINS(faultsOf(head + "1,nan\n"), ":3: x_m = nan: is not finite");
+  EXPECT_CONTAINS(faultsOf(head + "inf,1\n"), ":3: time_s = inf: is not finite");
+  EXPECT_CONTAINS(faultsOf(head + "1,1e999\n"), ":3: x_m = 1e999: is not finite");
+  EXPECT_CONTAINS(faultsOf(head + "1,1e6\n"), ":3: x_m = 1e6: is out of range");
+  EXPECT_CONTAINS(faultsOf(head + "0,1\n"), ":3: time_s = 0: does not increase");
+  EXPECT_CONTAINS(faultsOf(head + "1,1\n0.5,1\n"), ":4: time_s = 0.5: does not increase");
+  EXPECT_CONTAINS(faultsOf(head + "3601,1\n"), ":3: time_s = 3601: is more than an hour");
 }
 
 TEST(MotionFile, SeveralFaults_AreAllReportedAndCappedAtTwenty) {
   const std::string faults = faultsOf("time_s,x_m,y_mm\n0,zero,0\n0,1,1\n2,2\n");
-  EXPECT_SAYS(faults, ":1: column 3 = y_mm");
-  EXPECT_SAYS(faults, ":2: x_m = zero");
-  EXPECT_SAYS(faults, ":3: time_s = 0");
-  EXPECT_SAYS(faults, ":4: has 2 values");
+  EXPECT_CONTAINS(faults, ":1: column 3 = y_mm");
+  EXPECT_CONTAINS(faults, ":2: x_m = zero");
+  EXPECT_CONTAINS(faults, ":3: time_s = 0");
+  EXPECT_CONTAINS(faults, ":4: has 2 values");
 
   std::string many = "time_s,x_m\n";
   for (int i = 0; i < 50; ++i) many += std::to_string(i) + ",bad\n";
   const Expected<MotionFile> motion = loadMotionFile(written(many));
   ASSERT_FALSE(motion.ok());
   EXPECT_EQ(motion.errors().size(), 21U);
-  EXPECT_SAYS(format(motion.errors().back()), "has 30 more faults");
+  EXPECT_CONTAINS(format(motion.errors().back()), "has 30 more faults");
 }
 
-TEST(MotionFile, DeviceOfItsOwnAxes_WidensWhatIsKnown) {
+TEST(MotionFile, DeviceWithItsOwnAxes_ExtendsTheKnownAxes) {
   const DeviceModel device = sled();
   EXPECT_EQ(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n", &device), "");
-  // A column the device does not have is no fault as long as another one moves it.
+  // A column that the device lacks is no fault as long as another column moves an axis.
   EXPECT_EQ(faultsOf("time_s,x_m,index_flexion_rad\n0,0,0\n1,1,1\n", &device), "");
-  EXPECT_SAYS(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n"), "is no known axis");
-  EXPECT_SAYS(faultsOf("time_s,index_flexion_m\n0,0\n1,1\n", &device), "has the wrong unit");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n1,1\n", &device), "moves no axis of the device sled");
+  EXPECT_CONTAINS(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n"), "is no known axis");
+  EXPECT_CONTAINS(faultsOf("time_s,index_flexion_m\n0,0\n1,1\n", &device), "has the wrong unit");
+  EXPECT_CONTAINS(faultsOf("time_s,x_m\n0,0\n1,1\n", &device), "moves no axis of the device sled");
 }
 
-/// Its notices, one a line.
+/// The file's notices, one per line.
 std::string noticesOf(const std::string& content, const DeviceModel* device = nullptr) {
   return format(orThrow(loadMotionFile(written(content), device)).notices);
 }
@@ -183,16 +185,16 @@ TEST(MotionFile, TablesOfOtherPrograms_AreRead) {
   }
 }
 
-TEST(MotionFile, ColumnsOfNoKnownAxis_AreIgnoredAndNamed) {
+TEST(MotionFile, ColumnsOfUnknownAxes_AreIgnoredAndNamed) {
   const std::string notices =
       noticesOf("seq,stamp,frame_id,time_s,x_m,elbow_flexion_rad\n1,7,map,0,0,9\n2,8,map,1,1,9\n");
-  EXPECT_SAYS(notices, ":1: column 1 = seq: has no known unit and is ignored");
-  EXPECT_SAYS(notices, "column 3 = frame_id");
-  EXPECT_SAYS(notices, "column 6 = elbow_flexion_rad: is no known axis and is ignored");
+  EXPECT_CONTAINS(notices, ":1: column 1 = seq: has no known unit and is ignored");
+  EXPECT_CONTAINS(notices, "column 3 = frame_id");
+  EXPECT_CONTAINS(notices, "column 6 = elbow_flexion_rad: is no known axis and is ignored");
   EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
 }
 
-TEST(MotionFile, ManyColumnsOfNoAxis_AreNamedUpToTwentyAndCounted) {
+TEST(MotionFile, ManyColumnsOfUnknownAxes_AreNamedUpToTwentyAndCounted) {
   std::string names, values;
   for (int i = 0; i < 23; ++i) {
     names += ",field.position" + std::to_string(i);
@@ -200,57 +202,58 @@ TEST(MotionFile, ManyColumnsOfNoAxis_AreNamedUpToTwentyAndCounted) {
   }
   const std::string faults = faultsOf("time_s" + names + "\n0" + values + "\n1" + values + "\n");
   EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 20) << faults;
-  EXPECT_SAYS(faults, "has 3 more faults");
+  EXPECT_CONTAINS(faults, "has 3 more faults");
   const std::string notices = noticesOf("time_s,x_m" + names + "\n0,0" + values + "\n1,0" + values);
-  EXPECT_SAYS(notices, "has 3 more columns that no axis has, ignored");
+  EXPECT_CONTAINS(notices, "has 3 more columns that no axis has, ignored");
 }
 
-TEST(MotionFile, TimeWithoutItsUnit_IsNamed) {
-  EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"),
-              "time_s: is missing: the column time does not say its unit");
-  EXPECT_SAYS(faultsOf("time,x\n0,0\n1,0.1\n"), "column 2 = x: has no known unit");
-  EXPECT_SAYS(faultsOf("__time,x_m\n0,0\n1,0.1\n"), "the column __time does not say its unit");
-  EXPECT_SAYS(faultsOf("%time,x_m\n0,0\n1,0.1\n"), "the column %time does not say its unit");
+TEST(MotionFile, TimeWithoutUnit_IsReported) {
+  EXPECT_CONTAINS(faultsOf("time,x\n0,0\n1,0.1\n"),
+                  "time_s: is missing: the column time does not say its unit");
+  EXPECT_CONTAINS(faultsOf("time,x\n0,0\n1,0.1\n"), "column 2 = x: has no known unit");
+  EXPECT_CONTAINS(faultsOf("__time,x_m\n0,0\n1,0.1\n"), "the column __time does not say its unit");
+  EXPECT_CONTAINS(faultsOf("%time,x_m\n0,0\n1,0.1\n"), "the column %time does not say its unit");
 }
 
-TEST(MotionFile, ValuesOfAnotherUnit_AreNamed) {
+TEST(MotionFile, ValuesInAnotherUnit_AreReported) {
   const std::string degrees = "time_s,finger_flexion_rad\n0,10\n0.1,12.56\n0.2,12.57\n0.3,40\n";
-  EXPECT_SAYS(faultsOf(degrees), ":4: finger_flexion_rad = 12.57: is beyond two turns");
-  EXPECT_SAYS(faultsOf(degrees), "multiply degrees by");
+  EXPECT_CONTAINS(faultsOf(degrees), ":4: finger_flexion_rad = 12.57: is beyond two turns");
+  EXPECT_CONTAINS(faultsOf(degrees), "multiply degrees by");
   DeviceModel device = sled();
   device.axes[0].group = AxisGroup::kHand;
   EXPECT_EQ(faultsOf("time_s,index_flexion_rad\n0,0\n1,6.28\n", &device), "");
-  EXPECT_SAYS(faultsOf("time_s,index_flexion_rad\n0,0\n1,6.29\n", &device),
-              ":3: index_flexion_rad = 6.29: is beyond a turn (2π rad)");
+  EXPECT_CONTAINS(faultsOf("time_s,index_flexion_rad\n0,0\n1,6.29\n", &device),
+                  ":3: index_flexion_rad = 6.29: is beyond a turn (2π rad)");
   device = sled();
   device.axes[0].name = "x";
   device.axes[0].kind = AxisKind::kTranslation;
   device.axes[0].lower = -0.1;
   device.axes[0].upper = 0.1;
   device.axes[0].speed_limit = 0.5;
-  // Ten times the range is 2 m from the first row, wherever that is; ten times the speed, 5 m/s.
+  // Ten times the range is 2 m from the first row, wherever that is; ten times the speed is 5 m/s.
   EXPECT_EQ(faultsOf("time_s,x_m\n0,7\n1,9\n", &device), "");
-  EXPECT_SAYS(
+  EXPECT_CONTAINS(
       faultsOf("time_s,x_m\n0,7\n1,9.01\n", &device),
       ":3: x_m = 9.01: is 2.01 m from the first row; the axis of sled has a range of 0.2 m");
   EXPECT_EQ(faultsOf("time_s,x_m\n0,0\n0.01,0.049\n", &device), "");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n0.01,0.051\n", &device),
-              ":3: x_m = 0.051: is reached at 5.1 m/s; the axis of sled moves at 0.5 m/s at most");
+  EXPECT_CONTAINS(
+      faultsOf("time_s,x_m\n0,0\n0.01,0.051\n", &device),
+      ":3: x_m = 0.051: is reached at 5.1 m/s; the axis of sled moves at 0.5 m/s at most");
   EXPECT_EQ(faultsOf("time_s,x_m\n0,0\n0.01,0.051\n"), "");
 }
 
-TEST(MotionFile, MillisecondsAsSeconds_AreNamed) {
+TEST(MotionFile, MillisecondsInsteadOfSeconds_AreReported) {
   const auto at = [](double step_s) {
     std::string text = "time_s,x_m\n";
     for (int i = 0; i < 20; ++i) text += std::to_string(i * step_s) + ",0\n";
     return noticesOf(text);
   };
-  EXPECT_SAYS(at(10.0), "time_s: has a row every 10 s; if these are milliseconds, divide them");
+  EXPECT_CONTAINS(at(10.0), "time_s: has a row every 10 s; if these are milliseconds, divide them");
   EXPECT_EQ(at(0.01), "");
 }
 
-// Rows of an occlusion are dropped: what is played between is a slow drift.
-TEST(MotionFile, GapInTheTime_IsNamedWithItsLineAndLength) {
+// Rows of an occlusion are dropped; the motion played in between is a slow drift.
+TEST(MotionFile, GapInTheTime_IsReportedWithLineAndLength) {
   const auto with_gaps = [](double step_s, int rows, std::vector<double> gaps_s) {
     std::string text = "time_s,x_m\n";
     double time_s = 0.0;
@@ -265,23 +268,23 @@ TEST(MotionFile, GapInTheTime_IsNamedWithItsLineAndLength) {
     return noticesOf(text);
   };
   const std::string minute = with_gaps(0.01, 2000, {60.0});
-  EXPECT_SAYS(minute, ":1002: time_s = 70: is 60.01 s after the row before, where 0.01 s");
+  EXPECT_CONTAINS(minute, ":1002: time_s = 70: is 60.01 s after the row before, where 0.01 s");
   // The mean step of these is 20 s.
   const std::string lost = with_gaps(0.01, 50, {1000.0});
-  EXPECT_SAYS(lost, ":27: time_s = 1000.25: is 1000 s after the row before");
+  EXPECT_CONTAINS(lost, ":27: time_s = 1000.25: is 1000 s after the row before");
   EXPECT_EQ(lost.find("milliseconds"), lost.npos);
-  EXPECT_SAYS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "is 3.01 s");
-  EXPECT_SAYS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "(the longest of 3 gaps)");
+  EXPECT_CONTAINS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "is 3.01 s");
+  EXPECT_CONTAINS(with_gaps(0.01, 50, {0.5, 3.0, 0.5}), "(the longest of 3 gaps)");
   EXPECT_EQ(with_gaps(0.01, 50, {0.18}), "");
   EXPECT_EQ(with_gaps(0.1, 50, {0.85}), "");
-  EXPECT_EQ(with_gaps(0.01, 8, {60.0}), "");  // places, not a recording
-  EXPECT_SAYS(with_gaps(10.0, 50, {1000.0}), "if these are milliseconds");
+  EXPECT_EQ(with_gaps(0.01, 8, {60.0}), "");  // waypoints, not a recording
+  EXPECT_CONTAINS(with_gaps(10.0, 50, {1000.0}), "if these are milliseconds");
 }
 
-TEST(MotionFile, MotionOfAnotherProgram_IsNamedAsWhatItIs) {
-  EXPECT_SAYS(faultsOf("PathFileType\t4\t(X/Y/Z)\tm.trc\n"), "is TRC");
-  EXPECT_SAYS(faultsOf("HIERARCHY\nROOT Hips\n"), "bvh2csv");
-  EXPECT_SAYS(faultsOf(std::string("\x02\x50\0\0", 4)), "c3d2csv");
+TEST(MotionFile, FileOfAnotherProgram_IsRecognised) {
+  EXPECT_CONTAINS(faultsOf("PathFileType\t4\t(X/Y/Z)\tm.trc\n"), "is TRC");
+  EXPECT_CONTAINS(faultsOf("HIERARCHY\nROOT Hips\n"), "bvh2csv");
+  EXPECT_CONTAINS(faultsOf(std::string("\x02\x50\0\0", 4)), "c3d2csv");
 }
 
 TEST(MotionFile, EveryRecordingOfTheProject_Loads) {

@@ -1,10 +1,10 @@
-// The shipped patients, and what is said of files that are wrong.
+// The shipped patients, and the messages for wrong files.
 #include "files/patient/patient_file.hpp"
 #include "files/shipped_models.hpp"
 #include "loop/model/patient_config.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace wholehand::test {
 namespace {
 
-TEST(ShippedPatients, TheQuietOnes_HaveNoHabits) {
+TEST(ShippedPatients, PassivePatients_HaveNoHabits) {
   for (const char* name : {"relaxed-adult", "stiff-adult", "no-arm"}) {
     const PatientConfig patient = patientNamed(name);
     for (const PatientAxis& axis : patient.axes) {
@@ -26,8 +26,8 @@ TEST(ShippedPatients, TheQuietOnes_HaveNoHabits) {
   }
 }
 
-// Ranges of the literature that docs/patients.md names.
-TEST(ShippedPatients, TheOthers_AreWithinWhatPeopleDo) {
+// Ranges from the literature that docs/patients.md cites.
+TEST(ShippedPatients, ActivePatients_AreWithinPublishedRanges) {
   const DeviceModel model = deviceNamed("lambda-pride");
   const PatientConfig tremor = patientNamed("tremor"), spastic = patientNamed("spastic");
   EXPECT_GE(tremor.tremor.frequency_hz, 3.0);
@@ -57,8 +57,8 @@ TEST(ShippedPatients, OnADeviceWithoutFingers_KeepTheHabitsOfTheArm) {
 }
 
 struct PatientMistake {
-  std::string patient, find, replace;  ///< the shipped file with this for that
-  std::string key, says;
+  std::string patient, find, replace;  ///< the shipped file with this text replaced by that
+  std::string key, expected;
 };
 
 class WrongPatientFile : public testing::TestWithParam<PatientMistake> {};
@@ -72,7 +72,7 @@ TEST_P(WrongPatientFile, OneMistake_IsOneMessageWithItsKey) {
   ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
   const Diagnostic& fault = loaded.errors().front();
   EXPECT_EQ(fault.key, c.key) << format(fault);
-  EXPECT_TRUE(says((fault.problem + "; " + fault.remedy), c.says)) << format(fault);
+  EXPECT_TRUE(contains((fault.problem + "; " + fault.remedy), c.expected)) << format(fault);
   EXPECT_GT(fault.line, 0);
 }
 INSTANTIATE_TEST_SUITE_P(

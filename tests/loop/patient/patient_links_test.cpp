@@ -1,11 +1,11 @@
-// Patients who link their axes: what a file comes to, and what is said of one that is wrong.
+// Patients whose axes are linked: the meaning of their files, and the messages for wrong ones.
 #include "files/patient/patient_file.hpp"
 #include "files/shipped_models.hpp"
 #include "loop/model/patient_config.hpp"
 #include "loop/patient/active_patient.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
-#include "support/says.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -32,7 +32,7 @@ PatientConfig linkedBy(const std::string& table, const std::string& on = "lambda
   return orThrow(load(textOf("relaxed-adult") + "\n[[links]]\n" + table, deviceNamed(on)));
 }
 
-/// Links and what the axes have of their own.
+/// Links plus the values of the single axes.
 AxisMatrix total(const PatientConfig& p, AxisMatrix PatientLinks::*link, double PatientAxis::*own) {
   const auto n = static_cast<Eigen::Index>(p.axes.size());
   AxisMatrix out = AxisMatrix::Zero(n, n);
@@ -44,7 +44,7 @@ AxisMatrix stiffnessOf(const PatientConfig& p) {
   return total(p, &PatientLinks::stiffness, &PatientAxis::stiffness);
 }
 
-TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
+TEST(PatientLinks, FilesWithoutLinks_LinkNothing) {
   for (const char* name : {"relaxed-adult", "spastic", "tremor", "fights", "no-arm"}) {
     const PatientConfig patient = patientNamed(name);
     EXPECT_EQ(patient.links.stiffness.size(), 0) << name;
@@ -53,8 +53,8 @@ TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
   }
 }
 
-// Units: a force at the tip times a lever arm is a torque, a way over it an angle.
-TEST(PatientLinks, ValuesAtTheTip_AreTurnedByBothLeverArms) {
+// Units: a force at the tip times a lever arm is a torque; a distance divided by it is an angle.
+TEST(PatientLinks, ValuesAtTheTip_AreConvertedByBothLeverArms) {
   const std::string on = "wrist-9axis";
   const DeviceModel model = deviceNamed(on);
   const int y = model.axisIndex("y"), roll = model.axisIndex("roll"),
@@ -68,13 +68,13 @@ stiffness_tip_n_m = [[3.0, 1.0, 2.0], [1.0, 4.0, 0.5], [2.0, 0.5, 5.0]]
   EXPECT_NEAR(p.links.stiffness(y, fingers), 1.0 * 0.08, tolerance(1e-15));
   EXPECT_NEAR(p.links.stiffness(fingers, roll), -2.0 * 0.08 * 0.05, tolerance(1e-15));
   EXPECT_NEAR(p.links.stiffness(y, roll), -0.5 * 0.05, tolerance(1e-15));
-  EXPECT_EQ(p.links.stiffness(y, y), 0.0);  // the diagonal is with the axes
+  EXPECT_EQ(p.links.stiffness(y, y), 0.0);  // the diagonal belongs to the axes
   EXPECT_EQ(p.axes[y].stiffness, 300.0 + 4.0);
   EXPECT_NEAR(p.axes[roll].stiffness, 2.0 + 5.0 * 0.0025, tolerance(1e-15));
   EXPECT_TRUE(p.links.mass.isZero(0.0));
 }
 
-TEST(PatientLinks, DiagonalMatrix_IsTheDiagonalKey) {
+TEST(PatientLinks, DiagonalMatrix_EqualsTheAxisKeys) {
   const PatientConfig linked = linkedBy(R"(axes = ["x", "z"]
 mass_kg = [[0.5, 0.0], [0.0, 0.25]]
 damping_n_s_m = [[2, 0], [0, 3]]
@@ -88,7 +88,7 @@ stiffness_n_m = [[100.0, 0.0], [0.0, 50.0]]
          replaced(text.substr(z), "mass_kg = 1.0\ndamping_n_s_m = 15.0\nstiffness_n_m = 300.0",
                   "mass_kg = 1.25\ndamping_n_s_m = 18.0\nstiffness_n_m = 350.0");
   const PatientConfig own = load(text, deviceNamed()).value();
-  EXPECT_EQ(linked.links.stiffness.size(), 0);  // nothing is linked: the path of single axes
+  EXPECT_EQ(linked.links.stiffness.size(), 0);  // nothing is linked: single axes are simulated
   for (std::size_t i = 0; i < own.axes.size(); ++i) {
     EXPECT_EQ(linked.axes[i].mass, own.axes[i].mass);
     EXPECT_EQ(linked.axes[i].damping, own.axes[i].damping);
@@ -96,7 +96,7 @@ stiffness_n_m = [[100.0, 0.0], [0.0, 50.0]]
   }
 }
 
-TEST(PatientLinks, AxesInAnotherOrder_AreTheSamePatient) {
+TEST(PatientLinks, AxesInAnotherOrder_GiveTheSamePatient) {
   const AxisMatrix one = stiffnessOf(linkedBy(R"(axes = ["x", "y", "z"]
 stiffness_n_m = [[10, 2, 3], [2, 20, 5], [3, 5, 30]]
 )"));
@@ -122,7 +122,7 @@ stiffness_n_m = [[1, 2, 0], [2, 1, 3], [0, 3, 9]]
   EXPECT_EQ(two.axes[0].stiffness, 300.0 + 10.0 + 1.0);
 }
 
-TEST(PatientLinks, AxesThatTheDeviceDoesNotHave_AreLeftOut) {
+TEST(PatientLinks, AxesThatTheDeviceLacks_AreLeftOut) {
   for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball"}) {
     EXPECT_EQ(patientNamed(name, "desktop-3axis").links.stiffness.size(), 0) << name;
     EXPECT_GT(patientNamed(name, "lambda-pride").links.stiffness.size(), 0) << name;
@@ -132,7 +132,7 @@ TEST(PatientLinks, AxesThatTheDeviceDoesNotHave_AreLeftOut) {
   EXPECT_EQ(pills.tremor.along[1], 1.0);
 }
 
-// Work done on the person along any way and back is not negative: vᵀ K v >= 0.
+// Work done on the person along any closed path is not negative: vᵀ K v >= 0.
 TEST(PatientLinks, ShippedMatrices_ArePositiveSemidefinite) {
   for (const char* name : {"enslaved-fingers", "spastic-fist", "holds-a-ball", "pill-rolling"}) {
     for (const char* on : {"lambda-pride", "wrist-9axis", "desktop-3axis"}) {
@@ -147,8 +147,8 @@ TEST(PatientLinks, ShippedMatrices_ArePositiveSemidefinite) {
   }
 }
 
-/// Where one digit is moved by 1 and the others are free, they follow by -K_oo⁻¹ K_od.
-TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
+/// If one digit is moved by 1 and the others are free, they follow by -K_oo⁻¹ K_od.
+TEST(ShippedPatients, EnslavedFingers_FollowAsPublished) {
   const PatientConfig p = patientNamed("enslaved-fingers");
   const DeviceModel model = deviceNamed();
   const int fingers = model.axisIndex("finger_flexion"),
@@ -160,7 +160,7 @@ TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
     own << k(a, a), k(a, b), k(b, a), k(b, b);
     return Eigen::Vector2d(-own.inverse() * Eigen::Vector2d(k(a, moved), k(b, moved)));
   };
-  // The levers are equal: shares of angles are shares of ways. Numbers stand in the file.
+  // The levers are equal, so shares of angles are shares of distances. The file cites the numbers.
   EXPECT_NEAR(follows(fingers, swing, thumb)[0], 0.06, 0.005);
   EXPECT_NEAR(follows(fingers, swing, thumb)[1], 0.19, 0.005);
   EXPECT_NEAR(follows(thumb, fingers, swing)[0], 0.17, 0.005);
@@ -171,8 +171,9 @@ TEST(ShippedPatients, EnslavedFingers_FollowByWhatPeopleDo) {
   }
 }
 
-/// What a ball takes: closing both by 1 cm at the tips stretches it by 2 cm; rolling it, nothing.
-TEST(ShippedPatients, HeldBall_IsPressedByBothAndRolledFreely) {
+/// The ball's stiffness: closing both digits by 1 cm at the tips compresses it by 2 cm; rolling it
+/// needs no force.
+TEST(ShippedPatients, HeldBall_IsCompressedByBothDigitsAndRollsFreely) {
   const DeviceModel model = deviceNamed();
   const int fingers = model.axisIndex("finger_flexion"), thumb = model.axisIndex("thumb_flexion");
   const AxisMatrix ball =
@@ -183,7 +184,7 @@ TEST(ShippedPatients, HeldBall_IsPressedByBothAndRolledFreely) {
   roll[thumb] = -angle;
   EXPECT_NEAR(0.5 * press.dot(ball * press), 0.5 * 500.0 * 0.02 * 0.02, tolerance(1e-12));
   EXPECT_NEAR(0.5 * roll.dot(ball * roll), 0.0, tolerance(1e-12));
-  // Its weight under the wrist, as a point mass at 0.08 m: ½ m (v + ω r)².
+  // The ball's weight at the wrist, as a point mass at 0.08 m: ½ m (v + ω r)².
   const PatientConfig wrist = patientNamed("holds-a-ball", "wrist-9axis");
   EXPECT_NEAR(wrist.links.mass(1, 4), 0.05 * 0.08, tolerance(1e-15));
   EXPECT_NEAR(wrist.axes[4].mass, 3e-3 + 0.05 * 0.08 * 0.08, tolerance(1e-15));
@@ -207,8 +208,8 @@ stiffness_n_m = [[50, -50], [-50, 50]]
 // ---- mistakes
 
 struct Mistake {
-  std::string patient, find, replace;  ///< the shipped file with this for that
-  std::string key, value, says;
+  std::string patient, find, replace;  ///< the shipped file with this text replaced by that
+  std::string key, value, expected;
 };
 
 class WrongLinks : public testing::TestWithParam<Mistake> {};
@@ -221,17 +222,17 @@ TEST_P(WrongLinks, OneMistake_IsOneMessageWithFileLineKeyValueAndRemedy) {
   ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
   const Diagnostic& fault = loaded.errors().front();
   EXPECT_EQ(fault.key, c.key) << format(fault);
-  EXPECT_TRUE(says(fault.file, "p.toml"));
-  EXPECT_TRUE(says(fault.value, c.value)) << format(fault);
-  EXPECT_TRUE(says((fault.problem + "; " + fault.remedy), c.says)) << format(fault);
+  EXPECT_TRUE(contains(fault.file, "p.toml"));
+  EXPECT_TRUE(contains(fault.value, c.value)) << format(fault);
+  EXPECT_TRUE(contains((fault.problem + "; " + fault.remedy), c.expected)) << format(fault);
   EXPECT_FALSE(fault.remedy.empty());
-  // The line that holds the key, or the table where the key is not there.
+  // The line that holds the key, or the table if the key is missing.
   std::istringstream lines(text);
   std::string line;
   for (int i = 0; i < fault.line; ++i) std::getline(lines, line);
   const std::string word = fault.key.substr(fault.key.rfind('.') + 1);
-  const bool of_table = c.says == "missing" || word == "links[1]";
-  EXPECT_TRUE(says(line, of_table ? "[[links]]" : word));
+  const bool of_table = c.expected == "missing" || word == "links[1]";
+  EXPECT_TRUE(contains(line, of_table ? "[[links]]" : word));
 }
 
 const std::string kRow = "[-0.15,  0.45, -0.30],\n                     [-0.75, -0.30,  1.05]]";
@@ -312,14 +313,16 @@ INSTANTIATE_TEST_SUITE_P(
         {"spastic-fist", "together = true", "together = \"yes\"", "reflex.together", "yes",
          "true or false"}}));
 
-/// The remedy is true: what is off the diagonal times the share that is named passes.
-TEST(WrongLinks, ShareThatIsNamed_Passes) {
+/// Checks that the suggested remedy works: the off-diagonal value times the named share is
+/// accepted.
+TEST(WrongLinks, OffDiagonalTimesTheNamedShare_IsAccepted) {
   const std::string find = "[[500.0, 500.0],\n                     [500.0, 500.0]]";
   // 620 and 600 N/m on the diagonal with 900 off it: sqrt(620 600) / 900 = 0.677.
   const auto wrong =
       load(replaced(textOf("holds-a-ball"), find, "[[500, 900], [900, 500]]"), deviceNamed());
   ASSERT_FALSE(wrong.ok());
-  EXPECT_TRUE(says(wrong.errors().front().remedy, "by 0.677 or less")) << format(wrong.errors());
+  EXPECT_TRUE(contains(wrong.errors().front().remedy, "by 0.677 or less"))
+      << format(wrong.errors());
   EXPECT_TRUE(
       load(replaced(textOf("holds-a-ball"), find, "[[500, 609.3], [609.3, 500]]"), deviceNamed())
           .ok());

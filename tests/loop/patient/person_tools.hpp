@@ -6,7 +6,7 @@
 
 #include <initializer_list>
 
-/// Devices, poses and persons of a few axes.
+/// Devices, poses and persons with a few axes.
 namespace wholehand::test {
 
 inline AxisPosition pose(double a, double b) {
@@ -18,7 +18,7 @@ struct Moved {
   AxisVelocity qd;
 };
 
-/// Rotations of 0 to 3 rad.
+/// A device with rotation axes of 0 to 3 rad.
 inline DeviceModel digits(std::initializer_list<const char*> names) {
   DeviceModel device;
   for (const char* name : names) {
@@ -34,7 +34,7 @@ inline DeviceModel digits(std::initializer_list<const char*> names) {
   return device;
 }
 
-inline PatientConfig calm(int axes) {
+inline PatientConfig calmPatient(int axes) {
   PatientConfig patient;
   patient.axes.assign(axes, PatientAxis{});
   return patient;

@@ -46,7 +46,7 @@ Moved advanceOf(Player& player, int periods = 1) {
   return m;
 }
 
-TEST(ScriptedPlayer, AnyPeriod_IsTheIntentionAtThatTimeBitForBit) {
+TEST(ScriptedPlayer, AnyPeriod_GivesTheIntentionAtThatTimeBitForBit) {
   const Intention way = swinging();
   ScriptedPlayer player(way);
   for (int run = 0; run < 2; ++run) {
@@ -62,7 +62,7 @@ TEST(ScriptedPlayer, AnyPeriod_IsTheIntentionAtThatTimeBitForBit) {
   }
 }
 
-TEST(SteeredPlayer, NobodyTookOver_IsTheVirtualPatientBitForBit) {
+TEST(SteeredPlayer, NobodyTookOver_EqualsTheVirtualPatientBitForBit) {
   SteeredPlayer steered(script(), twoAxes());
   ScriptedPlayer alone(swinging());
   steered.command(aim(pose(0.2, 0.2)));  // a person who only watches
@@ -73,7 +73,7 @@ TEST(SteeredPlayer, NobodyTookOver_IsTheVirtualPatientBitForBit) {
   }
 }
 
-TEST(SteeredPlayer, AimBeyondTenTimesTheRange_IsNamedAndNoOther) {
+TEST(SteeredPlayer, AimBeyondTenTimesTheRange_IsReportedWithItsAxis) {
   const DeviceModel device = twoAxes();  // -0.1 to 0.2: ten times 0.3 beyond either end
   EXPECT_EQ(firstFarAim(device, pose(3.19, -3.09)), -1);
   EXPECT_EQ(firstFarAim(device, pose(3.21, 0.0)), 0);
@@ -81,7 +81,7 @@ TEST(SteeredPlayer, AimBeyondTenTimesTheRange_IsNamedAndNoOther) {
   EXPECT_EQ(firstFarAim(device, pose(0.0, 1e300)), 1);
 }
 
-TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot) {
+TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitWithoutOvershoot) {
   SteeringConfig config;
   config.speed_share = 0.2;  // 0.3 m/s
   config.grip_past_rad = 0.0;
@@ -89,7 +89,7 @@ TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot
       std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, pose(0.0, 0.0)}})),
       twoAxes(), config);
   player.command(steer(Steering::kPerson));
-  player.command(aim(pose(0.12, 9.0)));  // the second far outside the range
+  player.command(aim(pose(0.12, 9.0)));  // the second is far outside the range
   double before = 0.0;
   for (int k = 0; k < 2000; ++k) {
     const Moved m = advanceOf(player);
@@ -100,18 +100,18 @@ TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot
     ASSERT_LE(m.q[0], 0.12);
     ASSERT_LE(m.q[1], 0.2);  // the end of the range
     if (k == 300 - 1) {
-      // A ramp of 0.3 m/s is followed 2/ω behind, less what the start still weighs:
-      // v (t - 2/ω + (t + 2/ω) e^{-ωt}).
+      // A ramp of 0.3 m/s is followed with a lag of 2/ω, less the transient of the start: v (t -
+      // 2/ω + (t + 2/ω) e^{-ωt}).
       const double w = config.rate_rad_s, t = 0.3;
       EXPECT_NEAR(m.q[0], 0.3 * (t - 2 / w + (t + 2 / w) * std::exp(-w * t)), 0.3 * kPeriod_s);
     }
   }
-  EXPECT_NEAR(before, 0.12, 1e-9);  // and held there while no aim comes
+  EXPECT_NEAR(before, 0.12, 1e-9);  // the hand stays there without a new aim
 }
 
-// A firm grip: fingers may be aimed past the end of their range, by as much as the bar's own player
-// does.
-TEST(SteeredPlayer, FingersAimedFarBeyondTheirRange_StopAtTheSameAngleAsAPlayerThatGrips) {
+// For a firm grip, fingers may be aimed past the end of their range by as much as the bar's own
+// player does.
+TEST(SteeredPlayer, FingersAimedFarBeyondTheirRange_StopAtTheGrippingPlayersAngle) {
   DeviceModel device = twoAxes();
   SteeredPlayer player(
       std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, pose(0.0, 0.0)}})),
@@ -123,7 +123,7 @@ TEST(SteeredPlayer, FingersAimedFarBeyondTheirRange_StopAtTheSameAngleAsAPlayerT
   EXPECT_NEAR(m.q[1], device.axes[1].upper + 30.0 * kDeg, 1e-9);
 }
 
-TEST(SteeredPlayer, AimsThatAreNone_AreIgnored) {
+TEST(SteeredPlayer, InvalidAims_AreIgnored) {
   SteeredPlayer player(script(), twoAxes());
   player.command(steer(Steering::kPerson));
   player.command(aim(pose(0.05, 0.05)));
@@ -135,15 +135,15 @@ TEST(SteeredPlayer, AimsThatAreNone_AreIgnored) {
 }
 
 /// Position is the sum of velocity, and velocity changes by no more than the two filters and the
-/// script may ask for: no jump when the hand goes from one to the other.
-TEST(SteeredPlayer, SteeringThatChangesHandsAtRandom_IsContinuousInPositionAndVelocity) {
+/// script can cause: no jump when control passes from one to the other.
+TEST(SteeredPlayer, ControlPassedAtRandom_IsContinuousInPositionAndVelocity) {
   auto random = seededRandom(31);
   const auto share = [&random] { return static_cast<double>(random() >> 11U) * 0x1.0p-53; };
   SteeredPlayer player(script(), twoAxes());
   Moved before = advanceOf(player);
-  // Script: 0.2 over 0.4 s by minimum jerk: at most 5.774 * 0.2 / 0.4² = 7.2. A goal that moves at
-  // 0.75 pulls with at most ω v, one that reverses with twice that: 30 for ω = 20, 12 for ω = 8;
-  // taken over on the way, what was there adds to it: 30 + 20 * 1.7.
+  // Script: 0.2 over 0.4 s by minimum jerk has at most 5.774 * 0.2 / 0.4² = 7.2. A goal that moves
+  // at 0.75 pulls with at most ω v, one that reverses with twice that: 30 for ω = 20, 12 for ω = 8.
+  // A takeover in motion adds the speed at that time: 30 + 20 * 1.7.
   constexpr double kMost = 70.0;
   for (int k = 0; k < 12000; ++k) {
     if (share() < 0.004) {
@@ -161,7 +161,7 @@ TEST(SteeredPlayer, SteeringThatChangesHandsAtRandom_IsContinuousInPositionAndVe
   }
 }
 
-TEST(SteeredPlayer, HandedBack_IsWhereTheVirtualPatientWantsToBeSoon) {
+TEST(SteeredPlayer, HandedBack_SoonReachesTheVirtualPatientsAim) {
   SteeredPlayer player(
       std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, pose(0.1, 0.1)}})),
       twoAxes());
@@ -186,7 +186,7 @@ TEST(Reach, FromRest_IsMinimumJerk) {
   Reach reach;
   reach.begin(pose(0.1, 0.0), AxisVelocity(2), pose(0.3, -0.4), 1.0);
   const Moved half = after(reach, 500);
-  // Flash and Hogan 1985: half way at half time, peak speed 15/8 of the mean, there.
+  // Flash and Hogan 1985: halfway at half the time, with the peak speed of 15/8 of the mean.
   EXPECT_NEAR(half.q[0], 0.2, 1e-12);
   EXPECT_NEAR(half.qd[1], -15.0 / 8.0 * 0.4, 1e-12);
   EXPECT_FALSE(reach.done());
@@ -196,7 +196,7 @@ TEST(Reach, FromRest_IsMinimumJerk) {
   EXPECT_EQ(end.qd[1], 0.0);
 }
 
-TEST(Reach, BegunOnTheWay_GoesOnAsFastAndComesToRest) {
+TEST(Reach, BegunInMotion_KeepsItsSpeedAndComesToRest) {
   Reach reach;
   AxisVelocity going(2);
   going[0] = 0.5;
@@ -206,14 +206,14 @@ TEST(Reach, BegunOnTheWay_GoesOnAsFastAndComesToRest) {
   EXPECT_NEAR(before.qd[0], 0.5, 2e-3);
   for (int k = 0; k < 900; ++k) {
     const Moved now = after(reach, 1);
-    // The trapezoid rule is off by T³/12 of the jerk, at most a few hundred here.
+    // The error of the trapezoid rule is T³/12 of the jerk, at most a few hundred here.
     ASSERT_NEAR(now.q[0] - before.q[0], 0.5e-3 * (now.qd[0] + before.qd[0]), 1e-7) << k;
     before = now;
   }
   EXPECT_EQ(before.q[0], 0.1);
 }
 
-TEST(Reach, AxisWithItsOwnTime_MovesThenOnly) {
+TEST(Reach, AxisWithItsOwnInterval_MovesOnlyThen) {
   Reach reach;
   reach.begin(pose(0.0, 0.0), AxisVelocity(2), pose(1.0, 1.0), 1.0);
   reach.during(0, 0.0, 0.4);
@@ -225,8 +225,8 @@ TEST(Reach, AxisWithItsOwnTime_MovesThenOnly) {
   EXPECT_NEAR(late.q[1], 0.5, 1e-9);
 }
 
-TEST(Reach, SpeedOfAnAxisIsLimited_WholeMovementTakesLonger) {
-  // Minimum jerk: the peak is 15/8 of the mean. 1 rad in 0.4 of the time at 0.5 rad/s.
+TEST(Reach, LimitedSpeedOfAnAxis_LengthensTheWholeMovement) {
+  // Minimum jerk: the peak speed is 15/8 of the mean. 1 rad in 0.4 of the time at 0.5 rad/s.
   Reach reach;
   reach.begin(pose(0.0, 0.0), AxisVelocity(2), pose(-1.0, 1.0), 1.0);
   reach.during(0, 0.0, 0.4);
@@ -245,7 +245,7 @@ TEST(Reach, SpeedOfAnAxisIsLimited_WholeMovementTakesLonger) {
 }
 
 TEST(Waypoints, BetweenTwo_FollowFlashAndHogan) {
-  // Flash and Hogan 1985: half way at half time, peak speed 15/8 of the mean, there.
+  // Flash and Hogan 1985: halfway at half the time, with the peak speed of 15/8 of the mean.
   const Intention way =
       Intention::throughWaypoints({{1.0, pose(0.1, -2.0)}, {3.0, pose(0.3, 0.0)}});
   AxisPosition q;
@@ -293,7 +293,7 @@ TEST(Waypoints, Velocity_IsTheSlopeOfPosition) {
 
 TEST(VirtualPatient, Impedance_PullsTowardsTheAimAndBrakesAgainstIt) {
   const PatientAxis person{"x", 0.5, 8.0, 135.0};
-  // Hooke and a dashpot, each alone and both: 135·0.01 = 1.35 N, 8·(-0.2) = -1.6 N.
+  // Spring and dashpot, each alone and together: 135·0.01 = 1.35 N, 8·(-0.2) = -1.6 N.
   EXPECT_DOUBLE_EQ(impedanceEffort(person, 0.02, 0.0, 0.03, 0.0), 135.0 * (0.03 - 0.02));
   EXPECT_DOUBLE_EQ(impedanceEffort(person, 0.0, 0.3, 0.0, 0.1), 8.0 * (0.1 - 0.3));
   EXPECT_NEAR(impedanceEffort(person, 0.02, 0.3, 0.03, 0.1), 1.35 - 1.6, 1e-12);

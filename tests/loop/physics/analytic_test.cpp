@@ -35,7 +35,7 @@ AnalyticScene along(const AnalyticAxis& axis) {
   return scene;
 }
 
-/// A slider at rest, against one thing.
+/// A slider at rest with one analytic element.
 struct Placed {
   Placed(double mass_kg, const AnalyticAxis& axis, double at_m)
       : hand(slider(mass_kg)), world(hand, along(axis)) {
@@ -69,7 +69,7 @@ TEST(AnalyticWorld, CriticallyDampedFreeMotion_FollowsTheDoublePole) {
   }
 }
 
-TEST(AnalyticWorld, HasNoBodies) {
+TEST(AnalyticWorld, PlacedBodies_DoNotExist) {
   const HandModel hand = slider(0.25);
   AnalyticWorld world(hand, {});
   BodyPlacements placements;
@@ -77,12 +77,12 @@ TEST(AnalyticWorld, HasNoBodies) {
   placements.items[0].body = 0;
   world.placeBodies(placements);
   PhysicsState s;
-  s.body_count = 3;  // of a world before
+  s.body_count = 3;  // left over from another world
   ASSERT_EQ(world.observe(s), Fault::kNone);
   EXPECT_EQ(s.body_count, 0);
 }
 
-TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
+TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsTheDrivingEffort) {
   AnalyticAxis wall;
   wall.upper_stop = 0.02;
   Placed placed(0.25, wall, 0.0);
@@ -113,8 +113,8 @@ TEST(AnalyticWorld, Spring_SwingsWithItsPeriodAndKeepsItsEnergy) {
   spring.spring_rest = 0.1;
   Placed placed(0.5, spring, 0.15);
   AnalyticWorld& world = placed.world;
-  // Symplectic Euler keeps ½ m v² + ½ k x² − ½ T k x v exactly; its angle a step is
-  // 2 asin(T √(k/m) / 2).
+  // Symplectic Euler keeps ½ m v² + ½ k x² − ½ T k x v exactly; its angle per step is 2 asin(T
+  // √(k/m) / 2).
   const auto kept = [&] {
     const PhysicsState s = stateOfWorld(world);
     const double x = s.q_s[0] - 0.1, v = s.qd_s[0];
@@ -141,7 +141,7 @@ TEST(AnalyticWorld, AttachedMass_SharesTheEffort) {
   EXPECT_NEAR(stateOfWorld(world).qd_s[0], 2.0 / 0.4 * kPeriod_s, tolerance(1e-15));
 }
 
-TEST(AnalyticWorld, Damper_DecaysAsItsPower) {
+TEST(AnalyticWorld, Damper_DecaysExponentially) {
   AnalyticAxis oil;
   oil.damping = 2.0;
   Placed placed(0.25, oil, 0.0);
@@ -170,11 +170,11 @@ TEST(AnalyticWorld, NonFiniteTorque_IsAFault) {
   EXPECT_EQ(world.observe(s), Fault::kNonFiniteState);
 }
 
-// ---- the hand of the house
+// ---- the shipped hand
 
 class AnalyticHand : public testing::Test {
  protected:
-  /// Eq. (2) towards `target` through the renderer's own distribution of torques.
+  /// Applies Eq. (2) towards `target` through the renderer's own distribution of torques.
   void drive(AnalyticWorld& world, const AxisPosition& target, int ticks) {
     ArticulatedBody body(hand_);
     gains_.axes = hand_.axis_count;
@@ -205,11 +205,11 @@ TEST_F(AnalyticHand, FreeUnderGravity_SettlesExactlyAtItsTarget) {
   AxisPosition target = hand_.reference;
   for (int a = 0; a < target.size(); ++a) target[a] += 0.02 * (a + 1);
   drive(world, target, 2000);
-  // The coupling carries no load: gravity is compensated by h, so nothing sags.
+  // The coupling carries no load: h compensates gravity, so the hand does not sag.
   EXPECT_LE((state_.q_s.vec() - target.vec()).cwiseAbs().maxCoeff(), tolerance(1e-9));
 }
 
-TEST_F(AnalyticHand, StopsOnTwoAxes_TakeExactlyTheCouplingEffortAtRest) {
+TEST_F(AnalyticHand, StopsOnTwoAxes_CarryExactlyTheCouplingEffortAtRest) {
   AnalyticScene scene;
   scene.axes.resize(hand_.axis_count);
   const int x = 0, last = hand_.axis_count - 1;
@@ -231,7 +231,7 @@ TEST_F(AnalyticHand, StopsOnTwoAxes_TakeExactlyTheCouplingEffortAtRest) {
   EXPECT_EQ(contacts.count, 2);
 }
 
-TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouplesThem) {
+TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepDespiteCoupledInertia) {
   AnalyticScene scene;
   scene.axes.resize(hand_.axis_count);
   for (int a = 0; a < hand_.axis_count; ++a) scene.axes[a].upper_stop = hand_.reference[a];

@@ -1,4 +1,4 @@
-// First touch of a hand axis: closed forms, a hand that moves, what is asked and what is not.
+// First touch of a hand axis: closed forms, a moving hand, requested and unrequested axes.
 #include "loop/physics/still_hand.hpp"
 #include "support/tolerance.hpp"
 
@@ -10,7 +10,7 @@
 namespace wholehand::test {
 namespace {
 
-/// A palm with one finger of one bone, 8 cm long and 1 cm thick, that turns about z from 0 on.
+/// A palm with one finger of one bone, 8 cm long and 1 cm thick, that turns about z from angle 0.
 HandModel oneFinger() {
   HandModel model;
   model.links.resize(2);
@@ -38,32 +38,32 @@ double touchOfOneFinger(const Eigen::Vector3d& ball_m, double radius_m) {
   BodyState state;
   state.position_m = Vec3::from(ball_m);
   AxisPosition touch;
-  // The axis stands somewhere; where it is kinematically closed does not depend on that.
+  // The axis may stand anywhere; its kinematic closure does not depend on that.
   for (int k = 0; k < 50; ++k) {
     closure.update(links.data(), JointPosition(1, 0.35), AxisPosition(1, 0.7), 0, &state, touch);
   }
   return touch[0];
 }
 
-TEST(FirstTouchOfOneFinger, WithABall_IsTheClosedForm) {
+TEST(FirstTouchOfOneFinger, WithABall_MatchesTheClosedForm) {
   const auto at = [](double distance_m, double angle_rad) {
     return Eigen::Vector3d(distance_m * std::cos(angle_rad), distance_m * std::sin(angle_rad), 0.0);
   };
-  // Beside the bone: at the angle under which the sum of the radii is seen from the joint.
+  // Beside the bone: the touch is at the angle under which the joint sees the sum of the radii.
   const double beside = 1.5 - std::asin((0.02 + 0.005) / 0.06);
   EXPECT_NEAR(touchOfOneFinger(at(0.06, 1.5), 0.02), 2.0 * beside, tolerance(1e-6));
-  // Before the tip: the triangle of joint, tip and ball has the sides 0.08, 0.1 and 0.025.
+  // Beyond the tip: the triangle of joint, tip and ball has the sides 0.08, 0.1 and 0.025.
   const double tip = std::acos((0.08 * 0.08 + 0.1 * 0.1 - 0.025 * 0.025) / (2.0 * 0.08 * 0.1));
   EXPECT_NEAR(touchOfOneFinger(at(0.1, 1.5), 0.02), 2.0 * (1.5 - tip), tolerance(1e-6));
-  // It passes by 1 µm before the tip, and takes 1 µm away from it.
+  // At 1 µm beyond the reach of the tip there is no touch; at 1 µm less there is one.
   EXPECT_TRUE(std::isnan(touchOfOneFinger(at(0.08 + 0.025 + 1e-6, 1.5), 0.02)));
   EXPECT_NEAR(touchOfOneFinger(at(0.08 + 0.025 - 1e-6, 1.5), 0.02), 3.0, tolerance(0.05));
-  // Beyond the end of travel, and where the open end overlaps.
+  // Beyond the end of travel; and where the open end overlaps.
   EXPECT_TRUE(std::isnan(touchOfOneFinger(at(0.06, 3.0 + 0.43), 0.02)));
   EXPECT_EQ(touchOfOneFinger(at(0.06, 0.2), 0.02), -kInfinity);
 }
 
-/// The hand glides past a bottle at 0.15 m/s; `look` hears of every tick.
+/// The hand glides past a bottle at 0.15 m/s; `look` is called in every tick.
 void glide(Still& still, int ticks, const std::function<void(const AxisPosition&)>& look) {
   still.body_pose.translation_m = {0.049, 0.041, 0.004};
   still.q[kFingers] = 1.1, still.q[kCircumduction] = 0.35;
@@ -75,7 +75,7 @@ void glide(Still& still, int ticks, const std::function<void(const AxisPosition&
   }
 }
 
-TEST(FirstTouchOfAMovingHand, IsFollowedToAFractionOfAMillimetre) {
+TEST(FirstTouchOfAMovingHand, GlidingPastABottle_IsKnownToAFractionOfAMillimetre) {
   Still moving(sceneOf(cylinder(0.025, 0.2)));
   int ticks = 0, known = 0, right = 0;
   double worst_m = 0.0;
@@ -85,19 +85,20 @@ TEST(FirstTouchOfAMovingHand, IsFollowedToAFractionOfAMillimetre) {
     here.body_pose = moving.body_pose;
     here.q = moving.q;
     AxisPosition truth;
-    for (int k = 0; k < 50; ++k) truth = here.tick();  // shown to be exact above
+    for (int k = 0; k < 50; ++k) truth = here.tick();  // the tests above show that this is exact
     for (int a = kFingers; a <= kThumb; ++a) {
       ++known;
       const bool none = std::isnan(truth[a]) && std::isnan(touch[a]);
       if (none || truth[a] == touch[a]) ++right;
       if (!std::isfinite(truth[a]) || !std::isfinite(touch[a]) || truth[a] == touch[a]) continue;
-      const double off_m = std::abs(touch[a] - truth[a]) * 0.08;  // of path, at the lever arm
+      const double off_m =
+          std::abs(touch[a] - truth[a]) * 0.08;  // along the path, at the lever arm
       right += off_m < 3e-4 ? 1 : 0;
       worst_m = std::max(worst_m, off_m);
     }
   });
-  // Where another finger becomes the first, the truth jumps, and a search later so does what is
-  // said.
+  // Where another finger becomes the first to touch, the true value jumps; the reported one follows
+  // one search later.
   const double share = static_cast<double>(right) / known;
   std::printf("figure: moving hand: %.2f %% right to 0.3 mm of path, worst %.2g mm\n",
               100.0 * share, worst_m * 1e3);
@@ -116,7 +117,7 @@ TEST(FirstTouchAskedFor, CalledAgainAfterReset_GivesTheSameBits) {
   }
 }
 
-TEST(FirstTouchAskedFor, OfBaseAxesAndWhereNothingIsAsked_IsNaN) {
+TEST(FirstTouchAskedFor, BaseAxisOrUnrequestedAxis_IsNan) {
   Still still(sceneOf(cylinder(0.025, 0.2)));
   still.body_pose.translation_m = {0.049, 0.06, 0.004};
   AxisPosition touch;
@@ -130,7 +131,7 @@ TEST(FirstTouchAskedFor, OfBaseAxesAndWhereNothingIsAsked_IsNaN) {
   }
 }
 
-TEST(FirstTouchAskedFor, AfterTheBodyWasPutElsewhere_IsFoundAnew) {
+TEST(FirstTouchAskedFor, BodyPlacedElsewhere_IsFoundAgain) {
   Still still(sceneOf(cylinder(0.025, 0.2)));
   still.q[kCircumduction] = 0.35;
   for (const double y : {0.06, 0.045, 0.07, 0.4, 0.05}) {

@@ -1,5 +1,5 @@
-// An upright bottle that stands fixed, taken in the power grasp as at the bar, through the whole
-// renderer: what the squeeze, the thumb, the fingers' backs and the first touch are like.
+// A fixed upright bottle is held in the power grasp as at the bar, through the whole renderer.
+// Checks the squeeze, the thumb, the backs of the fingers and the first touch.
 #include "loop/physics/power_grasp.hpp"
 #include "support/tolerance.hpp"
 
@@ -16,7 +16,7 @@ SceneBody bottle(const Eigen::Vector3d& at_m) {
   return body;
 }
 
-/// The bottle where the power grasp wants it, seen from the hand's base.
+/// Places the bottle where the power grasp needs it relative to the base of the hand.
 struct BarGrasp : PowerGrasp {
   BarGrasp(double effort_tip_n, double aside_m)
       : PowerGrasp(effort_tip_n, bottle({0.049, 0.041 + aside_m, 0.004}), [this](int read) {
@@ -25,12 +25,12 @@ struct BarGrasp : PowerGrasp {
         }) {}
 };
 
-/// From this tick on the grasp has settled: until then a finger may slip by a hair, once.
+/// The grasp has settled from this tick on; before it a finger may slip once by a small amount.
 constexpr int kHeld = 8000;
 
 class Squeeze : public testing::TestWithParam<double> {};
 
-TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
+TEST_P(Squeeze, FixedBottle_IsSteadyShallowAndByThumbAndFingers) {
   BarGrasp grasp(GetParam(), 0.0);
   ASSERT_TRUE(grasp.rig->renderer->arm());
   double sum_n = 0.0, squares_n2 = 0.0, thumb_n = 0.0, fingers_n = 0.0, deepest_m = 0.0;
@@ -67,7 +67,7 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
   EXPECT_LE(deepest_m, 1.5e-3);
   EXPECT_GT(thumb_n, 0.2 * GetParam());
   EXPECT_GT(fingers_n, GetParam());
-  // What is felt on every axis is what acts on the bottle: the virtual work of the contact forces.
+  // The rendered effort of every axis equals the virtual work of the contact forces on the bottle.
   EXPECT_GT(mean_n, 1.5 * GetParam());
   const AxisEffort work = virtualWork(grasp.rig->models.hand, last->q_s, *last);
   for (int a = 0; a < work.size(); ++a) {
@@ -76,7 +76,7 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
 }
 INSTANTIATE_TEST_SUITE_P(Efforts, Squeeze, testing::Values(1.0, 4.0, 10.0));
 
-TEST(FirstTouchInAGrasp, IsWhereTheFingersAre) {
+TEST(FirstTouchInAGrasp, RestingFingers_AreAtTheirFirstTouch) {
   BarGrasp grasp(2.0, 0.0);
   ASSERT_TRUE(grasp.rig->renderer->arm());
   const auto last = runTicks(*grasp.rig->renderer, 5000,
@@ -88,17 +88,17 @@ TEST(FirstTouchInAGrasp, IsWhereTheFingersAre) {
   TickRecord state = *last;
   body.updateKinematics(state.theta);
   for (int k = 0; k < 50; ++k) probe.look(&body.linkPose(0), {1, 0}, state);
-  // What rests on the bottle touches where it is, but for the 10 µm that contacts give, seen from a
-  // finger that closes along the surface more than towards it.
+  // A finger that rests on the bottle has its first touch where it is, except for the 10 µm
+  // compliance of contacts, which a finger that closes along the surface sees enlarged.
   EXPECT_LE(state.closure[kFingers], state.q_s[kFingers] + 1e-6);
   EXPECT_GE(state.closure[kFingers], state.q_s[kFingers] - 5e-3);
-  // The bottle pushes the thumb beyond its open end: there they overlap.
+  // The bottle pushes the thumb beyond its open end, so they overlap there.
   EXPECT_LT(state.q_s[kThumb], 0.0);
   EXPECT_EQ(state.closure[kThumb], -std::numeric_limits<double>::infinity());
   EXPECT_EQ(state.palm_body, 0);
 }
 
-TEST(BackOfTheFingers, BumpingTheBottle_IsFelt) {
+TEST(BackOfTheFingers, BumpingTheBottle_IsRendered) {
   Models m = load(shippedFiles());
   m.scene.bodies = {bottle({0.119, -0.06, 0.004})};  // beside the fingers, behind their backs
   const auto rig = buildScripted(std::move(m), [](int read) {
@@ -119,7 +119,7 @@ TEST(BackOfTheFingers, BumpingTheBottle_IsFelt) {
   });
   figure("bump with the back of the fingers, felt", felt_n, "N");
   EXPECT_TRUE(by_fingers);
-  EXPECT_GT(felt_n, 2.0);  // 1 N per mm that the hand is held back, and it is by centimetres
+  EXPECT_GT(felt_n, 2.0);  // 1 N per mm that the hand is held back, which is some centimetres
   EXPECT_LE(deepest_m, 1.5e-3);
 }
 

@@ -1,4 +1,4 @@
-// Laws of bodies on one joint: closed forms of the issue, in a yard turned at random.
+// Laws of bodies on one joint: closed forms of the issue, in a randomly rotated scene.
 #include "loop/physics/body_joint.hpp"
 
 #include "loop/physics/body_yard.hpp"
@@ -25,7 +25,7 @@ SceneJoint hingeAbout(const Vector3d& axis, const Vector3d& point_m) {
   return joint;
 }
 
-/// A body of a given moment about its own axes.
+/// A body of a given moment of inertia about its own axes.
 SceneBody rod(double mass_kg, const Vector3d& size_m, const Vector3d& center_m) {
   return bodyOf(boxShape(size_m), center_m, mass_kg, 0.5);
 }
@@ -49,7 +49,7 @@ TEST_F(BodyOnAJoint, DrawerWithDryFriction_StopsWhereThePaperSays) {
   yard.run(0.01);
   EXPECT_NEAR(yard.velocity(0).norm(), 0.0, 1e-12);
   EXPECT_NEAR(yard.at(0).x(), 0.0225, 0.01 * 0.0225);
-  EXPECT_NEAR(yard.at(0).tail<2>().norm(), 0.0, 1e-13);  // rounding of the turned yard
+  EXPECT_NEAR(yard.at(0).tail<2>().norm(), 0.0, 1e-13);  // rounding of the rotated scene
   yard.run(1.0);
   EXPECT_NEAR(yard.at(0).x(), 0.0225, 0.01 * 0.0225);
 }
@@ -64,9 +64,9 @@ TEST_F(BodyOnAJoint, DrawerAtItsEnd_StopsThere) {
   EXPECT_NEAR(yard.velocity(0).norm(), 0.0, 1e-12);
 }
 
-TEST_F(BodyOnAJoint, LidThatSwings_HasThePendulumsPeriodAndGainsNothing) {
-  // A thin uniform rod of 20 g and 40 mm hinged at its end: T = 2π √(2L/3g) = 0.3276 s. Of a box
-  // that is not thin, I = m (L² + w²)/12 + m L²/4 stands in place of m L²/3.
+TEST_F(BodyOnAJoint, SwingingLid_HasThePendulumPeriodAndGainsNoEnergy) {
+  // A thin uniform rod of 20 g and 40 mm hinged at its end: T = 2π √(2L/3g) = 0.3276 s. A box that
+  // is not thin has I = m (L² + w²)/12 + m L²/4 in place of m L²/3.
   const double length_m = 0.04, width_m = 0.002;
   SceneBody lid = rod(0.02, {width_m, width_m, length_m}, {0, 0, 0});
   lid.joint = hingeAbout({0, 1, 0}, {0, 0, 0.5 * length_m});
@@ -97,7 +97,7 @@ TEST_F(BodyOnAJoint, LidThatSwings_HasThePendulumsPeriodAndGainsNothing) {
     const double measured_s = (last_s - crossed_s) / (crossings - 1);
     figure("lid, free period at " + std::to_string(static_cast<int>(rate_hz)) + " Hz", measured_s,
            "s");
-    // + θ₀²/16 of the period: θ₀ = 0.02/(ω · 20 mm) = 0.052 rad, 1.7e-4.
+    // The amplitude adds θ₀²/16 to the period: θ₀ = 0.02/(ω · 20 mm) = 0.052 rad, 1.7e-4.
     EXPECT_NEAR(measured_s, period_s * (1.0 + 1.7e-4), 1e-3 * period_s);
   }
 }
@@ -110,11 +110,12 @@ TEST_F(BodyOnAJoint, LatchHoldsUpToItsTorque) {
     knob.joint = hingeAbout({0, 1, 0}, {-arm_m, 0, 0});
     knob.joint->latch_energy_j = 0.02;
     knob.joint->latch_wave = 8.0;
-    // The largest torque is a quarter of a wave below the detent; the arm turns there, too.
+    // The largest torque is a quarter of a wave below the detent; the arm also turns there.
     knob.joint->latch_at = -pi / 16.0;
     Yard yard("bullet", {knob}, {0, 0, -9.81}, 1000.0, turn_);
     yard.run(0.02);
-    // At the crest: share 0.99 turns back, 1.01 goes on downward (about +y, x falls to −z).
+    // At the crest: with share 0.99 it turns back, with 1.01 it goes on downward (about +y, x falls
+    // to −z).
     if (share < 1.0) {
       EXPECT_GT(yard.velocity(0).z(), 0.0);
     } else {
@@ -137,9 +138,9 @@ TEST_F(BodyOnAJoint, SpringOfALever_HoldsItsEnergy) {
   EXPECT_NEAR(joint.energy(), 33.75e-3, 1e-12);
 }
 
-TEST_F(BodyOnAJoint, DoorHitAtItsHandle_FeelsLikeItsReducedMass) {
-  // I = 0.05 kg·m² about the hinge, r = 0.15 m: I/r² = 2.222 kg. A ball of 1 kg that arrives at
-  // 0.5 m/s and does not bounce goes on with it at 0.5/(1 + 2.222).
+TEST_F(BodyOnAJoint, DoorHitAtItsHandle_ActsAsItsReducedMass) {
+  // I = 0.05 kg·m² about the hinge, r = 0.15 m: I/r² = 2.222 kg. A ball of 1 kg that arrives at 0.5
+  // m/s and does not bounce moves on with it at 0.5/(1 + 2.222).
   const Vector3d size_m(0.02, 0.3, 0.2);
   const double width_m = 0.3;
   SceneBody door = rod(1.0, size_m, {0, 0.5 * width_m, 0});
@@ -156,9 +157,9 @@ TEST_F(BodyOnAJoint, DoorHitAtItsHandle_FeelsLikeItsReducedMass) {
   EXPECT_NEAR(-yard.spin(0).z() * 0.15, together, 0.01 * together);
 }
 
-TEST_F(BodyOnAJoint, DrawerHitAslant_TakesWhatLiesAlongItsSlide) {
-  // A frictionless ball meets the drawer's face, normal n, slide axis a: the face has the mass
-  // M/(n·a)² against it.
+TEST_F(BodyOnAJoint, DrawerHitAtAnAngle_ReceivesTheComponentAlongItsSlide) {
+  // A frictionless ball hits the drawer's face with normal n and slide axis a: the face acts with
+  // the mass M/(n·a)².
   const Vector3d axis = Vector3d(1, 1, 0).normalized();
   SceneBody drawer = rod(2.0, {0.1, 0.1, 0.1}, {0, 0, 0});
   drawer.friction = 0.0;
@@ -174,7 +175,7 @@ TEST_F(BodyOnAJoint, DrawerHitAslant_TakesWhatLiesAlongItsSlide) {
   EXPECT_NEAR(yard.velocity(0).z(), 0.0, 1e-12);
 }
 
-TEST_F(BodyOnAJoint, ThingInADrawer_ComesAlongAndRests) {
+TEST_F(BodyOnAJoint, CupInADrawer_MovesWithItAndRests) {
   SceneBody drawer = rod(1.0, {0.2, 0.2, 0.02}, {0, 0, 0});
   drawer.joint = slideAlong({1, 0, 0});
   drawer.joint->least = 0.0, drawer.joint->most = 0.12;
@@ -183,7 +184,7 @@ TEST_F(BodyOnAJoint, ThingInADrawer_ComesAlongAndRests) {
   Yard yard("bullet", {drawer, cup}, {0, 0, -9.81}, 1000.0, turn_);
   yard.throwBody(0, {0.1, 0, 0});
   yard.run(1.0);
-  // Momentum: the cup takes its share by friction, then 0.5 N stop both.
+  // Momentum: friction accelerates the cup, then 0.5 N stop both.
   EXPECT_NEAR(yard.velocity(0).norm(), 0.0, 1e-6);
   EXPECT_NEAR(yard.at(1).z(), 0.03, 1e-4);
   EXPECT_NEAR(yard.at(1).y(), 0.0, 1e-5);
@@ -191,9 +192,9 @@ TEST_F(BodyOnAJoint, ThingInADrawer_ComesAlongAndRests) {
   EXPECT_NEAR(yard.at(1).x(), yard.at(0).x(), 0.003);
 }
 
-// Springs and dry friction are implicit: energy falls in each step. A latch's falling slopes are
-// symplectic Euler, which has q and q̇ half a step apart and then keeps energy to second order.
-TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndNeverLeavesItsPath) {
+// Springs and dry friction are implicit: energy falls in each step. A latch's falling slopes use
+// symplectic Euler, which has q and q̇ half a step apart and keeps energy to second order.
+TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndStaysOnItsPath) {
   for (int trial = 0; trial < cases(60); ++trial) {
     const Vector3d axis(uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -1, 1));
     SceneBody body = rod(uniform(random_, 0.1, 2.0), {0.05, 0.1, 0.02}, {0, 0, 0});
@@ -206,7 +207,7 @@ TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndNeverLeavesItsPath) {
       body.joint->latch_wave = hinge ? 8.0 : 2.0 * pi / 0.02;
     } else {
       body.joint->spring_stiffness = uniform(random_, 0.0, hinge ? 5.0 : 500.0);
-      if (hinge) body.joint->least = -3.0, body.joint->most = 3.0;  // one pose, one q
+      if (hinge) body.joint->least = -3.0, body.joint->most = 3.0;  // each pose has one q
     }
     Yard yard("bullet", {body}, Vector3d::Zero(), 1000.0, turn_);
     yard.throwBody(0, Vector3d(uniform(random_, -0.5, 0.5), uniform(random_, -0.5, 0.5), 0.1));

@@ -1,5 +1,5 @@
-// Laws of mechanics that bodies keep on the default engine, for every shape, in any turn of the
-// whole scene, at 1 to 8 kHz, from 1 g to 50 kg. Expected values are closed forms.
+// Laws of mechanics for bodies on the default engine, for every shape, in any rotation of the whole
+// scene, at 1 to 8 kHz, from 1 g to 50 kg. Expected values are closed forms.
 #include "loop/physics/body_yard.hpp"
 #include "support/tolerance.hpp"
 
@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 constexpr double kGravity = 9.81;
 const char* const kEngine = "bullet";
 
-/// Draws of a law. A tenth in ./check.
+/// Number of random draws per law; ./check runs a tenth.
 int draws() {
   return fullCounts() ? 200 : 20;
 }
@@ -22,14 +22,14 @@ double anyRate(std::mt19937_64& random) {
   const std::array rates{1000.0, 2000.0, 4000.0, 8000.0};
   return rates[random() % rates.size()];
 }
-/// Evenly over the decades.
+/// A random value, uniform over the decades.
 double anyBetween(std::mt19937_64& random, double low, double high) {
   return std::exp(uniform(random, std::log(low), std::log(high)));
 }
 double anyMass(std::mt19937_64& random) {
   return anyBetween(random, 1e-3, 50.0);
 }
-/// Straight down, leant by a slope along x.
+/// Gravity tilted by a slope along x.
 Vector3d leant(double slope_rad) {
   return kGravity * Vector3d(std::sin(slope_rad), 0.0, -std::cos(slope_rad));
 }
@@ -42,7 +42,7 @@ struct Round {
   std::string name;
   SceneBody body;
   double radius_m = 0.0;
-  double k = 0.0;  ///< moment about the axis it rolls on, over m r²
+  double k = 0.0;  ///< moment of inertia about the rolling axis, divided by m r²
 };
 
 Round anyRound(std::mt19937_64& random, double start_m) {
@@ -58,7 +58,7 @@ Round anyRound(std::mt19937_64& random, double start_m) {
       return {"cylinder", bodyOf(roundShape(ShapeType::kCylinder, r, length), at, m, 0.8, lying), r,
               1.0 / 2.0};
     default: {
-      // Moments of a cylinder and two half balls about their common axis.
+      // Moments of inertia of a cylinder and two half balls about their common axis.
       const double ends = 4.0 / 3.0 * r, both = length + ends;
       return {"capsule", bodyOf(roundShape(ShapeType::kCapsule, r, length), at, m, 0.8, lying), r,
               (length * 0.5 + ends * 0.4) / both};
@@ -66,7 +66,7 @@ Round anyRound(std::mt19937_64& random, double start_m) {
   }
 }
 
-/// A body that lies on a face of z = 0. @param half_m of its height
+/// A body that lies with a face on z = 0. @param half_m half of its height
 SceneBody anyFlat(std::mt19937_64& random, double half_m, double friction, double mass_kg,
                   std::string& name) {
   const double width = uniform(random, 1.5, 3.0) * half_m;
@@ -86,7 +86,7 @@ SceneBody anyFlat(std::mt19937_64& random, double half_m, double friction, doubl
   }
 }
 
-TEST(BodyLaws, WhatRollsOnALevel_KeepsItsSpeedAndGainsNoEnergy) {
+TEST(BodyLaws, RollingOnALevel_KeepsItsSpeedAndGainsNoEnergy) {
   auto random = seededRandom(3601);
   double worst = 0.0, gained = 0.0;
   for (int i = 0; i < draws(); ++i) {
@@ -99,7 +99,8 @@ TEST(BodyLaws, WhatRollsOnALevel_KeepsItsSpeedAndGainsNoEnergy) {
     yard.run(0.5);
     const double energy = yard.energy(1);
     yard.run(i % 5 == 0 ? 10.0 : 2.0);
-    // Sliding ends when the ground has turned it: the moment about the contact is kept.
+    // Sliding ends when the ground has spun the body up; its angular momentum about the contact
+    // stays.
     const double expected = v / (1.0 + round.k);
     worst = std::max(worst, std::abs(yard.velocity(1).x() / expected - 1.0));
     gained = std::max(gained, (yard.energy(1) - energy) / (0.5 * round.body.mass_kg * v * v));
@@ -111,7 +112,7 @@ TEST(BodyLaws, WhatRollsOnALevel_KeepsItsSpeedAndGainsNoEnergy) {
   figure("rolling on a level, most energy gained over what it had", gained, "");
 }
 
-TEST(BodyLaws, WhatRollsDown_AcceleratesByItsMoment) {
+TEST(BodyLaws, RollingDownASlope_AcceleratesByItsMoment) {
   auto random = seededRandom(3602);
   double worst = 0.0;
   for (int i = 0; i < draws(); ++i) {
@@ -130,7 +131,7 @@ TEST(BodyLaws, WhatRollsDown_AcceleratesByItsMoment) {
   figure("rolling down, worst acceleration against the law", worst, "");
 }
 
-TEST(BodyLaws, WhatSlidesDown_AcceleratesByCoulombsLawAndStraight) {
+TEST(BodyLaws, SlidingDownASlope_AcceleratesByCoulombsLawAndStraight) {
   auto random = seededRandom(3603);
   double worst = 0.0, aside_m = 0.0;
   for (int i = 0; i < draws(); ++i) {
@@ -155,7 +156,7 @@ TEST(BodyLaws, WhatSlidesDown_AcceleratesByCoulombsLawAndStraight) {
   figure("sliding down, farthest aside", 1e3 * aside_m, "mm");
 }
 
-TEST(BodyLaws, WhatStandsOnASlopeBelowItsFriction_Stays) {
+TEST(BodyLaws, StandingOnASlopeBelowItsFriction_Stays) {
   auto random = seededRandom(3604);
   double farthest_m = 0.0;
   for (int i = 0; i < draws(); ++i) {
@@ -174,8 +175,8 @@ TEST(BodyLaws, WhatStandsOnASlopeBelowItsFriction_Stays) {
   figure("standing on a slope, farthest moved in 1.5 s", 1e3 * farthest_m, "mm");
 }
 
-/// The mesh of an upright prism or pyramid, its centre of mass at the origin. @param turn_rad of
-/// its foot's first corner
+/// Mesh of an upright prism or pyramid with its centre of mass at the origin. @param turn_rad angle
+/// of the base's first corner
 Shape polygonShape(int sides, double radius_m, double height_m, bool pyramid, double turn_rad) {
   Shape shape;
   shape.type = ShapeType::kConvexMesh;
@@ -202,8 +203,8 @@ Shape polygonShape(int sides, double radius_m, double height_m, bool pyramid, do
   return shape;
 }
 
-/// Cylinders, boxes, prisms and pyramids of 3 to 12 sides, turned about their axis.
-TEST(BodyLaws, WhatLeans_FallsWhereItsWeightLeavesItsFoot) {
+/// Cylinders, boxes, prisms and pyramids of 3 to 12 sides, rotated about their axis.
+TEST(BodyLaws, LeaningBody_FallsWhenItsWeightLeavesItsBase) {
   auto random = seededRandom(3605);
   for (int i = 0; i < 2 * draws(); ++i) {
     const bool falls = random() % 2 == 0;
@@ -216,12 +217,13 @@ TEST(BodyLaws, WhatLeans_FallsWhereItsWeightLeavesItsFoot) {
                         : box ? boxShape({std::sqrt(2.0) * r, std::sqrt(2.0) * r, height_m})
                               : polygonShape(sides, r, height_m, pyramid, yaw);
     const double turn_rad = round || box ? yaw : 0.0;
-    // From the axis to the foot's rim along x, where the slope leads: to the nearest edge's line.
+    // Distance from the axis to the base's edge along x, down the slope: to the line of the nearest
+    // edge.
     const double first = box ? yaw + kPi / 4.0 : yaw;
     const double off = std::remainder(first + 0.5 * sector, sector);
     const double foot_m = round ? r : r * std::cos(0.5 * sector) / std::cos(off);
     const double middle_m = pyramid ? 0.25 * height_m : 0.5 * height_m;
-    // A cylinder touches in points of its rim.
+    // A cylinder touches at a few points of its rim, so its margin is larger.
     const double margin = round ? 0.02 : 0.01, share = falls ? 1.0 + margin : 1.0 - margin;
     SCOPED_TRACE((round     ? "cylinder"
                   : box     ? "box"
@@ -233,7 +235,8 @@ TEST(BodyLaws, WhatLeans_FallsWhereItsWeightLeavesItsFoot) {
                                   about(Vector3d::UnitZ(), turn_rad));
     Yard yard(kEngine, {ground(2.0), body}, leant(std::atan(share * foot_m / middle_m)), 1000.0,
               anyTurn(random));
-    // Put down: to fall by the slop, 10 µm, would give it what it lacks to tip.
+    // Holds the body while it settles: a fall by the slop, 10 µm, would give it enough energy to
+    // tip.
     for (int k = 0; k < 10; ++k) {
       yard.throwBody(1, Vector3d::Zero());
       yard.step();
@@ -255,7 +258,7 @@ TEST_P(FreeSpin, KeepsItsAngularMomentumAndEnergy) {
   for (int i = 0; i < draws() / 4; ++i) {
     const Vector3d size(uniform(random, 0.05, 0.2), uniform(random, 0.05, 0.2),
                         uniform(random, 0.01, 0.2));
-    // A ball strikes it off its centre.
+    // A ball hits the body off its centre.
     Yard yard(GetParam(),
               {bodyOf(boxShape(size), Vector3d::Zero(), 0.1, 0.5, anyTurn(random)),
                bodyOf(roundShape(ShapeType::kSphere, 0.02, 0.0),
@@ -265,7 +268,7 @@ TEST_P(FreeSpin, KeepsItsAngularMomentumAndEnergy) {
     yard.run(0.4);
     const Vector3d before = yard.angularMomentum(0);
     const double had = yard.energy(0);
-    if (yard.spin(0).norm() < 1.0) continue;  // passed by
+    if (yard.spin(0).norm() < 1.0) continue;  // the ball missed it
     yard.run(i == 0 ? 60.0 : 5.0);
     momentum = std::max(momentum, (yard.angularMomentum(0) - before).norm() / before.norm());
     energy = std::max(energy, std::abs(yard.energy(0) / had - 1.0));
@@ -279,7 +282,7 @@ TEST_P(FreeSpin, KeepsItsAngularMomentumAndEnergy) {
 INSTANTIATE_TEST_SUITE_P(Engines, FreeSpin, testing::ValuesIn(builtEngines(true)),
                          [](const auto& tested) { return tested.param; });
 
-TEST(BodyLaws, WhatSlidesOverFlushPlanks_FeelsNoSeams) {
+TEST(BodyLaws, SlidingOverFlushPlanks_IsNotDisturbedBySeams) {
   auto random = seededRandom(3607);
   for (int i = 0; i < draws() / 4; ++i) {
     std::string name;
@@ -321,7 +324,7 @@ std::vector<SceneBody> flushFloor(std::mt19937_64& random, double friction) {
   return planks;
 }
 
-TEST(BodyLaws, WhatRollsOverFlushPlanks_FeelsNoSeams) {
+TEST(BodyLaws, RollingOverFlushPlanks_IsNotDisturbedBySeams) {
   auto random = seededRandom(3615);
   double worst = 0.0, gained = 0.0;
   for (int i = 0; i < draws(); ++i) {
@@ -348,9 +351,9 @@ TEST(BodyLaws, WhatRollsOverFlushPlanks_FeelsNoSeams) {
   EXPECT_LE(gained, 0.01);
 }
 
-/// Two bodies without gravity, of every shape, that strike each other: no impact gives energy, and
-/// both momenta stay.
-TEST(BodyLaws, WhatStrikesInFlight_KeepsItsMomentaAndGainsNoEnergy) {
+/// Two bodies of every shape collide without gravity: no impact makes energy, and linear and
+/// angular momentum are kept.
+TEST(BodyLaws, CollisionInFlight_KeepsMomentaAndGainsNoEnergy) {
   auto random = seededRandom(3616);
   double gained = 0.0, lost = 0.0, turned = 0.0;
   int struck = 0;
@@ -395,8 +398,8 @@ TEST(BodyLaws, WhatStrikesInFlight_KeepsItsMomentaAndGainsNoEnergy) {
     lost = std::max(lost, (momentum() - before).norm() / pushed);
     const double turning_lost = (about_origin() - turning).norm();
     turned = std::max(turned, turning_lost / (0.03 * pushed));
-    // Friction acts at each body's own point of the contact, and these are the way of a step apart
-    // where the contact is there in advance.
+    // Friction acts at each body's own contact point. Where a contact is made in advance, the two
+    // points are up to one step's motion apart.
     EXPECT_LE(turning_lost, 0.5 * pushed * v / rate);
   }
   figure("struck in flight, most energy gained over what there was", gained, "");
@@ -406,15 +409,15 @@ TEST(BodyLaws, WhatStrikesInFlight_KeepsItsMomentaAndGainsNoEnergy) {
   EXPECT_GT(struck, draws());
 }
 
-/// Planks of 1 to 5 kg that lie on a ground and are free to move: what slides over them passes as
-/// over one plate, and they stay.
-TEST(BodyLaws, WhatSlidesOverPlanksThatMayMove_FeelsNoSeams) {
+/// Planks of 1 to 5 kg lie on the ground and are free to move. A body slides over them as over one
+/// plate, and they stay.
+TEST(BodyLaws, SlidingOverMovablePlanks_IsNotDisturbedBySeams) {
   auto random = seededRandom(3614);
   constexpr int kPlanks = 24;
   double worst = 0.0, moved_m = 0.0;
   for (int i = 0; i < draws() / 10; ++i) {
     std::string name;
-    // Friction of a pair is the root of the product.
+    // The friction of a pair is the root of the product.
     const double friction = 0.3, rough = 0.9, slope = std::atan(0.45);
     const double half_m = uniform(random, 0.015, 0.03), start_m = 0.1, width_m = 0.05;
     SceneBody body = anyFlat(random, half_m, friction * friction / rough, 0.1, name);
@@ -447,11 +450,11 @@ TEST(BodyLaws, WhatSlidesOverPlanksThatMayMove_FeelsNoSeams) {
   EXPECT_LE(moved_m, 1e-4);
 }
 
-TEST(BodyLaws, WhatFliesAtAThinPlate_StopsOnIt) {
+TEST(BodyLaws, FlyingAtAThinPlate_StopsOnIt) {
   auto random = seededRandom(3608);
   for (int i = 0; i < draws(); ++i) {
     const std::size_t which = random() % 3;
-    // A corner that strikes turns what has one: only a ball is stopped at any speed.
+    // A body that hits with a corner starts to rotate; only a ball stops at any speed.
     const double r = anyBetween(random, 2e-3, 0.02),
                  v = uniform(random, 1.0, which == 0 ? 15.0 : 2.0);
     const std::array<Shape, 3> shapes{roundShape(ShapeType::kSphere, r, 0.0),
@@ -469,15 +472,15 @@ TEST(BodyLaws, WhatFliesAtAThinPlate_StopsOnIt) {
   }
 }
 
-// Each contact gives way by the slop, 10 µm; a third of that more is granted.
+// Each contact yields by the slop, 10 µm; the tests allow a third more.
 constexpr double kGives_m = 1.33e-5;
 
-TEST(BodyLaws, AHeavyBodyOnALightOne_RestsAtItsSurface) {
+TEST(BodyLaws, HeavyBodyOnALightOne_RestsAtItsSurface) {
   auto random = seededRandom(3609);
   double deepest_m = 0.0;
   for (int i = 0; i < draws() / 2; ++i) {
     const double light = anyBetween(random, 2e-4, 0.1), ratio = anyBetween(random, 1.0, 1e4);
-    // From a card of half a millimetre to a cube; the heavy one falls on it from up to 1 mm.
+    // From a card of half a millimetre to a cube; the heavy body falls on it from up to 1 mm.
     const double thick_m = anyBetween(random, 5e-4, 0.05), fall_m = uniform(random, 0.0, 1e-3);
     SCOPED_TRACE(std::to_string(light) + " kg, " + std::to_string(thick_m) + " m below " +
                  std::to_string(light * ratio) + " kg from " + std::to_string(fall_m) + " m");
@@ -497,11 +500,12 @@ TEST(BodyLaws, AHeavyBodyOnALightOne_RestsAtItsSurface) {
   figure("heavy on light to a ratio of 10,000, deepest", 1e3 * deepest_m, "mm");
 }
 
-TEST(BodyLaws, ATowerOfEight_StandsForTenMinutes) {
+TEST(BodyLaws, TowerOfEight_StandsForTenMinutes) {
   auto random = seededRandom(3611);
   double deepest_m = 0.0, widest_m = 0.0;
   for (int i = 0; i < std::max(1, draws() / 10); ++i) {
-    // Cubes of 4 cm and 20 g, the top one of 2 kg; then such a one anywhere.
+    // Cubes of 4 cm and 20 g. In the first draw the top one weighs 2 kg, in later draws any one of
+    // them.
     const int heavy = i == 0 ? 8 : 1 + static_cast<int>(random() % 8);
     const double rate_hz = anyRate(random);
     SCOPED_TRACE("2 kg are number " + std::to_string(heavy) + ", " + std::to_string(rate_hz) +
@@ -519,8 +523,8 @@ TEST(BodyLaws, ATowerOfEight_StandsForTenMinutes) {
       deepest_m = std::max(deepest_m, 0.04 * k - 0.02 - yard.at(k).z());
       aside_m = std::max(aside_m, std::hypot(yard.at(k).x(), yard.at(k).y()));
     }
-    // With the heavy one further down three of a hundred shifted, by up to 2.5 mm, one of hundreds
-    // by 16 mm, before they rested: half a cube is what still stands.
+    // With the heavy cube further down, three of a hundred towers shifted by up to 2.5 mm before
+    // they rested, and one of some hundreds by 16 mm. A tower stands up to a shift of half a cube.
     EXPECT_LE(aside_m, i == 0 ? 1e-4 : 0.02);
     if (i == 0) widest_m = aside_m;
   }
@@ -529,9 +533,9 @@ TEST(BodyLaws, ATowerOfEight_StandsForTenMinutes) {
   EXPECT_LE(deepest_m, 8 * kGives_m);
 }
 
-/// Twelve cubes under a ton: more than are solved at once, and more than sweeps get to the bottom
-/// of.
-TEST(BodyLaws, WhatDoesNotSettle_IsReported) {
+/// Twelve cubes under a ton: more contacts than the direct solver takes, and too heavy for sweeps
+/// to converge.
+TEST(BodyLaws, UnsettledContacts_AreReported) {
   for (const double top_kg : {0.02, 1000.0}) {
     std::vector<SceneBody> bodies{ground(0.8)};
     for (int k = 1; k <= 12; ++k) {
@@ -547,7 +551,7 @@ TEST(BodyLaws, WhatDoesNotSettle_IsReported) {
   }
 }
 
-/// Kinetic, and potential above the ground, of bodies from one on [J].
+/// Kinetic energy plus potential energy above the ground, of the bodies from `first` on [J].
 double energyOver(const Yard& yard, const std::vector<SceneBody>& bodies, std::size_t first) {
   double sum = 0.0;
   for (std::size_t k = first; k < bodies.size(); ++k) {
@@ -559,7 +563,7 @@ double energyOver(const Yard& yard, const std::vector<SceneBody>& bodies, std::s
   return sum;
 }
 
-/// The ground and four walls around it, open above.
+/// The ground and four walls around it, open at the top.
 std::vector<SceneBody> openBox(double half_m) {
   std::vector<SceneBody> bodies{ground(0.5)};
   for (const Vector3d& side : {Vector3d::UnitX().eval(), Vector3d::UnitY().eval()}) {
@@ -571,13 +575,13 @@ std::vector<SceneBody> openBox(double half_m) {
   return bodies;
 }
 
-/// Shares of the energy that bodies had at first: the most that they gained again, and the least
-/// that they had.
+/// Shares of the bodies' initial energy: the largest regain and the lowest level.
 struct EnergyShares {
   double gained = 0.0, least = 1.0;
 };
 
-/// Bodies from `first` on, thrown at up to 1 m/s along each axis and watched for so long.
+/// Throws the bodies from `first` on at up to 1 m/s along each axis and follows their energy for
+/// `duration_s`.
 EnergyShares throwAndWatch(Yard& yard, const std::vector<SceneBody>& bodies, std::size_t first,
                            std::mt19937_64& random, double duration_s) {
   for (std::size_t k = first; k < bodies.size(); ++k) {
@@ -597,8 +601,8 @@ EnergyShares throwAndWatch(Yard& yard, const std::vector<SceneBody>& bodies, std
   return shares;
 }
 
-/// Twenty bodies of every shape, of 1 g to 1 kg, thrown into a box: what they have together never
-/// rises. (What rolls goes on: nothing here has rolling friction.)
+/// Twenty bodies of every shape, of 1 g to 1 kg, are thrown into a box. Their total energy never
+/// rises. (Rolling bodies do not stop, since there is no rolling friction here.)
 TEST(BodyLaws, TwentyBodiesInABox_OnlyLoseEnergy) {
   auto random = seededRandom(3612);
   double most = 0.0;
@@ -619,12 +623,12 @@ TEST(BodyLaws, TwentyBodiesInABox_OnlyLoseEnergy) {
     most = std::max(most, throwAndWatch(yard, bodies, first, random, 60.0).gained);
   }
   figure("twenty bodies in a box, most energy gained again, of what they had", most, "");
-  // A heavy body that spins on a light one, where no solution at once was found: 0.44 % was the
-  // most of 27 draws.
+  // The largest regain in 27 draws was 0.44 %: a heavy body spinning on a light one, where the
+  // direct solver found no solution.
   EXPECT_LE(most, 0.02);
 }
 
-/// A light mug: six pieces of wall, each the mesh of a wedge, and a bottom, which overlap nothing.
+/// A light mug: six wall pieces, each the mesh of a wedge, and a bottom; no two pieces overlap.
 SceneBody mug(double radius_m, double mass_kg, const Vector3d& at_m, const Eigen::Matrix3d& turn) {
   constexpr int kPieces = 6;
   const double half_m = 1.1 * radius_m, wall_m = 0.12 * radius_m;
@@ -663,8 +667,8 @@ SceneBody mug(double radius_m, double mass_kg, const Vector3d& at_m, const Eigen
   return body;
 }
 
-/// Four mugs of 1 to 50 g, and two bodies of up to 1 kg that fall among them down a shaft: they are
-/// wedged between the walls. What one blow asked of a mug may not be asked again in the next step.
+/// Four mugs of 1 to 50 g and two bodies of up to 1 kg fall down a shaft and wedge the mugs between
+/// its walls. An impulse that one impact needed must not be applied again in the next step.
 TEST(BodyLaws, LightMugsWedgedBetweenHeavyBodies_OnlyLoseEnergy) {
   auto random = seededRandom(3617);
   double most = 0.0;
@@ -691,20 +695,20 @@ TEST(BodyLaws, LightMugsWedgedBetweenHeavyBodies_OnlyLoseEnergy) {
   }
   figure("mugs wedged between heavy bodies, most energy gained again, of what they had", most, "");
   figure("share of these piles that gained over 1 %", static_cast<double>(gained) / piles, "1");
-  // Blows threw 60 of 163 piles by over 1 %, the worst by 40 times what it had. A heavy ball that
-  // sank into a mug is pushed out slowly, and gets that energy back.
+  // With this error, impacts threw 60 of 163 piles with a gain of over 1 %, the worst by 40 times
+  // its energy. A heavy ball that sank into a mug is pushed out slowly and regains that energy.
   EXPECT_LE(gained, 1 + piles / 8);
   EXPECT_LE(most, 0.2);
 }
 
 // ---- the hand ----
 
-TEST(HandFriction, SteadySlip_IsOpposedAlongIt) {
+TEST(HandFriction, SteadySlip_IsOpposedAlongItsDirection) {
   auto random = seededRandom(3610);
   double worst_rad = 0.0;
   int judged = 0;
   for (int i = 0; i < draws(); ++i) {
-    // A wall of any direction that the fingers slide along, in any direction of its face.
+    // A wall of random orientation; the fingers slide along it in a random direction of its face.
     const Eigen::Matrix3d turn = about(Vector3d::UnitX(), uniform(random, -0.4, 0.4)) *
                                  about(Vector3d::UnitY(), uniform(random, -0.4, 0.4));
     const Vector3d normal = -turn.col(2);  // from the hand into the wall
@@ -769,7 +773,8 @@ Vector3d farthest(const HandModel& hand, const AxisPosition& q_s, const Vector3d
   return out;
 }
 
-/// A cube on a lighter one on a ground, in any turn, and a hand that presses one of them.
+/// A heavy cube on a lighter one on the ground, in a random rotation, and a hand that presses one
+/// of them.
 struct PressedStack {
   enum class At { kTop, kLight, kHeavy };
   static constexpr double kSide_m = 0.04, kGap_m = 2e-4;
@@ -788,7 +793,7 @@ struct PressedStack {
     const Vector3d foot =
         at == At::kTop ? Vector3d(0.0, 0.0, high_m) : Vector3d(-0.5 * kSide_m, 0.0, high_m);
     const Vector3d origin = farthest(hand, posture, along) + kGap_m * along - turn * foot;
-    // All of it is beyond the hand's farthest point.
+    // The whole stack is beyond the hand's farthest point.
     const double wide_m = at == At::kTop ? 0.0 : 0.5 - 0.5 * kSide_m;
     const Vector3d cube = Vector3d::Constant(kSide_m);
     SceneModel scene;
@@ -821,7 +826,7 @@ struct PressedStack {
   [[nodiscard]] Vector3d at(int body) const {
     return turn.transpose() * (bench->after.bodies[body].position_m.eigen() - foot_m);
   }
-  /// How far the heavy one is below where it would lie.
+  /// How far the heavy cube is below its resting height [m].
   [[nodiscard]] double sunk_m() const { return 1.5 * kSide_m - at(2).z(); }
 
   Eigen::Matrix3d turn;

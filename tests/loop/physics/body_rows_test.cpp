@@ -1,4 +1,5 @@
-// Rows between bodies, four at once. Without friction they move bodies as Bullet's own rows do.
+// Constraint rows between bodies, four at once. Without friction they move bodies as Bullet's own
+// rows do.
 #include "loop/physics/bullet/body_rows.hpp"
 
 #include "loop/core/compiler.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 constexpr int kBodies = 30, kContacts = 120;
 constexpr double kStep_s = 1e-3;
-// Bullet pushes as fast as it comes.
+// The speed limit of contacts is off (1e9): Bullet has none.
 const ContactGoals kGoals{kStep_s, 1e-5, 0.05, 1e9, 0.97, 0.2};
 
 btVector3 vector(std::mt19937_64& random) {
@@ -30,7 +31,7 @@ btVector3 vector(std::mt19937_64& random) {
   return {x, y, z};
 }
 
-/// Bullet's own rows of the same contacts.
+/// Bullet's own constraint rows for the same contacts.
 class Bullet final : public btSequentialImpulseConstraintSolver {
  public:
   Bullet() {
@@ -54,7 +55,7 @@ class Bullet final : public btSequentialImpulseConstraintSolver {
   void add(btPersistentManifold& manifold) { convertContact(&manifold, info_); }
   btAlignedObjectArray<btSolverBody>& bodies() { return m_tmpSolverBodyPool; }
 
-  // As its solveSingleIteration(); every second time from the last to the first.
+  // As Bullet's solveSingleIteration(); every second sweep runs from the last row to the first.
   void sweep(const std::vector<bool>& touched, bool near_only, bool backwards) {
     const auto press = getActiveConstraintRowSolverLowerLimit();
     btConstraintArray& normals = m_tmpSolverContactConstraintPool;
@@ -73,7 +74,7 @@ class Bullet final : public btSequentialImpulseConstraintSolver {
   btContactSolverInfo info_;
 };
 
-/// Random contacts among bodies of any place, motion, mass and inertia, the first of which is
+/// Random contacts among bodies of random position, motion, mass and inertia; the first body is
 /// fixed.
 struct Contacts {
   btEmptyShape shape;
@@ -119,7 +120,7 @@ void expectNear(const btVector3& a, const btVector3& b) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], 1e-10);
 }
 
-TEST(BodyRows, SweptBetweenPushesOfTheHand_MoveBodiesAsBulletsOwnRowsDo) {
+TEST(BodyRows, SweptBetweenPushesOfTheHand_MoveBodiesAsBulletsRowsDo) {
   auto random = test::seededRandom(6702);
   BodyRows rows(kContacts, kBodies);
   for (int round = 0; round < 20; ++round) {
@@ -152,7 +153,7 @@ TEST(BodyRows, SweptBetweenPushesOfTheHand_MoveBodiesAsBulletsOwnRowsDo) {
       const double most = near_only ? rows.sweepNear(ours.bodies()) : rows.sweepAll(ours.bodies());
       EXPECT_GT(most, 0.0);
       bullets.sweep(touched, near_only, sweep % 2 == 1);
-      // As the hand's rows do between two sweeps.
+      // Changes velocities as the hand's rows do between two sweeps.
       for (int i = 0; i < ours.bodies().size(); ++i) {
         if (!touched[i]) continue;
         const btVector3 push = 0.1 * vector(random);
@@ -180,8 +181,8 @@ TEST(BodyRows, SweptBetweenPushesOfTheHand_MoveBodiesAsBulletsOwnRowsDo) {
   }
 }
 
-/// Two bodies that stick: at the point they end without relative velocity, whatever they begin
-/// with, and what one gains of momentum the other one loses.
+/// Two bodies that stick: their contact points end without relative velocity for any initial
+/// velocity, and the momentum that one gains the other loses.
 TEST(BodyRows, ContactThatSticks_EndsTheSlipAndKeepsMomentum) {
   auto random = test::seededRandom(6703);
   BodyRows rows(1, 3);
@@ -233,17 +234,18 @@ TEST(BodyRows, ContactThatSticks_EndsTheSlipAndKeepsMomentum) {
         EXPECT_LE((gained[i] - (i == 0 ? 1.0 : -1.0) * impulse).length(), 1e-9);
       }
     }
-    // Slid together or pulled apart: friction of any size needs what presses.
+    // Skips contacts that separate or that the cone limits: friction of any size needs a normal
+    // impulse.
     if (point.m_appliedImpulse <= 0.0 || change > 1e-14) continue;
     ++stuck;
-    // Apart by the slop, they may close it.
+    // Bodies that are apart by the slop may close that distance.
     const btVector3 slip = velocity[0] - velocity[1];
     EXPECT_LE((slip + point.m_normalWorldOnB * (kGoals.slop_m / kStep_s)).length(), 1e-6);
   }
   EXPECT_GT(stuck, 50);
 }
 
-TEST(BodyRows, WithoutContacts_HaveNothingToSweep) {
+TEST(BodyRows, NoContacts_HaveNothingToSweep) {
   BodyRows rows(kContacts, kBodies);
   BodyRows::Bodies bodies;
   rows.clear();
@@ -252,11 +254,11 @@ TEST(BodyRows, WithoutContacts_HaveNothingToSweep) {
   EXPECT_EQ(rows.sweepAll(bodies), 0.0);
 }
 
-// Arithmetic of solver rows: the sums as they are defined, and the same bits on every processor.
+// ---- arithmetic of solver rows: the sums as defined, and the same bits on every processor
 
 constexpr int kAxes = 8;
 
-/// A row, and what it moves; random numbers of many sizes.
+/// A row and the velocities it acts on; random numbers of many magnitudes.
 struct Numbers {
   std::array<double, kAxes> jacobian{}, change{};
   std::array<double, 4> linear{}, linear_velocity{}, angular{}, angular_velocity{};
@@ -316,7 +318,7 @@ TEST(RowArithmetic, EveryProcessor_GivesTheBitsOfTheDefinition) {
   }
 }
 
-TEST(RowArithmetic, AScaledRow_IsAddedNumberByNumber) {
+TEST(RowArithmetic, ScaledRow_IsAddedElementByElement) {
   auto random = test::seededRandom(1204);
   for (int i = 0; i < 10'000; ++i) {
     const Numbers before(random);

@@ -3,11 +3,11 @@
 #include "loop/physics/engine_bench.hpp"
 #include "support/seed.hpp"
 
-/// Bodies far from a hand that rests, in a scene that is turned as a whole: what a law says may not
-/// depend on the world's axes.
+/// Bodies far from a resting hand, in a scene that is rotated as a whole: no law may depend on the
+/// world's axes.
 namespace wholehand::test {
 
-/// A turn drawn from all, evenly.
+/// A random rotation, uniform over all rotations.
 inline Eigen::Matrix3d anyTurn(std::mt19937_64& random) {
   const double u = uniform(random, 0.0, 1.0), v = uniform(random, 0.0, 2.0 * kPi),
                w = uniform(random, 0.0, 2.0 * kPi);
@@ -41,7 +41,8 @@ inline Shape meshShape(const Eigen::Vector3d& size_m) {
   return shape;
 }
 
-/// A body of uniform density; fixed where it has no mass. @param turn of its axes in the yard
+/// A body of uniform density, fixed if it has no mass. @param turn orientation of its axes in the
+/// yard's frame
 inline SceneBody bodyOf(const Shape& shape, const Eigen::Vector3d& center_m, double mass_kg,
                         double friction,
                         const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
@@ -64,7 +65,7 @@ inline SceneBody ground(double friction, double size_m = 8.0) {
 
 class Yard {
  public:
-  /// @param bodies, gravity_m_s2 in the yard's frame
+  /// @param bodies,gravity_m_s2 in the yard's frame
   Yard(const std::string& engine, const std::vector<SceneBody>& bodies,
        const Eigen::Vector3d& gravity_m_s2, double rate_hz, const Eigen::Matrix3d& turn)
       : models_(load(shippedFiles("lambda-pride", "empty"))),
@@ -86,7 +87,7 @@ class Yard {
   Yard(const Yard&) = delete;
   Yard& operator=(const Yard&) = delete;
 
-  /// Gives a body a velocity without rotation, where it is.
+  /// Gives a body a velocity without rotation at its present pose.
   void throwBody(int body, const Eigen::Vector3d& velocity_m_s) {
     const BodyState now = look(*world_).bodies[body];
     BodyPlacements placements;
@@ -103,10 +104,11 @@ class Yard {
     ASSERT_EQ(fault & kStoppingFaults, Fault::kNone);
     unsettled_ += any(fault & Fault::kContactsUnsettled) ? 1 : 0;
   }
-  /// Steps whose contact forces did not settle.
+  /// Number of steps whose contact forces did not settle.
   [[nodiscard]] int unsettled() const { return unsettled_; }
 
-  /// Centre of mass, velocity, spin and axes in the yard's frame.
+  /// Position of the centre of mass; the next functions give velocity, angular velocity and axes,
+  /// all in the yard's frame.
   [[nodiscard]] Eigen::Vector3d at(int body) const {
     return frame_.rotation.transpose() * (state(body).position_m.eigen() - frame_.translation_m);
   }
@@ -124,7 +126,7 @@ class Yard {
   [[nodiscard]] Eigen::Vector3d angularMomentum(int body) const {
     return axes(body) * scene_.bodies[body].inertia_kg_m2 * axes(body).transpose() * spin(body);
   }
-  /// Kinetic, and potential in the scene's gravity [J].
+  /// Kinetic energy plus potential energy in the scene's gravity [J].
   [[nodiscard]] double energy(int body) const {
     const double m = scene_.bodies[body].mass_kg;
     return 0.5 * m * velocity(body).squaredNorm() + 0.5 * spin(body).dot(angularMomentum(body)) -

@@ -1,4 +1,4 @@
-// Pairs of boxes by a sweep along x: the pairs that comparing each with each finds.
+// A sweep along x must find the same pairs of boxes as comparing each with each.
 #include "loop/physics/bullet/box_sweep.hpp"
 
 #include "support/seed.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 using Part = BoxSweep::Part;
 
-/// Boxes that move a little from search to search; some are long, some empty.
+/// Boxes that move a little between searches; some are long, some are empty.
 struct MovingBoxes {
   std::vector<WorldBox> boxes;
   std::vector<Part> parts;
@@ -40,7 +40,7 @@ struct MovingBoxes {
     }
   }
 
-  // The definition.
+  // The pairs by definition: each box is compared with each.
   [[nodiscard]] std::vector<BoxSweep::Pair> pairs() const {
     std::vector<BoxSweep::Pair> found;
     const int count = static_cast<int>(boxes.size());
@@ -56,7 +56,7 @@ struct MovingBoxes {
   }
 };
 
-TEST(BoxSweep, OfBoxesThatMove_FindsThePairsOfComparingAll) {
+TEST(BoxSweep, MovingBoxes_FindsThePairsOfComparingAll) {
   auto random = test::seededRandom(6701);
   std::size_t most = 0;
   for (int round = 0; round < 20; ++round) {
@@ -76,7 +76,7 @@ TEST(BoxSweep, OfBoxesThatMove_FindsThePairsOfComparingAll) {
   EXPECT_GT(most, 100U);
 }
 
-TEST(BoxSweep, WithMorePairsThanRoom_CountsWhatItLeavesOut) {
+TEST(BoxSweep, MorePairsThanRoom_CountsThoseLeftOut) {
   MovingBoxes moving(60, std::mt19937_64(1));
   const std::size_t pairs = moving.pairs().size();
   ASSERT_GT(pairs, 20U);
@@ -86,7 +86,7 @@ TEST(BoxSweep, WithMorePairsThanRoom_CountsWhatItLeavesOut) {
   EXPECT_EQ(sweep.dropped(), static_cast<int>(pairs) - 20);
 }
 
-TEST(BoxSweep, Cleared_HasNoPairs) {
+TEST(BoxSweep, AfterClear_HasNoPairs) {
   MovingBoxes moving(60, std::mt19937_64(1));
   BoxSweep sweep(moving.owners, 1000);
   sweep.find(moving.boxes, moving.parts);

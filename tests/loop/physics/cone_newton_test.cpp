@@ -1,5 +1,5 @@
-// Contacts solved at once: closed forms, and the conditions that the impulses must meet, computed
-// from their definition with other code.
+// Contacts solved together: closed forms, and the contact conditions of the impulses, computed from
+// their definition by separate code.
 #include "loop/physics/bullet/cone_newton.hpp"
 
 #include "support/seed.hpp"
@@ -22,12 +22,12 @@ double velocityAlong(const ConeNewton::Row& row, const ConeNewton& solver) {
   return sum;
 }
 
-/// y of a row, from its definition.
+/// y of a row, by its definition.
 double freeImpulse(const ConeNewton::Row& row, const ConeNewton& solver) {
   return row.start + (row.goal - velocityAlong(row, solver)) * row.inverse_softness;
 }
 
-TEST(ConeNewton, OneNormal_IsTheClosedForm) {
+TEST(ConeNewton, OneNormalRow_MatchesTheClosedForm) {
   // x = x₀ + (goal − a x) / R with a = |j|² = 4 and R = softness a: x = (goal + R x₀) / (a + R).
   NewtonSettings settings;
   settings.end_softness = 0.5;
@@ -43,7 +43,7 @@ TEST(ConeNewton, OneNormal_IsTheClosedForm) {
   EXPECT_NEAR(solver->change()[2], 2.0 * solver->row(0).impulse, 1e-15);
 }
 
-TEST(ConeNewton, WhatParts_HasNoImpulse) {
+TEST(ConeNewton, SeparatingContact_HasNoImpulse) {
   const auto solver = std::make_unique<ConeNewton>(NewtonSettings{});
   solver->begin(6);
   const Rows rows = solver->add(4, 0.8, 0.002);
@@ -55,9 +55,9 @@ TEST(ConeNewton, WhatParts_HasNoImpulse) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(solver->row(i).impulse, 0.0);
 }
 
-TEST(ConeNewton, ABlockPushedPastItsFriction_SlidesAtTheLimit) {
-  // Rows along three axes do not disturb each other: the normal takes goal / (1 + R), friction is μ
-  // times that along the direction that is wanted, (3, 4) / 5.
+TEST(ConeNewton, BlockPushedBeyondItsFriction_SlidesAtTheLimit) {
+  // Rows along three axes are independent: the normal impulse is goal / (1 + R), and friction is μ
+  // times that along the goal's direction, (3, 4) / 5.
   const auto solver = std::make_unique<ConeNewton>(NewtonSettings{});
   solver->begin(6);
   const Rows rows = solver->add(3, 0.5, 0.0);
@@ -73,7 +73,7 @@ TEST(ConeNewton, ABlockPushedPastItsFriction_SlidesAtTheLimit) {
   EXPECT_NEAR(solver->row(2).impulse, 0.5 * normal * 0.8, 1e-4);
 }
 
-TEST(ConeNewton, NoRoom_IsSaid) {
+TEST(ConeNewton, NoRoomForARow_IsReported) {
   const auto solver = std::make_unique<ConeNewton>(NewtonSettings{});
   solver->begin(6);
   int added = 0;
@@ -81,7 +81,7 @@ TEST(ConeNewton, NoRoom_IsSaid) {
   EXPECT_EQ(added, ConeNewton::kMostRows / 4);
 }
 
-/// A ball-like body of unit inertia in a hand of six axes that touches it at random points.
+/// A body of unit inertia in a hand of six axes that touches it at random points.
 void fillGrasp(ConeNewton& solver, int contacts, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -109,8 +109,8 @@ void fillGrasp(ConeNewton& solver, int contacts, std::mt19937_64& random) {
   }
 }
 
-/// The most by which y of a row may differ from the y that the solver projected. Every impulse
-/// differs from its linear piece by the tolerance at most, and y = x₀ + (goal − j·Σ j_k x_k) / R.
+/// Largest difference between the y of a row and the y that the solver projected. Every impulse
+/// differs from its linear piece by at most the tolerance, and y = x₀ + (goal − j·Σ j_k x_k) / R.
 double mostOff(const ConeNewton& solver, int of, int rows, double tolerance) {
   const ConeNewton::Row& row = solver.row(of);
   double sum = 0.0;
@@ -121,7 +121,7 @@ double mostOff(const ConeNewton& solver, int of, int rows, double tolerance) {
   return tolerance * (1.0 + sum * row.inverse_softness);
 }
 
-TEST(ConeNewton, RandomGrasps_MeetTheConditionsOfContact) {
+TEST(ConeNewton, RandomGrasps_SatisfyTheContactConditions) {
   auto random = test::seededRandom(5501);
   int solved = 0, hardened = 0;
   constexpr int kGrasps = 2000;
@@ -129,7 +129,7 @@ TEST(ConeNewton, RandomGrasps_MeetTheConditionsOfContact) {
   for (int k = 0; k < kGrasps; ++k) {
     const int contacts = 1 + k % 6;
     fillGrasp(*solver, contacts, random);
-    if (!solver->solve()) continue;  // sweeps take its place
+    if (!solver->solve()) continue;  // sweeps are used instead
     ++solved;
     const bool again = k % 2 == 1;
     if (again && !solver->solveAgain(1e-2)) continue;

@@ -26,8 +26,7 @@ std::vector<Shape> shapes() {
   return {box, sphere, cylinder, capsule};
 }
 
-/// The least of signedDistance() along a segment: it is convex there, so that thirds close in on
-/// it.
+/// Minimum of signedDistance() along a segment by ternary search; the distance is convex along it.
 double leastDistance_m(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m) {
   const auto at = [&](double along) { return signedDistance(shape, a_m + along * (b_m - a_m)); };
   double low = 0.0, high = 1.0;
@@ -38,7 +37,7 @@ double leastDistance_m(const Shape& shape, const Vector3d& a_m, const Vector3d& 
   return std::min({at(0.0), at(1.0), at(0.5 * (low + high))});
 }
 
-TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
+TEST(ContactDistance, RandomCapsules_GiveTheMinimumAlongTheirAxis) {
   auto random = seededRandom(371);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (const Shape& shape : shapes()) {
@@ -50,7 +49,7 @@ TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
           << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
           << b.transpose();
       if (is.distance_m < 0.0) continue;
-      // A step along the normal leads away by its length.
+      // A step along the normal increases the distance by its length.
       const Vector3d nearest = a + is.along * (b - a);
       EXPECT_NEAR(signedDistance(shape, nearest + 1e-3 * is.normal) - 0.008 - is.distance_m, 1e-3,
                   1e-9);
@@ -58,8 +57,9 @@ TEST(ContactDistance, OfRandomCapsules_IsTheLeastAlongTheirAxis) {
   }
 }
 
-// What is given up early must be farther than was asked, and what is near never is given up.
-TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
+// A search that stops early must have found a distance beyond the limit; a near shape is never
+// dropped.
+TEST(ContactDistance, WithALimit_StopsEarlyOnlyBeyondIt) {
   auto random = seededRandom(372);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   int beyond = 0;
@@ -81,12 +81,12 @@ TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
   EXPECT_GT(beyond, 500);
 }
 
-// To 0.1 µm, where the nearest point lies at an edge, too: 12 steps of the search left 2 µm there.
-TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
+// Exact to 0.1 µm, also where the nearest point is on an edge; 12 search steps left 2 µm there.
+TEST(SegmentDistance, RandomCapsules_AreExactToATenthOfAMicrometre) {
   auto random = seededRandom(374);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (const Shape& shape : shapes()) {
-    for (int i = 0; i < (kFew ? 500 : 8000); ++i) {
+    for (int i = 0; i < (kReducedCounts ? 500 : 8000); ++i) {
       const Vector3d a(where(random), where(random), where(random));
       const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
       const double exact_m = leastDistance_m(shape, a, b);
@@ -98,9 +98,9 @@ TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
   }
 }
 
-// The search for a first touch goes by this bound: it may nowhere exceed the distance, and along
-// the capsule it never falls below its least. The distance itself is signedDistance()'s.
-TEST(SegmentDistance, OfAnyPoint_IsNotBelowItsBound) {
+// The first-touch search relies on this bound: it never exceeds the distance, and along the capsule
+// it never falls below the minimum. The distance itself equals signedDistance().
+TEST(SegmentDistance, RandomPoint_IsNotBelowItsBound) {
   auto random = seededRandom(373);
   std::uniform_real_distribution<double> where(-0.09, 0.09);
   for (Shape shape : shapes()) {
@@ -129,7 +129,7 @@ TEST(SegmentDistance, OfAnyPoint_IsNotBelowItsBound) {
   }
 }
 
-// A finger that lies on a face along it: the end that is nearer touches.
+// A finger that lies along a face touches at its nearer end.
 TEST(ContactDistance, AlongAFace_IsAtTheNearerEnd) {
   const Shape box = shapes().front();
   const Vector3d a(-0.01, 0.0, 0.02), b(0.01, 0.0, 0.02);

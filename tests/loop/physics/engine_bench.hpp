@@ -6,7 +6,7 @@
 #include "support/constants.hpp"
 #include "support/rig_tools.hpp"
 
-/// A world of any engine with the shipped hand, stepped without device or renderer.
+/// A world of any engine with the shipped hand, stepped without device and renderer.
 namespace wholehand::test {
 
 inline PhysicsState look(PhysicsWorld& world) {
@@ -15,14 +15,14 @@ inline PhysicsState look(PhysicsWorld& world) {
   return state;
 }
 
-/// A hand, driven by Eq. (2) towards a moving target, in a scene made in place.
+/// A hand driven by Eq. (2) towards a moving target, in a scene built by the test.
 struct Bench {
   Bench(const std::string& engine, SceneModel scene_in,
         const std::string& hand = "adult-median-right")
       : models(load(shippedFiles("lambda-pride", "empty", hand))), scene(std::move(scene_in)) {
     world = orThrow(buildWorld(engine, models.hand, scene));
   }
-  /// Makes the axes heavier from now on: A = share · diag(M_r) in the posture q_s.
+  /// Adds armature to the axes from now on: A = share · diag(M_r) in the posture q_s.
   void addArmature(double share, const AxisPosition& q_s) {
     JointPosition theta;
     Synergy(models.hand).expand(q_s, theta);
@@ -31,7 +31,7 @@ struct Bench {
     for (int a = 0; a < armature.size(); ++a) armature[a] = share * body.reducedInertia()(a, a);
     body = ArticulatedBody(models.hand, armature);
   }
-  /// One step towards q_m with the velocity qd_m.
+  /// Runs one step towards q_m with the velocity qd_m.
   void step(const AxisPosition& q_m, const AxisVelocity& qd_m) {
     state = look(*world);
     ASSERT_TRUE(body.update(state.theta, state.theta_dot, scene.gravity_m_s2));
@@ -52,7 +52,7 @@ struct Bench {
     after = look(*world);
     ask(query);
   }
-  /// What the probe says of the world as it is now.
+  /// Runs the probe's queries on the world's present state.
   const TickRecord& ask(const WorldQuery& about) {
     const PhysicsState now = look(*world);
     kinematics.updateKinematics(now.theta);
@@ -84,7 +84,7 @@ inline SceneModel weightless(std::vector<SceneBody> bodies) {
   return scene;
 }
 
-/// Those that are held to the laws of contacts.
+/// Names of the engines that must satisfy the contact laws.
 inline std::vector<std::string> enginesOfContactLaws() {
   std::vector<std::string> names = builtEngines();
   std::erase_if(names, [](const auto& name) { return !boundsOf(name).contact_laws; });
@@ -97,24 +97,24 @@ inline RigOptions with(const std::string& engine) {
   return options;
 }
 
-/// As a test may be called.
+/// The engine's name as a valid test name.
 inline std::string testName(std::string engine) {
   std::replace(engine.begin(), engine.end(), '-', '_');
   return engine;
 }
 
-/// A law of engines: its parameter is the engine's name.
+/// A law of engines; its parameter is the engine's name.
 class EngineTest : public testing::TestWithParam<std::string> {};
 
 }  // namespace wholehand::test
 
-/// A suite of laws that every engine keeps.
+/// Declares a suite of laws that every engine satisfies.
 #define WHOLEHAND_ENGINES(suite)                                              \
   class suite : public EngineTest {};                                         \
   INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines()), \
                            [](const auto& one) { return testName(one.param); })
 
-/// A suite of laws of pressed, grasped and sliding contacts (Bounds::contact_laws,
+/// Declares a suite of laws for pressed, grasped and sliding contacts (Bounds::contact_laws,
 /// docs/engines.md).
 #define WHOLEHAND_ENGINES_OF_CONTACT_LAWS(suite)                                      \
   class suite : public EngineTest {};                                                 \

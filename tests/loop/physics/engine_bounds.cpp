@@ -3,8 +3,8 @@
 namespace wholehand::test {
 namespace {
 
-/// Reached: 2.2 N, 0.12 N·m, 1.8 mrad. A contact acts on the joints one by one, not on the synergy,
-/// and what it bends is put back after the step: part of its force does no work on the axes.
+/// Measured: 2.2 N, 0.12 N·m, 1.8 mrad. A contact acts on the single joints, not on the synergy,
+/// and the deviation is corrected after the step: part of its force does no work on the axes.
 Bounds ofThePapersWay() {
   Bounds bounds;
   bounds.contact_laws = false;
@@ -12,12 +12,12 @@ Bounds ofThePapersWay() {
   bounds.virtual_work_nm = 0.25;
   bounds.armature = false;
   bounds.synergy_rad = 5e-3;
-  bounds.bodies = 128;  // a list of every pair
+  bounds.bodies = 128;  // it lists every pair
   return bounds;
 }
 
-/// Reached: 2e-10 N, 1.9 mrad. Gears pass a joint's force on to its axis within the step, and are
-/// off the synergy by what the solver leaves.
+/// Measured: 2e-10 N, 1.9 mrad. Gears pass a joint's force to its axis within the step; the joints
+/// deviate from the synergy by the solver's remainder.
 Bounds ofGears() {
   Bounds bounds;
   bounds.contact_laws = false;
@@ -29,8 +29,8 @@ Bounds ofGears() {
   return bounds;
 }
 
-/// Reached: 0.066 mm. A contact that is new is a little soft, and leaves a share of the closing
-/// speed to the next step.
+/// Measured: 0.066 mm. A new contact is slightly soft and leaves a share of the closing speed to
+/// the next step.
 Bounds ofNewton() {
   Bounds bounds;
   bounds.sliding_wall_m = 1e-4;
@@ -38,7 +38,8 @@ Bounds ofNewton() {
   return bounds;
 }
 
-/// It sorts more than 62 links and bodies in memory that it asks for in a tick, and refuses them.
+/// For more than 62 links and bodies it would allocate memory in a tick to sort them, so it refuses
+/// them.
 Bounds ofMujoco() {
   Bounds bounds;
   bounds.slip_m = 0.5e-3;

@@ -1,4 +1,4 @@
-// Laws of contact that every engine keeps: fixed contact, virtual work, the friction cone, a grasp.
+// Contact laws that every engine satisfies: fixed contact, virtual work, friction cone, grasp.
 #include "experiments/grasp_trial.hpp"
 #include "loop/physics/engine_bench.hpp"
 #include "support/seed.hpp"
@@ -14,7 +14,7 @@ WHOLEHAND_ENGINES_OF_CONTACT_LAWS(PressedContact);
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(Grasp);
 WHOLEHAND_ENGINES(FrictionCone);
 
-TEST_P(FrictionCone, WhileAGraspSlidesAndSticks_StaysInItsCone) {
+TEST_P(FrictionCone, GraspThatSlidesAndSticks_StaysInItsCone) {
   Models m = load(shippedFiles("lambda-pride", "table"));
   m.scene.hand_friction = 0.2;
   AxisPosition above(6), down(6);
@@ -41,13 +41,14 @@ TEST_P(FrictionCone, WhileAGraspSlidesAndSticks_StaysInItsCone) {
       ++points;
     }
   });
-  EXPECT_GT(sliding, 10);      // the bound was met
+  EXPECT_GT(sliding, 10);      // the bound was reached
   EXPECT_LT(sliding, points);  // and it also stuck
   figure("largest tangential over allowed friction force", worst, "");
   EXPECT_LE(worst, 1.0 + tolerance(boundsOf(GetParam()).beyond_cone));
 }
 
-/// What acts on the hand's axes: contacts with bodies, of the hand with itself, joint ends.
+/// Generalised forces on the hand's axes: contacts with bodies and of the hand with itself, and
+/// joint ends.
 AxisEffort acting(Bench& bench) {
   AxisEffort sum(bench.asked.size());
   std::array<double, kMaxAxes> row{};
@@ -73,7 +74,7 @@ AxisEffort acting(Bench& bench) {
   return sum;
 }
 
-/// A fixed cylinder in the hollow of the hand, which closes on it and holds.
+/// A fixed cylinder in the hollow of the hand, which closes on it and holds it.
 SceneModel cylinderInHand() {
   SceneBody bottle = ball({0.049, 0.041, 0.004}, 0.025, 0.0);
   bottle.shapes[0].type = ShapeType::kCylinder;
@@ -81,7 +82,7 @@ SceneModel cylinderInHand() {
   return weightless({bottle});
 }
 
-/// Where the hand wants to be: it comes up to the cylinder, closes on it and presses on.
+/// Target of the hand: it moves to the cylinder, closes on it and presses.
 struct Closing {
   AxisPosition open{6}, closed{6};
   Closing() {
@@ -97,7 +98,7 @@ struct Closing {
   }
 };
 
-TEST_P(FixedContact, HeldByAClosedHand_DoesTheVirtualWorkOfTheDrive) {
+TEST_P(FixedContact, HeldByAClosedHand_DoesTheDrivesVirtualWork) {
   Bench bench(GetParam(), cylinderInHand());
   const Closing closing;
   ASSERT_TRUE(bench.world->placeHand(closing.open));
@@ -107,13 +108,13 @@ TEST_P(FixedContact, HeldByAClosedHand_DoesTheVirtualWorkOfTheDrive) {
     ASSERT_NO_FATAL_FAILURE(bench.step(closing(k), AxisVelocity(6)));
     coupling_rad = std::max(coupling_rad, bench.after.coupling_error_rad);
     if (k < 3500) continue;
-    // M_r Δq̇_s = T (f_s + Σ Gᵀ Jᵀ f): in every step, at rest or not.
+    // M_r Δq̇_s = T (f_s + Σ Gᵀ Jᵀ f) holds in every step, at rest or in motion.
     const AxisEffort felt = acting(bench);
     const Eigen::VectorXd change =
         bench.body.reducedInertia() * (bench.after.qd_s.vec() - bench.state.qd_s.vec()) / kPeriod_s;
     const Eigen::VectorXd left = felt.vec() + bench.asked.vec() - change;
     force_n = std::max(force_n, left.head<3>().cwiseAbs().maxCoeff());
-    // An engine may let the force act in the middle of an overlap, half of it from the surface.
+    // An engine may apply the force in the middle of an overlap, half of it away from the surface.
     double lever_nm = 0.0;
     for (int i = 0; i < bench.touching.count; ++i) {
       const Contact& c = bench.touching.points[i];
@@ -143,13 +144,13 @@ INSTANTIATE_TEST_SUITE_P(Engines, HeavierHand, testing::ValuesIn([] {
                          }()),
                          [](const auto& one) { return testName(one.param); });
 
-// τ = M G a + h with a = M_r⁻¹ f_s and M_r = Gᵀ M G + A, so that Gᵀ τ = f_s + h_r − A a. Where the
-// engine has the armature A it adds A a, and at rest the contacts bear −f_s. Where it has none they
-// bear −(f_s − A a): what A would take is missing from them for as long as the hand presses.
-TEST_P(HeavierHand, HeldAtRest_PressesWithTheDriveLessWhatALackingArmatureTakes) {
+// τ = M G a + h with a = M_r⁻¹ f_s and M_r = Gᵀ M G + A, so that Gᵀ τ = f_s + h_r − A a. An engine
+// with the armature A adds A a, so that at rest the contacts carry −f_s. An engine without it
+// leaves −(f_s − A a) to the contacts: the share of A is missing for as long as the hand presses.
+TEST_P(HeavierHand, HeldAtRest_PressesWithTheDriveLessAnyMissingArmaturesShare) {
   Bench bench(GetParam(), cylinderInHand());
   const Closing closing;
-  constexpr double kShare = 4.0;  // of M_r: A takes about four fifths of f_s
+  constexpr double kShare = 4.0;  // share of M_r: A takes about four fifths of f_s
   ASSERT_NO_FATAL_FAILURE(bench.addArmature(kShare, closing.open));
   ASSERT_TRUE(bench.world->placeHand(closing.open));
   Eigen::VectorXd left = Eigen::VectorXd::Zero(6), asked = left, taken = left;
@@ -172,8 +173,8 @@ TEST_P(HeavierHand, HeldAtRest_PressesWithTheDriveLessWhatALackingArmatureTakes)
   EXPECT_LE(left.cwiseAbs().maxCoeff(), tolerance(2e-5));
 }
 
-TEST_P(PressedContact, OfAFixedWall_CarriesWhatIsAskedAtItsSurface) {
-  // The face of a wall 1 cm from the hand, which wants to be 1 cm behind it.
+TEST_P(PressedContact, FixedWall_CarriesTheRequestedForceAtItsSurface) {
+  // The wall's face is 1 cm from the hand, whose target is 1 cm behind the face.
   const Models m = load(shippedFiles());
   const double face_m = reach(m.hand, AxisPosition(6), Eigen::Vector3d::UnitY()) + 0.01;
   Bench bench(GetParam(), weightless({wall(Eigen::Vector3d::UnitY(), face_m)}));
@@ -203,7 +204,7 @@ TEST_P(PressedContact, OfAFixedWall_CarriesWhatIsAskedAtItsSurface) {
   EXPECT_NEAR(gap_m, 0.0, tolerance(bounds.surface_m));
 }
 
-TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
+TEST_P(Grasp, EveryTunedTrial_HoldsItsObject) {
   const Bounds& bounds = boundsOf(GetParam());
   double slip_m = 0.0, coupling_rad = 0.0, residual = 0.0, noise_n = 0.0;
   int held = 0, dropped = 0;
@@ -241,7 +242,7 @@ TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
   EXPECT_LE(residual, tolerance(bounds.grasp_residual));
 }
 
-/// A push along an axis of the device at its speed limit, far beyond a fixed box.
+/// Pushes along one axis of the device at its speed limit, far beyond a fixed box.
 class EngineSlam : public testing::TestWithParam<std::tuple<std::string, int>> {};
 
 TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
@@ -259,7 +260,7 @@ TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
       [=, axis = axis](int read) {
         AxisPosition q = start;
         q[axis] = std::min(start[axis] + speed * kPeriod_s * read, far);
-        q[3] = std::min(10.0 * kPeriod_s * read, 1.0);  // fingers close at their speed limit too
+        q[3] = std::min(10.0 * kPeriod_s * read, 1.0);  // fingers also close at their speed limit
         return q;
       },
       with(engine));
@@ -272,10 +273,11 @@ TEST_P(EngineSlam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
     deepest_m = std::max(deepest_m, depth_m);
     ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone);
   });
-  EXPECT_GT(last->q_m[axis] - last->q_s[axis], 0.01);  // the device did go on
+  EXPECT_GT(last->q_m[axis] - last->q_s[axis], 0.01);  // the device continued
   figure("depth at the speed limit, axis " + m.device.axes[axis].name, deepest_m * 1e3, "mm");
   figure("depth afterwards, axis " + m.device.axes[axis].name, depth_m * 1e3, "mm");
-  // A surface is seen at most one period's way too late, and what overlaps is pushed out again.
+  // A surface is detected at most one period's travel too late, and any overlap is pushed out
+  // again.
   const Bounds& bounds = boundsOf(engine);
   EXPECT_LE(deepest_m, bounds.slam_strides * stride_m);
   EXPECT_LT(depth_m, bounds.slammed_m);

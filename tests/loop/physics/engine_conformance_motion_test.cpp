@@ -1,4 +1,4 @@
-// Laws of motion that every engine keeps: free hands and bodies, momentum, friction, rest.
+// Motion laws that every engine satisfies: free hands and bodies, momentum, friction, rest.
 #include "loop/physics/engine_bench.hpp"
 #include "support/tolerance.hpp"
 
@@ -16,7 +16,7 @@ WHOLEHAND_ENGINES(LeftHand);
 
 TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   Models m = load(shippedFiles());
-  // Free: a walk of random efforts goes beyond the joints' ranges, where their ends would hold it.
+  // Widens the joints' ranges: a walk of random efforts leaves them, and their ends would stop it.
   m.hand.self_contacts.clear();
   for (HandLink& link : m.hand.links) link.lower = -10.0, link.upper = 10.0;
   const auto made = orThrow(buildWorld(GetParam(), m.hand, m.scene));
@@ -41,7 +41,7 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
     ASSERT_EQ(world.step(drive, kPeriod_s) & kStoppingFaults, Fault::kNone);
     const PhysicsState next = look(world);
-    // q̈ = M_r⁻¹ f_s: gravity and all velocity terms are carried by h. Symplectic Euler.
+    // q̈ = M_r⁻¹ f_s: h carries gravity and all velocity terms. Symplectic Euler.
     const Eigen::VectorXd rate =
         s.qd_s.vec() + kPeriod_s * body.reducedInertiaInverse() * f_s.vec();
     const Eigen::VectorXd place = s.q_s.vec() + kPeriod_s * rate;
@@ -52,13 +52,13 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   EXPECT_LE(worst, tolerance(boundsOf(GetParam()).free_motion));
 }
 
-/// The world's mirror image in y, in the device's coordinates.
+/// Mirror image in y, in the device's coordinates.
 AxisPosition mirrored(AxisPosition q) {
   q[1] = -q[1];
   return q;
 }
 
-/// Swings sideways into what stands there while the fingers close.
+/// Target that swings sideways into a body there while the fingers close.
 AxisPosition swing(double t, double sign) {
   AxisPosition q(6);
   q[1] = sign * 0.06 * std::sin(4.0 * t);
@@ -70,7 +70,7 @@ AxisPosition swing(double t, double sign) {
 }
 
 TEST_P(FreeBodies, PushedByTheHand_ChangeTheirMomentumByMinusTheContactForces) {
-  // The hand pushes one ball, that one the other: what they give each other cancels.
+  // The hand pushes one ball, which pushes the other; the forces between the balls cancel.
   Bench bench(GetParam(), weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1),
                                       ball({0.095, 0.142, 0.0}, 0.03, 0.2)}));
   ASSERT_TRUE(bench.world->placeHand(swing(0.0, 1.0)));
@@ -90,12 +90,12 @@ TEST_P(FreeBodies, PushedByTheHand_ChangeTheirMomentumByMinusTheContactForces) {
     worst = std::max(worst, (change + kPeriod_s * on_hand).norm());  // action = reaction
   }
   EXPECT_GT(touched, 20);
-  EXPECT_GT(bench.after.bodies[1].velocity_m_s.eigen().norm(), 0.01);  // the second was hit
+  EXPECT_GT(bench.after.bodies[1].velocity_m_s.eigen().norm(), 0.01);  // the second ball was hit
   figure("momentum of pushed balls against the contact forces", worst, "N s");
   EXPECT_LE(worst, tolerance(boundsOf(GetParam()).momentum_ns));
 }
 
-/// A block on a fixed slab, gravity tilted by a slope. Its speed down the slope after 0.5 s [m/s].
+/// Speed of a block down a fixed slab after 0.5 s, with gravity tilted by the slope [m/s].
 double slidingSpeed(const std::string& engine, double slope_rad) {
   SceneBody block = fixedBox({0.0, 0.0, 0.3}, {0.1, 0.1, 0.02});
   block.name = "block";
@@ -113,7 +113,7 @@ double slidingSpeed(const std::string& engine, double slope_rad) {
 }
 
 TEST_P(BodiesOnASlab, SlideAndStayByCoulombsFriction) {
-  // μ = 0.8 on both. Below tan α = 0.8 it stays, above it slides with g (sin α − μ cos α).
+  // μ = 0.8 on both. Below tan α = 0.8 the block stays; above it slides with g (sin α − μ cos α).
   EXPECT_NEAR(slidingSpeed(GetParam(), std::atan(0.7)), 0.0, tolerance(1e-4));
   const double steep = std::atan(1.2);
   const double expected = 0.5 * 9.81 * (std::sin(steep) - 0.8 * std::cos(steep));
@@ -145,8 +145,8 @@ TEST_P(TableScene, LeftAlone_StandsStill) {
   EXPECT_LE(turned_rad, tolerance(bounds.turned_at_rest_rad));
 }
 
-TEST_P(LeftHand, InTheMirroredScene_DoesTheMirrorImage) {
-  // Frictionless, so that where the solver lays its tangents does not matter.
+TEST_P(LeftHand, MirroredScene_GivesTheMirrorImage) {
+  // Frictionless, so that the solver's choice of tangents does not matter.
   SceneBody right = ball({0.09, 0.075, 0.0}, 0.03, 0.1),
             left = ball({0.09, -0.075, 0.0}, 0.03, 0.1);
   right.friction = left.friction = 0.0;

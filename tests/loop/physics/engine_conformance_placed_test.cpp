@@ -1,4 +1,4 @@
-// Bodies that an exercise puts somewhere while the hand is about: what every engine does then.
+// Behaviour of every engine when an exercise places bodies near the hand.
 #include "loop/physics/engine_bench.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
@@ -38,7 +38,7 @@ SceneBody slantedBar(bool fixed) {
   return bar;
 }
 
-TEST_P(PlacedBody, FixedOrFree_IsWhereItWasPut) {
+TEST_P(PlacedBody, FixedOrFree_IsAtItsPlacement) {
   const Eigen::Quaterniond turned = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.2).normalized();
   const Eigen::Vector3d at_m(0.4, 0.2, 0.3), velocity_m_s(0.1, 0.0, -0.2);
   for (const bool fixed : {true, false}) {
@@ -51,7 +51,7 @@ TEST_P(PlacedBody, FixedOrFree_IsWhereItWasPut) {
     EXPECT_LE((there.velocity_m_s.eigen() - velocity_m_s).norm(), 1e-15);
     bench.step(AxisPosition(6), AxisVelocity(6));
     const BodyState next = bench.after.bodies[0];
-    // A free one flies on without turning, a fixed one waits to be put where it slides to.
+    // A free body flies on without rotation; a fixed one stays until it is placed again.
     const Eigen::Vector3d way_m = (fixed ? 0.0 : 1e-3) * velocity_m_s;
     EXPECT_LE((next.position_m.eigen() - at_m - way_m).norm(), 1e-12);
     EXPECT_LE(next.orientation_xyzw.eigen().angularDistance(turned), 1e-7);
@@ -61,8 +61,8 @@ TEST_P(PlacedBody, FixedOrFree_IsWhereItWasPut) {
   }
 }
 
-TEST_P(PlacedBody, ThatTurned_StopsTurning) {
-  // The hand hits it and sets it spinning.
+TEST_P(PlacedBody, RotatingBody_StopsRotatingWhenPlaced) {
+  // The hand hits the body and makes it spin.
   Bench bench(GetParam(), weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1)}));
   AxisPosition q(6);
   ASSERT_TRUE(bench.world->placeHand(q));
@@ -77,7 +77,7 @@ TEST_P(PlacedBody, ThatTurned_StopsTurning) {
   EXPECT_EQ(there.velocity_m_s.eigen().norm(), 0.0);
 }
 
-TEST_P(PlacedBody, WhereThePlacementIsNoPose_Stays) {
+TEST_P(PlacedBody, InvalidPlacement_LeavesTheBodyInPlace) {
   Bench bench(GetParam(), weightless({ball({0.3, 0.3, 0.3}, 0.03, 0.0)}));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -90,22 +90,22 @@ TEST_P(PlacedBody, WhereThePlacementIsNoPose_Stays) {
   EXPECT_EQ(look(*bench.world).bodies[0].position_m.x, 0.3);
 }
 
-/// A fixed wall of 10 cm to the left of the palm, its face `gap_m` from the hand.
+/// A fixed wall of 10 cm to the left of the palm, with its face `gap_m` from the hand.
 struct Slide {
   double face_m;
   Bench bench;
   Slide(const std::string& engine, double gap_m)
       : face_m(reach(load(shippedFiles()).hand, AxisPosition(6), Eigen::Vector3d::UnitY()) + gap_m),
         bench(engine, weightless({wall(Eigen::Vector3d::UnitY(), face_m)})) {}
-  /// The wall's face at `face_m`, moving.
+  /// Places the moving wall with its face at `face_now_m`.
   void put(double face_now_m, const Eigen::Vector3d& velocity_m_s, double along_m = 0.0) {
     bench.world->placeBodies(place(0, {along_m, face_now_m + 0.05, 0.0}, velocity_m_s));
   }
 };
 
-/// Nothing that the hand could do makes room: each contact presses by its depth, however long that
-/// lasts. With hard rows the walls' forces grew to 2.3 kN against each other.
-TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthAlone) {
+/// The hand cannot make room, so each contact must press by its depth only, for any time. With hard
+/// rows the forces of the two walls grew to 2.3 kN.
+TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthOnly) {
   const Eigen::Vector3d y = Eigen::Vector3d::UnitY();
   const Models m = load(shippedFiles());
   const double left_m = reach(m.hand, AxisPosition(6), y);
@@ -134,16 +134,16 @@ TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthAlone) {
   }
   EXPECT_EQ(pressed, 500);
   figure("force of a contact between walls 40 um too near, " + GetParam(), largest_n, "N");
-  EXPECT_LE(largest_n, tolerance(100.0));  // a few times what a device can give
-  // `bullet` states its stiffness: 2.5 N/µm, beyond 10 µm where contacts rest. Each contact is held
-  // to its own depth; half of 40 µm, 25 N, but for what the hand gives way.
+  EXPECT_LE(largest_n, tolerance(100.0));  // a few times a device's largest force
+  // `bullet` states its stiffness: 2.5 N/µm beyond the 10 µm at which contacts rest. Each contact
+  // has its own depth: half of 40 µm, 25 N, less the hand's compliance.
   if (GetParam() == "bullet") {
     EXPECT_NEAR(largest_n, 25.0, tolerance(1.25));
     EXPECT_LE(off_n, tolerance(1.0));
   }
 }
 
-TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
+TEST_P(SlidingWall, WallThatMeetsTheHand_PushesItAtItsOwnSpeed) {
   Slide slide(GetParam(), 0.01);
   ASSERT_TRUE(slide.bench.world->placeHand(AxisPosition(6)));
   const double speed_m_s = 0.2;
@@ -153,7 +153,7 @@ TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
     const double now_m_s = travel_m < 0.03 ? speed_m_s : 0.0;
     slide.put(slide.face_m - travel_m, {0.0, -now_m_s, 0.0});
     ASSERT_NO_FATAL_FAILURE(slide.bench.step(AxisPosition(6), AxisVelocity(6)));
-    // Where the wall is when the step is over.
+    // The wall's position at the end of the step.
     const double face_m = slide.face_m - travel_m - now_m_s * 1e-3;
     last_gap_m =
         face_m - reach(slide.bench.models.hand, slide.bench.after.q_s, Eigen::Vector3d::UnitY());
@@ -171,13 +171,13 @@ TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
   const Bounds& bounds = boundsOf(GetParam());
   EXPECT_LE(deepest_m, tolerance(bounds.sliding_wall_m));
   EXPECT_NEAR(last_gap_m, 0.0, tolerance(bounds.sliding_wall_m));
-  // At rest the wall carries what the coupling on y asks for, and holds what it pushed away.
+  // At rest the wall carries the coupling's effort on y and holds what it has pushed away.
   Bench& bench = slide.bench;
   EXPECT_LT(bench.after.qd_s.vec().norm(), 1e-4);
   const double asked_n = bench.body.reducedInertia()(1, 1) * 4e3 * -bench.after.q_s[1];
   EXPECT_GT(asked_n, 0.3);
   EXPECT_NEAR(settled_n, asked_n, tolerance(bounds.carried_share) * asked_n);
-  // The hand's 0.25 kg reach 0.2 m/s within a few periods, not with a bang of one.
+  // The hand's 0.25 kg reach 0.2 m/s within a few periods, not in a single one.
   EXPECT_LT(peak_n, 0.25 * speed_m_s / 1e-3 + settled_n);
 }
 
@@ -190,7 +190,7 @@ TEST_P(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
   for (int k = 0; k < 300; ++k) {
     ASSERT_NO_FATAL_FAILURE(slide.bench.step(pressed, AxisVelocity(6)));
   }
-  // Aim and wall move along x together: nothing slips, so the hand moves as they do.
+  // Target and wall move along x together: nothing slips, so the hand moves with them.
   const double from_m = slide.bench.after.q_s[0], speed_m_s = 0.1;
   AxisVelocity along(6);
   along[0] = speed_m_s;
@@ -198,19 +198,19 @@ TEST_P(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
     pressed[0] = speed_m_s * k * 1e-3;
     slide.put(slide.face_m, {speed_m_s, 0.0, 0.0}, pressed[0]);
     ASSERT_NO_FATAL_FAILURE(slide.bench.step(pressed, along));
-    if (k < 50) continue;  // friction needs a while to speed it up
+    if (k < 50) continue;  // friction needs a while to accelerate the hand
     ASSERT_GT(slide.bench.touching.count, 0);
     ASSERT_NEAR(slide.bench.after.qd_s[0], speed_m_s, 0.1 * speed_m_s) << k;
   }
   EXPECT_NEAR(slide.bench.after.q_s[0] - from_m, speed_m_s * 0.2, tolerance(1e-3));
-  // Not placed again it stands, and holds the hand by friction.
+  // Without a new placement the body stands and holds the hand by friction.
   for (int k = 0; k < 100; ++k) {
     ASSERT_NO_FATAL_FAILURE(slide.bench.step(pressed, AxisVelocity(6)));
   }
   EXPECT_NEAR(slide.bench.after.qd_s[0], 0.0, tolerance(1e-3));
 }
 
-TEST_P(PressedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
+TEST_P(PressedBody, PlacedOnTheOtherSideOfAFinger_ReleasesWithoutAKick) {
   const Models m = load(shippedFiles());
   AxisPosition free(6), pressed(6);
   free[1] = -0.002;
@@ -228,7 +228,8 @@ TEST_P(PressedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   ASSERT_EQ(bench.touching.count, 1);
   const Contact before = bench.touching.points[0];
   const AxisPosition held = bench.after.q_s;
-  // So near that an engine goes on comparing the two; an old point is now 4 cm deep in its normal.
+  // The placement is so near that an engine still compares the two; an old contact point is now 4
+  // cm deep along its normal.
   const double across_m = 2.0 * m.hand.capsules[before.capsule].radius_m + radius_m + 6e-4;
   bench.world->placeBodies(place(0, before.point_m.eigen() + across_m * before.normal.eigen()));
   ASSERT_NO_FATAL_FAILURE(bench.step(held, AxisVelocity(6)));
@@ -236,7 +237,7 @@ TEST_P(PressedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   EXPECT_LT((bench.after.q_s.vec() - held.vec()).norm(), boundsOf(GetParam()).let_go_m);
 }
 
-TEST_P(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
+TEST_P(PlacedBody, RepeatedPlacementsAndQueries_NeverAllocate) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
   Models m = load(shippedFiles());
   SceneBody bottle = ball({0.1, 0.06, 0.0}, 0.025, 0.0);
@@ -255,7 +256,7 @@ TEST_P(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
     bench.query.closure_body = k % 400 < 300 ? k / 700 : -1;
     BodyPlacements placements =
         place(0, {0.1 + 0.02 * std::sin(5.0 * t), 0.06, 0.0}, {0.1 * std::cos(5.0 * t), 0.0, 0.0});
-    if (k % 200 < 50) placements.count = 0;  // it stands for a while
+    if (k % 200 < 50) placements.count = 0;  // no placement for a while: it stands
     if (k % 250 == 0) placements = place(1, {0.09, 0.06 + 1e-4 * k, 0.02 * std::sin(t)});
     if (k % 300 == 299) placements = place(0, {0.1, 0.3, 0.1 * std::sin(t)});
     bench.world->placeBodies(placements);
@@ -266,7 +267,7 @@ TEST_P(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST_P(PlacedBody, InTwoWorldsAlike_GivesTheSameBits) {
+TEST_P(PlacedBody, TwoEqualWorlds_GiveTheSameBits) {
   const auto run = [&] {
     Slide slide(GetParam(), 0.01);
     slide.bench.query = {1, 0};

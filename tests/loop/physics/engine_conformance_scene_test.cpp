@@ -1,7 +1,7 @@
-// What every engine says of scenes that it cannot take, and of itself: same bits, no allocation.
+// Messages of every engine for scenes that it cannot take; same bits; no allocation.
 #include "loop/physics/engine_bench.hpp"
 #include "loop/realtime/allocation_counter.hpp"
-#include "support/says.hpp"
+#include "support/contains.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -15,7 +15,7 @@ WHOLEHAND_ENGINES(BadScene);
 WHOLEHAND_ENGINES_OF_CONTACT_LAWS(ManyWalls);
 WHOLEHAND_ENGINES(PlaceHand);
 
-TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {
+TEST_P(PlaceHand, HandInsideABody_NamesBodyAndPart) {
   const Models m = load(shippedFiles());
   const ArticulatedBody at = handAt(m.hand, AxisPosition(6));
   const Capsule& tip = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
@@ -26,13 +26,13 @@ TEST_P(PlaceHand, WhereABodyIs_NamesBodyAndPart) {
   const Expected<Done> placed = world.placeHand(AxisPosition(6));
   ASSERT_FALSE(placed);
   EXPECT_EQ(placed.errors()[0].key, "bodies.ball");
-  EXPECT_TRUE(says(placed.errors()[0].problem, "middle_distal")) << format(placed.errors());
+  EXPECT_TRUE(contains(placed.errors()[0].problem, "middle_distal")) << format(placed.errors());
   AxisPosition aside(6);
   aside[1] = 0.1;
   EXPECT_TRUE(world.placeHand(aside));
 }
 
-/// A ball that the hand pushes about while the fingers close: 1,000 steps.
+/// States of 1,000 steps in which the hand pushes balls while the fingers close.
 std::vector<PhysicsState> pushed(const std::string& engine) {
   Bench bench(engine, weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1),
                                   fixedBox({0.09, 0.2, 0.0}, {0.3, 0.1, 0.3})}));
@@ -48,7 +48,7 @@ std::vector<PhysicsState> pushed(const std::string& engine) {
   return states;
 }
 
-TEST_P(Determinism, OfTwoWorldsAlike_IsToTheBit) {
+TEST_P(Determinism, TwoEqualWorlds_AgreeToTheBit) {
   const std::vector<PhysicsState> one = pushed(GetParam()), other = pushed(GetParam());
   ASSERT_EQ(one.size(), other.size());
   const auto same = [](const auto& a, const auto& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
@@ -62,7 +62,7 @@ TEST_P(Determinism, OfTwoWorldsAlike_IsToTheBit) {
       << "it was pushed";
 }
 
-TEST_P(BadScene, DriveThatIsNoNumber_IsAFaultAndMovesNothing) {
+TEST_P(BadScene, NonFiniteDrive_IsAFaultAndMovesNothing) {
   Bench bench(GetParam(), weightless({ball({0.3, 0.3, 0.0}, 0.02, 0.1)}));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
   ASSERT_NO_FATAL_FAILURE(bench.step(AxisPosition(6), AxisVelocity(6)));
@@ -77,7 +77,7 @@ TEST_P(BadScene, DriveThatIsNoNumber_IsAFaultAndMovesNothing) {
   EXPECT_EQ(0, std::memcmp(&before.q_s, &after.q_s, sizeof before.q_s));
 }
 
-TEST_P(BadScene, WithAsManyBodiesAsMayBe_StepsWithoutAllocating) {
+TEST_P(BadScene, LargestNumberOfBodies_StepsWithoutAllocating) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
   std::vector<SceneBody> bodies;
   for (int i = 0; i < boundsOf(GetParam()).bodies; ++i) {
@@ -90,7 +90,7 @@ TEST_P(BadScene, WithAsManyBodiesAsMayBe_StepsWithoutAllocating) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST_P(ManyWalls, ThirtyAtOnePlace_CarryWhatOneWould) {
+TEST_P(ManyWalls, ThirtyAtOnePlace_CarryTheForceOfOne) {
   const Models m = load(shippedFiles());
   const Eigen::Vector3d aside = -Eigen::Vector3d::UnitY();
   const double face_m = reach(m.hand, AxisPosition(6), aside) + 1e-3;
@@ -111,13 +111,13 @@ TEST_P(ManyWalls, ThirtyAtOnePlace_CarryWhatOneWould) {
   EXPECT_NEAR(push_n, asked_n, tolerance(boundsOf(GetParam()).carried_share) * asked_n);
 }
 
-TEST(Engines, ForPersons_AreHeldToEveryLaw) {
+TEST(Engines, EnginesForPersons_MustSatisfyEveryLaw) {
   for (const std::string& name : builtEngines(true)) {
     EXPECT_TRUE(boundsOf(name).contact_laws) << name;
   }
 }
 
-TEST(Engines, OfAnUnknownName_AreRefusedWithTheNamesThereAre) {
+TEST(Engines, UnknownName_IsRefusedWithTheKnownNames) {
   const Models m = load(shippedFiles());
   const auto world = buildWorld("havok", m.hand, m.scene);
   ASSERT_FALSE(world);
@@ -126,7 +126,7 @@ TEST(Engines, OfAnUnknownName_AreRefusedWithTheNamesThereAre) {
   EXPECT_EQ(format(world.errors()), "--engine = havok: is not a known engine; use " + names);
 }
 
-TEST(Engines, ThatAreNotBuiltIn_AreRefusedWithTheWayToBuildThem) {
+TEST(Engines, EngineNotBuiltIn_IsRefusedWithTheWayToBuildIt) {
   const Models m = load(shippedFiles());
   const std::vector<Engine> known{{"absent", "", {}, "install libabsent-dev", ""}};
   const auto world = buildWorld("absent", m.hand, m.scene, known);
@@ -135,7 +135,7 @@ TEST(Engines, ThatAreNotBuiltIn_AreRefusedWithTheWayToBuildThem) {
             "--engine = absent: is not built into this program; install libabsent-dev");
 }
 
-TEST(Engines, ThatAreNotForPersons_AreRefusedWhereADeviceMayHoldOne) {
+TEST(Engines, EngineNotForPersons_IsRefusedForRealDevices) {
   std::vector<Engine> known = engines();
   EXPECT_TRUE(refuseForPersons(defaultEngine()).empty());
   known.front().persons_refused_because = "of a test";
@@ -146,7 +146,7 @@ TEST(Engines, ThatAreNotForPersons_AreRefusedWhereADeviceMayHoldOne) {
             "--engine = absent: is not built into this program; install libabsent-dev");
 }
 
-TEST(Engines, OfTheLab_AreRefusedByNameWhereItIsNotBuilt) {
+TEST(Engines, LabEngine_IsRefusedByNameWhereTheLabIsNotBuilt) {
   for (const Engine& engine : labEngines()) {
     if (engine.build) GTEST_SKIP() << "the lab is built";
     const auto rig =
@@ -159,7 +159,7 @@ TEST(Engines, OfTheLab_AreRefusedByNameWhereItIsNotBuilt) {
   }
 }
 
-TEST(Engines, TheFirst_IsTheDefaultAndBuiltIn) {
+TEST(Engines, FirstEngine_IsTheDefaultAndBuiltIn) {
   EXPECT_EQ(defaultEngine(), "bullet");
   EXPECT_TRUE(engines().front().build);
 }

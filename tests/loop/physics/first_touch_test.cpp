@@ -1,4 +1,5 @@
-// First touch of a hand axis, against the exact separation of shapes all along its travel.
+// First touch of a hand axis, compared with the exact separation of the shapes along its whole
+// travel.
 #include "loop/core/compiler.hpp"
 #include "loop/physics/still_hand.hpp"
 #include "support/seed.hpp"
@@ -24,30 +25,31 @@ Shape mesh(const Eigen::Vector3d& half_m) {
   return s;
 }
 
-struct Named {
+struct NamedShape {
   const char* name;
   Shape shape;
 };
-void PrintTo(const Named& n, std::ostream* out) {
+void PrintTo(const NamedShape& n, std::ostream* out) {
   *out << n.name;
 }
 
-// The search itself takes a micrometre as touching.
+// The search itself counts a micrometre as touching.
 constexpr double kGraze_m = 1e-6;
 
-/// Both none, both at the open end, or near each other.
+/// True if there is no touch in both, both are at the open end, or they are near each other.
 bool sameTouch(double a, double b, double within) {
   return (std::isnan(a) && std::isnan(b)) || a == b || std::abs(a - b) < within;
 }
 
-struct Found {
+struct TouchCounts {
   int touches = 0, misses = 0, open_ends = 0;
 };
 
-/// Draws hands that stay and a body somewhere about them; judges those from `first` to `last`. What
-/// is known of each axis after 50 ticks
-/// is compared with the separation all along its travel.
-Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, int last) {
+/// Draws resting hands with a body near them and checks those from `first` to `last`: the first
+/// touch that is known of each axis after 50 ticks is compared with the separation along its whole
+/// travel.
+TouchCounts expectFirstTouches(const NamedShape& named, std::mt19937_64 random, int first,
+                               int last) {
   Still still(sceneOf(named.shape));
   still.scene.bodies[0].shapes[0].in_body.translation_m = {0.01, 0.0, 0.0};
   still.closure = AxisClosure(still.model, still.scene);
@@ -55,11 +57,12 @@ Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, 
   const auto draw = [&](double from, double to) {
     return from + (to - from) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   };
-  Found found;
+  TouchCounts found;
   int slowest = 0;
   double worst_gap_m = 0.0;
   for (int n = 0; n <= last; ++n) {
-    // The body anywhere about the palm's hollow, upright or not; the hand anywhere, half closed.
+    // The body is anywhere about the hollow of the palm, upright or tilted; the hand is anywhere,
+    // half closed.
     still.q[0] = draw(-0.08, 0.08), still.q[1] = draw(-0.1, 0.1), still.q[2] = draw(-0.1, 0.1);
     still.q[kFingers] = draw(0.0, 2.5), still.q[kCircumduction] = draw(0.0, 1.5);
     still.q[kThumb] = draw(0.0, 1.3);
@@ -90,14 +93,14 @@ Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, 
       // 0.1 mm of path, at the lever arm of 8 cm.
       EXPECT_TRUE(sameTouch(touch, settled[a], 1.25e-3)) << touch << " and " << settled[a];
       const double lower = still.model.axis_lower[a], upper = still.model.axis_upper[a];
-      // Nothing overlaps before ...
+      // There is no overlap before the first touch,
       const double end = std::isnan(touch) ? upper : touch;
       for (double v = lower; v < end - 1e-5; v += 0.01) {
         const double apart_m = still.separationAt(a, v);
         EXPECT_GT(apart_m, -kGraze_m) << "at " << v << ", said " << touch;
         if (apart_m <= -kGraze_m) break;
       }
-      // ... and there they meet.
+      // and the shapes meet there.
       if (std::isnan(touch)) {
         ++found.misses;
       } else if (touch == -kInfinity) {
@@ -118,37 +121,37 @@ Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, 
   return found;
 }
 
-class FirstTouch : public testing::TestWithParam<Named> {};
+class FirstTouch : public testing::TestWithParam<NamedShape> {};
 
-TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
-  const int hands = kFew ? 6 : 50;
-  const Found found = expectFirstTouches(GetParam(), seededRandom(31), 0, hands - 1);
-  if (!kCountsTell) return;
+TEST_P(FirstTouch, RestingHand_IsFoundWithin50TicksAndIsTheFirst) {
+  const int hands = kReducedCounts ? 6 : 50;
+  const TouchCounts found = expectFirstTouches(GetParam(), seededRandom(31), 0, hands - 1);
+  if (!kStatisticsMeaningful) return;
   EXPECT_GT(found.touches, hands * 3 / 10);
   EXPECT_GT(found.misses, hands / 10);
   EXPECT_GT(found.open_ends, 0);
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, FirstTouch,
-                         testing::Values(Named{"bottle", cylinder(0.025, 0.2)},
-                                         Named{"disk", cylinder(0.04, 0.02)},
-                                         Named{"box", box({0.02, 0.03, 0.04})},
-                                         Named{"sphere", ballShape(0.03)},
-                                         Named{"mesh", mesh({0.03, 0.025, 0.035})}));
+                         testing::Values(NamedShape{"bottle", cylinder(0.025, 0.2)},
+                                         NamedShape{"disk", cylinder(0.04, 0.02)},
+                                         NamedShape{"box", box({0.02, 0.03, 0.04})},
+                                         NamedShape{"sphere", ballShape(0.03)},
+                                         NamedShape{"mesh", mesh({0.03, 0.025, 0.035})}));
 
-// Hands for which a search once took 51 to 151 ticks: a capsule passes a face or an edge at 0.1 mm
-// and hardly nears it. In the last, the distance was 2 µm off.
-TEST(SlowFirstTouch, WhereACapsulePassesAlongAFaceOrAnEdge_IsFoundWithin50TicksAndIsTheFirst) {
+// Hands for which an earlier search took 51 to 151 ticks: a capsule passes a face or an edge at 0.1
+// mm and hardly approaches it. In the last case the distance was wrong by 2 µm.
+TEST(SlowFirstTouch, CapsulePassingAlongAFaceOrAnEdge_IsFoundWithin50TicksAndIsTheFirst) {
   struct Case {
     bool disk;
     unsigned seed;
     int hand;
   };
-  const Named disk{"disk", cylinder(0.04, 0.02)}, body{"box", box({0.02, 0.03, 0.04})};
+  const NamedShape disk{"disk", cylinder(0.04, 0.02)}, body{"box", box({0.02, 0.03, 0.04})};
   for (const Case c : {Case{false, 1795506192U, 13}, Case{false, 132U, 18}, Case{true, 21U, 6},
                        Case{true, 47U, 12}, Case{true, 57U, 21}, Case{false, 154U, 17}}) {
     SCOPED_TRACE("seed " + std::to_string(c.seed));
     std::seed_seq mixed{c.seed, 0U, 31U};
-    const Found found =
+    const TouchCounts found =
         expectFirstTouches(c.disk ? disk : body, std::mt19937_64(mixed), c.hand, c.hand);
     EXPECT_EQ(found.touches + found.misses + found.open_ends, 3);
   }

@@ -1,4 +1,4 @@
-// Coulomb's law at one contact, by the conditions that say it (Moré, Sorensen 1983).
+// Coulomb's law at one contact, by its optimality conditions (Moré, Sorensen 1983).
 #include "loop/physics/bullet/row_arithmetic.hpp"
 #include "support/seed.hpp"
 
@@ -37,13 +37,13 @@ struct Contact {
   }
 };
 
-TEST(FrictionDisc, OfAnyContact_StopsTheSlipOrOpposesItWithAllThereIs) {
+TEST(FrictionDisc, RandomContact_StopsTheSlipOrOpposesItAtTheLimit) {
   auto random = test::seededRandom(3620);
   int stuck = 0, slid = 0;
   for (int i = 0; i < 5'000; ++i) {
     Contact c(random);
     c.solve();
-    const Eigen::Vector2d slip = c.yield * (c.is - c.was) - c.lacking;  // what is left
+    const Eigen::Vector2d slip = c.yield * (c.is - c.was) - c.lacking;  // remaining slip
     ASSERT_LE(c.is.norm(), c.limit * (1.0 + 1e-12));
     if (c.is.norm() < c.limit * (1.0 - 1e-9)) {
       ++stuck;
@@ -53,7 +53,8 @@ TEST(FrictionDisc, OfAnyContact_StopsTheSlipOrOpposesItWithAllThereIs) {
       const double across = c.is[0] * slip[1] - c.is[1] * slip[0];
       ASSERT_LE(c.is.dot(slip), 1e-12);
       if (slip.norm() < 1e-3) continue;
-      // Three steps leave a hundredth of a degree where the limit is a thousandth of what stops it.
+      // Three steps leave a hundredth of a degree if the limit is a thousandth of the impulse that
+      // stops it.
       ASSERT_LE(std::abs(across), 0.01 * c.is.norm() * slip.norm());
     }
   }
@@ -61,7 +62,7 @@ TEST(FrictionDisc, OfAnyContact_StopsTheSlipOrOpposesItWithAllThereIs) {
   EXPECT_GT(slid, 500);
 }
 
-TEST(FrictionDisc, OfFourAtOnce_GivesTheBitsOfEach) {
+TEST(FrictionDisc, FourContactsAtOnce_GiveTheBitsOfEach) {
   auto random = test::seededRandom(3621);
   for (int i = 0; i < 500; ++i) {
     std::vector<Contact> each;

@@ -1,5 +1,5 @@
-// The hand on handles of bodies that move on a joint, through the whole renderer: what opens them
-// is felt as the virtual work of the joint's force, and the grasp does not slip.
+// The hand opens bodies on a joint by their handles, through the whole renderer. The rendered
+// effort is the virtual work of the joint's force, and the grasp does not slip.
 #include "loop/physics/power_grasp.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -13,7 +13,7 @@ namespace {
 constexpr double kTip_n = 8.0;
 constexpr int kGrasped = 6000;  // ticks until the grasp has settled
 
-/// A vertical bar where the power grasp wants it, seen from the hand's base.
+/// A vertical bar where the power grasp needs it relative to the base of the hand.
 SceneBody handleBar(double radius_m, double mass_kg, const SceneJoint& joint) {
   SceneBody body = ball({0.024 + radius_m, 0.041, 0.004}, radius_m, mass_kg);
   body.name = "handle";
@@ -27,10 +27,10 @@ SceneBody handleBar(double radius_m, double mass_kg, const SceneJoint& joint) {
   return body;
 }
 
-/// A person who takes the bar, closes until kTip_n act at the tips, and then moves the hand as
-/// it is.
+/// A person who takes the bar, closes until kTip_n act at the tips and then moves the hand in that
+/// posture.
 struct PulledBar : PowerGrasp {
-  std::function<Eigen::Vector3d(int)> way;  ///< of the hand, by ticks since kGrasped
+  std::function<Eigen::Vector3d(int)> way;  ///< motion of the hand, by ticks since kGrasped
 
   PulledBar(const SceneBody& bar, std::function<Eigen::Vector3d(int)> moves)
       : PowerGrasp(kTip_n, bar, [this](int read) { return script(read); }), way(std::move(moves)) {}
@@ -42,16 +42,16 @@ struct PulledBar : PowerGrasp {
     }
     return q_m;
   }
-  template <class See>
-  std::unique_ptr<TickRecord> run(int ticks, const See& see) {
+  template <class Observe>
+  std::unique_ptr<TickRecord> run(int ticks, const Observe& observe) {
     return runTicks(*rig->renderer, ticks, [&](const TickRecord& r) {
       coupling = r.coupling;
       ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone)
           << "axis " << r.fault_axis << ", tick " << r.tick;
-      see(r);
+      observe(r);
     });
   }
-  /// The bar's centre in the palm's frame, at a tick.
+  /// The bar's centre in the palm's frame at a tick.
   [[nodiscard]] Eigen::Vector3d inPalm(const TickRecord& r) const {
     ArticulatedBody body(rig->models.hand);
     body.updateKinematics(r.theta);
@@ -70,7 +70,7 @@ SceneJoint drawerSlide() {
 
 class Drawer : public testing::TestWithParam<double> {};
 
-TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndIsFeltAsItsFriction) {
+TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndRendersItsFriction) {
   const auto slowly = [](int k) {
     return Eigen::Vector3d(-0.05 * std::min(1.0, k / 2000.0), 0, 0);
   };
@@ -87,7 +87,7 @@ TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndIsFeltAsItsFriction) {
     ASSERT_LE(at.x(), start_x + 1e-15);
     const AxisEffort work = virtualWork(bar.rig->models.hand, r.q_s, r);
     if (static_cast<int>(r.tick) == kGrasped + 500) held = bar.inPalm(r);
-    // Once friction yields, at a steady pace.
+    // After friction has yielded, at a steady speed.
     if (static_cast<int>(r.tick) > kGrasped + 1300 && static_cast<int>(r.tick) < kGrasped + 1900) {
       worst = std::max(worst, std::abs(work[0] - 2.0));
       worst_felt = std::max(worst_felt, std::abs(r.coupling[0] - 2.0));
@@ -98,13 +98,14 @@ TEST_P(Drawer, PulledByItsHandle_FollowsTheHandAndIsFeltAsItsFriction) {
   figure("drawer of 2 N, virtual work of the contacts, worst", worst, "N off");
   figure("drawer of 2 N, felt, worst", worst_felt, "N off");
   figure("drawer, slip of the handle", 1e3 * (bar.inPalm(*last) - held).norm(), "mm");
-  // Steadily pulled, the hand feels the friction: 2 N away from the person.
+  // At a steady speed the friction is rendered: 2 N away from the person.
   EXPECT_LE(worst, 0.02 * 2.0);
   EXPECT_LE(worst_felt, 0.02 * 2.0 + 0.05);
   EXPECT_GT(start_x - last->bodies[0].position_m.x, 0.03);
   EXPECT_LE((bar.inPalm(*last) - held).norm(), 1e-4);
 }
-INSTANTIATE_TEST_SUITE_P(Radii, Drawer, testing::ValuesIn(aTenth<double>({0.0125, 0.015, 0.025})));
+INSTANTIATE_TEST_SUITE_P(Radii, Drawer,
+                         testing::ValuesIn(sampleTenth<double>({0.0125, 0.015, 0.025})));
 
 TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
   SceneJoint joint = drawerSlide();
@@ -130,14 +131,14 @@ TEST(SprungHandle, HeldFor60SAgainst5N_DoesNotSlip) {
   EXPECT_LE(most_m, 1e-4);
 }
 
-/// A bar on a joint drawn at random, with spring, viscous and dry friction and a latch.
+/// A bar on a random joint with spring, viscous and dry friction and a latch.
 SceneBody anyBar(std::mt19937_64& random) {
   const auto between = [&](double low, double high) { return uniform(random, low, high); };
   const auto any = [&] { return Eigen::Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)); };
   SceneJoint joint;
   joint.type = random() % 2 == 0 ? SceneJoint::Type::kHinge : SceneJoint::Type::kSlide;
   joint.axis = any().normalized();
-  const double size = joint.isHinge() ? 0.01 : 1.0;  // N·m to N at about 100 mm
+  const double size = joint.isHinge() ? 0.01 : 1.0;  // converts N·m to N at about 100 mm
   if (joint.isHinge()) joint.point_m = between(0.05, 0.2) * any().normalized();
   joint.spring_stiffness = between(0.0, 100.0) * size;
   joint.spring_rest = between(-0.01, 0.01);
@@ -148,7 +149,7 @@ SceneBody anyBar(std::mt19937_64& random) {
   return handleBar(between(0.0125, 0.025), between(0.1, 2.0), joint);
 }
 
-/// Momentum m_q that a body's joint has, its inertia by its definition.
+/// Inertia m_q of a body on its joint, by its definition.
 double momentOf(const SceneBody& body) {
   if (!body.joint->isHinge()) return body.mass_kg;
   const Eigen::Vector3d& axis = body.joint->axis;
@@ -156,14 +157,14 @@ double momentOf(const SceneBody& body) {
          body.mass_kg * axis.cross(body.com_m - body.joint->point_m).squaredNorm();
 }
 
-// By d'Alembert, over one step: what the hand's contacts do on q̇ is the change of momentum less the
-// joint's forces, as written in body_joint.hpp (spring, viscous friction and rising slopes at the
-// step's end, gravity and falling slopes at its start), less a dry friction of |λ| ≤ F_c T.
+// D'Alembert over one step: the impulse of the hand's contacts on q̇ is the change of momentum less
+// the joint's forces as defined in body_joint.hpp (spring, viscous friction and rising slopes at
+// the step's end, gravity and falling slopes at its start), less a dry friction of |λ| ≤ F_c T.
 TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
   std::mt19937_64 random(seed());
   double worst = 0.0, most = 0.0;
   int counted = 0, slid = 0;
-  constexpr int kMostDraws = 30;  // one that swings away at once is not touched
+  constexpr int kMostDraws = 30;  // a bar that swings away at once is not touched
   for (int k = 0; k < cases(10) || (counted <= 100 && k < kMostDraws); ++k) {
     const SceneBody bar = anyBar(random);
     const SceneJoint& joint = *bar.joint;
@@ -220,7 +221,7 @@ TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
   EXPECT_LE(worst, tolerance(1e-11));
 }
 
-/// A panel upright in x and z, before the palm, on a hinge beyond the fingertips.
+/// A panel upright in x and z in front of the palm, on a hinge beyond the fingertips.
 SceneBody panelBeforeThePalm(double spring_nm_rad) {
   SceneBody panel = fixedBox({0.12, 0.12, 0.0}, {0.24, 0.02, 0.2});
   panel.name = "panel";
@@ -239,9 +240,9 @@ SceneBody panelBeforeThePalm(double spring_nm_rad) {
   return panel;
 }
 
-// A door that somebody else shuts on the hand: it stops at the palm, what is felt is its torque
-// over its lever, within the device's limit, and nothing stops or is pierced.
-TEST(Panel, ThatSwingsIntoThePalm_IsStoppedByTheHandAndFelt) {
+// A door that somebody else shuts on the hand stops at the palm. The rendered effort is its torque
+// over its lever, within the device's limit; no fault occurs and the hand does not enter it.
+TEST(Panel, SwingingIntoThePalm_IsStoppedByTheHandAndRendered) {
   double hardest_n = 0.0, deepest_m = 0.0, fastest = 0.0;
   Models m = load(shippedFiles());
   m.scene.bodies = {panelBeforeThePalm(0.3)};
@@ -266,7 +267,7 @@ TEST(Panel, ThatSwingsIntoThePalm_IsStoppedByTheHandAndFelt) {
   EXPECT_LE(hardest_n, last->effort_limit[1]);
   ASSERT_GT(last->contact_count, 0);
   EXPECT_LE(last->bodies[0].angular_velocity_rad_s.eigen().norm(), 1e-3);
-  // At rest the hand bears the spring: k (q - rest) is the moment of the contacts, less friction.
+  // At rest the hand carries the spring: k (q - rest) is the moment of the contacts, less friction.
   const BodyState& at = last->bodies[0];
   const Pose pose{at.orientation_xyzw.eigen().toRotationMatrix(), at.position_m.eigen()};
   const double spring_nm = 0.3 * (1.5 - positionOn(*panel.joint, panel.pose, pose));

@@ -1,4 +1,5 @@
-// Joint ends: a joint of the hand file goes no further than its range, and that is felt.
+// Joint ends: a joint of the hand file stays within its range, and the force of its end is
+// rendered.
 #include "loop/physics/physics_world.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
@@ -10,14 +11,14 @@ namespace {
 
 struct End {
   int axis;
-  double at;      ///< of the joint, on the axis [rad]
-  double beyond;  ///< where the person presses to, within the device's margin [rad]
+  double at;      ///< end of the joint's range, on the axis [rad]
+  double beyond;  ///< the person's target beyond it, within the device's margin [rad]
 };
 // lambda-pride with the median hand: fingers and circumduction begin, and circumduction ends, where
 // their joints do (0 and π/2 in both files). The other joints end beyond the device's travel.
 constexpr std::array<End, 3> kEnds{{{3, 0.0, -0.02}, {4, 0.0, -0.02}, {4, 1.5708, 1.5908}}};
 
-TEST(JointEnd, PressedAgainst_HoldsAndIsFeltAsTheSpring) {
+TEST(JointEnd, PressedAgainst_HoldsAndRendersTheSpring) {
   double off_rad = 0.0, off_share = 0.0;
   for (const End& end : kEnds) {
     SCOPED_TRACE(testing::Message() << "axis " << end.axis << " at " << end.at);
@@ -51,8 +52,8 @@ TEST(JointEnd, PressedAgainst_HoldsAndIsFeltAsTheSpring) {
   EXPECT_LE(off_share, tolerance(1e-3));
 }
 
-TEST(JointEnd, ThatABallPressesAFingerAgainst_BearsItAndTheArmIsHeld) {
-  // A fixed ball before the tip of the stretched middle finger, the arm 8 mm into it.
+TEST(JointEnd, BallThatPressesAFingerAgainstIt_IsCarriedAndHoldsTheArm) {
+  // A fixed ball in front of the tip of the stretched middle finger; the arm presses 8 mm into it.
   Models m = load(shippedFiles());
   m.scene.gravity_m_s2.setZero();
   AxisPosition open(6);
@@ -73,7 +74,7 @@ TEST(JointEnd, ThatABallPressesAFingerAgainst_BearsItAndTheArmIsHeld) {
   EXPECT_GT(forces.joint_ends[3], 0.01) << "the fingers' ends bear something";
   EXPECT_NEAR(last->q_s[3], 0.0, tolerance(1e-4));
   EXPECT_LT(last->coupling[1], -1.0) << "the arm is held";
-  // What is felt is the virtual work of the ball and of the ends together, on every axis.
+  // The rendered effort of every axis is the virtual work of the ball and the joint ends together.
   const ArticulatedBody body = handAt(rig->models.hand, last->q_s);
   double worst = 0.0;
   std::array<double, kMaxAxes> acted{};
@@ -94,7 +95,8 @@ TEST(JointEnd, ThatABallPressesAFingerAgainst_BearsItAndTheArmIsHeld) {
 }
 
 TEST(JointEnd, NearestOfSeveralJoints_StopsTheirAxis) {
-  // The MCP of the index may go to 0.3 rad only: 0.375 of the fingers' axis, so 0.8 rad of that.
+  // The MCP of the index may only reach 0.3 rad: 0.375 of the fingers' axis, so 0.8 rad of the
+  // axis.
   Models m = load(shippedFiles());
   m.scene.gravity_m_s2.setZero();
   for (HandLink& link : m.hand.links) {
@@ -109,9 +111,10 @@ TEST(JointEnd, NearestOfSeveralJoints_StopsTheirAxis) {
   EXPECT_NEAR(runTicks(*rig->renderer, 2000)->q_s[3], 0.3 / 0.375, tolerance(1e-4));
 }
 
-TEST(BaseEnd, ThatABarTurnsTheHandAgainst_KeepsItWhereItIsCertified) {
-  // A fixed bar under the stretched little finger's tip, 0.15 m before the wrist; the arm comes
-  // down by 0.16 m. Against 0.8 N·m/rad the hand turns much further than its range.
+TEST(BaseEnd, BarThatTurnsTheHandAgainstIt_KeepsItInTheCertifiedRange) {
+  // A fixed bar is under the stretched little finger's tip, 0.15 m in front of the wrist; the arm
+  // comes down by 0.16 m. A spring of 0.8 N·m/rad alone would let the hand turn far beyond its
+  // range.
   Models m = load(shippedFiles("wrist-9axis"));
   m.scene.gravity_m_s2.setZero();
   const int pitch = m.device.axisIndex("pitch"), z = m.device.axisIndex("z");

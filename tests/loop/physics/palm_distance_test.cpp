@@ -8,7 +8,7 @@
 namespace wholehand::test {
 namespace {
 
-TEST(PalmDistance, OfBallsAndBoxes_IsTheClosedForm) {
+TEST(PalmDistance, BallsAndBoxes_MatchTheClosedForm) {
   const Models m = load(shippedFiles());
   AxisPosition q(6);
   q[0] = 0.02, q[1] = -0.03, q[2] = 0.04;
@@ -31,19 +31,19 @@ TEST(PalmDistance, OfBallsAndBoxes_IsTheClosedForm) {
   // Beyond an end: the distance to that end.
   EXPECT_NEAR(distance(ball(b + 0.2 * beyond, 0.03, 0.1)), 0.2 - 0.03 - hollow.radius_m,
               tolerance(1e-5));
-  // A wide box above: the higher end's height to its face.
+  // A wide box above: the distance from the higher end to its face.
   const double top = std::max(a.z(), b.z());
   EXPECT_NEAR(distance(fixedBox({0.0, 0.0, top + 0.2}, {1.0, 1.0, 0.1})),
               0.2 - 0.05 - hollow.radius_m, tolerance(1e-5));
-  // Nothing: infinitely far.
+  // No body: an infinite distance.
   Bench empty(defaultEngine(), weightless({}));
   ASSERT_TRUE(empty.world->placeHand(q));
   EXPECT_EQ(empty.ask({}).palm_distance_m, std::numeric_limits<double>::infinity());
 }
 
-/// A ball somewhere about the middle of the palm's hollow, which looks along -z of the palm's
-/// frame. Its distance is that of the segment between the hollow's ends, less both radii.
-TEST(PalmDistance, OfATarget_IsNegativeUnlessItIsBeforeThePalm) {
+/// A ball near the middle of the palm's hollow, which faces -z of the palm's frame. Its distance is
+/// that of the segment between the hollow's ends, less both radii.
+TEST(PalmDistance, Target_IsNegativeUnlessItIsInFrontOfThePalm) {
   struct Place {
     Eigen::Vector3d way;  // in the palm's frame: distal, radial, dorsal
     bool before;
@@ -79,7 +79,7 @@ TEST(PalmDistance, OfATarget_IsNegativeUnlessItIsBeforeThePalm) {
   }
 }
 
-TEST(PalmDistance, OfATargetThatTouchesThePalm_IsNeverNegative) {
+TEST(PalmDistance, TargetThatTouchesThePalm_IsNeverNegative) {
   const Models m = load(shippedFiles());
   const Pose palm = handAt(m.hand, AxisPosition(6)).linkPose(m.hand.palm_link);
   const Capsule& hollow = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
@@ -93,7 +93,7 @@ TEST(PalmDistance, OfATargetThatTouchesThePalm_IsNeverNegative) {
   EXPECT_EQ(found.target_m, 0.0);
 }
 
-TEST(PalmTarget, IsTheNearestOfThoseAskedFor) {
+TEST(PalmTarget, SeveralTargets_GiveTheNearest) {
   Bench bench(defaultEngine(),
               weightless({ball({0.1, 0.09, 0.0}, 0.02, 0.0), ball({0.1, 0.2, 0.0}, 0.02, 0.0),
                           ball({0.1, 0.15, 0.05}, 0.02, 0.0)}));

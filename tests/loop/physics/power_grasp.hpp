@@ -9,14 +9,14 @@
 
 namespace wholehand::test {
 
-inline constexpr double kLever_m = 0.08;  ///< of a fingertip
+inline constexpr double kLever_m = 0.08;  ///< lever arm of a fingertip
 
-/// A person who moves the hand to a thing, opposes the thumb, and then holds fingers and thumb at
-/// an effort at the tips.
+/// A person who moves the hand to an object, opposes the thumb and then holds fingers and thumb at
+/// a given effort at the tips.
 struct PowerGrasp {
   double tip_n;
   AxisPosition q_m{6};
-  AxisEffort coupling{6};  ///< of the last tick
+  AxisEffort coupling{6};  ///< effort of the last tick
   std::unique_ptr<Rig> rig;
 
   PowerGrasp(double effort_tip_n, const SceneBody& thing,
@@ -28,7 +28,7 @@ struct PowerGrasp {
     q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
     rig = buildScripted(std::move(m), script);
   }
-  /// Leads the hand on, at a reading.
+  /// Updates the hand's target for a reading.
   void grasp(int read) {
     if (read < 1000) {
       q_m[1] = -0.1 * (1.0 - 1e-3 * read);

@@ -1,4 +1,4 @@
-// Bodies that rest: they cost nothing, and nothing is lost when something comes to them.
+// Resting bodies cost nothing, and they react fully when something touches them.
 #include "loop/physics/engine_bench.hpp"
 #include "support/tolerance.hpp"
 
@@ -7,7 +7,7 @@
 namespace wholehand::test {
 namespace {
 
-/// The hand stays here, away from everything.
+/// The hand stays here, away from all bodies.
 AxisPosition aside() {
   AxisPosition q(6);
   q[0] = -0.08, q[2] = 0.11;
@@ -32,7 +32,7 @@ void run(Bench& bench, int steps) {
   for (int k = 0; k < steps; ++k) ASSERT_NO_FATAL_FAILURE(bench.step(aside(), AxisVelocity(6)));
 }
 
-/// Puts a body at a place with a velocity.
+/// Places a body with a velocity.
 void put(Bench& bench, int body, const Eigen::Vector3d& at_m, const Eigen::Vector3d& velocity) {
   BodyPlacements placements;
   placements.count = 1;
@@ -42,7 +42,7 @@ void put(Bench& bench, int body, const Eigen::Vector3d& at_m, const Eigen::Vecto
   bench.world->placeBodies(placements);
 }
 
-TEST(RestingBodies, WhatStandsFromTheStart_StaysToTheBit) {
+TEST(RestingBodies, StandingFromTheStart_StaysToTheBit) {
   Bench bench(defaultEngine(),
               onEarth({fixedBox({0.6, 0.0, -0.01}, {0.5, 0.5, 0.02}),
                        block({0.6, 0.0, 0.02}, 0.04, 0.1), block({0.6, 0.0, 0.06}, 0.04, 0.1)}));
@@ -54,7 +54,7 @@ TEST(RestingBodies, WhatStandsFromTheStart_StaysToTheBit) {
   }
 }
 
-TEST(RestingBodies, WhatFallsOntoATable_ComesToRest) {
+TEST(RestingBodies, FallingOntoATable_ComesToRest) {
   Bench bench(defaultEngine(), onEarth({fixedBox({0.6, 0.0, -0.01}, {0.5, 0.5, 0.02}),
                                         block({0.6, 0.0, 0.03}, 0.04, 0.1)}));
   ASSERT_TRUE(bench.world->placeHand(aside()));
@@ -66,7 +66,7 @@ TEST(RestingBodies, WhatFallsOntoATable_ComesToRest) {
   EXPECT_NEAR(bench.after.bodies[1].position_m.z, 0.02, tolerance(5e-5));
 }
 
-TEST(RestingBodies, WhoseTableIsTakenAway_Fall) {
+TEST(RestingBodies, TableTakenAway_MakesThemFall) {
   Bench bench(defaultEngine(),
               onEarth({fixedBox({0.6, 0.0, -0.01}, {0.2, 0.2, 0.02}),
                        block({0.6, 0.0, 0.02}, 0.04, 0.1), block({0.6, 0.0, 0.06}, 0.04, 0.1)}));
@@ -81,7 +81,7 @@ TEST(RestingBodies, WhoseTableIsTakenAway_Fall) {
   }
 }
 
-TEST(RestingBodies, StruckByAnother_TakeUpAllOfItsMomentum) {
+TEST(RestingBodies, HitByAnotherBody_ReceiveAllOfItsMomentum) {
   Bench bench(defaultEngine(),
               weightless({ball({0.6, 0.0, 0.0}, 0.02, 0.1), ball({0.7, 0.0, 0.0}, 0.02, 0.1)}));
   ASSERT_TRUE(bench.world->placeHand(aside()));
@@ -94,8 +94,8 @@ TEST(RestingBodies, StruckByAnother_TakeUpAllOfItsMomentum) {
   EXPECT_NEAR(0.1 * (first_m_s + second_m_s), 0.1 * 0.5, tolerance(1e-12));
 }
 
-TEST(RestingBodies, AStackOfWhichTheHandMovesTheTop_IsAwakeAsAWhole) {
-  // The palm's side comes down on the upper of two blocks: both give way by the same.
+TEST(RestingBodies, StackWhoseTopTheHandMoves_IsAwakeAsAWhole) {
+  // The palm's side comes down on the upper of two blocks; both yield by the same amount.
   const Models m = load(shippedFiles());
   AxisPosition above(6);
   above[2] = 0.05;
@@ -125,14 +125,14 @@ TEST(RestingBodies, AStackOfWhichTheHandMovesTheTop_IsAwakeAsAWhole) {
   for (int i = 0; i < bench.touching.count; ++i) {
     push_n += bench.touching.points[i].force_n.z;
   }
-  // What holds the hand up is what it asks for: M_r z̈ = 0.
+  // The force that holds the hand up is the requested effort: M_r z̈ = 0.
   EXPECT_GT(push_n, 1.0);
   EXPECT_NEAR(push_n, -bench.asked[2], tolerance(0.05) * push_n);
 }
 
-/// The engine looks only at bodies around the hand. One that is put there and one that the hand
-/// travels to bear it alike: at rest they push with what the hand is asked to press with.
-TEST(RestingBodies, FarFromTheHand_BearItWhereTheyArePutAndWhereItComes) {
+/// The engine considers only bodies around the hand. A body placed near the hand and a body that
+/// the hand travels to must carry it alike: at rest they push with the requested effort.
+TEST(RestingBodies, FarFromTheHand_CarryItWhenPlacedOrReached) {
   const Models m = load(shippedFiles());
   const double lowest_m = -reach(m.hand, aside(), -Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d size_m(0.6, 0.6, 0.02);

@@ -1,4 +1,4 @@
-// A hand that meets itself through the whole renderer: a pinch on nothing and a fist.
+// A hand that touches itself, through the whole renderer: a pinch without an object and a fist.
 #include "loop/physics/bullet/bullet_world.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "support/rig_tools.hpp"
@@ -14,13 +14,13 @@ namespace {
 
 struct ClosingHand {
   const char* name;
-  double fingers, circumduction, thumb;  ///< where the person wants to be [rad]
+  double fingers, circumduction, thumb;  ///< the person's target [rad]
 };
-// Found by closing in steps: thumb tip on the index; on index and middle; a fist round the thumb.
+// Found by closing in steps: thumb tip on the index; on index and middle; a fist around the thumb.
 constexpr std::array<ClosingHand, 3> kClosings{
     {{"pinch", 2.3, 1.2, 1.39}, {"three tips", 2.3, 1.4, 1.39}, {"fist", 3.14, 1.57, 1.39}}};
 
-/// From the open hand with the thumb opposed to the posture in half a second, then held.
+/// Moves from the open hand with an opposed thumb to the posture in half a second, then holds it.
 ScriptedDevice::Script close(const ClosingHand& c, int ticks = 500) {
   return [c, ticks](int read) {
     const double u = std::min(1.0, static_cast<double>(read) / ticks);
@@ -43,7 +43,7 @@ SelfForces forcesOf(const Rig& rig) {
   return forces;
 }
 
-TEST(SelfContact, HeldClosed_IsFeltAsTheVirtualWorkOfItsForcesAndPushesNoArm) {
+TEST(SelfContact, HeldClosed_RendersTheVirtualWorkOfItsForcesAndPushesNoArm) {
   double worst = 0.0, base = 0.0, deepest_m = 0.0;
   for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
@@ -65,12 +65,12 @@ TEST(SelfContact, HeldClosed_IsFeltAsTheVirtualWorkOfItsForcesAndPushesNoArm) {
       largest = std::max(largest, std::abs(acted));
       off = std::max(off, std::abs(last->coupling[a] - acted));
     }
-    // The thumb is kept from closing, and so are the fingers.
+    // The contact keeps the thumb and the fingers from closing.
     EXPECT_LT(last->coupling[3], -0.02);
     EXPECT_LT(last->coupling[5], -0.02);
     EXPECT_GT(largest, 0.05);
     worst = std::max(worst, off / largest);
-    // Inner forces have no resultant: at rest the base feels nothing of them.
+    // Inner forces have no resultant, so at rest the base has no effort from them.
     for (int a = 0; a < 3; ++a) {
       base = std::max(base, std::abs(last->coupling[a]) / largest);
       EXPECT_NEAR(virtualWork(rig->models.hand, last->q_s, forces)[a], 0.0, tolerance(1e-8));
@@ -85,7 +85,8 @@ TEST(SelfContact, HeldClosed_IsFeltAsTheVirtualWorkOfItsForcesAndPushesNoArm) {
 }
 
 TEST(SelfContact, RowsOfTheBase_AreExactlyZero) {
-  // Action and reaction act at one point: whatever carries both links has no row, to the bit.
+  // Action and reaction act at one point, so an axis that carries both links has a row of exact
+  // zeros.
   const Models m = load(shippedFiles());
   AxisPosition q(6);
   q[0] = 0.013, q[1] = -0.07, q[3] = 2.2, q[4] = 1.2, q[5] = 1.1;
@@ -102,13 +103,14 @@ TEST(SelfContact, RowsOfTheBase_AreExactlyZero) {
   }
 }
 
-TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
+TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorPassesThrough) {
   double deepest_m = 0.0;
   for (const ClosingHand& c : kClosings) {
     SCOPED_TRACE(c.name);
     Models m = load(shippedFiles());
     m.scene.gravity_m_s2.setZero();
-    // 10 rad/s: the speed limit of finger and thumb; their efforts are at their limits after it.
+    // 10 rad/s is the speed limit of finger and thumb; afterwards their efforts are at their
+    // limits.
     const auto rig = buildScripted(std::move(m), close(c, 330));
     ASSERT_TRUE(rig->renderer->arm());
     int touching = 0;
@@ -129,14 +131,14 @@ TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
 }
 
 TEST(SelfContact, HeldForAMinute_GainsNoEnergy) {
-  const std::uint64_t ticks = kFew ? 6'000 : 60'000;  // a sanitizer sees no energy
-  for (const int i : allOrOne(0, 2)) {
+  const std::uint64_t ticks = kReducedCounts ? 6'000 : 60'000;  // a sanitizer does not check energy
+  for (const int i : sampleOne(0, 2)) {
     const ClosingHand& c = kClosings[i];
     SCOPED_TRACE(c.name);
     const auto rig = closingRig(c);
     ASSERT_TRUE(rig->renderer->arm());
     ArticulatedBody body(rig->models.hand);
-    // What the avatar and its spring hold; the device stands still, so nothing may add to it.
+    // Energy of the avatar and its spring; the device stands still, so nothing may add to it.
     double early_j = 0.0, late_j = 0.0, fastest = 0.0;
     runTicks(*rig->renderer, static_cast<int>(ticks), [&](const TickRecord& r) {
       if (r.tick < 3000) return;
@@ -156,12 +158,12 @@ TEST(SelfContact, HeldForAMinute_GainsNoEnergy) {
   }
 }
 
-TEST(SelfContact, MadeByAPersonOnTheDevice_ComesToRest) {
-  // The whole loop: the device's mass, friction, delay and encoders, and a person who goes on
-  // closing. A rigid stop is one passive object among those the gains are certified with.
+TEST(SelfContact, PersonOnTheDevice_ComesToRest) {
+  // The whole loop: the device's mass, friction, delay and encoders, and a person who keeps
+  // closing. A rigid stop is one of the passive objects that the gains are certified with.
   for (const std::string& patient :
-       aTenth<std::string>({"relaxed-adult", "stiff-adult", "spastic"})) {
-    for (const int i : allOrOne(0, 2)) {
+       sampleTenth<std::string>({"relaxed-adult", "stiff-adult", "spastic"})) {
+    for (const int i : sampleOne(0, 2)) {
       const ClosingHand& c = kClosings[i];
       SCOPED_TRACE(patient + ", " + c.name);
       Models m = load(shippedFiles("lambda-pride", "empty", "adult-median-right", patient));
@@ -202,7 +204,7 @@ TEST(SelfContact, RunAgain_GivesTheSameBits) {
   EXPECT_EQ(std::memcmp(first.data(), second.data(), first.size() * sizeof(double)), 0);
 }
 
-TEST(SelfContact, FistAgainstTheFingersEnds_AllocatesNothing) {
+TEST(SelfContact, FistAgainstTheFingersEnds_DoesNotAllocate) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
   const ClosingHand c = kClosings[2];
   Models m = load(shippedFiles());
@@ -231,7 +233,7 @@ TEST(SelfContact, FistAgainstTheFingersEnds_AllocatesNothing) {
   EXPECT_EQ(allocations, 0U);
 }
 
-TEST(SelfContact, ArmedClosed_IsNotPushedOpenAndTouchesOnceItHasParted) {
+TEST(SelfContact, ArmedClosed_IsNotPushedOpenAndTouchesAfterItHasParted) {
   const ClosingHand c = kClosings[2];
   Models m = load(shippedFiles());
   m.scene.gravity_m_s2.setZero();
@@ -252,8 +254,8 @@ TEST(SelfContact, ArmedClosed_IsNotPushedOpenAndTouchesOnceItHasParted) {
   EXPECT_LT(last->coupling[5], -0.02);
 }
 
-TEST(SelfContact, EveryShippedHand_FeelsAFist) {
-  for (const std::string& name : aTenth(shipped("hands"))) {
+TEST(SelfContact, EveryShippedHand_RendersAFist) {
+  for (const std::string& name : sampleTenth(shipped("hands"))) {
     SCOPED_TRACE(name);
     const auto rig = closingRig(kClosings[2], name);
     ASSERT_TRUE(rig->renderer->arm());

@@ -1,4 +1,4 @@
-// Where the capsules of a hand are near each other: closed form, and the search that skips.
+// The search for capsules of a hand that are near each other: closed form, and skipped searches.
 #include "files/hand/self_contacts.hpp"
 #include "files/scene/separation.hpp"
 #include "loop/model/capsule_gap.hpp"
@@ -18,7 +18,7 @@ Eigen::Vector3d anywhere(Random& random, double half_m) {
   return {x, y, uniform(random, -half_m, half_m)};
 }
 
-/// The same capsule for separation(), which finds distances by another algorithm.
+/// The same capsules through separation(), which uses another algorithm.
 double bySeparation(const PlacedSegment& a, const PlacedSegment& b) {
   const auto shape = [](const PlacedSegment& s, Pose& at) {
     Shape out;
@@ -35,7 +35,7 @@ double bySeparation(const PlacedSegment& a, const PlacedSegment& b) {
   return separation(form_a, at_a, form_b, at_b);
 }
 
-TEST(CapsuleGap, OfRandomCapsules_IsTheirSeparation) {
+TEST(CapsuleGap, RandomCapsules_GiveTheirSeparation) {
   Random random = seededRandom(71);
   double worst_m = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -45,7 +45,7 @@ TEST(CapsuleGap, OfRandomCapsules_IsTheirSeparation) {
     const CapsuleGap gap = capsuleGap(a, b);
     worst_m = std::max(worst_m, std::abs(gap.distance_m - bySeparation(a, b)));
     EXPECT_NEAR(gap.normal.norm(), 1.0, tolerance(1e-12));
-    // Moved apart along the normal they are apart by as much more.
+    // Moving one along the normal increases the distance by the same amount.
     const Eigen::Vector3d away_m = 1e-3 * gap.normal;
     const PlacedSegment moved{a.a_m + away_m, a.b_m + away_m, a.radius_m};
     EXPECT_LE(capsuleGap(moved, b).distance_m, gap.distance_m + 1e-3 + tolerance(1e-12));
@@ -54,7 +54,7 @@ TEST(CapsuleGap, OfRandomCapsules_IsTheirSeparation) {
   EXPECT_LE(worst_m, tolerance(1e-9));
 }
 
-TEST(CapsuleGap, OfCrossingAxesAndPoints_HasANormal) {
+TEST(CapsuleGap, CrossingAxesAndPoints_HaveANormal) {
   const PlacedSegment along{{-0.02, 0, 0}, {0.02, 0, 0}, 0.01};
   const PlacedSegment across{{0, -0.02, 0}, {0, 0.02, 0}, 0.01};
   const CapsuleGap crossing = capsuleGap(along, across);
@@ -66,7 +66,7 @@ TEST(CapsuleGap, OfCrossingAxesAndPoints_HasANormal) {
               tolerance(1e-15));
 }
 
-TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
+TEST(SelfContactSearch, AlongAnyMotion_ReportsEveryNearPair) {
   const Models m = load(shippedFiles());
   const HandModel& hand = m.hand;
   Random random = seededRandom(72);
@@ -78,7 +78,7 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
     search.reset(&handAt(hand, from).linkPose(0), from);
     for (int leg = 0; leg < 5; ++leg) {
       for (int a = 0; a < 6; ++a) to[a] = uniform(random, hand.axis_lower[a], hand.axis_upper[a]);
-      if (leg % 2 == 0) {  // to a fist: there is something to report
+      if (leg % 2 == 0) {  // towards a fist, so that there is something to report
         to[3] = hand.axis_upper[3];
         to[5] = hand.axis_upper[5];
       }
@@ -107,7 +107,7 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
       from = to;
     }
   }
-  if (kCountsTell) EXPECT_GT(reported, 100);
+  if (kStatisticsMeaningful) EXPECT_GT(reported, 100);
 }
 
 }  // namespace

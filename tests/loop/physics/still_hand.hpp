@@ -16,7 +16,7 @@
 #include <array>
 #include <vector>
 
-/// The shipped hand and one body, for questions about where they first touch.
+/// The shipped hand and one body, for tests of their first touch.
 namespace wholehand::test {
 
 inline const HandModel& hand() {
@@ -42,7 +42,8 @@ inline BodyState stateOf(const SceneBody& body, const Pose& pose) {
   return state;
 }
 
-/// The parts of the hand that an axis is said to move. Webs are skin between the fingers.
+/// True for the parts of the hand that an axis counts as moving. Webs are skin between the fingers
+/// and do not count.
 inline bool movedBy(int axis, const Capsule& capsule) {
   const HandPart part = capsule.part;
   if (axis == kFingers && capsule.name.starts_with("web")) return true;
@@ -50,7 +51,7 @@ inline bool movedBy(int axis, const Capsule& capsule) {
   return part == HandPart::kThumb;
 }
 
-/// A hand that stays, and a body.
+/// A hand at rest and a body.
 struct Still {
   HandModel model = hand();
   SceneModel scene;
@@ -72,7 +73,8 @@ struct Still {
     return touch;
   }
 
-  /// The least separation of what `axis` moves from the body, with the axis at `value`.
+  /// Smallest separation between the body and the parts that `axis` moves, with the axis at
+  /// `value`.
   double separationAt(int axis, double value) {
     AxisPosition there = q;
     there[axis] = value;
@@ -81,7 +83,8 @@ struct Still {
     body.updateKinematics(theta);
     double least_m = kInfinity;
     for (const Capsule& c : model.capsules) {
-      // The metacarpal of the thumb may be the palm's: what moves is what another position moves.
+      // The metacarpal of the thumb may belong to the palm: only capsules that the axis really
+      // moves count.
       if (!moves_[axis].empty() && !moves_[axis][&c - model.capsules.data()]) continue;
       const Shape form = capsuleShape(c.a_m, c.b_m, c.radius_m);
       for (const Shape& shape : scene.bodies[0].shapes) {
@@ -91,7 +94,7 @@ struct Still {
     return least_m;
   }
 
-  /// By moving it: which capsules an axis moves.
+  /// Finds the capsules that each axis moves, by moving it.
   void findMoved() {
     for (int axis = kFingers; axis <= kThumb; ++axis) {
       std::vector<bool> moved;

@@ -13,7 +13,7 @@
 namespace wholehand {
 namespace {
 
-/// Keeps the optimiser from removing an allocation nobody looks at.
+/// Keeps the optimiser from removing an allocation whose result is unused.
 void use(void* p) {
   asm volatile("" : : "g"(p) : "memory");
 }
@@ -68,7 +68,7 @@ TEST_F(AllocationCounter, OtherThreads_AreNotCounted) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST_F(AllocationCounter, QueueAndStageClock_AllocateNothingInUse) {
+TEST_F(AllocationCounter, QueueAndStageClock_DoNotAllocateInUse) {
   RecordQueue queue(0);
   StageClock clock;
   TickRecord record;

@@ -1,4 +1,4 @@
-// What the doctor says of machines that are made up.
+// The doctor's verdicts on invented machines.
 #include "apps/wholehand/doctor/doctor_findings.hpp"
 #include "loop/realtime/thread_setup.hpp"
 #include "support/folder.hpp"
@@ -47,25 +47,25 @@ Verdict verdict(const MachineFacts& machine, const WakeUpProbe& probe, bool root
   return verdictOf(all);
 }
 
-bool says(const Verdict& v, const std::string& part) {
+bool contains(const Verdict& v, const std::string& part) {
   return v.sentence.find(part) != std::string::npos;
 }
 
-/// One sentence: it ends once, and no line does.
+/// Checks that the verdict is one sentence: one full stop at the end, no line break.
 void expectOneSentence(const Verdict& v) {
   EXPECT_EQ(v.sentence.find('\n'), std::string::npos) << v.sentence;
   EXPECT_EQ(v.sentence.find(". "), std::string::npos) << v.sentence;
   EXPECT_EQ(v.sentence.back(), '.') << v.sentence;
 }
 
-TEST(Doctor, MachineThatHasItAll_MayDriveADeviceAndSaysWhy) {
+TEST(Doctor, FullyEquippedMachine_MayDriveADeviceAndSaysWhy) {
   const Verdict v = verdict(goodMachine(), goodLoop());
   EXPECT_TRUE(v.fit) << v.sentence;
   expectOneSentence(v);
-  EXPECT_TRUE(says(v, "may drive a device")) << v.sentence;
+  EXPECT_TRUE(contains(v, "may drive a device")) << v.sentence;
   for (const char* why : {"PREEMPT_RT", "real-time priority is granted", "at most 41 µs late",
                           "p99.9 18 µs", "half a period, 500 µs", "governor is performance"}) {
-    EXPECT_TRUE(says(v, why)) << why << ": " << v.sentence;
+    EXPECT_TRUE(contains(v, why)) << why << ": " << v.sentence;
   }
 }
 
@@ -75,11 +75,11 @@ TEST(Doctor, WakeUpsLaterThanHalfAPeriod_MustNotDriveADevice) {
   const Verdict v = verdict(goodMachine(), probe);
   EXPECT_FALSE(v.fit);
   expectOneSentence(v);
-  EXPECT_TRUE(says(v, "must not drive a device")) << v.sentence;
-  EXPECT_TRUE(says(v, "up to 500 µs late (p99.9 18 µs; allowed is half a period, 500 µs)"))
+  EXPECT_TRUE(contains(v, "must not drive a device")) << v.sentence;
+  EXPECT_TRUE(contains(v, "up to 500 µs late (p99.9 18 µs; allowed is half a period, 500 µs)"))
       << v.sentence;
-  EXPECT_TRUE(says(v, "remedy: close other programs")) << v.sentence;
-  EXPECT_FALSE(says(v, "PREEMPT_RT")) << "what is well is no reason: " << v.sentence;
+  EXPECT_TRUE(contains(v, "remedy: close other programs")) << v.sentence;
+  EXPECT_FALSE(contains(v, "PREEMPT_RT")) << "what is well is no reason: " << v.sentence;
   probe.statistics.max_ns = 499'000;
   EXPECT_TRUE(verdict(goodMachine(), probe).fit);
   probe.statistics.skipped_periods = 1;
@@ -99,11 +99,11 @@ TEST(Doctor, NoRealTimePriority_MustNotDriveADeviceHoweverPunctual) {
   EXPECT_EQ(v.sentence,
             "This machine must not drive a device, only simulate: real-time priority is not "
             "granted; remedy: grant rtprio 99.");
-  // A process that may exceed the limit, and is granted it, is as well off.
+  // A process that may exceed the limit and is granted the priority is fit as well.
   EXPECT_TRUE(verdict(machine, goodLoop(), true).fit);
 }
 
-TEST(Doctor, EachThingThatIsMissing_IsAReasonWithItsRemedy) {
+TEST(Doctor, EachMissingItem_IsAReasonWithItsRemedy) {
   struct Case {
     void (*corrupt)(MachineFacts&);
     const char *reason, *remedy;
@@ -119,19 +119,19 @@ TEST(Doctor, EachThingThatIsMissing_IsAReasonWithItsRemedy) {
     const Verdict v = verdict(machine, goodLoop());
     EXPECT_FALSE(v.fit) << c.reason;
     expectOneSentence(v);
-    EXPECT_TRUE(says(v, c.reason)) << v.sentence;
-    EXPECT_TRUE(says(v, c.remedy)) << v.sentence;
+    EXPECT_TRUE(contains(v, c.reason)) << v.sentence;
+    EXPECT_TRUE(contains(v, c.remedy)) << v.sentence;
   }
-  MachineFacts bare = goodMachine();  // neither stands in the way
+  MachineFacts bare = goodMachine();  // neither prevents driving a device
   bare.governor.clear();
   bare.isolated.clear();
   EXPECT_TRUE(verdict(bare, goodLoop()).fit);
 }
 
-TEST(Doctor, NoLoopAtAll_IsNotFit) {
+TEST(Doctor, NoLoop_IsNotFit) {
   const Verdict v = verdictOf(findingsAboutNoLoop({fileFault("", "no thread", "check ulimit")}));
   EXPECT_FALSE(v.fit);
-  EXPECT_TRUE(says(v, "no thread")) << v.sentence;
+  EXPECT_TRUE(contains(v, "no thread")) << v.sentence;
 }
 
 class Adapters : public testing::Test {
@@ -144,10 +144,10 @@ class Adapters : public testing::Test {
   test::Folder folder_;
 };
 
-TEST_F(Adapters, FtdiThatWaits_IsNamedWithItsTimerAndTheRemedy) {
+TEST_F(Adapters, FtdiWithALatencyTimer_IsNamedWithTheTimerAndTheRemedy) {
   plug("ttyUSB1", "1");
   plug("ttyUSB0", "16");
-  plug("ttyUSB2", "");  // another maker's: no such timer
+  plug("ttyUSB2", "");  // another manufacturer's: it has no such timer
   const Findings found = findingsAboutAdapters(folder_.path());
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].what, "ttyUSB0");
@@ -161,13 +161,13 @@ TEST_F(Adapters, FtdiThatWaits_IsNamedWithItsTimerAndTheRemedy) {
   EXPECT_TRUE(verdictOf(found).fit) << "it may belong to something else";
 }
 
-TEST_F(Adapters, NoneOrNoFolder_SaysNothing) {
+TEST_F(Adapters, NoAdapterOrNoFolder_FindsNothing) {
   EXPECT_TRUE(findingsAboutAdapters(folder_.path()).empty());
   EXPECT_TRUE(findingsAboutAdapters(folder_.file("none")).empty());
 }
 
-// Cores may have governors of their own: that of the core counts to which the loop goes.
-TEST(Doctor, OfCoresWithGovernorsOfTheirOwn_ReadsThatOfTheLoopsCore) {
+// Cores may have different governors; the governor of the loop's core counts.
+TEST(Doctor, CoresWithDifferentGovernors_ReadsThatOfTheLoopsCore) {
   const test::Folder sys;
   for (long core = 0; core < sysconf(_SC_NPROCESSORS_CONF); ++core) {
     const std::string folder =
@@ -175,7 +175,7 @@ TEST(Doctor, OfCoresWithGovernorsOfTheirOwn_ReadsThatOfTheLoopsCore) {
     std::filesystem::create_directories(folder);
     std::ofstream(folder + "/scaling_governor") << "of core " << core << "\n";
   }
-  int core = 0;  // where the loop cannot have a core of its own
+  int core = 0;  // core 0 where the loop cannot have its own core
   std::thread loop([&core] {
     if (requestLastCore().granted) core = sched_getcpu();
   });

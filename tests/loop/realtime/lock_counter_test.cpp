@@ -36,7 +36,7 @@ TEST_F(LockCounter, EveryKindOfLock_IsCountedAndStillLocks) {
   EXPECT_EQ(locks(), 1U);
   bool elsewhere = true;
   std::thread other([&] { elsewhere = mutex.try_lock(); });
-  const std::uint64_t before_join = locks();  // whatever starting a thread takes
+  const std::uint64_t before_join = locks();  // locks taken by starting the thread
   other.join();
   EXPECT_FALSE(elsewhere) << "it was not locked";
   mutex.unlock();
@@ -62,7 +62,7 @@ TEST_F(LockCounter, EveryKindOfLock_IsCountedAndStillLocks) {
   pthread_spin_destroy(&spin);
 }
 
-TEST_F(LockCounter, WaitsAndWakes_AreCountedAndStillMeet) {
+TEST_F(LockCounter, WaitsAndWakes_AreCountedAndStillWork) {
   std::mutex mutex;
   std::condition_variable condition;
   std::unique_lock lock(mutex);
@@ -95,7 +95,7 @@ TEST_F(LockCounter, WaitsAndWakes_AreCountedAndStillMeet) {
   sem_destroy(&semaphore);
 }
 
-TEST_F(LockCounter, Queue_TakesNoLock) {
+TEST_F(LockCounter, Queue_TakesNoLocks) {
   SpscQueue<int> queue(4);
   int out = 0;
   for (int i = 0; i < 10; ++i) {

@@ -8,23 +8,23 @@
 namespace wholehand {
 namespace {
 
-TEST(RealTimeKernel, FileOrVersion_IsEnough) {
+TEST(RealTimeKernel, SysFileOrVersionText_IsSufficient) {
   EXPECT_TRUE(isRealTimeKernel("1", "#1 SMP"));
   EXPECT_TRUE(isRealTimeKernel("", "#1 SMP PREEMPT_RT Debian 6.1.106-3"));
   EXPECT_TRUE(isRealTimeKernel("", "#8 SMP PREEMPT RT Thu"));  // older patches
   EXPECT_FALSE(isRealTimeKernel("0", "#1 SMP"));
-  // Most stock kernels say this; it is not real time.
+  // Most stock kernels say this; they are not real-time kernels.
   EXPECT_FALSE(isRealTimeKernel("", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.106-3"));
 }
 
-TEST(MachineFacts, ThisMachine_IsDescribed) {
+TEST(MachineFacts, ThisMachine_IsReported) {
   const MachineFacts facts = machineFacts();
   EXPECT_FALSE(facts.kernel.empty());
   EXPECT_GE(facts.cpus_allowed, 1);
   EXPECT_GE(facts.cpus_online, facts.cpus_allowed);
 }
 
-TEST(WakeUpStatistics, OneToAThousand_GivesTheNearestRanks) {
+TEST(WakeUpStatistics, OneToAThousand_GiveTheNearestRanks) {
   std::vector<std::int64_t> samples(1000);
   std::iota(samples.rbegin(), samples.rend(), 1);  // 1000 … 1: unsorted on purpose
   const WakeUpStatistics s = wakeUpStatistics(samples);
@@ -35,8 +35,8 @@ TEST(WakeUpStatistics, OneToAThousand_GivesTheNearestRanks) {
   EXPECT_EQ(s.max_ns, 1000);
 }
 
-TEST(WakeUpStatistics, Classes_HoldEverySampleOnce) {
-  // One on each upper end, which belongs to the next class, and one below all.
+TEST(WakeUpStatistics, LatenessClasses_HoldEverySampleOnce) {
+  // One sample on each upper bound, which belongs to the next class, and one below all.
   std::vector<std::int64_t> samples(kLatenessClass_ns.begin(), kLatenessClass_ns.end());
   samples.push_back(0);
   const WakeUpStatistics s = wakeUpStatistics(samples);

@@ -38,14 +38,14 @@ TEST(SlotAt, LateByLessThanAPeriod_LosesNoTick) {
 
 TEST(SlotAt, StalledForManyPeriods_SkipsThemAndKeepsThePhase) {
   const Slot slot = slotAt(107 * kMs_ns + 300'000, 100 * kMs_ns, kMs_ns);
-  EXPECT_EQ(slot.start_ns, 107 * kMs_ns);  // in phase, not now
+  EXPECT_EQ(slot.start_ns, 107 * kMs_ns);  // in phase with the slots, not the present time
   EXPECT_EQ(slot.elapsed_periods, 7U);     // this tick and six skipped
   const Slot next = slotAt(108 * kMs_ns + 10, slot.start_ns, kMs_ns);
-  EXPECT_EQ(next.elapsed_periods, 1U);  // no burst: what was skipped stays skipped
+  EXPECT_EQ(next.elapsed_periods, 1U);  // no burst: skipped periods stay skipped
 }
 
 TEST(SlotAt, AnyWakeUps_CountEveryPeriodOnce) {
-  // Ticks plus skipped periods are the periods that have passed, whatever the jitter.
+  // Ticks plus skipped periods are the elapsed periods, for any jitter.
   std::int64_t last_ns = 0;
   std::int64_t now_ns = 0;
   std::uint64_t total = 0;
@@ -63,7 +63,7 @@ TEST(SlotAt, AnyWakeUps_CountEveryPeriodOnce) {
   EXPECT_EQ(static_cast<std::int64_t>(total), last_ns / kMs_ns);
 }
 
-TEST(PeriodicThread, Runs_UntilTheTickSaysNo) {
+TEST(PeriodicThread, Thread_RunsUntilTheTickReturnsFalse) {
   std::atomic<int> ticks{0};
   PeriodicThread thread({}, [&](std::uint32_t, std::int64_t) { return ++ticks < 20; });
   const auto report = thread.start();
@@ -73,7 +73,7 @@ TEST(PeriodicThread, Runs_UntilTheTickSaysNo) {
   EXPECT_FALSE(thread.running());
 }
 
-// A loop that reckons from when it woke drifts by the wake-up latency of every period.
+// A loop that counts from its wake-up time would drift by the wake-up latency of every period.
 TEST(PeriodicThread, Periods_FollowTheClockWithoutDrift) {
   constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   std::uint64_t periods = 0;
@@ -82,8 +82,8 @@ TEST(PeriodicThread, Periods_FollowTheClockWithoutDrift) {
   bool negative_lateness = false;
   PeriodicThread thread({}, [&](std::uint32_t elapsed, std::int64_t lateness_ns) {
     negative_lateness = negative_lateness || lateness_ns < 0;
-    // Where the slots began, to the time between two readings of the clock. A preemption between
-    // them only adds to it, so the least one counts.
+    // Start of the slots, to the time between two readings of the clock. A preemption between them
+    // only adds to it, so the smallest one counts.
     const std::int64_t due_ns = monotonicNow_ns() - lateness_ns;
     std::int64_t& least_ns = periods < 100 ? early_ns : late_ns;
     least_ns = std::min(least_ns, due_ns - static_cast<std::int64_t>(periods) * kMs_ns);

@@ -12,8 +12,8 @@
 namespace wholehand {
 namespace {
 
-// The oracle is a queue of the standard library: whatever the lengths, each tick comes out once, in
-// order and whole, but for those that were counted as dropped.
+// Compared with a queue of the standard library: for any lengths, each tick comes out once, in
+// order and complete, except those counted as dropped.
 TEST(RecordQueue, RandomPushesAndPops_GiveTheTicksInOrder) {
   std::mt19937_64 random(test::seed());
   for (int run = 0; run < test::cases(40); ++run) {
@@ -44,7 +44,7 @@ TEST(RecordQueue, RandomPushesAndPops_GiveTheTicksInOrder) {
   }
 }
 
-// The largest record there is fits twice, whatever was asked for, wherever the ring stands.
+// The largest record fits twice for any requested size and any position of the ring.
 TEST(RecordQueue, LargestTick_FitsAfterAnyOther) {
   TickRecord largest;
   largest.body_count = kMaxBodies;
@@ -62,9 +62,9 @@ TEST(RecordQueue, LargestTick_FitsAfterAnyOther) {
   }
 }
 
-// Run under ThreadSanitizer too: it, not luck, says that the memory order is right.
-TEST(RecordQueue, TwoThreads_LoseNothingButWhatIsCounted) {
-  const std::uint64_t ticks = test::kFew ? 2'000 : 20'000;
+// Also run under ThreadSanitizer, which checks the memory order.
+TEST(RecordQueue, TwoThreads_LoseOnlyWhatIsCounted) {
+  const std::uint64_t ticks = test::kReducedCounts ? 2'000 : 20'000;
   RecordQueue queue(100'000);
   std::uint64_t accepted = 0;
   std::thread producer([&] {
@@ -79,7 +79,7 @@ TEST(RecordQueue, TwoThreads_LoseNothingButWhatIsCounted) {
         ++record.tick;
       } else {
         std::this_thread::yield();
-        record.tick += record.tick < ticks ? 1 : 0;  // the last is offered until it fits
+        record.tick += record.tick < ticks ? 1 : 0;  // the last record is offered until it fits
       }
     }
   });

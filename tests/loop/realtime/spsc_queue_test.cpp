@@ -23,7 +23,7 @@ Numbered numbered(std::uint64_t n) {
 
 TEST(SpscQueue, FilledAndEmptied_GivesTheRecordsInOrder) {
   SpscQueue<int> queue(4);
-  for (int round = 0; round < 5; ++round) {  // the indices wrap round the ring
+  for (int round = 0; round < 5; ++round) {  // the indices wrap around the ring
     for (int i = 0; i < 3; ++i) {
       ASSERT_TRUE(queue.try_push(10 * round + i));
     }
@@ -35,7 +35,7 @@ TEST(SpscQueue, FilledAndEmptied_GivesTheRecordsInOrder) {
   }
 }
 
-TEST(SpscQueue, Full_RefusesCountsAndKeepsTheOldest) {
+TEST(SpscQueue, FullQueue_RefusesCountsAndKeepsTheOldest) {
   SpscQueue<int> queue(3);
   ASSERT_EQ(queue.capacity(), 4U);  // the next power of two
   for (int i = 0; i < 4; ++i) {
@@ -51,15 +51,15 @@ TEST(SpscQueue, Full_RefusesCountsAndKeepsTheOldest) {
   EXPECT_TRUE(queue.try_push(6));
 }
 
-TEST(SpscQueue, Empty_PopsNothingAndLeavesTheRecord) {
+TEST(SpscQueue, EmptyQueue_PopsNothingAndKeepsTheOutput) {
   SpscQueue<int> queue(2);
   int out = 42;
   EXPECT_FALSE(queue.try_pop(out));
   EXPECT_EQ(out, 42);
 }
 
-// Run under ThreadSanitizer too: it, not luck, says that the memory order is right.
-TEST(SpscQueue, TwoThreads_LoseNothingButWhatIsCounted) {
+// Also run under ThreadSanitizer, which checks the memory order.
+TEST(SpscQueue, TwoThreads_LoseOnlyWhatIsCounted) {
   constexpr std::uint64_t kRecords = 200'000;
   SpscQueue<Numbered> queue(64);
   std::uint64_t accepted = 0;

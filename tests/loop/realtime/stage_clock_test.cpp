@@ -23,14 +23,14 @@ std::int64_t sum(const StageTimes& t) {
   return std::accumulate(t.stage_cpu_ns.begin(), t.stage_cpu_ns.end(), std::int64_t{0});
 }
 
-// Closed form: the excess comes off the longest lap.
-TEST(StageClock, PreemptionInOneStage_IsTakenOffThatStage) {
+// Closed form: the excess is subtracted from the longest lap.
+TEST(StageClock, PreemptionInOneStage_IsSubtractedFromThatStage) {
   std::array<std::int64_t, kStages> laps_ns{10, 20, 4000, 5, 0, 0, 30, 40};
   removePreemption(laps_ns, 3960);
   EXPECT_EQ(laps_ns, (std::array<std::int64_t, kStages>{10, 20, 40, 5, 0, 0, 30, 40}));
 }
 
-TEST(StageClock, ExcessBeyondEverything_LeavesZerosNotNegatives) {
+TEST(StageClock, ExcessBeyondAllLaps_LeavesZeros) {
   std::array<std::int64_t, kStages> laps_ns{10, 20, 30, 0, 0, 0, 0, 0};
   removePreemption(laps_ns, 1000);
   EXPECT_EQ(laps_ns, (std::array<std::int64_t, kStages>{}));
@@ -43,9 +43,9 @@ TEST(StageClock, NoExcess_ChangesNothing) {
   EXPECT_EQ(laps_ns, before);
 }
 
-// What others took of the processor is taken off the longest lap, and that may be the one at
-// work: the stages are distinguished in a try that was left in peace.
-TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
+// Processor time that others took is subtracted from the longest lap, which may be the working one.
+// The stages are therefore distinguished in an undisturbed attempt.
+TEST(StageClock, SleepInOneStageAndWorkInAnother_CountsOnlyTheWork) {
   test::seesRealTime();
   bool distinguished = false;
   for (int attempt = 0; attempt < 50 && !distinguished; ++attempt) {
@@ -66,7 +66,7 @@ TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
   EXPECT_TRUE(distinguished);
 }
 
-TEST(StageClock, OneStageTwice_AddsUp) {
+TEST(StageClock, SameStageTwice_AddsUp) {
   StageClock clock;
   clock.start();
   burn(1'000'000);
@@ -79,8 +79,8 @@ TEST(StageClock, OneStageTwice_AddsUp) {
   EXPECT_EQ(times.stage_cpu_ns[static_cast<int>(Stage::kContacts)], 0);
 }
 
-// CPU time, averaged: a figure of the machine that no other process disturbs much.
-TEST(StageClock, ATickOfEightLaps_CostsFewMicroseconds_slow) {
+// Average CPU time, which other processes hardly disturb.
+TEST(StageClock, TickOfEightLaps_CostsFewMicroseconds_slow) {
   constexpr int kTicks = 2000;
   StageClock clock;
   std::int64_t seen_ns = 0;

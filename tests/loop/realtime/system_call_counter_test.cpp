@@ -29,7 +29,7 @@ class SystemCallCounter : public ::testing::Test {
   std::uint64_t before_ = 0;
 };
 
-TEST_F(SystemCallCounter, WhileItCounts_EachCallIsCountedAndDoesItsWork) {
+TEST_F(SystemCallCounter, WhileCounting_EachCallIsCountedAndDoesItsWork) {
   int ends[2] = {};
   ASSERT_EQ(pipe(ends), 0);
   char got[6] = {};
@@ -52,7 +52,7 @@ TEST_F(SystemCallCounter, WhileItCounts_EachCallIsCountedAndDoesItsWork) {
   EXPECT_EQ(counted(), 4U) << "counted on";
 }
 
-TEST_F(SystemCallCounter, Sleep_IsSeenByItsNumber) {
+TEST_F(SystemCallCounter, Sleep_IsCountedByItsNumber) {
   const std::uint64_t sleeps = threadSystemCalls(SYS_clock_nanosleep);
   const std::int64_t began_ns = monotonicNow_ns();
   countSystemCalls(true);
@@ -62,7 +62,7 @@ TEST_F(SystemCallCounter, Sleep_IsSeenByItsNumber) {
   EXPECT_EQ(threadSystemCalls(SYS_clock_nanosleep) - sleeps, 1U);
 }
 
-TEST_F(SystemCallCounter, CpuClock_IsACallAndArithmeticIsNone) {
+TEST_F(SystemCallCounter, CpuClock_IsACallAndArithmeticIsNot) {
   const std::uint64_t clocks = threadSystemCalls(SYS_clock_gettime);
   volatile double x = 1.0;
   countSystemCalls(true);

@@ -31,8 +31,8 @@ TEST(CpuList, KernelNotation_GivesEveryCpu) {
   EXPECT_EQ(parseCpuList("x,1"), std::vector<int>{1});
 }
 
-// The thread is a fresh one: what it asks for ends with it.
-TEST(ThreadSetup, WhateverTheMachineGrants_TheReportTellsTheTruth) {
+// A fresh thread, so its settings end with it.
+TEST(ThreadSetup, AnyGrantedRights_AreReportedTruly) {
   SetupReport report;
   int policy = -1;
   int cpus = 0;
@@ -64,8 +64,8 @@ TEST(ThreadSetup, WhateverTheMachineGrants_TheReportTellsTheTruth) {
   }
 }
 
-// A loop and what watches it have a core each, where there are two.
-TEST(ThreadSetup, CoreBeforeTheLast_IsAnotherOneWhereThereAreTwo) {
+// The loop and its monitor each have a core if there are two.
+TEST(ThreadSetup, CoreBeforeTheLast_DiffersFromTheLastWhereThereAreTwo) {
   const auto coreOf = [](int cores_before_last) {
     int core = -1;
     std::thread thread([&] {
@@ -90,7 +90,7 @@ TEST(ThreadSetup, CoreBeforeTheLast_IsAnotherOneWhereThereAreTwo) {
   EXPECT_GE(coreOf(1000), 0) << "the first, where there are not so many";
 }
 
-TEST(ThreadSetup, Denormals_CountAsZeroAfterwards) {
+TEST(ThreadSetup, Denormals_AreFlushedToZero) {
   double halved = 1.0;
   bool flushed = false;
   std::thread thread([&] {
@@ -106,15 +106,17 @@ TEST(ThreadSetup, Denormals_CountAsZeroAfterwards) {
   }
 }
 
-// In a child, since a lock and a limit are the whole process's. With MCL_FUTURE under a limit the
-// kernel grants the lock and then refuses the 64 MB: std::bad_alloc in the middle of loading.
-TEST(ThreadSetup, LimitedMemlock_LeavesLaterAllocationsAlone) {
+// Runs in a child process, since a lock and a limit belong to the whole process. With MCL_FUTURE
+// under a limit the kernel grants the lock and then refuses the 64 MB: std::bad_alloc in the middle
+// of loading.
+TEST(ThreadSetup, LimitedMemlock_DoesNotBreakLaterAllocations) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
     const rlimit limit{8U << 20U, 8U << 20U};
     setrlimit(RLIMIT_MEMLOCK, &limit);
-    // An ordinary user; only then does the limit bind. Harmless where we are one already.
+    // Becomes an ordinary user, for whom alone the limit binds. Has no effect if the user is one
+    // already.
     if (getuid() == 0 && setuid(65534) != 0) {
       _exit(2);
     }

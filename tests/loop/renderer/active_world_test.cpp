@@ -1,4 +1,4 @@
-// A world that gives energy is damped, then stopped; one that only takes it never empties the tank.
+// A world that makes energy is damped, then stopped; a passive world never empties the tank.
 #include "loop/device/simulated/simulated_device.hpp"
 #include "loop/patient/motion.hpp"
 #include "support/rig_tools.hpp"
@@ -11,7 +11,7 @@
 namespace wholehand::test {
 namespace {
 
-/// The first body has a motor that no interface shows: it pushes to and fro along x.
+/// The first body has a hidden motor that pushes it back and forth along x.
 class MotorWorld final : public PhysicsWorld {
  public:
   MotorWorld(PhysicsWorld& world, double mass_kg, double force_n, double frequency_hz)
@@ -36,7 +36,7 @@ class MotorWorld final : public PhysicsWorld {
     body.body = 0;
     body.position_m = body_.position_m;
     body.orientation_xyzw = body_.orientation_xyzw;
-    if (time_s_ < 0.5) return world_.step(drive, period_s);  // until rendering
+    if (time_s_ < 0.5) return world_.step(drive, period_s);  // no force before rendering begins
     const double turn = std::sin(2.0 * std::numbers::pi * frequency_hz_ * time_s_);
     body.velocity_m_s.x =
         body_.velocity_m_s.x - period_s * force_n_ / mass_kg_ * (turn + 0.3);  // towards the hand
@@ -53,7 +53,7 @@ class MotorWorld final : public PhysicsWorld {
   BodyState body_;
 };
 
-/// A person who only wants to stay.
+/// A person who holds a position.
 std::unique_ptr<HapticDevice> staying(const Models& m, double period_s) {
   return std::make_unique<SimulatedDevice>(
       m.device, m.patient,
@@ -62,14 +62,14 @@ std::unique_ptr<HapticDevice> staying(const Models& m, double period_s) {
       period_s);
 }
 
-struct Given {
-  double most_j = 0.0;   ///< to the person, less what the device's own damping took
-  double tanks_j = 0.0;  ///< Ĥ
-  bool stopped = false;  ///< because the world gave energy
+struct PushOutcome {
+  double most_j = 0.0;   ///< energy given to the person, less the device's own damping
+  double tanks_j = 0.0;  ///< Ĥ, the capacity of the tanks
+  bool stopped = false;  ///< stopped because the world made energy
 };
 
-Given pushWith(const std::string& engine, double force_n, double frequency_hz, double rate_hz,
-               bool with_tank) {
+PushOutcome pushWith(const std::string& engine, double force_n, double frequency_hz, double rate_hz,
+                     bool with_tank) {
   Models m = load(shippedFiles());
   const int axes = m.device.axisCount();
   const double face_m = reach(m.hand, AxisPosition(axes), Eigen::Vector3d::UnitX());
@@ -86,7 +86,7 @@ Given pushWith(const std::string& engine, double force_n, double frequency_hz, d
   const auto rig = build(std::move(m), std::move(device), options);
   MotorWorld world(*rig->world, 1.0, force_n, frequency_hz);
   RendererConfig config = rig->renderer->config();
-  Given out;
+  PushOutcome out;
   out.tanks_j = config.safety.tank.hand_capacity;
   if (!with_tank) config.safety.tank = {};
   HapticRenderer renderer(*rig->device, world, rig->models.hand, rig->models.scene, config);
@@ -110,7 +110,7 @@ Given pushWith(const std::string& engine, double force_n, double frequency_hz, d
 
 class ActiveWorld : public testing::TestWithParam<std::string> {};
 
-TEST_P(ActiveWorld, GivesWhatTheTanksHoldTwice_ThenIsStopped) {
+TEST_P(ActiveWorld, MotorWorld_GivesTwiceTheTanksCapacityAtMostAndIsStopped) {
   auto random = seededRandom(91);
   double most_j = 0.0, without_j = 0.0;
   int stopped = 0;
@@ -120,8 +120,8 @@ TEST_P(ActiveWorld, GivesWhatTheTanksHoldTwice_ThenIsStopped) {
     const double rate_hz = 1000.0 * std::pow(2.0, static_cast<double>(random() % 3U));
     SCOPED_TRACE(std::to_string(force_n) + " N at " + std::to_string(frequency_hz) + " Hz, " +
                  std::to_string(rate_hz) + " Hz");
-    const Given with = pushWith(GetParam(), force_n, frequency_hz, rate_hz, true);
-    EXPECT_LE(with.most_j, 2.0 * with.tanks_j + 0.05);  // Ĥ until it is empty, and Ĥ of debt
+    const PushOutcome with = pushWith(GetParam(), force_n, frequency_hz, rate_hz, true);
+    EXPECT_LE(with.most_j, 2.0 * with.tanks_j + 0.05);  // Ĥ until the tank is empty, and Ĥ of debt
     stopped += with.stopped ? 1 : 0;
     most_j = std::max(most_j, with.most_j);
     if (i == 0) without_j = pushWith(GetParam(), force_n, frequency_hz, rate_hz, false).most_j;
@@ -134,7 +134,7 @@ TEST_P(ActiveWorld, GivesWhatTheTanksHoldTwice_ThenIsStopped) {
 INSTANTIATE_TEST_SUITE_P(Engines, ActiveWorld, testing::ValuesIn(builtEngines()),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
-/// The power of friction at its limit that drove a slip along a fixed wall, in the step between two
+/// Power of friction at its limit that drove a slip along a fixed wall, in the step between two
 /// records [W].
 double powerOfDrivenSlip(const Models& m, const ArticulatedBody& hand, const TickRecord& before,
                          const TickRecord& now) {
@@ -156,9 +156,9 @@ double powerOfDrivenSlip(const Models& m, const ArticulatedBody& hand, const Tic
   return power_w;
 }
 
-/// A person presses and rubs any posture of the hand against walls around it. While an axis is
-/// saturated the avatar is driven by more than the person feels: then the tank may damp, and once
-/// in thousands it stops.
+/// A person presses and rubs the hand in random postures against walls around it. While an axis is
+/// saturated, more drives the avatar than the person feels: then the tank may damp, and once in
+/// thousands of runs it stops.
 TEST(PassiveWorld, PressedAndRubbedAnywhere_NeverEmptiesTheTank) {
   auto random = seededRandom(92);
   int touched = 0, stopped = 0;
@@ -198,7 +198,7 @@ TEST(PassiveWorld, PressedAndRubbedAnywhere_NeverEmptiesTheTank) {
         m.device, m.patient, std::make_unique<ScriptedPlayer>(Intention::throughWaypoints(way)),
         options.period_s);
     const auto rig = build(std::move(m), std::move(device), options);
-    if (!rig->renderer->arm()) continue;  // the hand begins in itself
+    if (!rig->renderer->arm()) continue;  // the hand starts inside itself
     TickRecord before;
     before.q_s = start;
     ArticulatedBody hand(rig->models.hand);

@@ -1,4 +1,4 @@
-// What contact feels like through the whole renderer, against closed forms.
+// Rendered contact forces through the whole renderer, compared with closed forms.
 #include "experiments/pushed_axis.hpp"
 #include "support/rig_tools.hpp"
 #include "support/test_names.hpp"
@@ -32,19 +32,20 @@ TEST(FingertipForce, OneAxisFingerOnAFixedBall_DoesTheVirtualWorkOfTheEffort) {
     EXPECT_EQ(rig->models.hand.capsules[last->contacts[i].capsule].name, "index_distal");
   }
   EXPECT_LT(last->q_s[0], 1.2);
-  // At rest the virtual work of the contact forces is that of the effort that drives the avatar.
+  // At rest the virtual work of the contact forces equals that of the effort that drives the
+  // avatar.
   const AxisEffort work = virtualWork(rig->models.hand, last->q_s, *last);
   const double error = std::abs(work[0] + last->f_s[0]) / std::abs(last->f_s[0]);
   figure("fingertip force against virtual work", error * 100.0, "%");
   EXPECT_LE(error, tolerance(0.02));
-  // Eq. (2) and (3) at rest: what the person feels is what acts on the box.
+  // Eq. (2) and (3) at rest: the rendered effort equals the contact effort on the ball.
   EXPECT_NEAR(last->coupling[0], work[0], tolerance(0.02) * std::abs(work[0]));
 }
 
-/// Which way a hand with locked joints is pushed against a wall.
+/// Axis and direction in which a hand with locked joints is pushed against a wall.
 class FixedContactFigures : public testing::TestWithParam<std::pair<int, int>> {};
 
-TEST_P(FixedContactFigures, FeltForceAtRest_IsStiffnessTimesPenetration) {
+TEST_P(FixedContactFigures, RenderedForceAtRest_IsStiffnessTimesPenetration) {
   const auto [axis, sign] = GetParam();
   constexpr double kGap_m = 0.02, kPenetration_m = 0.005;
   Models m = load(shippedFiles("desktop-3axis"));
@@ -56,15 +57,15 @@ TEST_P(FixedContactFigures, FeltForceAtRest_IsStiffnessTimesPenetration) {
   ASSERT_TRUE(rig->renderer->arm());
   const auto last = runTicks(*rig->renderer, 2500);
 
-  // K_pm times how far the device is past the place where the hand's surface meets the wall, a
-  // length that comes from geometry alone.
+  // K_pm times the device's travel beyond the contact of the hand's surface with the wall; this
+  // length comes from geometry alone.
   const double expected = -sign * rig->models.rendering.axes[axis].k_pm * kPenetration_m;
   const double error = std::abs(last->sent[axis] - expected) / std::abs(expected);
   figure(std::string("fixed contact, felt force against K penetration, ") + (sign > 0 ? "+" : "-") +
              "xyz"[axis],
          error * 100.0, "%");
   EXPECT_LE(error, tolerance(0.01));
-  // σ = 1 on a translation: the wall pushes as hard as the person is pushed.
+  // σ = 1 on a translation: the force on the wall equals the force on the person.
   Eigen::Vector3d wall_n = Eigen::Vector3d::Zero();
   for (int i = 0; i < last->contact_count; ++i) wall_n += last->contacts[i].force_n.eigen();
   EXPECT_NEAR(wall_n[axis], last->sent[axis], tolerance(0.01) * std::abs(expected));
@@ -79,14 +80,14 @@ INSTANTIATE_TEST_SUITE_P(AllSides, FixedContactFigures,
 
 // ---- largest stable stiffness
 
-/// A test rig of 0.5 kg and 1 N·s/m; it may move a person.
+/// A simulated test rig of 0.5 kg and 1 N·s/m; it is declared as a device that may hold a person.
 class StiffnessRig final : public PushedAxis {
  public:
   using PushedAxis::PushedAxis;
   [[nodiscard]] bool simulated() const noexcept override { return false; }
 };
 
-/// Growth of the device's oscillation after a knock: below 1 it dies away.
+/// Growth of the device's oscillation after a knock; below 1 it decays.
 double growth(double stiffness_n_m, double rate_hz) {
   const double period_s = 1.0 / rate_hz;
   Models m = load(shippedFiles());
@@ -98,7 +99,7 @@ double growth(double stiffness_n_m, double rate_hz) {
   gains.armature = 0.0;
   gains.gamma = gains.k_dm = 0.0;
   AxisPosition start(m.device.axisCount());
-  start[m.device.axisIndex("finger_flexion")] = 1.0;  // the back of the hand alone meets the box
+  start[m.device.axisIndex("finger_flexion")] = 1.0;  // only the back of the hand touches the box
   const Eigen::Vector3d backwards = -Eigen::Vector3d::UnitY();
   m.scene.bodies = {wall(backwards, reach(m.hand, start, backwards) + 0.004)};
   RigOptions options;
@@ -117,7 +118,7 @@ double growth(double stiffness_n_m, double rate_hz) {
   return std::sqrt(late / early);
 }
 
-/// The largest stable stiffness over the loop's limit, by bisection between 0.9 and 1.3.
+/// Largest stable stiffness divided by the loop's limit, by bisection between 0.9 and 1.3.
 double stableShare(double bound_n_m, double rate_hz) {
   double stable = 0.9, unstable = 1.3;
   for (int i = 0; i < 4; ++i) {
@@ -144,13 +145,13 @@ TEST_P(LargestStableStiffness, AgainstAFixedBox_IsNearTheLoopsOwnLimit) {
     figure("largest stable stiffness at " + at + ", over that at 1000 Hz", ratio, "");
     EXPECT_GE(ratio, 3.5);
   }
-  // The test can fail: well beyond the limit the oscillation does grow.
+  // The test can fail: well beyond the limit the oscillation grows.
   EXPECT_GT(growth(1.3 * bound_n_m, rate_hz), 1.0);
 }
 INSTANTIATE_TEST_SUITE_P(Rates, LargestStableStiffness, testing::Values(1000, 2000, 4000),
                          [](const auto& tested) { return std::to_string(tested.param) + "Hz"; });
 
-// What free motion feels like through the whole renderer, against closed forms.
+// ---- rendered mass in free motion through the whole renderer, compared with closed forms
 
 AxisPosition middle(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
@@ -162,7 +163,7 @@ struct FeltMass {
   double measured = 0.0, expected = 0.0;
 };
 
-/// Moves one axis with constant acceleration and reads the effort that is sent.
+/// Moves one axis with constant acceleration and measures the effort that is sent.
 FeltMass feltMass(const std::string& device, int axis, double gamma) {
   Models m = load(shippedFiles(device));
   for (AxisRendering& a : m.rendering.axes) a.gamma = gamma;
@@ -170,7 +171,7 @@ FeltMass feltMass(const std::string& device, int axis, double gamma) {
   const double acceleration = translation ? 0.15 : 0.5;  // [m/s² or rad/s²]
   const AxisPosition start = middle(m.device);
   RigOptions options;
-  options.uncertified = true;  // γ = 0 generates power on some devices
+  options.uncertified = true;  // γ = 0 makes energy on some devices
   const auto rig = buildScripted(
       std::move(m),
       [=](int read) {
@@ -182,9 +183,9 @@ FeltMass feltMass(const std::string& device, int axis, double gamma) {
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   const auto last = runTicks(*rig->renderer, 500);
   const CouplingGains& g = rig->gains;
-  // Felt mass of the coupling, K_pm (1 + (1−γ) k_d τ_f) / k_p: the avatar trails the device by
-  // a (1 + k_d τ_f) / k_p because the filtered velocity lags by τ_f, and the γ term gives back
-  // γ K_pm (k_d / k_p) a τ_f.
+  // Rendered mass of the coupling, K_pm (1 + (1−γ) k_d τ_f) / k_p: the avatar lags behind the
+  // device by a (1 + k_d τ_f) / k_p because the filtered velocity lags by τ_f, and the γ term
+  // returns γ K_pm (k_d / k_p) a τ_f.
   ArticulatedBody body(rig->models.hand, g.armature);
   EXPECT_TRUE(body.update(last->theta, JointVelocity(rig->models.hand.joint_count),
                           Eigen::Vector3d::Zero()));
@@ -196,7 +197,7 @@ FeltMass feltMass(const std::string& device, int axis, double gamma) {
 
 class FreeMotion : public testing::TestWithParam<std::string> {};
 
-TEST_P(FreeMotion, ConstantAcceleration_FeelsTheMassOfTheCoupling) {
+TEST_P(FreeMotion, ConstantAcceleration_RendersTheMassOfTheCoupling) {
   const DeviceModel device = load(shippedFiles(GetParam())).device;
   double worst = 0.0;
   for (double gamma : {0.0, 0.3}) {
@@ -215,17 +216,17 @@ TEST_P(FreeMotion, SlowOnAllAxesAtOnce_IsNotDamped) {
   Models m = load(shippedFiles(GetParam()));
   const DeviceModel device = m.device;
   const AxisPosition center = middle(device);
-  // Through nearly all ranges at once the thumb meets the fingers; free motion is without that.
+  // In nearly full travel of all axes the thumb would touch the fingers; free motion excludes that.
   m.hand.self_contacts.clear();
-  // Every axis swings with a peak of exactly 0.2 m/s or 1 rad/s over 90 % of its range, each with a
-  // frequency of its own, seen through the device's encoder.
+  // Every axis swings with a peak of exactly 0.2 m/s or 1 rad/s over 90 % of its range, each at its
+  // own frequency, measured by the device's encoder.
   const auto script = [=](int read) {
     AxisPosition q = center;
     for (int a = 0; a < q.size(); ++a) {
       const DeviceAxis& axis = device.axes[a];
       const double peak = axis.kind == AxisKind::kTranslation ? 0.2 : 1.0;
       const double amplitude = 0.45 * (axis.upper - axis.lower);
-      q[a] -= amplitude * std::cos(peak / amplitude * 1e-3 * read);  // from rest
+      q[a] -= amplitude * std::cos(peak / amplitude * 1e-3 * read);  // starts at rest
       if (axis.encoder_step > 0.0) q[a] = std::round(q[a] / axis.encoder_step) * axis.encoder_step;
     }
     return q;
@@ -243,8 +244,8 @@ INSTANTIATE_TEST_SUITE_P(Devices, FreeMotion,
                          testing::Values("lambda-pride", "desktop-3axis", "wrist-9axis"),
                          [](const auto& tested) { return withoutHyphens(tested.param); });
 
-TEST(SlowFreeMotion, TheSameSwingTenTimesFaster_IsDamped) {
-  // The figure above can fail: the damping does rise with the effort of fast motion.
+TEST(SlowFreeMotion, SameSwingTenTimesFaster_IsDamped) {
+  // The test above can fail: the damping rises with the effort of fast motion.
   Models m = load(shippedFiles("desktop-3axis"));
   const auto script = [](int read) {
     AxisPosition q(3);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kTicks = 4000;
 
-/// Sweeps over the table: a mesh, a URDF and bodies that touch each other.
+/// A hand that sweeps over the table: a mesh, a URDF body and bodies that touch each other.
 std::unique_ptr<Rig> sweepingHand() {
   Models m = load(shippedFiles("lambda-pride", "table"));
   AxisPosition above(6), along(6), beyond(6);
@@ -59,8 +59,9 @@ class SameInputs : public testing::TestWithParam<std::unique_ptr<Rig> (*)()> {};
 
 TEST_P(SameInputs, TwoRigsInOneProcess_GiveTheSameBits) {
   const Played first = play(*GetParam()());
-  EXPECT_GT(first.touching_ticks, 100);  // objects are met: free motion alone would prove little
-  // Another world lives, steps and dies meanwhile, so that memory and addresses differ.
+  EXPECT_GT(first.touching_ticks,
+            100);  // objects are touched: free motion alone would prove little
+  // Another world is built, stepped and destroyed meanwhile, so that memory and addresses differ.
   const Models other_models = load(shippedFiles("wrist-9axis", "table"));
   const auto other = buildScripted(other_models, [&](int) {
     AxisPosition q(other_models.device.axisCount());

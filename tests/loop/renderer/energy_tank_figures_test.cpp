@@ -1,4 +1,4 @@
-// The energy tank in the whole renderer: silent where the loop is stable, at every rate.
+// The energy tank in the whole renderer: it does not act on a stable loop, at any rate.
 #include "loop/device/simulated/simulated_device.hpp"
 #include "loop/patient/motion.hpp"
 #include "support/rig_tools.hpp"
@@ -10,19 +10,19 @@ namespace wholehand::test {
 namespace {
 
 struct Felt {
-  double ripple_n = 0.0;  ///< amplitude of what alternates from tick to tick
+  double ripple_n = 0.0;  ///< amplitude of the effort's alternation from tick to tick
   double largest_n = 0.0;
   int damped_ticks = 0;
 };
 
-/// Straight fingers are pressed against a wall until x is at its limit, then drawn back.
+/// Presses straight fingers against a wall until x is at its limit, then draws them back.
 Felt pressAndDrawBack(double rate_hz, bool with_tank) {
   Models m = load(shippedFiles());
   const double face_m = reach(m.hand, AxisPosition(m.device.axisCount()), Eigen::Vector3d::UnitX());
   m.scene.bodies = {wall(Eigen::Vector3d::UnitX(), face_m + 0.02)};
   const AxisPosition open(m.device.axisCount());
   AxisPosition deep = open;
-  deep[0] = 0.11;  // 300 N/m of the person over 9 cm: more than the device's 20 N
+  deep[0] = 0.11;  // the person's 300 N/m over 9 cm exceed the device's 20 N
   auto player = std::make_unique<ScriptedPlayer>(
       Intention::throughWaypoints({{0.3, open}, {0.9, deep}, {1.4, deep}, {2.0, open}}));
   RigOptions options;
@@ -48,7 +48,7 @@ Felt pressAndDrawBack(double rate_hz, bool with_tank) {
 
 class AtEveryRate : public testing::TestWithParam<int> {};
 
-TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
+TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleEqualsThatWithoutTheTank) {
   const Felt with = pressAndDrawBack(GetParam(), true);
   const Felt without = pressAndDrawBack(GetParam(), false);
   const std::string at = " at " + std::to_string(GetParam()) + " Hz";
@@ -61,7 +61,7 @@ TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
 
 TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
   const int rate_hz = GetParam();
-  // One level by the seed; all four where every large count is asked for.
+  // Plays one level chosen by the seed, or all four with full counts.
   auto random = seededRandom(static_cast<unsigned>(rate_hz));
   const bool full = fullCounts();
   const int drawn = 1 + static_cast<int>(random() % 4U);
@@ -79,7 +79,7 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
     ASSERT_TRUE(rig->renderer->arm());
     int damped = 0, slewed = 0, ticks = 0, poured = 0;
     runTicks(*rig->renderer, (full ? 40 : 8) * rate_hz, [&](const TickRecord& r) {
-      seeing.see(r);
+      seeing.onRecord(r);
       damped += any(r.faults & Fault::kTankEmpty) ? 1 : 0;
       slewed += any(r.faults & Fault::kEffortSlew) ? 1 : 0;
       ++ticks;

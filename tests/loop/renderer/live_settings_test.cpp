@@ -1,5 +1,5 @@
-// What a therapist may change while it renders: limits and damping that follow from a number.
-// Expected values are worked out from the device's files.
+// Settings that a therapist may change during rendering: limits and damping that follow from one
+// number. Expected values are computed from the device's files.
 #include "loop/renderer/live_settings.hpp"
 
 #include "support/rig_tools.hpp"
@@ -15,7 +15,7 @@ DeviceAxis axisOf(const char* name, AxisKind kind, AxisGroup group, double limit
       .name = name, .kind = kind, .group = group, .effort_limit = limit, .lever_arm_m = lever_m};
 }
 
-/// A device with what LiveSettings makes of it, and what it does at given values.
+/// A device with its LiveSettings, and the settings at given values.
 struct Therapy {
   DeviceModel device;
   AdaptiveDampingConfig damping;
@@ -36,7 +36,7 @@ struct Therapy {
     AxisEffort limit;
     AdaptiveDampingConfig damping;
   };
-  /// With every parameter at its start but those named.
+  /// Settings with every parameter at its start except those named.
   Present at(const std::vector<std::pair<std::string, double>>& changes) const {
     std::vector<double> values;
     for (const LiveParameter& p : live.parameters()) values.push_back(p.value);
@@ -60,7 +60,7 @@ Therapy therapyOn(const std::string& device) {
   return Therapy(m.device, makeAdaptiveDamping(m.device, m.rendering));
 }
 
-/// Axes that all damp alike: f₀ 0.3, f_d 0.03, τ 0.3 s.
+/// Axes with equal damping: f₀ 0.3, f_d 0.03, τ 0.3 s.
 Therapy madeOf(std::vector<DeviceAxis> axes) {
   const int n = static_cast<int>(axes.size());
   DeviceModel device;
@@ -81,22 +81,23 @@ void expectParameter(const LiveParameter& p, const char* unit, double lower, dou
   EXPECT_NEAR(p.lower, lower, tolerance(1e-12)) << p.name;
   EXPECT_NEAR(p.upper, upper, tolerance(1e-12)) << p.name;
   EXPECT_NEAR(p.value, value, tolerance(1e-12)) << p.name;
-  EXPECT_NEAR(p.rate_per_s, upper - lower, tolerance(1e-12)) << p.name;  // the range in a second
+  EXPECT_NEAR(p.rate_per_s, upper - lower, tolerance(1e-12))
+      << p.name;  // the whole range in a second
 }
 
-TEST(LiveSettings, SixAxes_HaveFourParametersWithTheDevicesOwnLimitsAtTheTop) {
+TEST(LiveSettings, SixAxes_HaveFourParametersWithTheDevicesLimitsAsUpperEnds) {
   const Therapy t = therapyOn("lambda-pride");
   ASSERT_EQ(namesOf(t.live),
             (std::vector<std::string>{"effort_limit_hand_tip_n", "effort_limit_arm_n",
                                       "damping_full_n", "damping_decay_s"}));
   const auto& p = t.live.parameters();
-  expectParameter(p[0], "N", 1.0, 10.0, 10.0);  // of the fingers; a tenth of it is least
+  expectParameter(p[0], "N", 1.0, 10.0, 10.0);  // of the fingers; the minimum is a tenth of it
   expectParameter(p[1], "N", 2.0, 20.0, 20.0);
-  expectParameter(p[2], "N", 1.0, 10.0, 5.0);  // f₀ of x; a fifth to twice of it
+  expectParameter(p[2], "N", 1.0, 10.0, 5.0);  // f₀ of x; from a fifth of it to twice it
   expectParameter(p[3], "s", 0.05, 1.0, 0.3);
 }
 
-TEST(LiveSettings, NoHandAxes_HaveNoTipLimit) {
+TEST(LiveSettings, DeviceWithoutHandAxes_HasNoTipLimit) {
   const Therapy t = therapyOn("desktop-3axis");
   ASSERT_EQ(namesOf(t.live),
             (std::vector<std::string>{"effort_limit_arm_n", "damping_full_n", "damping_decay_s"}));
@@ -106,7 +107,7 @@ TEST(LiveSettings, NoHandAxes_HaveNoTipLimit) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(now.limit[i], 5.0);
 }
 
-TEST(LiveSettings, HandAxesWithoutLeverArm_HaveNoTipLimitAndKeepTheirOwn) {
+TEST(LiveSettings, HandAxesWithoutLeverArm_HaveNoTipLimitAndKeepTheirOwnLimits) {
   const Therapy t = madeOf({axisOf("x", AxisKind::kTranslation, AxisGroup::kBase, 20.0, 0.0),
                             axisOf("flexion", AxisKind::kRotation, AxisGroup::kHand, 0.8, 0.0)});
   ASSERT_EQ(namesOf(t.live),
@@ -116,12 +117,12 @@ TEST(LiveSettings, HandAxesWithoutLeverArm_HaveNoTipLimitAndKeepTheirOwn) {
   EXPECT_EQ(now.limit[1], 0.8);
 }
 
-TEST(LiveSettings, RotationsWithoutLeverArmOnly_OfferTheDecayAlone) {
+TEST(LiveSettings, OnlyRotationsWithoutLeverArm_OfferTheDecayOnly) {
   const Therapy t = madeOf({axisOf("flexion", AxisKind::kRotation, AxisGroup::kHand, 0.8, 0.0)});
   EXPECT_EQ(namesOf(t.live), std::vector<std::string>{"damping_decay_s"});
 }
 
-TEST(LiveSettings, AxisWithoutLeverArmBesideOneWithIt_GoesByRatio) {
+TEST(LiveSettings, AxisWithoutLeverArmBesideOneWithIt_IsScaledByTheSameRatio) {
   const Therapy t = madeOf({axisOf("finger", AxisKind::kRotation, AxisGroup::kHand, 0.8, 0.08),
                             axisOf("thumb", AxisKind::kRotation, AxisGroup::kHand, 0.6, 0.0)});
   const auto now = t.at({{"effort_limit_hand_tip_n", 2.5}});  // a quarter of 0.8 N·m / 0.08 m
@@ -129,10 +130,10 @@ TEST(LiveSettings, AxisWithoutLeverArmBesideOneWithIt_GoesByRatio) {
   EXPECT_NEAR(now.limit[1], 0.15, tolerance(1e-15));
 }
 
-TEST(LiveSettings, UpperEnd_IsTheDevicesLimitBitByBit) {
+TEST(LiveSettings, UpperEnd_IsTheDevicesLimitToTheBit) {
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     const Therapy t = therapyOn(device);
-    // Nothing changed, then every parameter as high as it goes.
+    // Nothing changed, then every parameter at its upper end.
     std::vector<std::pair<std::string, double>> top;
     for (const LiveParameter& p : t.live.parameters()) top.emplace_back(p.name, p.upper);
     for (const auto& values : {std::vector<std::pair<std::string, double>>{}, top}) {
@@ -144,8 +145,8 @@ TEST(LiveSettings, UpperEnd_IsTheDevicesLimitBitByBit) {
   }
 }
 
-TEST(LiveSettings, UpperEndWhereQuotientsAreRounded_IsTheDevicesLimitBitByBit) {
-  // (limit / lever arm) · lever arm is often a bit less than the limit.
+TEST(LiveSettings, UpperEndWithRoundedQuotients_IsTheDevicesLimitToTheBit) {
+  // (limit / lever arm) · lever arm is often slightly less than the limit.
   std::mt19937_64 random = seededRandom(33);
   std::uniform_real_distribution limit(0.1, 20.0), lever_m(0.01, 0.2);
   for (int k = 0; k < cases(100); ++k) {
@@ -159,7 +160,7 @@ TEST(LiveSettings, UpperEndWhereQuotientsAreRounded_IsTheDevicesLimitBitByBit) {
   }
 }
 
-TEST(LiveSettings, NothingChanged_DampsAsAtTheStartBitByBit) {
+TEST(LiveSettings, NothingChanged_DampsAsAtTheStartToTheBit) {
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     const Therapy t = therapyOn(device);
     const auto now = t.at({});
@@ -171,7 +172,7 @@ TEST(LiveSettings, NothingChanged_DampsAsAtTheStartBitByBit) {
   }
 }
 
-TEST(LiveSettings, TipLimit_TimesTheLeverArmIsTheJointsAndTheArmKeepsItsOwn) {
+TEST(LiveSettings, TipLimit_TimesLeverArmLimitsTheJointsAndNotTheArm) {
   const Therapy t = therapyOn("lambda-pride");
   for (const double tip_n : {1.0, 4.0, 7.0}) {
     const auto now = t.at({{"effort_limit_hand_tip_n", tip_n}});
@@ -182,7 +183,7 @@ TEST(LiveSettings, TipLimit_TimesTheLeverArmIsTheJointsAndTheArmKeepsItsOwn) {
   }
 }
 
-TEST(LiveSettings, TipLimitAboveAWeakerAxis_LeavesThatAxisItsOwn) {
+TEST(LiveSettings, TipLimitAboveAWeakerAxis_KeepsThatAxissOwnLimit) {
   // The thumb's circumduction is limited to 0.6 N·m, 7.5 N at the tip; the others to 10 N.
   const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"effort_limit_hand_tip_n", 9.0}});
@@ -190,7 +191,7 @@ TEST(LiveSettings, TipLimitAboveAWeakerAxis_LeavesThatAxisItsOwn) {
   EXPECT_NEAR(now.limit[t.axis("finger_flexion")], 0.72, tolerance(1e-15));
 }
 
-TEST(LiveSettings, ArmLimit_IsTheTranslationsAndByRatioTheWrists) {
+TEST(LiveSettings, ArmLimit_AppliesToTranslationsAndByRatioToTheWrist) {
   const Therapy t = therapyOn("wrist-9axis");
   const auto now = t.at({{"effort_limit_arm_n", 5.0}});  // a quarter of 20 N
   for (const char* arm : {"x", "y", "z"}) EXPECT_EQ(now.limit[t.axis(arm)], 5.0);
@@ -218,7 +219,7 @@ TEST(LiveSettings, AnyValues_NeverExceedTheDeviceAndNeverFallBelowATenth) {
   }
 }
 
-TEST(LiveSettings, DampingFull_ScalesFullAndDeadEffortOfEveryAxisAlike) {
+TEST(LiveSettings, DampingFull_ScalesFullAndDeadEffortOfEveryAxisByTheSameFactor) {
   const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"damping_full_n", 2.0}});  // of 5 N: times 0.4
   for (const char* arm : {"x", "y", "z"}) {
@@ -236,8 +237,8 @@ TEST(LiveSettings, DampingFull_ScalesFullAndDeadEffortOfEveryAxisAlike) {
   }
 }
 
-TEST(LiveSettings, DampingFullOfAFingerDevice_IsAtTheTip) {
-  // f₀ 0.3 N·m at a lever arm of 0.08 m: 3.75 N. The first axis has no tip and is passed over.
+TEST(LiveSettings, DampingFullOfAFingerDevice_IsAForceAtTheTip) {
+  // f₀ 0.3 N·m at a lever arm of 0.08 m: 3.75 N. The first axis has no tip and is skipped.
   const Therapy t = madeOf({axisOf("roll", AxisKind::kRotation, AxisGroup::kBase, 1.0, 0.0),
                             axisOf("finger", AxisKind::kRotation, AxisGroup::kHand, 0.8, 0.08)});
   expectParameter(t.live.parameters().at(t.index("damping_full_n")), "N", 0.75, 7.5, 3.75);
@@ -246,7 +247,7 @@ TEST(LiveSettings, DampingFullOfAFingerDevice_IsAtTheTip) {
   EXPECT_NEAR(now.damping.effort_full[1], 0.6, tolerance(1e-15));
 }
 
-TEST(LiveSettings, DampingDecay_IsTheTimeConstantWithWhichPhiFades) {
+TEST(LiveSettings, DampingDecay_IsTheTimeConstantOfPhi) {
   const Therapy t = therapyOn("lambda-pride");
   const auto now = t.at({{"damping_decay_s", 0.6}});
   for (int i = 0; i < 6; ++i) {
@@ -262,7 +263,7 @@ TEST(LiveSettings, DampingDecay_IsTheTimeConstantWithWhichPhiFades) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(state.phi[i], std::exp(-1.0), tolerance(1e-12));
 }
 
-TEST(LiveSettings, DecayOfTheFileOutsideTheUsualRange_CanBeHadAgain) {
+TEST(LiveSettings, DecayOfTheFileOutsideTheUsualRange_CanBeRestored) {
   for (const double decay_s : {0.01, 4.0}) {
     DeviceModel device;
     device.axes = {axisOf("x", AxisKind::kTranslation, AxisGroup::kBase, 20.0, 0.0)};
@@ -275,8 +276,9 @@ TEST(LiveSettings, DecayOfTheFileOutsideTheUsualRange_CanBeHadAgain) {
   }
 }
 
-TEST(LiveSettings, LimitDownAndUpAgainByRamps_IsTheDevicesBitByBit) {
-  // What the two do together: at 1 kHz, where sums are rounded, from anywhere back to the top.
+TEST(LiveSettings, LimitLoweredAndRaisedByRamps_IsTheDevicesLimitToTheBit) {
+  // Tests settings and ramps together: at 1 kHz, where sums are rounded, from a random value back
+  // to the top.
   const Therapy t = therapyOn("lambda-pride");
   ParameterRamps ramps(t.live.parameters());
   std::mt19937_64 random = seededRandom(32);

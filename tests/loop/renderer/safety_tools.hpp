@@ -6,12 +6,12 @@
 
 #include <cmath>
 
-/// Persons who throw a device about, and what must hold of the effort that is sent to it.
+/// Persons who throw a device about, and checks of the effort sent to it.
 namespace wholehand::test {
 
 /// A person who slams the device about: every 150 ms another random place, extremes included, as
-/// far as `speed_share` of every axis's speed limit reaches. Minimum jerk is 1.875 times as fast
-/// midway as on the mean.
+/// far as `speed_share` of every axis's speed limit allows. The peak speed of minimum jerk is 1.875
+/// times its mean.
 inline Intention slamming(const DeviceModel& device, std::mt19937_64& random,
                           const AxisPosition& start, double speed_share = 0.6) {
   constexpr double kEvery_s = 0.15;
@@ -28,10 +28,10 @@ inline Intention slamming(const DeviceModel& device, std::mt19937_64& random,
   }
   return Intention::throughWaypoints(std::move(waypoints));
 }
-/// One who throws it farther than its speed limit allows.
+/// Speed share of a person who exceeds the speed limit.
 inline constexpr double kTooFast = 4.0;
 
-/// A hand that stands clear of the shipped scenes' bodies: high, open, fingers away.
+/// A hand clear of the shipped scenes' bodies: high, open, fingers away.
 inline AxisPosition clear(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
@@ -54,8 +54,8 @@ inline void expectWithinLimits(const HapticRenderer& renderer, const TickRecord&
   }
 }
 
-/// From `from` on: away from what was sent before to neutral, no step steeper than the smoothstep's
-/// 1.5 / ramp, arrived within 100 ms and there to stay.
+/// Checks from tick `from` on: the effort falls from its last value to neutral, with no step
+/// steeper than the smoothstep's 1.5 / ramp, is neutral within 100 ms and stays there.
 inline void expectRamp(const HapticRenderer& renderer, const std::vector<TickRecord>& records,
                        int from) {
   const RendererConfig& config = renderer.config();

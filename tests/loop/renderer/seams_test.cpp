@@ -1,4 +1,4 @@
-// A hand that slides over pieces that lie flush feels one plate.
+// A hand that slides over flush pieces must feel one plate.
 #include "loop/physics/body_yard.hpp"
 #include "support/cpu_time.hpp"
 #include "support/rig_tools.hpp"
@@ -16,7 +16,7 @@ struct Slide {
   AxisPosition from, pressed, slid;
   double slide_s = 1.5, period_s = 1e-3;
 
-  /// 8 mm on to a face, then 50 mm across it, either way, at 1, 2 or 4 kHz.
+  /// Draws a motion 8 mm into a face and 50 mm across it in either direction, at 1, 2 or 4 kHz.
   void draw(int face, double along, int across, std::mt19937_64& random) {
     pressed = from;
     pressed[face] += 0.008 * along;
@@ -28,7 +28,8 @@ struct Slide {
 
 struct FeltSlide {
   std::vector<AxisEffort> sent;
-  double largest_jolt = 0.0;  ///< of the contact force within 4 ms while it slides, of the force
+  double largest_jolt = 0.0;  ///< largest change of the contact force within 4 ms while sliding, as
+                              ///< a share of the force
 };
 
 FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
@@ -58,9 +59,9 @@ FeltSlide slideOver(const Slide& slide, const std::vector<SceneBody>& floor) {
   return out;
 }
 
-/// How a plate is cut into flush pieces.
+/// Division of a plate into flush pieces.
 struct Cut {
-  int axis = 0;  ///< of the world
+  int axis = 0;  ///< axis of the world
   double width_m = 0.0;
   bool meshes = false, one_body = false;
 };
@@ -84,7 +85,7 @@ std::vector<SceneBody> cut(const SceneBody& plate, const Cut& how) {
   return planks;
 }
 
-/// Digits anywhere in the lower 0.7 of their range, the arm at 0.
+/// Digits at random in the lower 0.7 of their range, the arm at 0.
 AxisPosition drawnClosure(const DeviceModel& device, std::mt19937_64& random) {
   AxisPosition drawn(device.axisCount());
   for (int a = 0; a < device.axisCount(); ++a) {
@@ -94,7 +95,8 @@ AxisPosition drawnClosure(const DeviceModel& device, std::mt19937_64& random) {
   return drawn;
 }
 
-/// The most that any axis is felt apart in any tick, at its lever [N].
+/// Largest difference of the rendered efforts of any axis in any tick, as a force at its lever arm
+/// [N].
 double mostApart_n(const DeviceModel& device, const FeltSlide& one, const FeltSlide& other) {
   double most_n = 0.0;
   for (std::size_t k = 0; k < one.sent.size(); ++k) {
@@ -107,7 +109,7 @@ double mostApart_n(const DeviceModel& device, const FeltSlide& one, const FeltSl
   return most_n;
 }
 
-/// The same slides over one plate and over its pieces.
+/// Compares the same slides over one plate and over its pieces.
 struct Compared {
   double most_n = 0.0;
   int judged = 0;
@@ -115,19 +117,19 @@ struct Compared {
   void slide(const Slide& slide, const std::vector<SceneBody>& plate,
              const std::vector<SceneBody>& pieces) {
     const FeltSlide one = slideOver(slide, plate);
-    if (one.largest_jolt > 0.2) return;  // it sticks and slips: no two runs are alike
+    if (one.largest_jolt > 0.2) return;  // it sticks and slips, so that no two runs are alike
     ++judged;
     most_n = std::max(most_n, mostApart_n(slide.models.device, one, slideOver(slide, pieces)));
   }
 
-  void judge(const char* name) const {
+  void check(const char* name) const {
     figure(name, most_n, "N");
     EXPECT_LE(most_n, 0.02);
     EXPECT_GT(judged, 0);
   }
 };
 
-TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
+TEST(Seams, FlushPlanks_FeelAsOnePlate) {
   auto random = seededRandom(3620);
   Compared compared;
   const int draws = fullCounts() ? 100 : 4;
@@ -149,11 +151,11 @@ TEST(Seams, HandThatSlidesOverFlushPlanks_FeelsOnePlate) {
                  std::to_string(how.width_m) + " m, friction " + std::to_string(plate.friction));
     compared.slide(slide, {plate}, cut(plate, how));
   }
-  compared.judge("hand over flush planks against one plate, most that is felt apart");
+  compared.check("hand over flush planks against one plate, most that is felt apart");
 }
 
-/// The same over a plate, and planks, that lie on a table and are free to move.
-TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
+/// The same for a plate, and planks, that lie on a table and are free to move.
+TEST(Seams, MovablePlanks_FeelAsOnePlate) {
   auto random = seededRandom(3621);
   Compared compared;
   const int draws = fullCounts() ? 100 : 4;
@@ -187,10 +189,10 @@ TEST(Seams, HandThatSlidesOverPlanksThatMayMove_FeelsOnePlate) {
                  " m, friction " + std::to_string(friction));
     compared.slide(slide, whole, planks);
   }
-  compared.judge("hand over planks that may move against one plate, most that is felt apart");
+  compared.check("hand over planks that may move against one plate, most that is felt apart");
 }
 
-/// Processor seconds of a tick in which the whole hand presses on so many pieces at one place.
+/// Processor seconds of a tick in which the whole hand presses on `pieces` pieces at one place.
 double costAmong(int pieces) {
   Slide slide;
   slide.models = load(shippedFiles("lambda-pride", "empty", "adult-median-right"));
@@ -212,10 +214,10 @@ double costAmong(int pieces) {
   return (cpu_s() - before_s) / kTicks;
 }
 
-/// Four times as many cost four times as much where the work is in proportion, and sixteen times
-/// where each piece is compared with each.
-/// Other work only adds to a cost: the least of some rounds is its own.
-TEST(Seams, HandOnManyPiecesAtOnce_CostsInProportion) {
+/// Four times as many pieces cost four times as much if the work is proportional, and sixteen times
+/// if each piece is compared with each. Other work only adds to a cost, so the smallest of some
+/// rounds is used.
+TEST(Seams, ManyPiecesAtOnce_CostInProportion) {
   double many_s = costAmong(1200), few_s = costAmong(300);
   for (int round = 1; round < 10 && many_s >= 8.0 * few_s; ++round) {
     many_s = std::min(many_s, costAmong(1200));

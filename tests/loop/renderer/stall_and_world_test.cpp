@@ -1,4 +1,4 @@
-// What reaches a person's hand when the physics world fails, and after the loop has stood still.
+// Efforts on a person's hand when the physics world fails, and after the loop has stood still.
 #include "loop/device/simulated/simulated_device.hpp"
 #include "loop/physics/analytic/analytic_world.hpp"
 #include "loop/renderer/safety_tools.hpp"
@@ -9,9 +9,9 @@
 namespace wholehand::test {
 namespace {
 
-/// A renderer of a world in closed form that fails: the hand meets a rigid stop halfway along x.
+/// A renderer of a closed-form world that fails: the hand meets a rigid stop halfway along x.
 struct FailingWorldRig {
-  std::unique_ptr<Rig> rig;  ///< lends its models, device and gains; its own renderer stays idle
+  std::unique_ptr<Rig> rig;  ///< provides models, device and gains; its own renderer stays idle
   std::unique_ptr<AnalyticWorld> world;
   std::unique_ptr<FaultyWorld> faulty;
   std::unique_ptr<HapticRenderer> renderer;
@@ -50,11 +50,12 @@ struct WorldFailure {
 
 class InjectedWorldFailure : public ::testing::TestWithParam<WorldFailure> {};
 
-TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilArmed) {
+TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldIsNotSteppedUntilArmed) {
   const WorldFailure failure = GetParam();
   std::mt19937_64 random = seededRandom(5);
   for (int i = 0; i < cases(3); ++i) {
-    const int at = static_cast<int>(uniform(random, 20, 1000));  // some while the force engages
+    const int at =
+        static_cast<int>(uniform(random, 20, 1000));  // some of them while the force engages
     SCOPED_TRACE("tick " + std::to_string(at));
     FailingWorldRig f = failingWorldRig({failure.kind, at}, random);
     ASSERT_TRUE(f.renderer->arm());
@@ -67,7 +68,7 @@ TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilA
       ASSERT_TRUE(allFinite(r.sent)) << "tick " << r.tick;
     }
     expectRamp(*f.renderer, records, at + failure.delay);
-    EXPECT_EQ(f.faulty->steps(), at);  // the ticks before it, and none since
+    EXPECT_EQ(f.faulty->steps(), at);  // the steps before it, and none since
 
     ASSERT_TRUE(f.renderer->arm());
     const std::vector<TickRecord> again = run(*f.renderer, 15);
@@ -82,14 +83,14 @@ INSTANTIATE_TEST_SUITE_P(
     Kinds, InjectedWorldFailure,
     ::testing::ValuesIn(std::vector<WorldFailure>{
         {"NonFiniteState", InjectedWorldFault::Kind::kNonFiniteState, Fault::kNonFiniteState, 0},
-        // An engine that does not notice is caught by what its state makes of the effort.
+        // A failure that the engine does not report shows in the effort computed from its state.
         {"SilentNan", InjectedWorldFault::Kind::kSilentNan, Fault::kNonFiniteEffort, 0},
         {"StepFails", InjectedWorldFault::Kind::kStepFails, Fault::kPhysicsStep, 1}}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 // ---- the loop stands still
 
-/// The patient is on the way across the workspace, every axis at once.
+/// A patient who moves across the workspace on every axis at once.
 std::unique_ptr<Rig> crossingRig() {
   Models m =
       withWeight(load(shippedFiles("lambda-pride", "empty", "adult-median-right", "stiff-adult")));
@@ -103,7 +104,7 @@ std::unique_ptr<Rig> crossingRig() {
   return orThrow(buildRig(std::move(m), std::move(intention), {}));
 }
 
-/// What the renderer would send, were it engaged for good.
+/// Effort that the renderer would send if it were fully engaged.
 AxisEffort wanted(const HapticRenderer& renderer, const TickRecord& r) {
   const RendererConfig& config = renderer.config();
   AxisEffort out = r.rendered;
@@ -114,7 +115,7 @@ AxisEffort wanted(const HapticRenderer& renderer, const TickRecord& r) {
   return out;
 }
 
-TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
+TEST(StalledLoop, WhilePatientMovesFast_EngagesAgainWithoutAStep) {
   const auto rig = crossingRig();
   HapticRenderer& renderer = *rig->renderer;
   const RendererConfig& config = renderer.config();
@@ -124,16 +125,16 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   const AxisEffort held = before.sent;
   ASSERT_EQ(before.authority, 1.0);
   TickRecord now = before;
-  renderer.tick(200, now);  // the device went on for 200 ms under that effort
+  renderer.tick(200, now);  // the device moved on for 200 ms under that effort
 
-  // The test can fail: what is wanted did jump, on the worst axis by half the limit or more.
+  // The test can fail: the wanted effort jumps by half the limit or more on the worst axis.
   double jump = 0.0;
   for (int a = 0; a < held.size(); ++a) {
     jump = std::max(jump, std::abs(wanted(renderer, now)[a] - held[a]) / limit[a]);
   }
   EXPECT_GT(jump, 0.5);
 
-  // docs/safety.md: the way at a tenth of the speed limits, 30 ms to half a second.
+  // docs/safety.md: time for the distance at a tenth of the speed limits, 30 ms to half a second.
   double blend_s = config.safety.ramp.reengage_s;
   for (int a = 0; a < held.size(); ++a) {
     const double speed = 0.1 * rig->models.device.axes[a].speed_limit;
@@ -142,12 +143,12 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   blend_s = std::min(blend_s, 0.5);
   EXPECT_GT(blend_s, 0.2) << "the hand went far";
 
-  // sent = held + s (wanted - held), both within the limit: |sent - held| <= 2 limit s. From a tick
-  // to the next it changes by (s' - s) (wanted' - held) + s (wanted' - wanted), where s rises by at
-  // most the smoothstep's steepest slope, 1.5 T / blend_s: by at most 3 limit T / blend_s, and the
-  // share s of what the rendered force itself changes by.
+  // sent = held + s (wanted - held), both within the limit: |sent - held| <= 2 limit s. From one
+  // tick to the next it changes by (s' - s) (wanted' - held) + s (wanted' - wanted), where s rises
+  // by at most the smoothstep's steepest slope, 1.5 T / blend_s. That is at most 3 limit T /
+  // blend_s, plus the share s of the rendered force's own change.
   double largest = 0.0;
-  double authority = 0.0;  // of the tick before: none yet, it was engaged anew
+  double authority = 0.0;  // of the tick before; 0 because it was engaged again
   for (int k = 1; k <= 700; ++k) {
     const AxisEffort want = wanted(renderer, now), wanted_before = wanted(renderer, before);
     for (int a = 0; a < held.size(); ++a) {
@@ -157,7 +158,7 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
       ASSERT_LE(std::abs(now.sent[a] - held[a]), 2.0 * limit[a] * now.authority + 1e-12) << k;
       if (k == 1) largest = std::max(largest, change / limit[a]);
       if (k * config.period_s >= blend_s + config.period_s) {
-        ASSERT_EQ(now.sent[a], want[a]) << k;  // wholly engaged again
+        ASSERT_EQ(now.sent[a], want[a]) << k;  // fully engaged again
       }
     }
     authority = now.authority;
@@ -171,8 +172,8 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   figure("the same had it not engaged anew", jump, "");
 }
 
-// A simulated device, too: docs/safety.md, kLongGap.
-TEST(StalledLoop, ForMoreThanHalfASecond_LetsGoFromWhatItHeld) {
+// This also holds for a simulated device: docs/safety.md, kLongGap.
+TEST(StalledLoop, MoreThanHalfASecond_LetsGoFromTheHeldEffort) {
   for (const std::uint32_t periods : {500U, 501U, 2000U, 3'600'000U}) {
     const auto rig = crossingRig();
     HapticRenderer& renderer = *rig->renderer;
@@ -194,7 +195,7 @@ TEST(StalledLoop, ForMoreThanHalfASecond_LetsGoFromWhatItHeld) {
   }
 }
 
-TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
+TEST(StalledLoop, FivePeriods_StaysEngaged) {
   const auto rig = crossingRig();
   HapticRenderer& renderer = *rig->renderer;
   ASSERT_TRUE(renderer.arm());
@@ -202,7 +203,7 @@ TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
   const AxisEffort before = now.sent;
   renderer.tick(5, now);
   EXPECT_EQ(now.authority, 1.0);
-  // What five periods have changed comes at once, as far as the slew limit of one period lets it.
+  // The change over five periods comes at once, as far as the slew limit of one period allows.
   const AxisEffort want = wanted(renderer, now);
   const AxisEffort& most = renderer.config().safety.supervisor.most_change;
   for (int a = 0; a < want.size(); ++a) {
@@ -211,19 +212,19 @@ TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
 }
 
 struct Stalls {
-  std::uint32_t periods;  ///< that are skipped
-  int every;              ///< ticks
+  std::uint32_t periods;  ///< skipped periods
+  int every;              ///< ticks between two stalls
 };
 
-/// A relaxed person leans on a wall at 0 with 100 N/m from 2 cm behind it, along x, while the loop
-/// stalls again and again. How far the device still swings in the last four of 14 s [m].
+/// A relaxed person leans along x on a wall at 0 with 100 N/m from 2 cm behind it, while the loop
+/// stalls repeatedly. @return amplitude of the device in the last four of 14 s [m]
 double swingAgainstAWall(Stalls stalls, double reengage_s) {
   Models m = load(shippedFiles());
   const int x = m.device.axisIndex("x");
   for (PatientAxis& axis : m.patient.axes) {
     if (axis.name == "x") axis.mass = 1.0, axis.damping = 5.0, axis.stiffness = 100.0;
   }
-  // Without the damping that a palm's contact brings, which would hide the swing.
+  // The damping by palm contact is off, since it would hide the swing.
   for (AxisRendering& axis : m.rendering.axes) axis.palm_contact = false;
   AxisPosition away(m.device.axisCount());
   for (int a = 0; a < away.size(); ++a) {
@@ -257,8 +258,8 @@ double swingAgainstAWall(Stalls stalls, double reengage_s) {
   return most_m - least_m;
 }
 
-// Held for long, an old effort takes no part in what the person does, and every stall pushes anew.
-TEST(StalledLoop, AgainAndAgainAtAWall_SettlesAsItWouldNotWithALongBlend) {
+// An old effort held for long does not react to the person's motion, so every stall pushes again.
+TEST(StalledLoop, RepeatedStallsAtAWall_SettleWithTheConfiguredBlend) {
   EXPECT_LT(swingAgainstAWall({6, 100}, NeutralRampConfig{}.reengage_s), 1e-4);
   for (const Stalls stalls : {Stalls{6, 60}, Stalls{15, 150}}) {
     SCOPED_TRACE(std::to_string(stalls.periods) + " every " + std::to_string(stalls.every));

@@ -47,7 +47,7 @@ AnalyticScene stopAt(double x_m) {
   return scene;
 }
 
-/// A person who pushes 4 cm beyond a stop at 1 cm, with 200 N/m.
+/// A person whose 200 N/m pull 4 cm beyond a stop at 1 cm.
 struct Rail {
   explicit Rail(const SessionConfig& session_config, std::vector<InjectedFault> faults = {},
                 double fade_out_s = 0.0) {
@@ -72,7 +72,7 @@ struct Rail {
     config.safety.effort_limit = AxisEffort(1, 20.0);
     config.safety.neutral = device_model.neutral();
     config.safety.ramp.fade_out_s = fade_out_s;
-    config.moves_nobody = true;  // though everything is watched
+    config.moves_nobody = true;  // although everything is monitored
     renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, SceneModel{}, config);
     EXPECT_TRUE(renderer->arm());
     session = std::make_unique<Session>(*renderer, session_config);
@@ -83,7 +83,7 @@ struct Rail {
   PatientConfig person = test::nobody();
   AnalyticWorld world{hand, stopAt(0.01)};
   std::unique_ptr<SimulatedDevice> device;
-  std::unique_ptr<FaultInjector> faulty;  ///< before it; keeps the last effort written
+  std::unique_ptr<FaultInjector> faulty;  ///< wraps the device; keeps the last effort written
   std::unique_ptr<HapticRenderer> renderer;
   std::unique_ptr<Session> session;
 };
@@ -96,7 +96,7 @@ void startThread(Session& session) {
   ASSERT_TRUE(started) << format(started.errors());
 }
 
-/// Every record of a simulated run; `each` sees them as they come.
+/// Returns every record of a simulated run; `each` is called with every record as it comes.
 std::vector<TickRecord> runAll(
     Rail& rail, const std::function<void(const TickRecord&)>& each = [](const TickRecord&) {}) {
   std::vector<TickRecord> records;
@@ -107,7 +107,7 @@ std::vector<TickRecord> runAll(
   return records;
 }
 
-/// Pops until the session has ended and its queue is empty.
+/// Pops records until the session has ended and its queue is empty.
 std::vector<TickRecord> drain(Session& session) {
   std::vector<TickRecord> records;
   TickRecord record;
@@ -119,7 +119,7 @@ std::vector<TickRecord> drain(Session& session) {
   return records;
 }
 
-TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
+TEST(SimulatedSession, GivenDuration_TicksEveryPeriodAndEndsAtNeutral) {
   SessionConfig config;
   config.duration_ticks = 1500;
   Rail rail(config);
@@ -133,7 +133,8 @@ TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
     ASSERT_DOUBLE_EQ(records[k].time_s, static_cast<double>(k) * kSessionPeriod_s);
     ASSERT_EQ(records[k].elapsed_periods, 1U);
   }
-  // At rest against the stop at 1 cm: the person's 200 N/m pulls to 5 cm, the coupling's 1000 N/m
+  // At rest against the stop at 1 cm: the person's 200 N/m pull to 5 cm, the coupling's 1000 N/m
+  // back to 1 cm.
   // back to 1 cm.
   const double rest_m = (200.0 * 0.05 + 1000.0 * 0.01) / 1200.0;
   EXPECT_NEAR(records[1499].q_m[0], rest_m, 1e-6);
@@ -143,7 +144,7 @@ TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
   EXPECT_EQ(rail.session->counters().ticks_run, records.size());
 }
 
-/// The first record with that bit; -1: none.
+/// Index of the first record with that bit; -1: none.
 int firstWith(const std::vector<TickRecord>& records, Fault bit) {
   for (std::size_t k = 0; k < records.size(); ++k) {
     if (any(records[k].faults & bit)) return static_cast<int>(k);
@@ -151,14 +152,14 @@ int firstWith(const std::vector<TickRecord>& records, Fault bit) {
   return -1;
 }
 
-// From the tick after it was asked for, by the loop alone: the sink stands for every other thread,
+// The loop stops by itself, from the tick after the request: the sink stands for every other thread
 // and does nothing any more. The effort only falls, for the fade-out and the ramp's 80 ms:
 // docs/safety.md.
-TEST(SimulatedSession, AskedToStopGently_LetsGoByItself) {
+TEST(SimulatedSession, GentleStopRequest_LetsGoWithoutOtherThreads) {
   Rail rail({}, {}, 0.35);
   const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
     if (r.tick == 99) rail.session->requestGentleStop();
-    // The controls' holder comes back: too late.
+    // The control client comes back too late.
     Command sign;
     sign.type = CommandType::kHolderAlive;
     sign.value = 1.0;
@@ -196,7 +197,7 @@ TEST(SimulatedSession, SignalBeforeAndWhileItRuns_StopsItGently) {
   }
 }
 
-TEST(RealTimeSession, WhileItTicks_IsCountedAmongTheLoops) {
+TEST(RealTimeSession, WhileItTicks_IsCountedAsARunningLoop) {
   Interrupts interrupts;
   SessionConfig config;
   config.interrupts = &interrupts;
@@ -209,7 +210,7 @@ TEST(RealTimeSession, WhileItTicks_IsCountedAmongTheLoops) {
   EXPECT_EQ(interrupts.loops, 0) << "the loop says so itself: nobody else may be there";
 }
 
-TEST(SimulatedSession, HolderWhoIsLost_IsReportedHoweverFullTheQueueIs) {
+TEST(SimulatedSession, LostHolder_IsReportedEvenIfTheCommandQueueIsFull) {
   SessionConfig config;
   config.duration_ticks = 60;
   Rail rail(config);
@@ -226,7 +227,7 @@ TEST(SimulatedSession, HolderWhoIsLost_IsReportedHoweverFullTheQueueIs) {
   }
 }
 
-TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
+TEST(RealTimeSession, GivenDuration_YieldsEveryRecordInOrder) {
   SessionConfig config;
   config.duration_ticks = 300;
   Rail rail(config);
@@ -241,7 +242,7 @@ TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
   for (std::size_t k = 0; k < records.size(); ++k) {
     const TickRecord& r = records[k];
     periods += r.elapsed_periods;
-    // Skipped periods count: tick is the period's number, whatever was missed before.
+    // Skipped periods count: tick is the number of the period, including all missed ones.
     ASSERT_EQ(r.tick + 1, periods);
     ASSERT_EQ(any(r.faults & Fault::kLateTick), r.elapsed_periods > 1);
     ASSERT_EQ(r.faults & kStoppingFaults, Fault::kNone);
@@ -252,7 +253,7 @@ TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
   EXPECT_EQ(records.back().sent[0], 1.5);
 }
 
-TEST(RealTimeSession, WithAShortQueueAndNobodyReading_DropsCountsAndRunsOn) {
+TEST(RealTimeSession, ShortQueueWithoutReader_DropsCountsAndRunsOn) {
   SessionConfig config;
   config.duration_ticks = 600;
   config.queue_bytes = 0;  // the shortest
@@ -268,8 +269,8 @@ TEST(RealTimeSession, WithAShortQueueAndNobodyReading_DropsCountsAndRunsOn) {
   EXPECT_LT(last, 500U) << "the oldest are kept: what came later was dropped";
 }
 
-TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
-  Rail rail({});  // without end
+TEST(RealTimeSession, StopFromAnotherThread_EndsAtNeutral) {
+  Rail rail({});  // no time limit
   startThread(*rail.session);
   std::thread other([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
@@ -282,7 +283,7 @@ TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
   ASSERT_FALSE(records.empty());
   EXPECT_TRUE(any(records.back().faults & Fault::kStopRequested));
   EXPECT_EQ(records.back().sent[0], 1.5) << kAlways;
-  // Monotone on the way down, and within 100 ms however late the ticks were.
+  // The effort falls monotonically and is neutral within 100 ms, however late the ticks were.
   std::size_t first = 0;
   while (!any(records[first].faults & Fault::kStopRequested)) ++first;
   std::uint64_t ramp_periods = 0;
@@ -296,10 +297,10 @@ TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
 }
 
 TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
-  Rail rail({});  // without end
+  Rail rail({});  // no time limit
   startThread(*rail.session);
   TickRecord last;
-  // Pressed against the stop: what the device holds is far from its neutral effort.
+  // Pressed against the stop, the device holds an effort far from its neutral one.
   for (int i = 0; i < 15'000 && !(last.tick > 200 && std::abs(last.sent[0] - 1.5) > 1.0); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     while (rail.session->tryPop(last)) {
@@ -312,7 +313,7 @@ TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
   EXPECT_TRUE(rail.renderer->atNeutral()) << kAlways;
 }
 
-TEST(Session, DestroyedBeforeItRan_LeavesTheRendererToTheNextOne) {
+TEST(Session, DestroyedBeforeItRan_LeavesTheRendererToTheNextSession) {
   SessionConfig config;
   config.duration_ticks = 20;
   Rail rail(config);
@@ -331,7 +332,7 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   std::uint64_t reported = 0;
   TickRecord record;
   while (rail.session->tryPop(record)) reported += any(record.faults & kStoppingFaults) ? 1 : 0;
-  ASSERT_EQ(reported, 0U);  // no record knows of it
+  ASSERT_EQ(reported, 0U);  // no record contains it
   const SessionCounters c = rail.session->counters();
   EXPECT_EQ(c.latched, Fault::kDeviceRead);
   EXPECT_EQ(c.stopping_faults, 1U);
@@ -341,9 +342,9 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   EXPECT_LE(c.ticks_run, 500U + kRampTicks) << kAlways;
 }
 
-// The device takes no effort any more: the loop asks for a second beyond the ramp, then ends and
-// does not say that the device is at neutral.
-TEST(SimulatedSession, WhoseWritesAreRefusedForEver_EndsWithin1200msAndNotAtNeutral) {
+// The device accepts no effort any more: the loop retries for a second beyond the ramp, then ends
+// and does not report the device as neutral.
+TEST(SimulatedSession, WritesRefusedForever_EndWithin1200msAndNotAtNeutral) {
   constexpr std::size_t kRefused = 600;  // pressed against the stop; arm() is the first read
   Rail rail({}, {{InjectedKind::kWriteFails, kRefused + 1, 1'000'000, 0}});
   const std::vector<TickRecord> records = runAll(rail);
@@ -351,7 +352,7 @@ TEST(SimulatedSession, WhoseWritesAreRefusedForEver_EndsWithin1200msAndNotAtNeut
   EXPECT_LE(records.size(), kRefused + 1200U);
   EXPECT_FALSE(rail.renderer->atNeutral());
   EXPECT_EQ(rail.session->counters().latched, Fault::kDeviceWrite);
-  // The records say what the device holds, and that is what acts on it.
+  // The records hold the effort that the device holds and that acts on it.
   const double held = records[kRefused - 1].sent[0];
   EXPECT_GT(std::abs(held - 1.5), 1.0);
   for (std::size_t k = kRefused; k < records.size(); ++k) {
@@ -362,8 +363,9 @@ TEST(SimulatedSession, WhoseWritesAreRefusedForEver_EndsWithin1200msAndNotAtNeut
   EXPECT_EQ(rail.device->acting()[0], held);
 }
 
-// What was judged at 1 kHz must not be rendered at 2: refused, and no longer armed.
-TEST(RealTimeSession, WithAnotherPeriodThanTheRenderers_IsRefusedAndDisarmed) {
+// Gains that were checked at 1 kHz must not be rendered at 2 kHz: the session is refused and
+// disarmed.
+TEST(RealTimeSession, PeriodOtherThanTheRenderers_IsRefusedAndDisarms) {
   Rail rail({});
   PeriodicThreadConfig thread;
   thread.period_ns = 500'000;
@@ -377,7 +379,7 @@ TEST(RealTimeSession, WithAnotherPeriodThanTheRenderers_IsRefusedAndDisarmed) {
   EXPECT_TRUE(rail.renderer->atNeutral());
 }
 
-TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
+TEST(RealTimeSession, RunWithoutLateTicks_GivesTheBitsOfTheSimulatedClock) {
   SessionConfig config;
   config.duration_ticks = 120;
   Rail real(config), simulated(config);
@@ -385,7 +387,7 @@ TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
   const std::vector<TickRecord> records = drain(*real.session);
   real.session->join();
   const std::vector<TickRecord> expected = runAll(simulated);
-  // Up to the first late tick, from which on the two saw different inputs.
+  // Compares up to the first late tick; from there on the inputs differ.
   std::size_t compared = 0;
   for (; compared < records.size() && records[compared].elapsed_periods == 1; ++compared) {
     ASSERT_EQ(std::memcmp(records[compared].sent.data(), expected[compared].sent.data(), 8), 0);

@@ -1,4 +1,4 @@
-// What bodies hold, receive and gain, against closed forms of mechanics.
+// Energy that bodies hold, receive and gain, compared with closed forms of mechanics.
 #include "loop/safety/body_energy.hpp"
 
 #include "support/constants.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMass_kg = 0.4, kRadius_m = 0.05;
 
-/// A ball that moves, a wall that does not, and the states that an engine would report.
+/// A moving ball, a fixed wall and the states that an engine would report.
 class Watched {
  public:
   Watched() {
@@ -26,8 +26,8 @@ class Watched {
     contact.body = body;
     return contact;
   }
-  /// After a step.
-  void see(const PoolEnergy& pool = {}) {
+  /// Advances by one step.
+  void check(const PoolEnergy& pool = {}) {
     bodies_->advance(record_, contacts_.data(), count_, pool);
     count_ = 0;
   }
@@ -53,13 +53,13 @@ class Watched {
   int count_ = 0;
 };
 
-TEST(BodyEnergy, OfABallThatFalls_IsWhatGravityGave) {
+TEST(BodyEnergy, FallingBall_HoldsTheEnergyOfGravity) {
   Watched w;
-  w.see();
+  w.check();
   double received_j = 0.0;
   for (int k = 1; k <= 1000; ++k) {  // symplectic Euler, as every engine steps
     w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
-    w.see();
+    w.check();
     received_j += w.received();
     ASSERT_NEAR(w.gained(), 0.0, 1e-12);
   }
@@ -67,7 +67,7 @@ TEST(BodyEnergy, OfABallThatFalls_IsWhatGravityGave) {
   EXPECT_NEAR(received_j, w.held(), 1e-9);
 }
 
-/// A ball of kMass_kg on a joint, at its start.
+/// A scene with a ball of kMass_kg on a joint at its start position.
 SceneModel onJoint(const SceneJoint& joint) {
   SceneModel scene;
   scene.gravity_m_s2.setZero();
@@ -76,8 +76,8 @@ SceneModel onJoint(const SceneJoint& joint) {
   return scene;
 }
 
-// A mass on a spring, let go at A: ½ m v² + ½ k x² stays ½ k A², and nobody gave anything.
-TEST(BodyEnergy, OfAMassOnASpring_StaysWhatWasStored) {
+// A mass on a spring, released at A: ½ m v² + ½ k x² stays ½ k A², and no energy is received.
+TEST(BodyEnergy, MassOnASpring_KeepsTheStoredEnergy) {
   SceneJoint joint;
   joint.type = SceneJoint::Type::kSlide;
   joint.axis = Eigen::Vector3d::UnitY();
@@ -98,9 +98,9 @@ TEST(BodyEnergy, OfAMassOnASpring_StaysWhatWasStored) {
   }
 }
 
-// Turned from detent to detent a latch stores U₀ sin²(n q/2), through whole turns; an
-// exercise that puts it on top gave U₀.
-TEST(BodyEnergy, OfALatch_IsWhatIsStoredAndWhatAPlacementGave) {
+// A latch turned from detent to detent stores U₀ sin²(n q/2), over whole turns; an exercise that
+// places it on a crest gives U₀.
+TEST(BodyEnergy, Latch_HoldsItsStoredEnergyAndReceivesThatOfAPlacement) {
   SceneJoint joint;
   joint.axis = Eigen::Vector3d::UnitZ();
   joint.latch_energy_j = 0.02;
@@ -132,18 +132,18 @@ TEST(BodyEnergy, OfALatch_IsWhatIsStoredAndWhatAPlacementGave) {
   EXPECT_NEAR(energy.gained_j(), 0.0, 1e-13);
 }
 
-TEST(BodyEnergy, OfASpinningBall_IsThatOfAnyTurn) {
+TEST(BodyEnergy, SpinningBall_HoldsTheSameInAnyOrientation) {
   Watched w;
   w.state(0).angular_velocity_rad_s = {3.0, -4.0, 12.0};
   w.state(0).orientation_xyzw = QuatXyzw{0.5, 0.5, 0.5, 0.5};
-  w.see();
+  w.check();
   EXPECT_NEAR(w.held(), 0.5 * 0.4 * kMass_kg * kRadius_m * kRadius_m * 169.0, 1e-12);
 }
 
-TEST(BodyEnergy, PushedByTheHand_GainsNothingByItself) {
+TEST(BodyEnergy, BodyPushedByTheHand_GainsNothing) {
   // 3 N for a millisecond beside the centre: v = f T / m, ω = r × f T / I.
   Watched w;
-  w.see();
+  w.check();
   const Vec3 push_n{3.0, 0.0, 0.0};
   w.state(0).velocity_m_s.x = 3.0 * kPeriod_s / kMass_kg;
   w.state(0).velocity_m_s.z = -9.81 * kPeriod_s;
@@ -151,81 +151,81 @@ TEST(BodyEnergy, PushedByTheHand_GainsNothingByItself) {
       -0.03 * 3.0 * kPeriod_s / (0.4 * kMass_kg * kRadius_m * kRadius_m);
   Contact& touch = w.touch(0);
   touch.point_m = {0.0, 0.03, 0.0};
-  touch.force_n = {-push_n.x, 0.0, 0.0};  // on the hand
-  w.see();
+  touch.force_n = {-push_n.x, 0.0, 0.0};  // force on the hand
+  w.check();
   EXPECT_NEAR(w.gained(), 0.0, 1e-12);
   EXPECT_GT(w.held(), 1e-5);
 }
 
-TEST(BodyEnergy, GivenByAMotor_IsGained) {
+TEST(BodyEnergy, EnergyOfAMotor_IsGained) {
   Watched w;
-  w.see();
+  w.check();
   w.state(0).velocity_m_s = {0.0, 2.0, -9.81 * kPeriod_s};
-  w.see();
+  w.check();
   EXPECT_NEAR(w.gained(), 0.5 * kMass_kg * 4.0, 1e-12);
   EXPECT_NEAR(w.received(), 0.5 * kMass_kg * 9.81 * 9.81 * kPeriod_s * kPeriod_s, 1e-12);
 }
 
-TEST(BodyEnergy, ThrownByAnExercise_IsReceived) {
+TEST(BodyEnergy, EnergyOfAnExercisesThrow_IsReceived) {
   Watched w;
-  w.see();
+  w.check();
   w.place(0, {0.2, 0.0, 1.0}, {0.0, 0.0, 3.0});
   w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
-  w.see();
+  w.check();
   EXPECT_NEAR(w.gained(), 0.0, 1e-12);
   EXPECT_NEAR(w.received(), w.held(), 1e-12);
-  // Caught and put down: that gives nothing.
+  // Catching the ball and putting it down gives no energy.
   w.place(0, {0.2, 0.0, 1.0}, {});
   w.state(0).velocity_m_s.z -= 9.81 * kPeriod_s;
-  w.see();
+  w.check();
   EXPECT_LE(w.received(), 1e-4);
   EXPECT_NEAR(w.gained(), 0.0, 1e-12);
 }
 
-TEST(BodyEnergy, OfAWallThatAnExerciseMoves_GoesToTheHand) {
+TEST(BodyEnergy, WallMovedByAnExercise_GivesEnergyThroughTheHand) {
   Watched w;
-  w.see();
+  w.check();
   w.place(1, {0.5, 0.0, 0.0}, {-0.2, 0.0, 0.0});
-  w.state(0).velocity_m_s = {-0.1, 0.0, -9.81 * kPeriod_s};  // it pushes the ball, too
+  w.state(0).velocity_m_s = {-0.1, 0.0, -9.81 * kPeriod_s};  // it also pushes the ball
   w.touch(1).force_n = {-5.0, 1.0, 0.0};
-  w.see();
+  w.check();
   const double gravity_j = 0.5 * kMass_kg * 9.81 * 9.81 * kPeriod_s * kPeriod_s;
   EXPECT_NEAR(w.received(), gravity_j + 5.0 * 0.2 * kPeriod_s + 0.5 * kMass_kg * 0.01, 1e-12);
   EXPECT_EQ(w.gained(), 0.0);
 }
 
-TEST(BodyEnergy, OfABodyLaidToRest_IsLostAndNotOwed) {
+TEST(BodyEnergy, BodyLaidToRest_LosesItsEnergyWithoutDebt) {
   Watched w;
   w.state(0).velocity_m_s.x = 1e-3;
-  w.see();
+  w.check();
   w.state(0).velocity_m_s = {};
-  w.see();
+  w.check();
   EXPECT_EQ(w.held(), 0.0);
   EXPECT_LE(w.gained(), 0.0);
 }
 
-TEST(BodyEnergy, OfAGame_IsWhatItsPoolReports) {
+TEST(BodyEnergy, BodiesOfAGame_GiveTheEnergyOfTheirPool) {
   Watched w;
-  w.see({1.0, 5.0});
+  w.check({1.0, 5.0});
   EXPECT_EQ(w.received(), 0.0);  // before the first step
   w.state(0).velocity_m_s.z = -9.81 * kPeriod_s;
-  w.see({3.0, 2.0});
+  w.check({3.0, 2.0});
   EXPECT_GE(w.received(), 2.0);
   EXPECT_NEAR(w.gained(), 0.0, 1e-12);
-  w.see({3.5, 0.0});
+  w.check({3.5, 0.0});
   EXPECT_NEAR(w.gained(), 0.5, 1e-3);
 }
 
-TEST(BodyEnergy, OfNoNumber_IsNoNumber) {
+TEST(BodyEnergy, NonFiniteState_GivesNonFiniteEnergy) {
   Watched w;
-  w.see();
+  w.check();
   w.state(0).velocity_m_s.x = std::nan("");
-  w.see();
+  w.check();
   EXPECT_FALSE(w.gained() <= 1.0);
 }
 
-// Two balls collide, of any masses: contacts between bodies make no energy, whatever the direction.
-TEST(BodyEnergy, OfImpacts_NeverRises) {
+// Two balls of random masses collide: contacts between bodies make no energy in any direction.
+TEST(BodyEnergy, Impacts_NeverRaiseTheEnergy) {
   auto random = seededRandom(81);
   for (int i = 0; i < cases(200); ++i) {
     SceneModel scene;

@@ -41,13 +41,13 @@ TEST(NeutralRamp, BeforeTheFirstTick_HoldsNeutral) {
   EXPECT_EQ(s.sent[1], -0.1);
 }
 
-TEST(NeutralRamp, StateThatWasNeverEngaged_SendsNeutralWhateverIsWanted) {
+TEST(NeutralRamp, StateThatWasNeverEngaged_SendsNeutralForAnyInput) {
   const NeutralRampState s = tick({}, kWanted, false);
   EXPECT_EQ(s.phase, RampPhase::kNeutral);
   EXPECT_EQ(s.sent[0], 4.0);
 }
 
-TEST(NeutralRamp, Engaging_RisesByTheSmoothstepAndEndsExactlyAtWanted) {
+TEST(NeutralRamp, Engaging_RisesByTheSmoothstepAndEndsExactlyAtTheWantedEffort) {
   NeutralRampState s = engageFrom(kNeutral);
   for (int k = 1; k <= 250; ++k) {
     s = tick(s, kWanted, false);
@@ -64,14 +64,15 @@ TEST(NeutralRamp, StallWhileEngaging_DoesNotEndInAStep) {
   NeutralRampState s = engageFrom(kNeutral);
   for (int k = 0; k < 50; ++k) s = tick(s, kWanted, false);
   const NeutralRampState next = tick(s, kWanted, false, 500);
-  // The first step of the smoothstep, of a span that is less than the 16 N from neutral to wanted.
+  // The first step of the smoothstep, over a span of less than the 16 N from neutral to the wanted
+  // effort.
   EXPECT_LE(std::abs(next.sent[0] - s.sent[0]), 16.0 * smooth(kPeriod_s / kRamp.engage_s));
 }
 
 TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 120; ++k) {
-    s = tick(s, of<AxisEffort>(1e9, 1e9), true);  // what is wanted now is not looked at
+    s = tick(s, of<AxisEffort>(1e9, 1e9), true);  // the wanted effort is ignored now
     const double share = 1.0 - smooth(k * kPeriod_s / kRamp.ramp_s);
     EXPECT_NEAR(s.sent[0], 4.0 + share * (-12.0 - 4.0), tolerance(1e-11));
     EXPECT_NEAR(s.authority, share, tolerance(1e-12));
@@ -82,9 +83,10 @@ TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
   EXPECT_EQ(s.authority, 0.0);
 }
 
-TEST(NeutralRamp, FirstTickOfAStop_BarelyDiffersFromTheLastGoodEffort) {
+TEST(NeutralRamp, FirstTickOfAStop_StaysNearTheLastValidEffort) {
   const NeutralRampState before = engaged();
-  for (const int skipped : {0, 3, 80, 5000}) {  // a stall before the fault does not shorten the way
+  for (const int skipped :
+       {0, 3, 80, 5000}) {  // a stall before the fault does not shorten the ramp
     const NeutralRampState s = tick(before, of<AxisEffort>(99.0, 99.0), true, 1 + skipped);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
     EXPECT_NEAR(s.sent[0], -12.0, 16.0 * 3.0 * (1.0 / 80.0) * (1.0 / 80.0));  // 3u² of the span
@@ -92,17 +94,17 @@ TEST(NeutralRamp, FirstTickOfAStop_BarelyDiffersFromTheLastGoodEffort) {
   }
 }
 
-TEST(NeutralRamp, NeutralIsTheEnd_NothingRisesAgain) {
+TEST(NeutralRamp, AtNeutral_NeverRisesAgain) {
   NeutralRampState s = engaged();
   for (int k = 0; k < 200; ++k) s = tick(s, kWanted, k == 0);
-  EXPECT_EQ(s.phase, RampPhase::kNeutral);  // although stop held for one tick only
+  EXPECT_EQ(s.phase, RampPhase::kNeutral);  // although the stop lasted one tick only
   for (int k = 0; k < 200; ++k) {
     s = tick(s, kWanted, false);
     EXPECT_EQ(s.sent[0], 4.0);
   }
 }
 
-TEST(NeutralRamp, NonFiniteEffort_IsAStopAndIsNeverSent) {
+TEST(NeutralRamp, NonFiniteEffort_StopsAndIsNeverSent) {
   for (const double bad : {std::nan(""), HUGE_VAL}) {
     NeutralRampState s = tick(engaged(), of<AxisEffort>(bad, 0.0), false);
     EXPECT_EQ(s.phase, RampPhase::kRamping);
@@ -112,7 +114,7 @@ TEST(NeutralRamp, NonFiniteEffort_IsAStopAndIsNeverSent) {
   EXPECT_EQ(missing.phase, RampPhase::kRamping);
 }
 
-TEST(NeutralRamp, StopWhileEngaging_StartsFromWhatWasSent) {
+TEST(NeutralRamp, StopWhileEngaging_StartsFromTheLastSentEffort) {
   NeutralRampState s = engageFrom(kNeutral);
   for (int k = 0; k < 60; ++k) s = tick(s, kWanted, false);
   const NeutralRampState before = s;
@@ -122,7 +124,7 @@ TEST(NeutralRamp, StopWhileEngaging_StartsFromWhatWasSent) {
   EXPECT_NEAR(s.authority, before.authority, 0.01);
 }
 
-TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
+TEST(NeutralRamp, RampSlowerThanAllowed_StillEndsIn100Milliseconds) {
   for (const double ramp_s : {5.0, 0.1, -1.0, std::nan("")}) {
     NeutralRampConfig slow;
     slow.ramp_s = ramp_s;
@@ -140,7 +142,7 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
 const AxisEffort kWantedNow =
     of<AxisEffort>(9.0, -0.5);  // far from kWanted: the device has moved on
 
-TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
+TEST(NeutralRamp, StallLongerThanTheGap_EngagesAgainFromTheHeldEffort) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 220; ++k) {
     s = tick(s, kWantedNow, false, k == 1 ? 200 : 1);
@@ -155,7 +157,7 @@ TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
   EXPECT_EQ(s.authority, 1.0);
 }
 
-TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
+TEST(NeutralRamp, GapOfFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
   for (const int rate_khz : {1, 2, 4}) {
     const auto after = [&](int periods) {
       return advanceRamp(engaged(), kWantedNow, kNeutral, StopAsked::kNone, periods,
@@ -167,13 +169,13 @@ TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
     }
     const NeutralRampState stalled = after(5 * rate_khz + 1);
     EXPECT_LT(stalled.authority, 4e-3);
-    // The first step of the smoothstep, of a span of 21 N.
+    // The first step of the smoothstep, over a span of 21 N.
     EXPECT_LE(std::abs(stalled.sent[0] + 12.0),
               21.0 * smooth(1e-3 / rate_khz / kRamp.reengage_s) + 1e-12);
   }
 }
 
-// A loop of 100 Hz is slow, and stalls no more than another.
+// A loop of 100 Hz is slow, but a normal period is no stall.
 TEST(NeutralRamp, PeriodLongerThanTheGap_IsNoStall) {
   constexpr double kSlow_s = 0.01;
   NeutralRampState s = engageFrom(kNeutral);
@@ -187,7 +189,7 @@ TEST(NeutralRamp, PeriodLongerThanTheGap_IsNoStall) {
   EXPECT_LT(s.authority, 1.0) << "a period that is skipped is one";
 }
 
-TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
+TEST(NeutralRamp, RepeatedStalls_EachStartFromTheLastSentEffort) {
   NeutralRampState s = engaged();
   for (int k = 0; k < 400; ++k) {
     const AxisEffort& wanted = k % 2 == 0 ? kWantedNow : kWanted;
@@ -198,7 +200,7 @@ TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
   }
 }
 
-TEST(NeutralRamp, StopWhileEngagingAnew_RampsFromWhatWasSentLast) {
+TEST(NeutralRamp, StopWhileEngagingAgain_RampsFromTheLastSentEffort) {
   NeutralRampState s = engaged();
   for (int k = 0; k < 15; ++k) s = tick(s, kWantedNow, false, k == 0 ? 200 : 1);
   const double held = s.sent[0];
@@ -213,8 +215,8 @@ TEST(NeutralRamp, StopWhileEngagingAnew_RampsFromWhatWasSentLast) {
   EXPECT_EQ(s.sent[0], 4.0);
 }
 
-/// A run as bad as it gets: random efforts, a stop at a random tick, periods skipped at random.
-TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) {
+/// Random efforts, a stop at a random tick and randomly skipped periods.
+TEST(NeutralRamp, RandomRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) {
   EXPECT_TRUE(rc::check("run", [] {
     const double limit = 0.01 * *rc::gen::inRange(1, 5000);
     const double neutral_effort = limit * (*rc::gen::inRange(-1000, 1001) / 1000.0);
@@ -236,7 +238,7 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
       RC_ASSERT(std::isfinite(next.sent[0]));
       RC_ASSERT(std::abs(next.sent[0]) <= limit);
       if (k < stop_at && elapsed * period_s > kRamp.gap_s) {
-        // After a stall: no more than the smoothstep's first step of the way.
+        // After a stall: at most the smoothstep's first step of the span.
         RC_ASSERT(std::abs(next.sent[0] - s.sent[0]) <=
                   smooth(period_s / kRamp.reengage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
       }

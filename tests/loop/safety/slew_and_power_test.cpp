@@ -17,14 +17,14 @@ namespace {
 const auto force = of<AxisEffort, double, double>;
 const auto rate = of<AxisVelocity, double, double>;
 
-/// What was sent, the oldest first.
+/// A window of sent efforts, the oldest first.
 SlewWindow sentBefore(const std::vector<AxisEffort>& efforts) {
   SlewWindow window(4);
   for (const AxisEffort& e : efforts) window.note(e);
   return window;
 }
 
-TEST(SlewLimiter, ChangeWithinTheLimit_PassesBitByBit) {
+TEST(SlewLimiter, ChangeWithinTheLimit_PassesToTheBit) {
   const LimitedEffort out =
       limitSlew(force(5.0, -1.0), sentBefore({force(0.0, 0.0)}), force(5.0, 1.0));
   EXPECT_EQ(out.effort.vec(), force(5.0, -1.0).vec());
@@ -32,7 +32,7 @@ TEST(SlewLimiter, ChangeWithinTheLimit_PassesBitByBit) {
   EXPECT_EQ(out.axis, -1);
 }
 
-TEST(SlewLimiter, ChangeBeyondTheLimit_IsHeldAndNamesTheAxis) {
+TEST(SlewLimiter, ChangeBeyondTheLimit_IsLimitedAndNamesTheAxis) {
   const LimitedEffort out =
       limitSlew(force(1.0, -7.0), sentBefore({force(0.5, -1.0)}), force(5.0, 2.0));
   EXPECT_EQ(out.effort.vec(), force(1.0, -3.0).vec());  // -1 - 2
@@ -40,8 +40,8 @@ TEST(SlewLimiter, ChangeBeyondTheLimit_IsHeldAndNamesTheAxis) {
   EXPECT_EQ(out.axis, 1);
 }
 
-// A step of 20 N at 5 N a period is there in four.
-TEST(SlewLimiter, Step_ArrivesAfterItsHeightOverTheLimit) {
+// A step of 20 N at 5 N per period takes four periods.
+TEST(SlewLimiter, Step_ArrivesAfterItsHeightDividedByTheLimit) {
   AxisEffort sent = force(-10.0, 0.0);
   for (int k = 1; k <= 4; ++k) {
     sent = limitSlew(force(10.0, 0.0), sentBefore({sent}), force(5.0, 5.0)).effort;
@@ -50,9 +50,9 @@ TEST(SlewLimiter, Step_ArrivesAfterItsHeightOverTheLimit) {
   EXPECT_EQ(limitSlew(force(10.0, 0.0), sentBefore({sent}), force(5.0, 5.0)).faults, Fault::kNone);
 }
 
-// Four ticks in the window: a step of the whole limit in one of them, and nothing more until the
-// effort before it has left the window.
-TEST(SlewLimiter, StepAtAHighRate_IsAsHighAsInAMillisecondAndNoHigher) {
+// Four ticks in the window: one of them may make a step of the whole limit, and no further change
+// follows until the effort before it has left the window.
+TEST(SlewLimiter, StepAtAHighRate_IsNoHigherThanInAMillisecond) {
   SlewWindow window(4);
   AxisEffort sent = force(0.0, 0.0);
   for (int k = 0; k < 12; ++k) {
@@ -72,15 +72,16 @@ TEST(SlewLimiter, Window_IsAMillisecondOrOneTick) {
   EXPECT_EQ(slewTicks(1.0 / 16000.0), kMostSlewTicks);
 }
 
-// A device that refused efforts holds another than was sent: it is gone on from there.
-TEST(SlewLimiter, EffortsFurtherApartThanTheLimit_AreGoneOnFromTheLast) {
+// A device that refused efforts holds another one than was sent: the limiter continues from the
+// held one.
+TEST(SlewLimiter, EffortsFurtherApartThanTheLimit_ContinueFromTheLast) {
   const SlewWindow window = sentBefore({force(0.0, 0.0), force(20.0, 0.0)});
   EXPECT_EQ(limitSlew(force(30.0, 0.0), window, force(5.0, 5.0)).effort[0], 20.0);
   EXPECT_EQ(limitSlew(force(0.0, 0.0), window, force(5.0, 5.0)).effort[0], 15.0);
 }
 
-// In any window of a millisecond efforts differ by no more than the limit, whatever is wanted.
-TEST(SlewLimiter, WhateverIsWanted_DiffersByTheLimitAtMostWithinTheWindow) {
+// In any window of a millisecond, efforts differ by at most the limit, for any wanted effort.
+TEST(SlewLimiter, AnyWantedEffort_DiffersByAtMostTheLimitWithinTheWindow) {
   EXPECT_TRUE(rc::check([](const std::vector<int>& wanted) {
     const auto ticks = *rc::gen::inRange(1, kMostSlewTicks + 1);
     SlewWindow window(ticks);
@@ -96,32 +97,32 @@ TEST(SlewLimiter, WhateverIsWanted_DiffersByTheLimitAtMostWithinTheWindow) {
   }));
 }
 
-TEST(PowerLimiter, BelowTheLimit_PassesBitByBit) {
+TEST(PowerLimiter, PowerBelowTheLimit_PassesToTheBit) {
   const LimitedEffort out =
       limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(1.0, 1.0), 12.0 + 1e-9);
   EXPECT_EQ(out.effort.vec(), force(10.0, 2.0).vec());
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
-// 10 N at 1 m/s and 2 N·m at 5 rad/s are 20 W; of 5 W a quarter is left of both.
-TEST(PowerLimiter, AboveTheLimit_HoldsWhatPushesToEqualShares) {
+// 10 N at 1 m/s and 2 N·m at 5 rad/s are 20 W; with a limit of 5 W a quarter of both is left.
+TEST(PowerLimiter, PowerAboveTheLimit_IsSharedEqually) {
   const LimitedEffort out = limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(1.0, 5.0), 5.0);
   EXPECT_NEAR(out.effort[0], 2.5, tolerance(1e-12));
   EXPECT_NEAR(out.effort[1], 0.5, tolerance(1e-12));
   EXPECT_EQ(out.faults, Fault::kPowerLimit);
 }
 
-// 1 W and 20 W within 5 W: the small one keeps its effort, the other has the 4 W left.
-TEST(PowerLimiter, AxisThatGivesLittle_KeepsItsEffort) {
+// 1 W and 20 W within 5 W: the first keeps its effort, the other gets the remaining 4 W.
+TEST(PowerLimiter, AxisWithLittlePower_KeepsItsEffort) {
   const LimitedEffort out = limitPower(force(1.0, 20.0), force(0.0, 0.0), rate(1.0, 1.0), 5.0);
   EXPECT_EQ(out.effort[0], 1.0);
   EXPECT_NEAR(out.effort[1], 4.0, tolerance(1e-12));
   EXPECT_EQ(out.axis, 1);
 }
 
-// 1, 5 and 10 W of which 9 are allowed: an equal part is 3, the first leaves 2 of it to the others,
-// 4 each.
-TEST(PowerLimiter, WhatOneLeaves_IsTheOthers) {
+// 1, 5 and 10 W with 9 W allowed: an equal part is 3; the first leaves 2 of it to the others, 4
+// each.
+TEST(PowerLimiter, UnusedShareOfOneAxis_GoesToTheOthers) {
   const LimitedEffort out = limitPower(of<AxisEffort>(1.0, -2.5, 5.0), AxisEffort(3),
                                        of<AxisVelocity>(1.0, -2.0, 2.0), 9.0);
   EXPECT_EQ(out.effort[0], 1.0);
@@ -130,8 +131,8 @@ TEST(PowerLimiter, WhatOneLeaves_IsTheOthers) {
   EXPECT_EQ(out.axis, 1);
 }
 
-// Noise of a velocity around 0: 10 N at a nanometer a second is no power worth taking away.
-TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortWhateverTheOthersGive) {
+// Velocity noise around 0: the power of 10 N at a nanometre per second need not be limited.
+TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortForAnyPowerOfTheOthers) {
   for (const double noise : {1e-9, -1e-9}) {
     const LimitedEffort out = limitPower(force(10.0, 2.0), force(0.0, 0.0), rate(noise, 10.0), 5.0);
     EXPECT_EQ(out.effort[0], 10.0);
@@ -140,25 +141,25 @@ TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortWhateverTheOthersGive) {
   }
 }
 
-TEST(PowerLimiter, WhatBrakes_StaysAndIsNotCreditedToTheOthers) {
+TEST(PowerLimiter, BrakingAxis_KeepsItsEffortAndGivesNoCredit) {
   const LimitedEffort out = limitPower(force(10.0, -9.0), force(0.0, 0.0), rate(1.0, 1.0), 5.0);
   EXPECT_NEAR(out.effort[0], 5.0, tolerance(1e-12));
   EXPECT_EQ(out.effort[1], -9.0);
 }
 
-TEST(PowerLimiter, WeightOfTheDevice_IsCarriedWhateverTheMotion) {
+TEST(PowerLimiter, NeutralEffort_IsKeptInAnyMotion) {
   const LimitedEffort out = limitPower(force(8.0, 0.0), force(8.0, 0.0), rate(100.0, 0.0), 1.0);
   EXPECT_EQ(out.effort[0], 8.0);
   EXPECT_EQ(out.faults, Fault::kNone);
 }
 
-TEST(PowerLimiter, AtRestOrWithoutALimit_LetsEverythingPass) {
+TEST(PowerLimiter, AtRestOrWithoutALimit_PassesEverything) {
   const double none = std::numeric_limits<double>::infinity();
   EXPECT_EQ(limitPower(force(20.0, 1.0), force(0.0, 0.0), rate(0.0, 0.0), 1.0).effort[0], 20.0);
   EXPECT_EQ(limitPower(force(20.0, 1.0), force(0.0, 0.0), rate(9.0, 9.0), none).effort[0], 20.0);
 }
 
-/// Σ min(pᵢ, share).
+/// Σ min(pᵢ, share): the power given with this cap.
 double givenWith(const AxisEffort& wanted, const AxisVelocity& qd, double share_w) {
   double given_w = 0.0;
   for (int a = 0; a < wanted.size(); ++a) {
@@ -167,7 +168,7 @@ double givenWith(const AxisEffort& wanted, const AxisVelocity& qd, double share_
   return given_w;
 }
 
-TEST(PowerLimiter, WhateverComes_GivesTheLimitByOneCapAndTurnsNothingRound) {
+TEST(PowerLimiter, AnyInput_GivesTheLimitByOneCapAndReversesNoEffort) {
   rc::check([](const std::array<std::array<short, 2>, 6>& raw, unsigned char watt) {
     AxisEffort wanted(6);
     AxisVelocity qd(6);
@@ -178,7 +179,7 @@ TEST(PowerLimiter, WhateverComes_GivesTheLimitByOneCapAndTurnsNothingRound) {
     const double limit_w = 0.01 + 0.1 * watt;
     const double wanted_w = givenWith(wanted, qd, 1e9);
     const AxisEffort out = limitPower(wanted, AxisEffort(6), qd, limit_w).effort;
-    // The cap by bisection, to compare with.
+    // The cap by bisection, for comparison.
     double low_w = 0.0, high_w = wanted_w + 1.0;
     for (int i = 0; i < 100; ++i) {
       const double middle_w = 0.5 * (low_w + high_w);
@@ -194,7 +195,7 @@ TEST(PowerLimiter, WhateverComes_GivesTheLimitByOneCapAndTurnsNothingRound) {
   });
 }
 
-/// Efforts of three axes against limits of 20, 0.6 and 1.
+/// Limits the efforts of three axes to 20, 0.6 and 1.
 LimitedEffort limited(double a, double b, double c) {
   return limitEffort(of<AxisEffort>(a, b, c), of<AxisEffort>(20.0, 0.6, 1.0));
 }
@@ -203,7 +204,7 @@ void expectEffort(const LimitedEffort& out, double a, double b, double c) {
   EXPECT_EQ(out.effort.vec(), of<AxisEffort>(a, b, c).vec());
 }
 
-TEST(ForceLimiter, EffortsWithinLimits_PassUntouchedWithoutFault) {
+TEST(ForceLimiter, EffortsWithinLimits_PassUnchangedWithoutFault) {
   const LimitedEffort out = limited(20.0, -0.6, 0.0);
   expectEffort(out, 20.0, -0.6, 0.0);
   EXPECT_EQ(out.faults, Fault::kNone);
@@ -225,7 +226,7 @@ TEST(ForceLimiter, NonFiniteEffort_BecomesZeroAndStops) {
   }
 }
 
-TEST(ForceLimiter, LimitThatIsNoLimit_LetsNothingThrough) {
+TEST(ForceLimiter, InvalidLimit_PassesNothing) {
   for (const double bad : {std::nan(""), -5.0, 0.0}) {
     const LimitedEffort out = limitEffort(AxisEffort(1, 3.0), AxisEffort(1, bad));
     EXPECT_EQ(out.effort[0], 0.0);
@@ -240,7 +241,7 @@ TEST(ForceLimiter, MissingEffort_IsZero) {
   EXPECT_EQ(out.effort[2], 0.0);
 }
 
-TEST(ForceLimiter, AnyBits_ComeOutFiniteAndWithinLimits) {
+TEST(ForceLimiter, AnyBitPattern_IsFiniteAndWithinLimits) {
   EXPECT_TRUE(rc::check("bound", [](std::uint64_t effort_bits, std::uint64_t limit_bits) {
     double effort = 0.0, limit = 0.0;  // every bit pattern: NaNs, infinities, subnormals
     std::memcpy(&effort, &effort_bits, sizeof effort);

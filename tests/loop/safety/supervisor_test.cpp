@@ -1,5 +1,5 @@
-// What the supervisor takes for a fault, from both sides of every limit. Expected values are the
-// limits themselves: a motion a hair below passes, a hair above does not.
+// The supervisor's faults on both sides of every limit. Expected values are the limits themselves:
+// a motion slightly below passes, one slightly above is a fault.
 #include "loop/safety/supervisor.hpp"
 
 #include "loop/safety/safety_chain.hpp"
@@ -48,38 +48,38 @@ AxisEffort effortOnX(double effort_n) {
 
 class DeviceWatch : public ::testing::Test {
  protected:
-  Finding see(const AxisPosition& q, int elapsed = 1, const AxisEffort& sent = AxisEffort(3)) {
+  Finding check(const AxisPosition& q, int elapsed = 1, const AxisEffort& sent = AxisEffort(3)) {
     return watchDevice(state_, q, sent, elapsed, config_);
   }
   SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
   DeviceWatchState state_;
 };
 
-TEST_F(DeviceWatch, AtRest_FindsNothingForEver) {
-  for (int k = 0; k < 5000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+TEST_F(DeviceWatch, AtRest_NeverFindsAFault) {
+  for (int k = 0; k < 5000; ++k) ASSERT_EQ(check(at(0.05)).faults, Fault::kNone) << k;
 }
 
-TEST_F(DeviceWatch, AtRestAtAHundredHertz_FindsNothingForEver) {
+TEST_F(DeviceWatch, AtRestAtAHundredHertz_NeverFindsAFault) {
   DeviceModel device = threeAxes();
   config_ = makeSupervisor(device, 0.01, false);
   ASSERT_GT(config_.watch.late_in_a_row, 0);
-  for (int k = 0; k < 1000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+  for (int k = 0; k < 1000; ++k) ASSERT_EQ(check(at(0.05)).faults, Fault::kNone) << k;
 }
 
-// |Δq| = v T + 2 δ is allowed: 1.5 mm and two counts.
-TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNothing) {
-  see(at(0.0));
-  EXPECT_EQ(see(at(1.5e-3 + 2.0 * kCount - 1e-9)).faults, Fault::kNone);
-  EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);  // backwards too
+// |Δq| = v T + 2 δ is allowed: 1.5 mm and two encoder counts.
+TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNoFault) {
+  check(at(0.0));
+  EXPECT_EQ(check(at(1.5e-3 + 2.0 * kCount - 1e-9)).faults, Fault::kNone);
+  EXPECT_EQ(check(at(0.0)).faults, Fault::kNone);  // backwards too
 }
 
 TEST_F(DeviceWatch, JustAboveTheSpeedLimit_IsASpeedFaultOfThatAxis) {
   for (const double sign : {1.0, -1.0}) {
     state_ = DeviceWatchState{};
     const double way = 1.5e-3 + 2.0 * kCount + 1e-9;
-    see(at(0.0));
-    EXPECT_EQ(see(at(sign * way)).faults, Fault::kNone);  // one reading may be late
-    const Finding finding = see(at(sign * 2.0 * way));
+    check(at(0.0));
+    EXPECT_EQ(check(at(sign * way)).faults, Fault::kNone);  // one reading may be late
+    const Finding finding = check(at(sign * 2.0 * way));
     EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
     EXPECT_EQ(finding.axis, 0);
   }
@@ -87,35 +87,36 @@ TEST_F(DeviceWatch, JustAboveTheSpeedLimit_IsASpeedFaultOfThatAxis) {
 
 TEST_F(DeviceWatch, FingerTooFast_NamesTheFinger) {
   const double way = 1e-2 + 2e-4 + 1e-7;
-  see(at(0.0));
-  see(at(0.0, 0.0, 1.0 + way));
-  const Finding finding = see(at(0.0, 0.0, 1.0 + 2.0 * way));
+  check(at(0.0));
+  check(at(0.0, 0.0, 1.0 + way));
+  const Finding finding = check(at(0.0, 0.0, 1.0 + 2.0 * way));
   EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
   EXPECT_EQ(finding.axis, 2);
 }
 
-// Three times that way is no motion any more: 3 v T + 2 δ, and is reported in the first tick.
-TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpJustAboveAndSpeedJustBelow) {
+// Three times that distance, 3 v T + 2 δ, is no motion but a jump and is reported in the first
+// tick.
+TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpAboveAndASpeedFaultBelow) {
   const double jump = 4.5e-3 + 2.0 * kCount;
-  see(at(0.0));
-  see(at(jump - 1e-9));
-  EXPECT_EQ(see(at(2.0 * (jump - 1e-9))).faults, Fault::kSpeedLimit);
+  check(at(0.0));
+  check(at(jump - 1e-9));
+  EXPECT_EQ(check(at(2.0 * (jump - 1e-9))).faults, Fault::kSpeedLimit);
   state_ = DeviceWatchState{};
-  see(at(0.0));
-  const Finding finding = see(at(jump + 1e-9));
+  check(at(0.0));
+  const Finding finding = check(at(jump + 1e-9));
   EXPECT_EQ(finding.faults, Fault::kEncoderJump);
   EXPECT_EQ(finding.axis, 0);
 }
 
-TEST_F(DeviceWatch, AfterSkippedPeriods_AllowsTheirWayToo) {
-  see(at(0.0));
-  EXPECT_EQ(see(at(4.0 * 1.5e-3), 4).faults, Fault::kNone);
-  EXPECT_EQ(see(at(8.0 * 1.5e-3 + 1e-4), 4).faults, Fault::kNone);
-  EXPECT_EQ(see(at(12.0 * 1.5e-3 + 2e-4), 4).faults, Fault::kSpeedLimit);  // the second
+TEST_F(DeviceWatch, AfterSkippedPeriods_AllowsTheirDistanceToo) {
+  check(at(0.0));
+  EXPECT_EQ(check(at(4.0 * 1.5e-3), 4).faults, Fault::kNone);
+  EXPECT_EQ(check(at(8.0 * 1.5e-3 + 1e-4), 4).faults, Fault::kNone);
+  EXPECT_EQ(check(at(12.0 * 1.5e-3 + 2e-4), 4).faults, Fault::kSpeedLimit);  // the second one
 }
 
-TEST_F(DeviceWatch, FirstReading_KnowsNoSpeed) {
-  EXPECT_EQ(see(at(0.09)).faults, Fault::kNone);
+TEST_F(DeviceWatch, FirstReading_HasNoSpeed) {
+  EXPECT_EQ(check(at(0.09)).faults, Fault::kNone);
 }
 
 // A twentieth of the range, 0.2 m, and two counts.
@@ -124,42 +125,43 @@ TEST_F(DeviceWatch, FirstReadingSinceArming_MayBeATwentiethOfTheRangeAway) {
   for (const double sign : {1.0, -1.0}) {
     state_ = DeviceWatchState{};
     state_.q = at(0.02);
-    EXPECT_EQ(see(at(0.02 + sign * (way - 1e-9))).faults, Fault::kNone);
+    EXPECT_EQ(check(at(0.02 + sign * (way - 1e-9))).faults, Fault::kNone);
     state_ = DeviceWatchState{};
     state_.q = at(0.02);
-    const Finding moved = see(at(0.02 + sign * (way + 1e-9)));
+    const Finding moved = check(at(0.02 + sign * (way + 1e-9)));
     EXPECT_EQ(moved.faults, Fault::kSpeedLimit);
     EXPECT_EQ(moved.axis, 0);
-    EXPECT_EQ(see(at(0.02 + sign * (way + 1e-9))).faults, Fault::kNone);  // said once
+    EXPECT_EQ(check(at(0.02 + sign * (way + 1e-9))).faults, Fault::kNone);  // reported once
   }
 }
 
 TEST_F(DeviceWatch, Workspace_EndsAtTheMarginBeyondTheRange) {
-  EXPECT_EQ(see(at(0.105 - 1e-9)).faults, Fault::kNone);
+  EXPECT_EQ(check(at(0.105 - 1e-9)).faults, Fault::kNone);
   state_ = DeviceWatchState{};
-  const Finding beyond = see(at(0.0, -0.105 - 1e-9));
-  EXPECT_EQ(beyond.faults, Fault::kWorkspace);  // at once: arm() asks so
+  const Finding beyond = check(at(0.0, -0.105 - 1e-9));
+  EXPECT_EQ(beyond.faults, Fault::kWorkspace);  // at once: arm() needs this
   EXPECT_EQ(beyond.axis, 1);
 }
 
-TEST_F(DeviceWatch, LateTicks_FiveInARowPassTheSixthStops) {
-  see(at(0.0));
-  for (int k = 0; k < 5; ++k) EXPECT_EQ(see(at(0.0), 2).faults, Fault::kNone) << k;
-  EXPECT_EQ(see(at(0.0), 2).faults, Fault::kLateInARow);
+TEST_F(DeviceWatch, LateTicks_FiveInARowPassAndTheSixthStops) {
+  check(at(0.0));
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(check(at(0.0), 2).faults, Fault::kNone) << k;
+  EXPECT_EQ(check(at(0.0), 2).faults, Fault::kLateInARow);
 }
 
-TEST_F(DeviceWatch, LateTicksWithOneOnTime_CountAnew) {
-  see(at(0.0));
-  for (int k = 0; k < 60; ++k) EXPECT_EQ(see(at(0.0), k % 6 == 5 ? 1 : 2).faults, Fault::kNone);
+TEST_F(DeviceWatch, LateTicksWithOneOnTime_CountFromZero) {
+  check(at(0.0));
+  for (int k = 0; k < 60; ++k) EXPECT_EQ(check(at(0.0), k % 6 == 5 ? 1 : 2).faults, Fault::kNone);
 }
 
-TEST_F(DeviceWatch, Gap_OfTwentyPeriodsPassesTwentyOneStop) {
-  see(at(0.0));
-  EXPECT_EQ(see(at(0.0), 20).faults, Fault::kNone);
-  EXPECT_EQ(see(at(0.0), 21).faults, Fault::kLongGap);
+TEST_F(DeviceWatch, Gap_TwentyPeriodsPassAndTwentyOneStop) {
+  check(at(0.0));
+  EXPECT_EQ(check(at(0.0), 20).faults, Fault::kNone);
+  EXPECT_EQ(check(at(0.0), 21).faults, Fault::kLongGap);
 }
 
-/// Gaps of so many periods every so many ticks: which one is reported, counted from 1; 0: none.
+/// Number of the gap that is reported, counted from 1 (0: none), for `gaps` gaps of `periods`
+/// periods every `every` ticks.
 int reportedGap(const SupervisorConfig& config, int periods, int every, int gaps) {
   DeviceWatchState state;
   for (int k = 0; k <= gaps * every; ++k) {
@@ -170,22 +172,22 @@ int reportedGap(const SupervisorConfig& config, int periods, int every, int gaps
   return 0;
 }
 
-// Each takes some of the device's own loop away: three in a second pass, the fourth stops.
+// Each gap interrupts the device's own loop: three within a second pass, the fourth stops.
 TEST_F(DeviceWatch, GapsOfMoreThanFiveMilliseconds_FourWithinASecondStop) {
   EXPECT_EQ(reportedGap(config_, 6, 50, 100), 4);
   EXPECT_EQ(reportedGap(config_, 6, 100, 100), 4);
   EXPECT_EQ(reportedGap(config_, 6, 328, 100),
             4);  // 333 ms apart: the fourth 999 ms after the first
-  EXPECT_EQ(reportedGap(config_, 6, 329, 100), 0);  // 334 ms apart, for ever
-  EXPECT_EQ(reportedGap(config_, 5, 50, 100), 0);   // five milliseconds are none
+  EXPECT_EQ(reportedGap(config_, 6, 329, 100), 0);  // 334 ms apart, without end
+  EXPECT_EQ(reportedGap(config_, 5, 50, 100), 0);   // five milliseconds are no gap
   EXPECT_EQ(reportedGap(makeSupervisor(threeAxes(), kT_s, true), 6, 50, 100), 0);
 }
 
-TEST_F(DeviceWatch, SimulatedDevice_IsAskedForNeitherTimeNorEncoders) {
+TEST_F(DeviceWatch, SimulatedDevice_IsCheckedForNeitherTimeNorEncoders) {
   config_ = makeSupervisor(threeAxes(), kT_s, true);
-  see(at(0.0));
+  check(at(0.0));
   for (int k = 0; k < 3000; ++k) {
-    ASSERT_EQ(see(at(0.0), 30, effortOnX(k % 2 == 0 ? 20.0 : -20.0)).faults, Fault::kNone);
+    ASSERT_EQ(check(at(0.0), 30, effortOnX(k % 2 == 0 ? 20.0 : -20.0)).faults, Fault::kNone);
   }
 }
 
@@ -217,7 +219,7 @@ TEST_F(DeviceWatch, StandingStillWhileItsEffortChanges_IsStuckAfterASecond) {
   EXPECT_EQ(stuckAfter(config_, 5000, sways(1.99)), -1);  // too little to be sure
 }
 
-TEST_F(DeviceWatch, BrokenEncoderThatFlickersOneCount_IsStuckTwoCountsAreMotion) {
+TEST_F(DeviceWatch, EncoderThatFlickersOneCount_IsStuckAndTwoCountsAreMotion) {
   const auto flickers = [](double counts) {
     return [counts](int k) {
       return std::pair{at(0.02 + (k % 2) * counts * kCount), effortOnX(5.0 * std::sin(0.02 * k))};
@@ -227,28 +229,28 @@ TEST_F(DeviceWatch, BrokenEncoderThatFlickersOneCount_IsStuckTwoCountsAreMotion)
   EXPECT_EQ(stuckAfter(config_, 5000, flickers(2.0)), -1);
 }
 
-// A late reading makes one step long and the next short: no speed.
+// A late reading makes one step long and the next short; that is no excess speed.
 TEST_F(DeviceWatch, EverySecondReadingLate_IsNoSpeedFault) {
   for (int k = 0; k < 100; ++k) {
     const double q = 1.0e-3 * (k % 2 == 0 ? k : k + 0.8) - 0.05;
-    ASSERT_EQ(see(at(q)).faults, Fault::kNone) << k;
+    ASSERT_EQ(check(at(q)).faults, Fault::kNone) << k;
   }
 }
 
-// A second is any second: two gaps close together are no worse than two at its ends.
+// Any second counts: two gaps close together are no worse than two at its ends.
 TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
   const auto reported = [this](std::initializer_list<int> on_time_before) {
     state_ = DeviceWatchState{};
-    see(at(0.0));
+    check(at(0.0));
     int gap = 0;
     for (const int ticks : on_time_before) {
-      for (int k = 0; k < ticks; ++k) EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);
+      for (int k = 0; k < ticks; ++k) EXPECT_EQ(check(at(0.0)).faults, Fault::kNone);
       ++gap;
-      if (see(at(0.0), 6).faults == Fault::kLateInARow) return gap;
+      if (check(at(0.0), 6).faults == Fault::kLateInARow) return gap;
     }
     return 0;
   };
-  // From the first to the fourth 999 and 1,001 periods.
+  // From the first to the fourth gap 999 and 1,001 periods.
   EXPECT_EQ(reported({100, 0, 0, 981}), 4);
   EXPECT_EQ(reported({100, 0, 0, 983}), 0);
   EXPECT_EQ(reported({100, 981, 0, 0}), 4);
@@ -257,7 +259,7 @@ TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
   EXPECT_EQ(reported({100, 0, 983, 0}), 0);
 }
 
-// y's range is 0.2 m: five of them.
+// y's range is 0.2 m: five times that distance.
 TEST_F(DeviceWatch, BaseAxisThatStandsStillWhileTheArmTravels_IsStuck) {
   int axis = -1;
   const auto y_moves = [](int k) {
@@ -267,7 +269,7 @@ TEST_F(DeviceWatch, BaseAxisThatStandsStillWhileTheArmTravels_IsStuck) {
   EXPECT_EQ(axis, 0);
 }
 
-TEST_F(DeviceWatch, AxisThatRestsForAReason_IsNotStuck) {
+TEST_F(DeviceWatch, AxisThatMayRest_IsNotStuck) {
   const auto arm_moves = [](int k) {
     return std::pair{at(0.05 * std::cos(0.01 * k), 0.05 * std::sin(0.01 * k)), AxisEffort(3)};
   };
@@ -293,53 +295,54 @@ TickRecord worldWith(int bodies) {
 
 class AvatarWatch : public ::testing::Test {
  protected:
-  Fault see(const TickRecord& r) { return watchAvatar(state_, r, config_); }
+  Fault check(const TickRecord& r) { return watchAvatar(state_, r, config_); }
   SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
   AvatarWatchState state_;
 };
 
-TEST_F(AvatarWatch, NoNumber_IsAnExplosion) {
+TEST_F(AvatarWatch, NonFiniteState_IsAnExplosion) {
   TickRecord r = worldWith(0);
   r.qd_s[1] = std::nan("");
-  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+  EXPECT_EQ(check(r), Fault::kBodiesExploded);
 }
 
 TEST_F(AvatarWatch, HandTenTimesTooFast_IsAnExplosion) {
   TickRecord r = worldWith(0);
   r.qd_s[0] = 14.99;
-  EXPECT_EQ(see(r), Fault::kNone);
+  EXPECT_EQ(check(r), Fault::kNone);
   r.qd_s[0] = -15.01;
-  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+  EXPECT_EQ(check(r), Fault::kBodiesExploded);
 }
 
-TEST_F(AvatarWatch, HandThatCatchesUpAfterAStall_IsNoExplosionWhereGapsAreOnlyCounted) {
+TEST_F(AvatarWatch, HandThatCatchesUpAfterAStall_IsNoExplosionIfGapsAreOnlyCounted) {
   config_ = makeSupervisor(threeAxes(), kT_s, true);
   TickRecord r = worldWith(0);
   r.elapsed_periods = 6;
-  EXPECT_EQ(see(r), Fault::kNone);
+  EXPECT_EQ(check(r), Fault::kNone);
   r.elapsed_periods = 1;
   r.qd_s[2] = 200.0;
-  for (int k = 1; k < 200; ++k) ASSERT_EQ(see(r), Fault::kNone) << k;
-  see(r);
-  EXPECT_EQ(see(r), Fault::kBodiesExploded);  // 0.2 s are over
+  for (int k = 1; k < 200; ++k) ASSERT_EQ(check(r), Fault::kNone) << k;
+  check(r);
+  EXPECT_EQ(check(r), Fault::kBodiesExploded);  // 0.2 s are over
 }
 
-TEST_F(AvatarWatch, HandTooFastAfterAGapThatIsWatched_IsAnExplosion) {
+TEST_F(AvatarWatch, HandTooFastAfterAMonitoredGap_IsAnExplosion) {
   TickRecord r = worldWith(0);
   r.elapsed_periods = 6;
   r.qd_s[2] = 200.0;
-  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+  EXPECT_EQ(check(r), Fault::kBodiesExploded);
 }
 
 // ---- the state
 
-TEST(SafetyState, EveryTransition_IsTheOneOfTheTable) {
+TEST(SafetyState, EveryTransition_MatchesTheTable) {
   using S = SafetyState;
   const Fault none = Fault::kNone, fault = Fault::kSpeedLimit;
   EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 0.5), S::kArmed);
   EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 1.0), S::kRendering);
   EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 1.0), S::kRendering);
-  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 0.3), S::kRendering);  // on its way
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 0.3),
+            S::kRendering);  // the ramp is in progress
   EXPECT_EQ(nextSafetyState(S::kRendering, none, true, 0.0), S::kDisarmed);
   EXPECT_EQ(nextSafetyState(S::kArmed, none, true, 0.0), S::kDisarmed);
   for (const S state : {S::kArmed, S::kRendering, S::kFaulted}) {
@@ -349,16 +352,16 @@ TEST(SafetyState, EveryTransition_IsTheOneOfTheTable) {
   }
 }
 
-// Every order in which a stop, an arming and a tick may come.
+// Every order in which a stop, an arming and a tick may occur.
 
-TEST(StopRequests, NobodyAsked_NothingIsSaid) {
+TEST(StopRequests, NoRequest_ReportsNothing) {
   StopRequests stops;
   EXPECT_FALSE(stops.consumeUnseen());
   EXPECT_TRUE(stops.arm());
   EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
-TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
+TEST(StopRequests, RequestBeforeArming_IsReportedOnce) {
   StopRequests stops;
   stops.request();
   EXPECT_TRUE(stops.consumeUnseen());
@@ -367,7 +370,7 @@ TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
   EXPECT_EQ(stops.pending(), Fault::kNone) << "an old stop ended a new session";
 }
 
-TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
+TEST(StopRequests, RequestWhileArming_RefusesThatArmingOnly) {
   StopRequests stops;
   EXPECT_FALSE(stops.consumeUnseen());
   stops.requestEmergency();
@@ -377,7 +380,7 @@ TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
   EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
-TEST(StopRequests, AskedOnceArmed_IsSaidInEveryTickFromThenOn) {
+TEST(StopRequests, RequestOnceArmed_IsReportedInEveryTickFromThenOn) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
   stops.request();
@@ -387,7 +390,7 @@ TEST(StopRequests, AskedOnceArmed_IsSaidInEveryTickFromThenOn) {
   EXPECT_EQ(stops.pending(), Fault::kStopRequested | Fault::kEmergencyStop);
 }
 
-TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
+TEST(StopRequests, RequestSeenByATick_DoesNotRefuseTheNextArming) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
   stops.requestEmergency();
@@ -397,7 +400,7 @@ TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
   EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
-TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
+TEST(StopRequests, RequestAfterTheLastTick_RefusesTheNextArming) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
   EXPECT_EQ(stops.pending(), Fault::kNone);

@@ -34,7 +34,8 @@ TickRecord tickNumber(std::uint64_t tick) {
 TEST(BlackBox, LongRun_KeepsTheLastFiveSecondsAndAllInputs) {
   const Folder folder;
   const std::string path = folder.file("deep/down/a.wbb");
-  constexpr std::uint64_t kTicks = 13'000;  // of a millisecond: two laps of the memory and a half
+  constexpr std::uint64_t kTicks =
+      13'000;  // of one millisecond: two and a half rounds of the memory
   auto box = armed(planFor(path));
   for (std::uint64_t i = 0; i < kTicks; ++i) giveTick(*box, tickNumber(i));
   ASSERT_TRUE(box->write().ok());
@@ -62,14 +63,14 @@ TEST(BlackBox, LongRun_KeepsTheLastFiveSecondsAndAllInputs) {
   EXPECT_FALSE(read->nextInput(input));
 }
 
-TEST(BlackBox, Description_ComesBackWithFilesByteForByte) {
+TEST(BlackBox, Description_ComesBackWithIdenticalFiles) {
   const Folder folder;
   auto box = armed(planFor(folder.file("a.wbb")));
   giveTick(*box, tickNumber(0));
   ASSERT_TRUE(box->write().ok());
   const RecordingMeta want = synthetic::meta();
   const RecordingMeta got = opened(folder.file("a.wbb"))->meta();
-  EXPECT_EQ(got.files, want.files);  // one holds zeros and 0xFF, one is empty
+  EXPECT_EQ(got.files, want.files);  // one file holds zeros and 0xFF, one is empty
   EXPECT_EQ(got.armed_position, want.armed_position);
   EXPECT_EQ(got.parameter_values, want.parameter_values);
   EXPECT_EQ(got.seed, want.seed);
@@ -79,8 +80,8 @@ TEST(BlackBox, Description_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.body_names, want.body_names);
 }
 
-// Six axes are described: what reads a tick relies on it.
-TEST(BlackBox, TicksOfAnotherShapeThanDescribed_AreRefused) {
+// Six axes are described; the reader of a tick relies on it.
+TEST(BlackBox, TicksThatDoNotFitTheDescription_AreRefused) {
   const Folder folder;
   const auto corrupt = [](int which, TickRecord& r) {
     if (which == 0) r.sent = AxisEffort(9, 1.0);
@@ -110,7 +111,7 @@ TEST(BlackBox, StoppingFault_IsTheCauseWithItsAxisAndTick) {
   auto box = armed(planFor(folder.file("a.wbb")));
   for (std::uint64_t i = 0; i < 30; ++i) {
     TickRecord record = tickNumber(i);
-    record.faults = Fault::kLateTick;  // is no reason
+    record.faults = Fault::kLateTick;  // not a cause
     if (i == 20) {
       record.faults = Fault::kSpeedLimit;
       record.fault_axis = 4;
@@ -136,7 +137,7 @@ auto filled(const BlackBoxPlan& plan, std::uint64_t ticks) {
   return box;
 }
 
-TEST(BlackBox, MemoryForInputsFull_StillShowsButSaysSo) {
+TEST(BlackBox, FullInputMemory_KeepsTicksAndReportsIncompleteInputs) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.input_bytes = 20'000;
@@ -151,7 +152,7 @@ TEST(BlackBox, MemoryForInputsFull_StillShowsButSaysSo) {
   EXPECT_EQ(read->size(), 3000U);
 }
 
-TEST(BlackBox, MemoryForTicksTooSmall_KeepsTheLastOnes) {
+TEST(BlackBox, TickMemoryTooSmall_KeepsTheLastTicks) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.most_tick_bytes = 500'000;
@@ -169,8 +170,8 @@ TEST(BlackBox, MemoryForTicksTooSmall_KeepsTheLastOnes) {
   }
 }
 
-// As in a crash of another thread: the loop ticks on while the box is being written.
-TEST(BlackBox, TicksWhileItIsWritten_AreWholeOrLeftOut) {
+// As in a crash of another thread: the loop keeps ticking while the black box file is written.
+TEST(BlackBox, TicksDuringTheWrite_AreCompleteOrLeftOut) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.keep_s = 0.05;  // the memory is overwritten many times a second
@@ -191,7 +192,7 @@ TEST(BlackBox, TicksWhileItIsWritten_AreWholeOrLeftOut) {
   });
   while (given < 200) std::this_thread::yield();
   std::uint64_t whole = 0;
-  const int rounds = kFew ? 8 : 40;
+  const int rounds = kReducedCounts ? 8 : 40;
   for (int round = 0; round < rounds; ++round) {
     ASSERT_TRUE(box->write().ok());
     const auto read = opened(plan.path);
@@ -209,7 +210,7 @@ TEST(BlackBox, TicksWhileItIsWritten_AreWholeOrLeftOut) {
               static_cast<unsigned long long>(whole));
 }
 
-TEST(BlackBox, FifthAtOnce_IsRefused) {
+TEST(BlackBox, FifthAtTheSameTime_IsRefused) {
   const Folder folder;
   std::vector<std::unique_ptr<BlackBox>> boxes;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
@@ -222,7 +223,7 @@ TEST(BlackBox, FifthAtOnce_IsRefused) {
   EXPECT_TRUE(BlackBox::arm(synthetic::meta(), plan).ok());
 }
 
-TEST(BlackBox, NoRoomOrNoFolder_SaysSoAndLeavesNothing) {
+TEST(BlackBox, NoSpaceOrNoFolder_IsReportedAndLeavesNothing) {
   const Folder folder;
   overwrite(folder.file("file"), "in the way");
   auto box = armed(planFor(folder.file("file/a.wbb")));
@@ -235,7 +236,7 @@ TEST(BlackBox, NoRoomOrNoFolder_SaysSoAndLeavesNothing) {
   for (std::uint64_t i = 0; i < 100; ++i) giveTick(*full, tickNumber(i));
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit little{4096, before.rlim_max};  // as of a full disk
+  const rlimit little{4096, before.rlim_max};  // as on a full disk
   auto* const then = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &little), 0);
   const auto refused = full->write();
@@ -251,8 +252,8 @@ TEST(BlackBox, NoRoomOrNoFolder_SaysSoAndLeavesNothing) {
   EXPECT_EQ(left, std::set<std::string>{"file"});
 }
 
-// Another user of a shared folder may have put a link where the box is written first.
-TEST(BlackBox, LinkBesideIt_IsNotFollowed) {
+// In a shared folder another user may have placed a link where the file is first written.
+TEST(BlackBox, SymbolicLinkAtItsPath_IsNotFollowed) {
   const Folder folder;
   overwrite(folder.file("precious"), "mine");
   for (const char* name : {"a.wbb", "a.wbb.part"}) {
@@ -266,7 +267,7 @@ TEST(BlackBox, LinkBesideIt_IsNotFollowed) {
   EXPECT_NE(opened(folder.file("a.wbb")), nullptr);
 }
 
-/// A small box on the disk, as bytes.
+/// Bytes of a small black box file.
 std::string smallBox(const Folder& folder) {
   auto box = armed(planFor(folder.file("whole.wbb")));
   for (std::uint64_t i = 0; i < 20; ++i) giveTick(*box, tickNumber(i));
@@ -274,7 +275,7 @@ std::string smallBox(const Folder& folder) {
   return contents(folder.file("whole.wbb"));
 }
 
-TEST(BlackBoxReader, CutOffAnywhere_IsRefused) {
+TEST(BlackBoxReader, FileTruncatedAnywhere_IsRefused) {
   const Folder folder;
   const std::string whole = smallBox(folder), path = folder.file("cut.wbb");
   ASSERT_EQ(refusalOf(folder.file("whole.wbb")), "opened");
@@ -289,8 +290,8 @@ TEST(BlackBoxReader, CutOffAnywhere_IsRefused) {
   EXPECT_NE(refusalOf(path).find("damaged"), std::string::npos);
 }
 
-// One changed byte, whichever: CRC-32 finds every burst of up to 32 bits.
-TEST(BlackBoxReader, OneCorruptedByte_IsAlwaysFound) {
+// One changed byte anywhere: CRC-32 detects every burst of up to 32 bits.
+TEST(BlackBoxReader, OneCorruptedByte_IsAlwaysDetected) {
   const Folder folder;
   const std::string whole = smallBox(folder), path = folder.file("corrupted.wbb");
   auto random = seededRandom(4106);
@@ -303,10 +304,10 @@ TEST(BlackBoxReader, OneCorruptedByte_IsAlwaysFound) {
   }
 }
 
-TEST(BlackBoxReader, BoxOfAnotherVersion_IsRefusedWithThatVersion) {
+TEST(BlackBoxReader, FileOfAnotherVersion_IsRefusedWithThatVersion) {
   const Folder folder;
   const std::string whole = smallBox(folder), path = folder.file("other.wbb");
-  for (const std::size_t at : {8UL, 12UL}) {  // its format, the size of its header
+  for (const std::size_t at : {8UL, 12UL}) {  // its format and the size of its header
     std::string other = whole;
     other[at] = static_cast<char>(other[at] + 1);
     overwrite(path, other);
@@ -327,7 +328,7 @@ TEST(BlackBoxReader, ForeignFiles_AreRefused) {
   EXPECT_NE(refusalOf(folder.path()).find("is no black box"), std::string::npos);
 }
 
-// A box reads like a recording: replay, report and picture take it as it is.
+// A black box file reads like a recording: replay, report and picture accept it.
 TEST(RecordingReader, BlackBox_IsReadAsARecording) {
   const Folder folder;
   smallBox(folder);
@@ -337,13 +338,14 @@ TEST(RecordingReader, BlackBox_IsReadAsARecording) {
   EXPECT_EQ(read.value()->meta().title, synthetic::meta().title);
 }
 
-// 20 contacts, 10 bodies: a hand around a glass in the bar. A figure, and a gate far above it.
+// 20 contacts, 10 bodies: a hand around a glass in the bar. Prints a figure; the bound is far above
+// it.
 TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   const Folder folder;
   RecordingMeta meta = synthetic::meta();
   meta.body_names.assign(10, "body");
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
-  meta.encoder_step[3] = 1e-4;  // as every axis of a robot has one
+  meta.encoder_step[3] = 1e-4;  // as for every axis of a robot
   auto armed_box = BlackBox::arm(meta, plan);
   ASSERT_TRUE(armed_box.ok());
   BlackBox& box = **armed_box;
@@ -363,12 +365,13 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick_slow) {
   std::printf("black box: %.0f ns a tick, %zu bytes of it kept whole, %.1f bytes of inputs\n",
               per_tick_ns, bytesOf(record).size(),
               static_cast<double>(box.inputBytes() - bytes_before) / kTicks);
-  EXPECT_LT(per_tick_ns, 50'000.0);  // of CPU time, so that sanitizers pass, too
+  EXPECT_LT(per_tick_ns, 50'000.0);  // of CPU time, so that sanitizers also pass
 }
 
-// The loop begins a tick in the slot of the oldest one while the box is being described: were that
-// slot the box's first, where its data begins would be read from the new tick, and nearly all lost.
-TEST(BlackBox, SlotsThatTheLoopWritesNext_AreNoneOfAFullRingsBox) {
+// The loop starts a tick in the slot of the oldest one while the file is being described. If that
+// slot were the first of the file, the start of its data would be read from the new tick and nearly
+// all would be lost.
+TEST(BlackBox, SlotsThatTheLoopWritesNext_AreNotPartOfAFullRingsFile) {
   constexpr std::uint64_t kSlots = 108, kBegunMeanwhile = 2;
   for (std::uint64_t end = 0; end < 3 * kSlots; ++end) {
     const std::uint64_t first = firstKept(end, kSlots);
@@ -381,13 +384,13 @@ TEST(BlackBox, SlotsThatTheLoopWritesNext_AreNoneOfAFullRingsBox) {
   }
 }
 
-TEST(BlackBox, WrittenBesideALoopThatFillsTheRing_KeepsAllThatWasNotOverwritten) {
+TEST(BlackBox, WrittenWhileTheLoopFillsTheRing_KeepsAllTicksNotOverwritten) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
   plan.most_ticks = std::uint64_t{1} << 40U;
   plan.input_bytes = 1 << 16;
   plan.keep_s = 1.0;
-  constexpr std::uint64_t kKept = 1100;  // a tenth more than is asked for
+  constexpr std::uint64_t kKept = 1100;  // a tenth more than required
   const auto box = armed(plan);
   std::atomic<std::uint64_t> ticks{0};
   std::atomic<bool> stop{false};
@@ -403,12 +406,12 @@ TEST(BlackBox, WrittenBesideALoopThatFillsTheRing_KeepsAllThatWasNotOverwritten)
   for (int i = 0; i < cases(20); ++i) {
     const std::uint64_t before = ticks;
     ASSERT_TRUE(box->write());
-    // What the ring took meanwhile is rightly gone; a tick takes its largest size before it is
-    // packed.
+    // Ticks that the ring has overwritten meanwhile are rightly lost; a tick takes its largest size
+    // before it is packed.
     const std::uint64_t during = ticks - before + 20;
     const auto read = opened(plan.path);
     ASSERT_NE(read, nullptr);
-    if (during > kKept / 2) continue;  // this thread stood still
+    if (during > kKept / 2) continue;  // this thread was suspended
     ++judged;
     EXPECT_GE(read->size() + during, kKept) << i;
   }

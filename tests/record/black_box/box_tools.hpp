@@ -16,7 +16,7 @@
 
 namespace wholehand::test {
 
-/// Steps of the six axes of synthetic::meta(); the fourth has none.
+/// Encoder steps of the six axes of synthetic::meta(); the fourth has none.
 inline std::vector<double> encoderSteps() {
   return synthetic::meta().encoder_step;
 }
@@ -28,7 +28,7 @@ inline BlackBoxPlan planFor(const std::string& path) {
   return plan;
 }
 
-/// A tick with every field set, its position on the encoders' counts but for the fourth axis.
+/// A tick with every field set and its position on encoder counts, except on the fourth axis.
 inline TickRecord tickAt(std::uint64_t tick, std::mt19937_64& random) {
   TickRecord r = synthetic::noisy(tick, random);
   r.faults = Fault::kNone;
@@ -47,7 +47,7 @@ inline TickRecord tickAt(std::uint64_t tick, std::mt19937_64& random) {
   return r;
 }
 
-/// What a box keeps of a tick, as bytes: all but padding and what lies beyond the counts.
+/// Bytes of a tick that the black box file keeps: all except padding and unused array elements.
 [[nodiscard]] std::string bytesOf(const TickRecord& record);
 
 inline std::unique_ptr<BlackBox> armed(const BlackBoxPlan& plan) {

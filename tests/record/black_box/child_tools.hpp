@@ -9,10 +9,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/// Crashes in processes of their own.
+/// Crashes in separate processes.
 namespace wholehand::test {
 
-/// Runs `body` in a child process, silently and without core dump; how it ended.
+/// Runs `body` in a child process, silently and without core dump. @return its wait status
 inline int inChild(const std::function<void()>& body) {
   const pid_t child = ::fork();
   if (child == 0) {
@@ -28,8 +28,8 @@ inline int inChild(const std::function<void()>& body) {
   return status;
 }
 
-/// The process died of that signal, as it would have without us. A sanitizer's own handler, which
-/// was there before ours and so comes after it, exits instead.
+/// Checks that the process died of that signal, as it would have without the crash handler. A
+/// sanitizer's handler was installed earlier, so it runs after ours and exits instead.
 inline void expectDiedOf([[maybe_unused]] int signal, int status) {
 #if WHOLEHAND_SANITIZED
   EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) != 99) << status;

@@ -1,4 +1,4 @@
-// A crash in another thread than the loop's: the loop goes on to neutral before the process ends.
+// A crash in a thread other than the loop's: the loop reaches neutral before the process ends.
 #include "loop/realtime/monotonic_clock.hpp"
 #include "record/black_box/box_tools.hpp"
 #include "record/black_box/child_tools.hpp"
@@ -19,12 +19,12 @@ namespace {
 
 using synthetic::Folder;
 
-constexpr std::uint64_t kCrashAt = 1400;  // ticks: the hand is swept to and fro
+constexpr std::uint64_t kCrashAt = 1400;  // ticks; the hand moves back and forth
 constexpr std::uint64_t kMostTicks = 60'000;
 constexpr std::uint64_t kNeutralWithin = 100;      // ticks of a millisecond (docs/safety.md)
-constexpr std::int64_t kHeldFor_ns = 130'000'000;  // the same page: what the loop is given
+constexpr std::int64_t kHeldFor_ns = 130'000'000;  // the same page: time that the loop is given
 
-/// What the child reports, in memory that outlives it.
+/// Report of the child, in memory that outlives it.
 struct Reported {
   struct Tick {
     AxisEffort sent;
@@ -37,7 +37,7 @@ struct Reported {
   std::array<Tick, kMostTicks> log;
 };
 
-/// Keeps every tick, and holds the one at which the other thread crashes until it does.
+/// Stores every tick, and holds the tick at which the other thread crashes until it has crashed.
 class Logging final : public TickListener {
  public:
   explicit Logging(Reported& reported) : reported_(reported) {}
@@ -56,9 +56,9 @@ class Logging final : public TickListener {
   Reported& reported_;
 };
 
-/// Notified of the crash after the black box, whose wait for the loop is over. However little of
-/// the machine the loop gets, it comes to neutral before the process ends, and its run would return
-/// in the half second after that.
+/// Notified of the crash after the black box, whose wait for the loop is over. However little
+/// processor time the loop gets, it reaches neutral before the process ends, and its run would
+/// return in the half second after that.
 class HoldingTheEnd final : public CrashHandler {
  public:
   explicit HoldingTheEnd(Reported& reported) : reported_(reported) {}
@@ -86,7 +86,7 @@ class CrashBesideTheLoop : public testing::Test {
   }
   void TearDown() override { ::munmap(reported_, sizeof(Reported)); }
 
-  /// In the child: the loop, as fast as it can, in a thread beside the one that crashes.
+  /// Runs in the child: the loop runs as fast as it can in one thread while another thread crashes.
   void runAndCrash() {
     rig_->listener = std::make_unique<Logging>(*reported_);
     RunPlan plan;
@@ -110,7 +110,7 @@ class CrashBesideTheLoop : public testing::Test {
   }
 
   [[nodiscard]] std::string path() const { return folder_.file("run.wbb"); }
-  /// Largest share of its limit that an axis's effort in this tick is away from neutral.
+  /// Largest distance of an axis's effort from neutral in this tick, as a share of its limit.
   [[nodiscard]] double share(std::uint64_t tick) const {
     double most = 0.0;
     for (int a = 0; a < axes(); ++a) {
@@ -134,7 +134,7 @@ class CrashBesideTheLoop : public testing::Test {
   std::unique_ptr<Rig> rig_;
 };
 
-TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsTheProcess) {
+TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralBeforeTheProcessEnds) {
   const int status = inChild([this] { runAndCrash(); });
   expectDiedOf(SIGSEGV, status);
   EXPECT_FALSE(reported_->returned) << kAlways << "the run ended as if nothing had happened";
@@ -143,7 +143,7 @@ TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsThePro
 
   const std::uint64_t ticks = reported_->ticks;
   ASSERT_LT(ticks, kMostTicks);
-  std::uint64_t stop = kCrashAt;  // the first tick that knows
+  std::uint64_t stop = kCrashAt;  // the first tick after the crash
   while (stop < ticks && !any(reported_->log[stop].faults & Fault::kEmergencyStop)) ++stop;
   ASSERT_LT(stop, ticks);
   EXPECT_EQ(reported_->log[stop - 1].state, SafetyState::kRendering);

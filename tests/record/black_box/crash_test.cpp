@@ -59,7 +59,7 @@ void breakHere() {
 #endif
 }
 
-// As under a service's filter of system calls that traps.
+// A system call that a service's filter traps.
 void callARefusedOne() {
   std::array<sock_filter, 4> steps{{
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
@@ -96,7 +96,7 @@ std::vector<Crash> crashes() {
   };
 }
 
-TEST(CrashedProcess, EverySignalInTheTickingThread_LeavesAReadableBoxAndTheSignal) {
+TEST(CrashedProcess, EverySignalInTheTickingThread_LeavesAReadableFileAndTheSignal) {
   for (const Crash& crash : crashes()) {
     SCOPED_TRACE(crash.name);
     const Folder folder;
@@ -115,7 +115,7 @@ TEST(CrashedProcess, EverySignalInTheTickingThread_LeavesAReadableBoxAndTheSigna
   }
 }
 
-TEST(CrashedProcess, InTheMiddleOfATick_SaysSo) {
+TEST(CrashedProcess, CrashInTheMiddleOfATick_IsReported) {
   const Folder folder;
   const int status = inChild([&] {
     auto box = armed(planFor(folder.file("a.wbb")));
@@ -128,7 +128,7 @@ TEST(CrashedProcess, InTheMiddleOfATick_SaysSo) {
   EXPECT_TRUE(opened(folder.file("a.wbb"))->cause().within_tick);
 }
 
-TEST(CrashedProcess, BeforeTheFirstTickOrAfterTheEnd_LeavesNothing) {
+TEST(CrashedProcess, CrashBeforeTheFirstTickOrAfterTheEnd_LeavesNoFile) {
   const Folder folder;
   expectDiedOf(SIGABRT, inChild([&] {
                  auto box = armed(planFor(folder.file("a.wbb")));
@@ -143,7 +143,7 @@ TEST(CrashedProcess, BeforeTheFirstTickOrAfterTheEnd_LeavesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(CrashedProcess, ManyThreadsAtOnce_LeaveOneWholeBox) {
+TEST(CrashedProcess, CrashOfManyThreadsAtOnce_LeavesOneCompleteFile) {
   const Folder folder;
   const int status = inChild([&] {
     auto box = armed(planFor(folder.file("a.wbb")));
@@ -162,13 +162,13 @@ TEST(CrashedProcess, ManyThreadsAtOnce_LeaveOneWholeBox) {
   expectBox(folder.file("a.wbb"), SIGSEGV, 300);
 }
 
-/// Crashes once more while a crash is being dealt with.
+/// Crashes again while a crash is being handled.
 class CrashingWitness final : public CrashHandler {
  public:
   void crashed(int) noexcept override { writeToNowhere(); }
 };
 
-TEST(CrashGuard, WitnessThatCrashes_EndsTheProcessWithoutALoop) {
+TEST(CrashGuard, HandlerThatCrashes_EndsTheProcessWithoutALoop) {
   const int status = inChild([] {
     CrashingWitness witness;
     const CrashGuard guard(witness);
@@ -178,7 +178,7 @@ TEST(CrashGuard, WitnessThatCrashes_EndsTheProcessWithoutALoop) {
   expectDiedOf(SIGSEGV, status);
 }
 
-TEST(CrashGuard, AfterTheLast_TheSignalsDoWhatTheyDidBefore) {
+TEST(CrashGuard, AfterTheLastGuard_EarlierSignalHandlersAreRestored) {
   struct sigaction before {
   }, after{};
   ::sigaction(SIGSEGV, nullptr, &before);

@@ -12,7 +12,7 @@ namespace {
 
 using synthetic::Folder;
 
-/// A run on the simulated clock through a device with these faults; whose own device is `inner`.
+/// A run on the simulated clock through a device with these faults, which wraps `inner`.
 struct FaultyRun {
   std::unique_ptr<HapticDevice> inner;
   std::unique_ptr<Rig> rig;
@@ -41,8 +41,8 @@ struct Case {
   Fault fault;
 };
 
-/// Every kind where every large count is asked for, else three of them.
-TEST(FaultedRun, EveryKindOfFault_LeavesABoxThatRunsAgainBitByBit) {
+/// Every kind with full counts, otherwise three of them.
+TEST(FaultedRun, EveryKindOfFault_LeavesAFileThatIsReproducedBitByBit) {
   const std::vector<Case> cases = {
       {InjectedKind::kReadFails, Fault::kDeviceRead},
       {InjectedKind::kWriteFails, Fault::kDeviceWrite},
@@ -73,11 +73,11 @@ TEST(FaultedRun, EveryKindOfFault_LeavesABoxThatRunsAgainBitByBit) {
     ASSERT_TRUE(box->read(box->size() - 1, last));
     EXPECT_EQ(last.safety_state, SafetyState::kFaulted);
     EXPECT_EQ(last.authority, 0.0) << "written after the ramp";
-    EXPECT_NE(expectSameAgain(folder.file("run.wbb")).find(" run again after "), std::string::npos);
+    EXPECT_NE(expectSameRerun(folder.file("run.wbb")).find(" run again after "), std::string::npos);
   }
 }
 
-TEST(FaultedRun, SimulatedDeviceWithoutFault_LeavesNoBox) {
+TEST(FaultedRun, SimulatedDeviceWithoutFault_LeavesNoFile) {
   const Folder folder;
   const FaultyRun run = runWith(folder, {}, true);
   EXPECT_FALSE(run.outcome.faulted);
@@ -85,7 +85,7 @@ TEST(FaultedRun, SimulatedDeviceWithoutFault_LeavesNoBox) {
   EXPECT_FALSE(std::filesystem::exists(folder.file("run.wbb")));
 }
 
-TEST(FaultedRun, EmergencyStop_LeavesABoxThatSaysSoAndRunsAgain) {
+TEST(FaultedRun, EmergencyStop_LeavesAFileThatNamesItAndIsReproduced) {
   const Folder folder;
   Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   const Intention intention = sweeping(models.device);
@@ -103,8 +103,8 @@ TEST(FaultedRun, EmergencyStop_LeavesABoxThatSaysSoAndRunsAgain) {
   const BlackBoxCause cause = opened(plan.black_box)->cause();
   EXPECT_EQ(cause.faults, Fault::kEmergencyStop);
   EXPECT_EQ(cause.fault_tick, 1235U);
-  expectSameAgain(plan.black_box);
-  const Said shown = program("replay --speed 1000 '" + plan.black_box + "'");
+  expectSameRerun(plan.black_box);
+  const ProgramOutput shown = program("replay --speed 1000 '" + plan.black_box + "'");
   EXPECT_EQ(shown.code, 0);
   EXPECT_NE(shown.text.find("emergency stop, first in tick 1235"), std::string::npos) << shown.text;
 }

@@ -1,4 +1,4 @@
-// Black boxes of somebody who can compute a checksum.
+// Forged black box files with correct checksums.
 #include "loop/core/crc32.hpp"
 #include "record/black_box/box_tools.hpp"
 #include "record/black_box_layout.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using synthetic::Folder;
 
-/// A small box on the disk, as bytes.
+/// Bytes of a small black box file.
 std::string boxOfTwentyTicks(const Folder& folder) {
   auto box = armed(planFor(folder.file("whole.wbb")));
   std::mt19937_64 random(7919);
@@ -20,7 +20,7 @@ std::string boxOfTwentyTicks(const Folder& folder) {
   return contents(folder.file("whole.wbb"));
 }
 
-/// The box with this header, and an end that no entry outlasted, under right checksums.
+/// The file with this header and an end without entries, under correct checksums.
 std::string forged(std::string box, black_box::Header header) {
   black_box::End end;
   end.entries_begun = ~std::uint64_t{0};
@@ -40,20 +40,20 @@ std::string forged(std::string box, black_box::Header header) {
 
 // Found by an audit: 2^61 entries of 24 bytes have, modulo 2^64, no bytes at all; reading them
 // ended in SIGSEGV.
-TEST(BlackBoxReader, CountOfEntriesThatWrapsRound_IsRefused) {
+TEST(BlackBoxReader, NumberOfEntriesThatOverflows_IsRefused) {
   const Folder folder;
   const std::string whole = boxOfTwentyTicks(folder), path = folder.file("forged.wbb");
   black_box::Header header;
   std::memcpy(&header, whole.data(), sizeof header);
   overwrite(path, forged(whole, header));
-  EXPECT_EQ(refusalOf(path), "opened");  // nothing was kept, and nothing is wrong
+  EXPECT_EQ(refusalOf(path), "opened");  // no entries and no fault
   header.end_entry += std::uint64_t{1} << 61U;
   overwrite(path, forged(whole, header));
   EXPECT_NE(refusalOf(path).find("is damaged"), std::string::npos) << refusalOf(path);
 }
 
-// It would be read into memory as a whole; the file is sparse.
-TEST(BlackBoxReader, FileLargerThanAnyBox_IsRefused) {
+// The reader would load the whole file into memory; the file is sparse.
+TEST(BlackBoxReader, FileLargerThanAnyBlackBox_IsRefused) {
   const Folder folder;
   const std::string path = folder.file("large.wbb");
   overwrite(path, boxOfTwentyTicks(folder));

@@ -1,8 +1,8 @@
-// What a power cut or a kill leaves of a recording: its inputs, up to the last block that is whole.
+// Content of a recording after a power cut or a kill: its inputs, up to the last complete block.
 #include "record/black_box/box_tools.hpp"
 #include "record/input_log.hpp"
+#include "support/contains.hpp"
 #include "support/file_bytes.hpp"
-#include "support/says.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -29,7 +29,7 @@ bool sameBits(const AxisPosition& a, const AxisPosition& b) {
          });
 }
 
-/// How many inputs the journal gives, all of which are those of the ticks.
+/// Number of inputs that the journal gives; checks that they are those of the ticks.
 std::size_t readsOf(const std::string& path, const std::vector<TickRecord>& ticks) {
   const auto journal = InputJournalReader::open(path);
   if (!journal) return 0;
@@ -51,7 +51,7 @@ std::size_t readsOf(const std::string& path, const std::vector<TickRecord>& tick
   return n;
 }
 
-TEST(InputJournal, RecordingThatIsNotClosed_LeavesEveryInput) {
+TEST(InputJournal, RecordingNotClosed_LeavesEveryInput) {
   std::mt19937_64 random(test::seed());
   const auto ticks = ticksOf(random, 1000);
   const Folder folder;
@@ -67,7 +67,7 @@ TEST(InputJournal, RecordingThatIsNotClosed_LeavesEveryInput) {
             synthetic::meta().clinic_visit);
 }
 
-TEST(InputJournal, CutOrDamagedAnywhere_GivesTrueInputsUpToThere) {
+TEST(InputJournal, TruncatedOrDamagedAnywhere_GivesCorrectInputsUpToThere) {
   std::mt19937_64 random(test::seed());
   const auto ticks = ticksOf(random, 1000);
   const Folder folder;
@@ -89,8 +89,8 @@ TEST(InputJournal, CutOrDamagedAnywhere_GivesTrueInputsUpToThere) {
   EXPECT_GT(most, 0U);
 }
 
-// A queue that was full has dropped 100 ticks. What would be made again of the rest never happened.
-TEST(InputJournal, TicksThatNeverCame_EndIt) {
+// A full queue has dropped 100 ticks. A simulation of the remaining inputs would not be the run.
+TEST(InputJournal, MissingTicks_EndTheJournal) {
   std::mt19937_64 random(test::seed());
   const auto ticks = ticksOf(random, 1000);
   const Folder folder;
@@ -107,7 +107,7 @@ TEST(InputJournal, TicksThatNeverCame_EndIt) {
   }
 }
 
-TEST(InputJournal, ClosedRecording_HasNone) {
+TEST(InputJournal, ClosedRecording_HasNoJournal) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), inputs = InputJournal::pathOf(path);
   auto writer = RecordingWriter::create(path, synthetic::meta()).value();
@@ -117,7 +117,7 @@ TEST(InputJournal, ClosedRecording_HasNone) {
   EXPECT_FALSE(fs::exists(inputs));
 }
 
-TEST(InputJournal, NameThatSomethingElseHas_IsNotReplaced) {
+TEST(InputJournal, PathOfAnotherFile_IsNotReplaced) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), inputs = InputJournal::pathOf(path);
   test::writeBytes(inputs, "notes");

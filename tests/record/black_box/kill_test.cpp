@@ -17,24 +17,24 @@
 #include <thread>
 #include <unistd.h>
 
-/// Real runs of the bar, on the real clock, recorded, in processes of their own that are killed at
-/// a random moment.
+/// Real runs of the bar on the real clock, recorded, in separate processes that are killed at a
+/// random moment.
 namespace wholehand::test {
 namespace {
 
 using std::chrono::milliseconds;
 using synthetic::Folder;
 
-/// What the loop itself says of how far it is: in memory that outlives it.
+/// Progress of the loop, in memory that outlives the process.
 struct Progress {
-  std::atomic<std::uint64_t> ticks{0};              ///< that have ended
-  std::atomic<std::uint64_t> crash_at{UINT64_MAX};  ///< within that tick it crashes itself
+  std::atomic<std::uint64_t> ticks{0};              ///< ticks that have ended
+  std::atomic<std::uint64_t> crash_at{UINT64_MAX};  ///< the process crashes itself within this tick
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-class Telling final : public TickListener {
+class ReportingListener final : public TickListener {
  public:
-  Telling(Player& player, Progress& progress) : listening_(player), progress_(progress) {}
+  ReportingListener(Player& player, Progress& progress) : listening_(player), progress_(progress) {}
   void beforeTick(const TickRecord& record) noexcept override {
     if (record.tick >= progress_.crash_at) writeToNowhere();
   }
@@ -56,13 +56,13 @@ class KilledRun : public testing::Test {
     Models models = bar();
     auto player = models.exercise->makePlayer({1});
     ASSERT_NE(player, nullptr);
-    auto telling = std::make_unique<Telling>(*player, *progress_);
+    auto reporting = std::make_unique<ReportingListener>(*player, *progress_);
     rig_ = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
-    rig_->listener = std::move(telling);
+    rig_->listener = std::move(reporting);
   }
   void TearDown() override { ::munmap(progress_, sizeof(Progress)); }
 
-  /// Starts a run in a child; returns when it ticks.
+  /// Starts a run in a child and returns when it ticks.
   pid_t start(const std::string& recording) {
     seesRealTime();
     progress_->ticks = 0;
@@ -79,7 +79,7 @@ class KilledRun : public testing::Test {
     EXPECT_GT(progress_->ticks, 0U) << "the run did not begin";
     return child;
   }
-  /// Waits for its end; the tick it had come to.
+  /// Waits for the child's end. @return the last tick it reached
   std::uint64_t end(pid_t child, int signal) {
     int status = 0;
     ::waitpid(child, &status, 0);
@@ -107,12 +107,12 @@ class KilledRun : public testing::Test {
   std::unique_ptr<Rig> rig_;
 };
 
-/// How many runs: all the issue asks for where everything is to be tried.
+/// Number of runs: all that the issue requires with WHOLEHAND_FULL.
 int runs(int few) {
   return std::getenv("WHOLEHAND_FULL") != nullptr ? 100 : few;
 }
 
-/// Every tick up to the last one, none missing; the number of the last + 1.
+/// Checks that every tick up to the last one exists. @return the number of the last + 1
 std::uint64_t expectWholeUpTo(RecordingReader& recording) {
   TickRecord record;
   std::uint64_t next = 0;
@@ -125,7 +125,7 @@ std::uint64_t expectWholeUpTo(RecordingReader& recording) {
   return next;
 }
 
-TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecondAndAHalf) {
+TEST_F(KilledRun, KillMinusNineAtARandomMoment_LosesAtMostASecondAndAHalf) {
   auto random = seededRandom(4108);
   std::vector<double> lost_s;
   for (int i = 0; i < runs(4); ++i) {
@@ -148,7 +148,7 @@ TEST_F(KilledRun, KillMinusNineAtARandomMoment_NeverLosesMoreThanASecondAndAHalf
               lost_s[lost_s.size() / 2], lost_s.back());
 }
 
-/// Any of the process's threads.
+/// A random thread of the process.
 pid_t anyThread(pid_t process, std::mt19937_64& random) {
   std::vector<pid_t> threads;
   for (const auto& entry :
@@ -158,8 +158,9 @@ pid_t anyThread(pid_t process, std::mt19937_64& random) {
   return threads[random() % threads.size()];
 }
 
-// Half of them sent to any thread at any moment, half a null pointer within a random tick.
-TEST_F(KilledRun, SegmentationFault_LeavesABoxThatRunsAgainEveryTime) {
+// Half of the signals go to a random thread at a random moment; the others are a null pointer
+// within a random tick.
+TEST_F(KilledRun, SegmentationFault_LeavesAFileThatIsAlwaysReproduced) {
   auto random = seededRandom(4109);
   const int count = runs(6), again = runs(2) >= 100 ? 10 : 2;
   int readable = 0, same = 0;
@@ -180,7 +181,7 @@ TEST_F(KilledRun, SegmentationFault_LeavesABoxThatRunsAgainEveryTime) {
     EXPECT_EQ(box->meta().title, "killed");
     EXPECT_TRUE(box->inputsWhole()) << kAlways;
     const std::uint64_t kept = expectWholeUpTo(*box);
-    // The loop may have gone on for the moment that the box took to be written.
+    // The loop may have continued while the black box file was written.
     EXPECT_GT(kept, 0U);
     EXPECT_GE(kept + 1500, done);
     EXPECT_GE(box->inputTicks(), box->size());
@@ -188,7 +189,7 @@ TEST_F(KilledRun, SegmentationFault_LeavesABoxThatRunsAgainEveryTime) {
     ++readable;
     ticks += box->size();
     if (i % (count / again) != 0) continue;
-    expectSameAgain(folder.file("run.wbb"));
+    expectSameRerun(folder.file("run.wbb"));
     ++same;
   }
   std::printf("SIGSEGV, %d times: %d boxes readable, %llu ticks in them; %d run again, all same\n",

@@ -9,7 +9,7 @@
 
 namespace wholehand::test {
 
-// By way of the packing itself: PackedRecord tests that against the records field by field.
+// Uses the packing itself; PackedRecord compares it with the records field by field.
 std::string bytesOf(const TickRecord& record) {
   std::string bytes(kMostPackedBytes, '\0');
   bytes.resize(packRecord(record, reinterpret_cast<std::byte*>(bytes.data())));
@@ -20,7 +20,7 @@ namespace {
 
 using Buffer = std::array<std::byte, kMostPackedBytes>;
 
-/// A record whose padding is zero, so that whole records may be compared byte by byte.
+/// A record whose padding is zero, so that whole records can be compared byte by byte.
 TickRecord withoutPadding(const TickRecord& record) {
   TickRecord copy = record;
   constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
@@ -29,7 +29,7 @@ TickRecord withoutPadding(const TickRecord& record) {
   return copy;
 }
 
-TEST(PackedRecord, EveryField_ComesBackBitForBit) {
+TEST(PackedRecord, EveryField_IsRestoredBitForBit) {
   auto random = seededRandom(4101);
   for (std::uint64_t i = 0; i < 500; ++i) {
     const TickRecord want = withoutPadding(tickAt(i, random));
@@ -43,7 +43,7 @@ TEST(PackedRecord, EveryField_ComesBackBitForBit) {
   }
 }
 
-TEST(PackedRecord, FullestTick_Fits) {
+TEST(PackedRecord, LargestTick_Fits) {
   TickRecord full;
   full.command_count = kMaxCommands;
   full.parameter_count = kMaxLiveParameters;
@@ -58,7 +58,7 @@ TEST(PackedRecord, FullestTick_Fits) {
   EXPECT_LE(packRecord(full, packed.data()), kMostPackedBytes);
 }
 
-TEST(PackedRecord, CutOffOrCorrupted_IsRefusedOrStaysWithinItsBounds) {
+TEST(PackedRecord, TruncatedOrCorrupted_IsRefusedOrStaysWithinItsBounds) {
   auto random = seededRandom(4102);
   const TickRecord want = tickAt(40, random);
   Buffer packed;
@@ -92,7 +92,7 @@ class InputLog : public testing::Test {
       }
     }
   }
-  /// Its bytes in the log.
+  /// Writes and reads a record. @return its size in the log [bytes]
   std::size_t expectComesBack(const TickRecord& record) {
     std::array<std::byte, kMostInputBytes> bytes;
     const std::size_t written = logInput(writing_, record, bytes.data());
@@ -123,7 +123,7 @@ class InputLog : public testing::Test {
   InputLogState writing_, reading_;
 };
 
-TEST_F(InputLog, OrdersToBodies_ComeBackBitForBitWithoutTheirLastZeros) {
+TEST_F(InputLog, CommandsToBodies_AreRestoredBitForBitWithoutTrailingZeros) {
   TickRecord record;
   record.elapsed_periods = 1;
   record.q_m = AxisPosition(6);
@@ -142,7 +142,7 @@ TEST_F(InputLog, OrdersToBodies_ComeBackBitForBitWithoutTheirLastZeros) {
   EXPECT_GT(expectComesBack(record), kMaxCommands * kOrderNumbers * sizeof(double));
 }
 
-TEST_F(InputLog, AnyTick_ComesBackBitForBit) {
+TEST_F(InputLog, AnyTick_IsRestoredBitForBit) {
   auto random = seededRandom(4103);
   for (std::uint64_t i = 0; i < 2000; ++i) {
     TickRecord record = tickAt(i, random);
@@ -152,7 +152,7 @@ TEST_F(InputLog, AnyTick_ComesBackBitForBit) {
   }
 }
 
-TEST_F(InputLog, PositionsThatAreNoCounts_ComeBackBitForBit) {
+TEST_F(InputLog, PositionsOffEncoderCounts_AreRestoredBitForBit) {
   TickRecord record;
   record.q_m = AxisPosition(6);
   const double odd[] = {std::numeric_limits<double>::quiet_NaN(),
@@ -168,13 +168,13 @@ TEST_F(InputLog, PositionsThatAreNoCounts_ComeBackBitForBit) {
   for (double value : odd) {
     record.q_m = AxisPosition(6, value);
     expectComesBack(record);
-    record.q_m = AxisPosition(6, 0.0);  // and the next one after it
+    record.q_m = AxisPosition(6, 0.0);  // and the next tick after it
     expectComesBack(record);
   }
 }
 
-// The fourth axis has no encoder: eight bytes whenever it is not reported as counts.
-TEST_F(InputLog, SlowMotionOnEncoders_TakesAByteAnAxis) {
+// An axis without encoder, as the fourth one usually is, takes eight bytes; here it has one.
+TEST_F(InputLog, SlowMotionOnEncoders_TakesOneBytePerAxis) {
   writing_.encoder_step[3] = reading_.encoder_step[3] = 1e-4;
   TickRecord record;
   record.q_m = AxisPosition(6);
@@ -185,7 +185,7 @@ TEST_F(InputLog, SlowMotionOnEncoders_TakesAByteAnAxis) {
   EXPECT_EQ(expectComesBack(record), 1U) << "nothing moved";
 }
 
-TEST_F(InputLog, CorruptedBytes_NeverReadBeyondTheEnd) {
+TEST_F(InputLog, CorruptedBytes_AreNeverReadBeyondTheEnd) {
   auto random = seededRandom(4104);
   std::vector<std::byte> bytes(300);
   for (int trial = 0; trial < 20'000; ++trial) {

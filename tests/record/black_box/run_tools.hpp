@@ -1,8 +1,8 @@
 #pragma once
 
-#include "record/run/run.hpp"
 #include "rig/models.hpp"
 #include "rig/rig.hpp"
+#include "rig/run/run.hpp"
 #include "support/rig_tools.hpp"
 
 #include <array>
@@ -22,7 +22,7 @@ inline Models bar() {
   return load(files);
 }
 
-/// A patient who sweeps every axis to and fro over that share of its range.
+/// A patient who moves every axis back and forth over that share of its range.
 inline Intention sweeping(const DeviceModel& device, double share = 0.1) {
   std::vector<Waypoint> points;
   for (int k = 0; k < 9; ++k) {
@@ -36,16 +36,16 @@ inline Intention sweeping(const DeviceModel& device, double share = 0.1) {
   return Intention::throughWaypoints(points);
 }
 
-struct Said {
+struct ProgramOutput {
   int code = -1;
   std::string text;
 };
 
-/// Runs the program with these arguments; standard output and error together.
-inline Said program(const std::string& arguments) {
+/// Runs the program with these arguments and captures standard output and error together.
+inline ProgramOutput program(const std::string& arguments) {
   const std::string command = "'" WHOLEHAND_PROGRAM "' " + arguments + " 2>&1";
   FILE* pipe = ::popen(command.c_str(), "r");
-  Said said;
+  ProgramOutput said;
   std::array<char, 4096> piece{};
   while (const std::size_t n = std::fread(piece.data(), 1, piece.size(), pipe)) {
     said.text.append(piece.data(), n);
@@ -55,9 +55,10 @@ inline Said program(const std::string& arguments) {
   return said;
 }
 
-/// `replay --resimulate` of this box finds every bit the same; what it said.
-inline std::string expectSameAgain(const std::string& box) {
-  const Said said = program("replay --resimulate '" + box + "'");
+/// Checks that `replay --resimulate` of this black box file finds every bit the same. @return its
+/// output
+inline std::string expectSameRerun(const std::string& box) {
+  const ProgramOutput said = program("replay --resimulate '" + box + "'");
   EXPECT_EQ(said.code, 0) << said.text;
   EXPECT_NE(said.text.find("every bit the same"), std::string::npos) << said.text;
   return said.text;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// What a client says, as clients in other languages build it: by flatc's own code.
+/// Builds the messages of a client with flatc's own code, as clients in other languages do.
 namespace wholehand::test::words {
 
 namespace fb = wholehand::protocol;
@@ -22,7 +22,7 @@ wire::Bytes command(std::uint32_t id, flatbuffers::Offset<Table> order, Builder&
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }
 
-/// A command whose order is made by `make(builder)`.
+/// Message of a command whose order `make(builder)` builds.
 template <class Make>
 wire::Bytes command(std::uint32_t id, Make make, std::uint16_t version = wire::kSchemaVersion) {
   Builder b;
@@ -31,11 +31,11 @@ wire::Bytes command(std::uint32_t id, Make make, std::uint16_t version = wire::k
 }
 
 inline wire::Bytes arm(std::uint32_t id, std::uint16_t version = wire::kSchemaVersion,
-                       std::uint32_t endings_seen = 1) {
+                       std::uint32_t acknowledged_stop = 1) {
   return command(
-      id, [&](Builder& b) { return fb::CreateArm(b, endings_seen); }, version);
+      id, [&](Builder& b) { return fb::CreateArm(b, acknowledged_stop); }, version);
 }
-inline wire::Bytes armHavingSeen(std::uint32_t endings, std::uint32_t id) {
+inline wire::Bytes armAcknowledging(std::uint32_t endings, std::uint32_t id) {
   return arm(id, wire::kSchemaVersion, endings);
 }
 inline wire::Bytes stop(std::uint32_t id) {
@@ -53,7 +53,7 @@ inline wire::Bytes load(std::uint32_t id, const char* exercise, std::uint16_t le
       id, [&](Builder& b) { return fb::CreateLoadExerciseDirect(b, exercise, level, hand); });
 }
 inline wire::Bytes aim(std::uint32_t id, const std::vector<float>& q,
-                       fb::Help by = fb::Help::Unsaid) {
+                       fb::Help by = fb::Help::Unspecified) {
   return command(id, [&](Builder& b) { return fb::CreateAimDirect(b, &q, by); });
 }
 inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value) {
@@ -68,7 +68,7 @@ inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
 inline wire::Bytes action(std::uint32_t id, fb::Act act) {
   return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
 }
-/// Their holder must show every 200 ms that it is alive.
+/// Takes the controls. The holder must send a sign of life every 200 ms.
 inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
   seesRealTime();
   return command(id, [&](Builder& b) { return fb::CreateTakeControlsDirect(b, token); });
@@ -80,7 +80,7 @@ inline wire::Bytes heartbeat(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateHeartbeat(b); });
 }
 
-// Of a game to its bodies.
+// Orders of a game to its bodies.
 
 inline fb::Pose placed(float x, float y, float z, const fb::QuatXyzw& turn = {0, 0, 0, 1}) {
   return {{x, y, z}, turn};
@@ -146,7 +146,7 @@ inline wire::Bytes bodyTargets(std::uint32_t id, const std::vector<fb::BodyPlace
   return command(id, [&](Builder& b) { return fb::CreateBodyTargetsDirect(b, &bodies); });
 }
 
-/// One of each, with ids from 1.
+/// One message of each kind, with ids from 1.
 inline std::vector<wire::Bytes> oneOfEach() {
   return {arm(1),
           stop(2),

@@ -19,10 +19,11 @@
 
 namespace wholehand::test {
 
-/// A program without a loop: gives the answers that a test sets, and remembers what it was asked.
+/// A program without a loop: gives the answers that the test sets and stores the orders that it
+/// gets.
 class FakeProgram final : public ServerBackend {
  public:
-  struct Asked {
+  struct ReceivedOrder {
     Order order;
     std::int64_t at_ns = 0;
   };
@@ -37,7 +38,9 @@ class FakeProgram final : public ServerBackend {
     if (set != nullptr && set->value > 1.0) {
       done(refused(Refusal::kOutOfRange, "lead_in_m = 2: must be in [0, 1]"));
     } else if (order.is<orders::LoadExercise>()) {
-      std::thread([done = std::move(done)] { done({true, ""}); }).detach();  // as a real one does
+      std::thread([done = std::move(done)] {
+        done({true, ""});
+      }).detach();  // from another thread, as in the real program
     } else {
       done({true, ""});
     }
@@ -72,7 +75,7 @@ class FakeProgram final : public ServerBackend {
     return report_fails || name != "night shift.h5" ? "" : (folder / "report").string();
   }
 
-  // What the test sets, from any thread.
+  // The test calls the following from any thread.
   void setScene(SceneFacts facts) {
     auto scene = std::make_shared<const SceneFacts>(std::move(facts));
     const std::lock_guard lock(mutex_);
@@ -87,42 +90,43 @@ class FakeProgram final : public ServerBackend {
     record_ = record;
     has_record_ = true;
   }
-  std::vector<Asked> asked() const {
+  std::vector<ReceivedOrder> asked() const {
     const std::lock_guard lock(mutex_);
     return asked_;
   }
-  /// The orders of these kinds, once `count` of them came or the time is over.
+  /// Orders of these kinds, as soon as `count` have come or the time is over.
   template <class... Kinds>
-  std::vector<Asked> askedFor(std::size_t count,
-                              std::chrono::milliseconds within = kPatience) const {
+  std::vector<ReceivedOrder> askedFor(std::size_t count,
+                                      std::chrono::milliseconds within = kPatience) const {
     const auto until = std::chrono::steady_clock::now() + within;
     while (true) {
-      std::vector<Asked> found;
-      for (const Asked& a : asked()) {
+      std::vector<ReceivedOrder> found;
+      for (const ReceivedOrder& a : asked()) {
         if ((a.order.is<Kinds>() || ...)) found.push_back(a);
       }
       if (found.size() >= count || std::chrono::steady_clock::now() > until) return found;
       std::this_thread::sleep_for(1ms);
     }
   }
-  /// Of those that name bodies.
-  std::vector<Asked> askedForBodies(std::size_t count,
-                                    std::chrono::milliseconds within = kPatience) const {
+  /// The same for orders that name bodies.
+  std::vector<ReceivedOrder> askedForBodies(std::size_t count,
+                                            std::chrono::milliseconds within = kPatience) const {
     return askedFor<orders::Spawn, orders::Remove, orders::Teleport, orders::SetOwner,
                     orders::BodyTargets>(count, within);
   }
 
   std::filesystem::path folder;
-  /// Set before the server is opened; runs first in each of its ticks, and may in other threads.
+  /// Set it before the server is opened. It runs first in each tick of the server, and may run in
+  /// other threads.
   std::function<void()> in_tick;
-  std::shared_future<void> report_waits_for;  ///< where set, a report takes until then
+  std::shared_future<void> report_waits_for;  ///< if set, a report waits for it
   std::atomic<bool> report_begun{false};
   bool report_fails = false;
   std::atomic<bool> no_memory{false};
 
  private:
   mutable std::mutex mutex_;
-  std::vector<Asked> asked_;
+  std::vector<ReceivedOrder> asked_;
   std::shared_ptr<const SceneFacts> scene_ = std::make_shared<const SceneFacts>();
   LoopStatus status_;
   TickRecord record_;
@@ -142,7 +146,7 @@ inline TickRecord busyRecord() {
   return r;
 }
 
-/// Ticks 1000 times a second, as telemetry hands records on.
+/// Publishes 1000 records a second, as telemetry does.
 class FakeLoop {
  public:
   FakeLoop(FakeProgram& program, Server& server)
@@ -169,7 +173,7 @@ class FakeLoop {
   std::thread thread_;
 };
 
-/// What the program says, read.
+/// Reads the messages of the program.
 namespace replies {
 
 namespace fb = wholehand::protocol;
@@ -181,12 +185,12 @@ inline const fb::Message& message(const WebSocket::Frame& frame) {
   return *fb::GetMessage(frame.payload.data());
 }
 
-/// The next message of one kind; others are passed over. Nothing when the time is over.
+/// The next message of one kind; others are skipped. None if the time is over.
 inline std::optional<WebSocket::Frame> next(WebSocket& socket, fb::Payload kind,
                                             std::chrono::milliseconds within = kPatience) {
   const auto until = std::chrono::steady_clock::now() + within;
   while (std::chrono::steady_clock::now() < until) {
-    auto frame = socket.hear(within);
+    auto frame = socket.receive(within);
     if (!frame || frame->opcode != 2) return std::nullopt;
     if (message(*frame).payload_type() == kind) return frame;
   }

@@ -3,7 +3,7 @@
 
 #include <future>
 
-// Every route over a real socket, and every way of asking for what nobody may have.
+// Tests every route over a real socket, and the ways to ask for files that nobody may have.
 namespace wholehand::test {
 namespace {
 
@@ -13,7 +13,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(HttpTest, Pages_WithTypeCachingAndSecurity) {
+TEST_F(HttpTest, Page_IsSentWithTypeCachingAndSecurityHeaders) {
   open();
   HttpReply r = get(port(), "/");
   EXPECT_EQ(r.status, 200);
@@ -23,7 +23,7 @@ TEST_F(HttpTest, Pages_WithTypeCachingAndSecurity) {
   EXPECT_EQ(r.headers["x-content-type-options"], "nosniff");
   const std::string policy = r.headers["content-security-policy"];
   EXPECT_TRUE(contains(policy, "default-src 'self'"));
-  EXPECT_TRUE(contains(policy, "'wasm-unsafe-eval'"));  // hand tracking
+  EXPECT_TRUE(contains(policy, "'wasm-unsafe-eval'"));  // needed for hand tracking
   EXPECT_FALSE(contains(policy, "'unsafe-eval'"));
   EXPECT_TRUE(contains(policy, "frame-ancestors 'none'"));
   EXPECT_EQ(get(port(), "/console").body, "<title>the console</title>");
@@ -33,7 +33,7 @@ TEST_F(HttpTest, Pages_WithTypeCachingAndSecurity) {
   EXPECT_TRUE(contains(r.headers["cache-control"], "immutable"));
   r = get(port(), "/mediapipe/hands.wasm");
   EXPECT_EQ(r.headers["content-type"], "application/wasm");
-  EXPECT_EQ(r.headers["cache-control"], "no-cache");  // no hash in its name
+  EXPECT_EQ(r.headers["cache-control"], "no-cache");  // its name has no hash
 }
 
 TEST_F(HttpTest, UnchangedPage_IsNotSentAgain) {
@@ -45,18 +45,18 @@ TEST_F(HttpTest, UnchangedPage_IsNotSentAgain) {
   EXPECT_EQ(get(port(), "/", "If-None-Match: " + tag + "\r\n").status, 200);
 }
 
-TEST_F(HttpTest, Head_SaysTheLengthAndSendsNoBody) {
+TEST_F(HttpTest, HeadRequest_ReturnsTheLengthAndNoBody) {
   open();
   RawSocket socket(port());
   const std::string host = "Host: localhost:" + std::to_string(port()) + "\r\n\r\n";
   const HttpReply r = ask(socket, "HEAD / HTTP/1.1\r\n" + host);
   EXPECT_EQ(r.status, 200);
   EXPECT_EQ(r.headers.at("content-length"), "22");
-  // The connection goes on, and nothing of a body stands in its way.
+  // The connection stays usable: no bytes of a body follow.
   EXPECT_EQ(ask(socket, "GET / HTTP/1.1\r\n" + host).body, "<title>the bar</title>");
 }
 
-TEST_F(HttpTest, MissingPage_GetsASmallPageWithoutItsMarkup) {
+TEST_F(HttpTest, MissingPage_IsAnsweredWithAPageWithoutTheRequestedMarkup) {
   open();
   const HttpReply r = get(port(), "/no<script>");
   EXPECT_EQ(r.status, 404);
@@ -65,14 +65,14 @@ TEST_F(HttpTest, MissingPage_GetsASmallPageWithoutItsMarkup) {
   EXPECT_TRUE(contains(r.body, "<h1>Not here</h1>"));
 }
 
-TEST_F(HttpTest, PagesNotBuilt_SaysHowToBuildThem) {
+TEST_F(HttpTest, PagesNotBuilt_IsAnsweredWithHowToBuildThem) {
   options.web_folder = (root / "nowhere").string();
   open();
   EXPECT_EQ(get(port(), "/").status, 503);
   EXPECT_TRUE(contains(get(port(), "/console").body, "npm run build"));
 }
 
-TEST_F(HttpTest, RequestForWhichNoMemoryIsLeft_IsRefusedAndTheNextOneAnswered) {
+TEST_F(HttpTest, RequestWithoutMemory_IsRefusedAndTheNextOneAnswered) {
   open();
   const char* const wanted = "/api/recordings/night%20shift.h5";
   const int before = get(port(), wanted).status;
@@ -86,8 +86,8 @@ TEST_F(HttpTest, RequestForWhichNoMemoryIsLeft_IsRefusedAndTheNextOneAnswered) {
   EXPECT_EQ(get(port(), wanted).status, before);
 }
 
-// Where not even the refusal could be made.
-TEST(FileWorkers, JobThatFindsNoMemory_IsDroppedAndTheNextOneCarriedOut) {
+// Memory does not even suffice for the refusal.
+TEST(FileWorkers, JobWithoutMemory_IsDroppedAndTheNextOneCarriedOut) {
   std::promise<void> done;
   FileWorkers workers(1, 4);
   ASSERT_TRUE(workers.post([] { throw std::bad_alloc(); }));
@@ -95,7 +95,7 @@ TEST(FileWorkers, JobThatFindsNoMemory_IsDroppedAndTheNextOneCarriedOut) {
   EXPECT_EQ(done.get_future().wait_for(kPatience), std::future_status::ready);
 }
 
-TEST_F(HttpTest, Traversal_IsRefusedHoweverItIsWritten) {
+TEST_F(HttpTest, PathTraversal_IsRefusedInEverySpelling) {
   open();
   std::filesystem::create_symlink(root / "secret.txt", root / "web/link.txt");
   for (const char* target :
@@ -125,7 +125,8 @@ TEST_F(HttpTest, OtherMethodsAndBodies_AreRefused) {
   EXPECT_EQ(get(port(), "/").status, 200);
 }
 
-TEST_F(HttpTest, ForeignHost_IsRefused) {  // a page that renamed itself to 127.0.0.1
+TEST_F(HttpTest,
+       ForeignHost_IsRefused) {  // DNS rebinding: a page's host name resolves to 127.0.0.1
   open();
   EXPECT_EQ(get(port(), "/", "Host: evil.example\r\n").status, 421);
   EXPECT_EQ(get(port(), "/api/recordings", "Host: evil.example:8080\r\n").status, 421);
@@ -148,7 +149,7 @@ TEST_F(HttpTest, Health_FollowsTheLoop) {
   r = get(port(), "/healthz");
   EXPECT_EQ(r.status, 200);
   EXPECT_TRUE(contains(r.body, R"("ticks":5000)"));
-  std::this_thread::sleep_for(1100ms);  // it says that it renders, but no record comes
+  std::this_thread::sleep_for(1100ms);  // the state says rendering, but no record comes
   EXPECT_EQ(get(port(), "/healthz").status, 503);
   server->publish(busyRecord());
   EXPECT_EQ(get(port(), "/healthz").status, 200);
@@ -216,7 +217,7 @@ TEST_F(HttpTest, Recordings_ListDownloadAndReport) {
   EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5/report/plot.svg").body, "<svg/>");
 }
 
-TEST_F(HttpTest, RecordingThatIsWritten_IsListedAndReplayedButNotHandedOut) {
+TEST_F(HttpTest, RecordingBeingWritten_IsListedAndReplayedButNotDownloaded) {
   options.replay = [](const std::string&, const std::string&) -> ReplayAnswer {
     return {200, "application/json", "{}"};
   };
@@ -240,9 +241,9 @@ TEST_F(HttpTest, RecordingThatIsWritten_IsListedAndReplayedButNotHandedOut) {
   EXPECT_EQ(get(port(), address).status, 200);
 }
 
-TEST_F(HttpTest, NamesThatAreNoRecording_AreNotFound) {
+TEST_F(HttpTest, NamesWithoutARecording_AreNotFound) {
   open();
-  // Well-formed names that no file can have.
+  // Well-formed names that cannot be the name of a recording.
   for (const char* target : {"/api/recordings/a%2fb.h5", "/api/recordings/a%2Fb.h5/replay/about",
                              "/replay%2f..", "/assets%2Fx"}) {
     EXPECT_EQ(get(port(), target).status, 404) << target;
@@ -259,7 +260,7 @@ TEST_F(HttpTest, NamesThatAreNoRecording_AreNotFound) {
   }
 }
 
-TEST_F(HttpTest, Replay_AnswersWithTheServicesWordsAboutTheRecordingsFile) {
+TEST_F(HttpTest, Replay_AnswersFromTheServiceForTheRecordingsFile) {
   write("web/replay.html", "<title>replay</title>");
   std::promise<void> read;
   const std::shared_future<void> disk = read.get_future().share();
@@ -287,7 +288,7 @@ TEST_F(HttpTest, Replay_AnswersWithTheServicesWordsAboutTheRecordingsFile) {
     r = get(port(), target);
     EXPECT_TRUE(r.status == 400 || r.status == 404) << target << " gave " << r.status;
   }
-  // A disk that takes its time delays neither a moment nor a download nor health.
+  // A slow disk delays neither other requests nor downloads nor health.
   std::thread slow([&] { EXPECT_EQ(get(port(), base + "series?from_s=0").status, 200); });
   EXPECT_EQ(get(port(), base + "states?tick=1&count=1&step=1").status, 200);
   EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5").status, 200);
@@ -296,18 +297,18 @@ TEST_F(HttpTest, Replay_AnswersWithTheServicesWordsAboutTheRecordingsFile) {
   slow.join();
 }
 
-TEST_F(HttpTest, ProgramThatLooksAtNoRecordingAgain_HasNoReplay) {
+TEST_F(HttpTest, ProgramWithoutAReplayService_HasNoReplay) {
   open();
   EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5/replay/about").status, 404);
   EXPECT_EQ(get(port(), "/replay").status, 404) << "the pages are built, this one is not";
 }
 
-TEST_F(HttpTest, Report_RunsItsOwnScriptsAndAsksNobody) {
+TEST_F(HttpTest, Report_MayRunInlineScriptsAndLoadNothingElse) {
   open();
   const HttpReply r = get(port(), "/api/recordings/night%20shift.h5/report/");
   const std::string policy = r.headers.at("content-security-policy");
   EXPECT_TRUE(contains(policy, "default-src 'none'")) << policy;
-  EXPECT_TRUE(contains(policy, "script-src 'unsafe-inline'")) << policy;  // they stand in the file
+  EXPECT_TRUE(contains(policy, "script-src 'unsafe-inline'")) << policy;  // the scripts are inline
   EXPECT_TRUE(contains(policy, "worker-src blob:")) << policy;
   EXPECT_FALSE(contains(policy, "connect-src")) << policy;
   EXPECT_FALSE(contains(policy, "'self'")) << policy;
@@ -321,7 +322,7 @@ TEST_F(HttpTest, ReportThatCannotBeMade_SaysWhy) {
   EXPECT_TRUE(contains(r.body, "&lt;damaged&gt;")) << r.body;
 }
 
-TEST_F(HttpTest, ReportUnderWay_KeepsNobodyWaiting) {
+TEST_F(HttpTest, ReportBeingMade_DelaysNoOtherRequest) {
   std::promise<void> written;
   program.report_waits_for = written.get_future().share();
   open();
@@ -330,13 +331,13 @@ TEST_F(HttpTest, ReportUnderWay_KeepsNobodyWaiting) {
   while (!program.report_begun) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(program.report_begun);
   EXPECT_EQ(get(port(), "/healthz").status, 200);
-  EXPECT_EQ(get(port(), "/api/recordings").status, 200);  // the second worker
+  EXPECT_EQ(get(port(), "/api/recordings").status, 200);  // answered by the second worker
   written.set_value();
   patient.join();
 }
 
-// A client that waits for a disk that hangs gets an answer, and delays no other client.
-TEST_F(HttpTest, WorkThatTakesTooLong_IsRefusedAndItsWorkerGivenUp) {
+// A client that waits for a hanging disk gets an answer and delays no other client.
+TEST_F(HttpTest, RequestThatTakesTooLong_IsRefusedAndItsWorkerReplaced) {
   std::promise<void> answers;
   program.report_waits_for = answers.get_future().share();
   options.report_patience = 1s;
@@ -348,7 +349,7 @@ TEST_F(HttpTest, WorkThatTakesTooLong_IsRefusedAndItsWorkerGivenUp) {
   EXPECT_EQ(get(port(), report).status, 503) << "the second worker";
   EXPECT_EQ(get(port(), "/").status, 200) << "pages have a worker of their own";
   EXPECT_EQ(refused("disk"), 2.0);
-  answers.set_value();  // the workers go on, and what they bring comes too late
+  answers.set_value();  // the workers continue; their results come too late
   EXPECT_EQ(get(port(), report).status, 200);
 }
 
@@ -361,7 +362,7 @@ TEST_F(HttpTest, LargeRecording_ArrivesWhole) {
 
 constexpr const char* kToken = "a-token-of-twenty-ch";
 
-TEST_F(HttpTest, Token_GuardsAllButThePages) {
+TEST_F(HttpTest, Token_IsRequiredForAllButThePages) {
   options.token = kToken;
   open();
   EXPECT_EQ(get(port(), "/").status, 200);
@@ -382,9 +383,9 @@ TEST_F(HttpTest, Token_GuardsAllButThePages) {
       200);
 }
 
-// Browsers send a cookie to every port of a machine: another Wholehand's, or that of a former
-// token.
-TEST_F(HttpTest, CookiesOfOthers_RefuseNobodyWhoShowsAGoodToken) {
+// Browsers send a cookie to every port of a machine, so the cookie may belong to another Wholehand
+// or to an earlier token.
+TEST_F(HttpTest, ForeignCookieWithAGoodToken_IsAccepted) {
   options.token = kToken;
   open();
   const std::string good = get(port(), std::string("/?token=") + kToken).headers["set-cookie"];
@@ -405,7 +406,7 @@ TEST_F(HttpTest, CookiesOfOthers_RefuseNobodyWhoShowsAGoodToken) {
       200);
 }
 
-TEST_F(HttpTest, Options_ThatWouldOpenTheProgramToAll_AreRefused) {
+TEST_F(HttpTest, OptionsThatOpenTheProgramToEverybody_AreRefused) {
   options.address = "0.0.0.0";
   auto refusalOf = [&] {
     auto opened = Server::open(program, options, controls);
@@ -425,7 +426,7 @@ TEST_F(HttpTest, Options_ThatWouldOpenTheProgramToAll_AreRefused) {
   EXPECT_TRUE(contains(refusalOf(), "is no IP address"));
 }
 
-TEST_F(HttpTest, PortInUse_IsSaid) {
+TEST_F(HttpTest, PortInUse_IsReported) {
   open();
   options.port = port();
   auto second = Server::open(program, options, controls);
@@ -433,7 +434,7 @@ TEST_F(HttpTest, PortInUse_IsSaid) {
   EXPECT_TRUE(contains(format(second.errors()), "in use")) << format(second.errors());
 }
 
-TEST_F(HttpTest, ManyIdleConnections_LeaveRoom) {
+TEST_F(HttpTest, ManyIdleConnections_LeaveRoomForANewOne) {
   open();
   std::vector<std::unique_ptr<RawSocket>> idle;
   for (int i = 0; i < 200; ++i) idle.push_back(std::make_unique<RawSocket>(port()));

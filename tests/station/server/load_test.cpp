@@ -1,6 +1,6 @@
 #include "station/server/server_test.hpp"
 
-// Several clients at once, and one that does not follow.
+// Load on the server: several clients at once, and one that does not read.
 namespace wholehand::test {
 namespace {
 
@@ -10,7 +10,7 @@ using replies::next;
 
 using LoadTest = ServerTest;
 
-TEST_F(LoadTest, RunningLoop_ShowsSixtyRisingStatesASecond) {
+TEST_F(LoadTest, RunningLoop_SendsSixtyRisingStatesASecond) {
   open();
   FakeLoop loop(program, *server);
   WebSocket socket(port());
@@ -31,7 +31,7 @@ TEST_F(LoadTest, RunningLoop_ShowsSixtyRisingStatesASecond) {
   std::sort(states.begin(), states.end());
   figure("states in a second, median of 3", states[1], "1");
   EXPECT_LE(states[2], 61);
-  EXPECT_GE(states[1], 45);  // of 60, on a machine that stalls now and then
+  EXPECT_GE(states[1], 45);  // of 60; the machine may stall
 }
 
 TEST_F(LoadTest, SilentHolder_FadesAfter200To260ms) {
@@ -40,10 +40,10 @@ TEST_F(LoadTest, SilentHolder_FadesAfter200To260ms) {
   std::vector<double> after_ms;
   for (std::uint32_t i = 0; i < 5; ++i) {
     const std::int64_t heard_ns = monotonicNow_ns();
-    client.say(words::takeControls(1 + i));
+    client.send(words::takeControls(1 + i));
     ASSERT_TRUE(replies::answer(client).accepted);
     const auto alive = program.askedFor<orders::HolderAlive>(2 * i + 1);
-    ASSERT_EQ(alive.size(), 2 * i + 1);  // lost and taken anew, in turns
+    ASSERT_EQ(alive.size(), 2 * i + 1);  // each round: suspended once, alive once
     EXPECT_FALSE(alive.back().order.as<orders::HolderAlive>()->alive);
     after_ms.push_back(1e-6 * static_cast<double>(alive.back().at_ns - heard_ns));
   }
@@ -53,7 +53,7 @@ TEST_F(LoadTest, SilentHolder_FadesAfter200To260ms) {
   EXPECT_LE(after_ms[2], 260.0);
 }
 
-/// Gaps between `count` states one after another [ms], added to `gaps_ms`.
+/// Appends the gaps [ms] between `count` successive states to `gaps_ms`.
 void readStates(WebSocket& client, int count, std::vector<double>& gaps_ms) {
   auto last = std::chrono::steady_clock::now();
   for (int i = 0; i < count; ++i) {
@@ -69,7 +69,7 @@ double p95(std::vector<double> values) {
   return values[values.size() * 95 / 100];
 }
 
-TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
+TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWithoutDelayingOthers) {
   open();
   FakeLoop loop(program, *server);
   WebSocket quick(port());
@@ -86,7 +86,8 @@ TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
   EXPECT_TRUE(cut);
   figure("slow client cut off after",
          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), "s");
-  // Sixty a second, as before the slow one came: by the same client on the same machine.
+  // The rate stays at sixty a second, as before the slow client connected: the same client on the
+  // same machine is compared.
   const double before_ms = std::max(p95(alone_ms), 1000.0 / 60.0), during_ms = p95(gaps_ms);
   figure("gap of the other client, p95", during_ms, "ms");
   figure("the same before the slow one came", p95(alone_ms), "ms");
@@ -97,8 +98,8 @@ TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
   EXPECT_TRUE(logged("does not follow"));
 }
 
-/// p99 of the age [ms] of the states that four clients get in `seconds`: from publish() to the
-/// message in the client's hands.
+/// p99 of the age [ms] of the states that four clients get in `seconds`, from publish() until the
+/// client has the message.
 double agesWithFourClients(std::uint16_t port, double seconds) {
   std::mutex mutex;
   std::vector<double> ages_ms;

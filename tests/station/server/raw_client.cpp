@@ -148,7 +148,7 @@ void WebSocket::sendFrame(int opcode, const std::string& payload) {
   socket_.send(frame);
 }
 
-std::optional<WebSocket::Frame> WebSocket::hear(std::chrono::milliseconds within) {
+std::optional<WebSocket::Frame> WebSocket::receive(std::chrono::milliseconds within) {
   const auto byteAt = [](const std::string& s, std::size_t i) {
     return static_cast<std::uint64_t>(static_cast<unsigned char>(s[i]));
   };

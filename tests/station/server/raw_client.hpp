@@ -9,29 +9,29 @@
 #include <string>
 #include <vector>
 
-// Clients from bare sockets: what is sent is what stands in the test, however wrong it is, and
-// nothing of the server's own library is trusted to read what comes back.
+// Clients over plain sockets. They send exactly the bytes of the test, valid or not, and do not use
+// the server's library to read the answers.
 namespace wholehand::test {
 
 using namespace std::chrono_literals;
 
-/// Ends what hangs, not what is slow.
+/// Bounds a hang; a slow machine stays below it.
 inline constexpr auto kPatience = 120s;
 
 /// A TCP connection to 127.0.0.1.
 class RawSocket {
  public:
-  /// @param receive_buffer of the kernel [bytes]; 0: as it is
+  /// @param receive_buffer size of the kernel's receive buffer [bytes]; 0: the default
   explicit RawSocket(std::uint16_t port, int receive_buffer = 0);
   ~RawSocket();
   RawSocket(const RawSocket&) = delete;
   RawSocket& operator=(const RawSocket&) = delete;
 
   void send(const std::string& bytes);
-  /// Exactly that many; nothing when the time is over or the other side has closed.
+  /// Receives exactly `bytes`; none if the time is over or the other side has closed.
   [[nodiscard]] std::optional<std::string> receive(std::size_t bytes,
                                                    std::chrono::milliseconds within);
-  /// Up to and with `end`.
+  /// Receives up to and including `end`.
   [[nodiscard]] std::optional<std::string> receiveUntil(const std::string& end,
                                                         std::chrono::milliseconds within);
   [[nodiscard]] bool closed() const { return closed_; }
@@ -45,15 +45,18 @@ class RawSocket {
 };
 
 struct HttpReply {
-  int status = 0;                              ///< 0: none came
+  int status = 0;                              ///< 0: no answer
   std::map<std::string, std::string> headers;  ///< names in lower case
   std::string body;
 };
 
-/// Sends a request line and headers ("GET / HTTP/1.1\r\nHost: ...\r\n\r\n"), reads the answer.
+/// Sends a request line and headers ("GET / HTTP/1.1\r
+/// Host: ...\r
+/// \r
+/// ") and reads the answer.
 HttpReply ask(RawSocket& socket, const std::string& request,
               std::chrono::milliseconds within = kPatience);
-/// One GET on a connection of its own, as a browser of this machine asks.
+/// Sends one GET on its own connection, with the headers of a browser on this machine.
 HttpReply get(std::uint16_t port, const std::string& target, const std::string& more_headers = "",
               const std::string& method = "GET");
 
@@ -71,13 +74,13 @@ class WebSocket {
   explicit WebSocket(std::uint16_t port, const std::string& more_headers = "",
                      const std::string& target = "/ws", int receive_buffer = 0);
 
-  [[nodiscard]] int status() const { return reply_.status; }  ///< 101: connected
+  [[nodiscard]] int status() const { return reply_.status; }  ///< 101: accepted
   [[nodiscard]] const HttpReply& reply() const { return reply_; }
-  void say(const wire::Bytes& message) { sendFrame(2, {message.begin(), message.end()}); }
-  void sayText(const std::string& text) { sendFrame(1, text); }
+  void send(const wire::Bytes& message) { sendFrame(2, {message.begin(), message.end()}); }
+  void sendText(const std::string& text) { sendFrame(1, text); }
   void sendFrame(int opcode, const std::string& payload);
-  /// The next frame; pings are answered on the way.
-  [[nodiscard]] std::optional<Frame> hear(std::chrono::milliseconds within = kPatience);
+  /// The next frame; answers pings meanwhile.
+  [[nodiscard]] std::optional<Frame> receive(std::chrono::milliseconds within = kPatience);
   [[nodiscard]] bool closed() const { return socket_.closed(); }
 
  private:

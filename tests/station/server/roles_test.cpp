@@ -31,13 +31,13 @@ Standing playing() {
   return now;
 }
 
-TEST(Roles, EmergencyStop_IsEverybodysAtAnyTime) {
-  for (const Role role : {Role::kUnsaid, Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
+TEST(Roles, EmergencyStop_IsAllowedToEveryRoleAtAnyTime) {
+  for (const Role role : {Role::kUnspecified, Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
     EXPECT_TRUE(mayOrder(role, Order{orders::EmergencyStop{}}, {}).accepted) << nameOf(role);
   }
 }
 
-TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
+TEST(Roles, TherapistWhileAPlayerHolds_MayDoAllButSteer) {
   Standing now = playing();
   now.holds = false;
   EXPECT_EQ(allowed(Role::kTherapist, now),
@@ -46,7 +46,7 @@ TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
   EXPECT_EQ(mayOrder(Role::kTherapist, Order{orders::Aim{}}, now).refusal, Refusal::kNotHolder);
 }
 
-TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
+TEST(Roles, PlayerUnderATherapist_MayOnlySteerRestAndStop) {
   EXPECT_EQ(allowed(Role::kPlayer, playing()),
             (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "Action"}));
   EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::SetHelp{}}, playing()).refusal,
@@ -61,7 +61,7 @@ TEST(Roles, Watcher_MayOnlyStop) {
             Refusal::kOnlyWatches);
 }
 
-TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
+TEST(Roles, PlayerAloneOnASimulatedDevice_MayStartButNotAfterAStop) {
   Standing now;
   now.holds = true;
   EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
@@ -77,18 +77,18 @@ TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
             Refusal::kTherapistOnly);
 }
 
-TEST(Roles, PlayerAfterItsOwnRest_MayArmWhoeverLeads) {
+TEST(Roles, PlayerAfterItsOwnRest_MayArmUnderATherapist) {
   Standing now = playing();
   now.moves_person = true;
   now.run_state = RunState::kStopped;
   EXPECT_FALSE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
   now.own_rest = true;
   EXPECT_TRUE(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).accepted);
-  now.holds = false;  // by a press that takes the controls first
+  now.holds = false;  // it must take the controls first
   EXPECT_EQ(mayOrder(Role::kPlayer, Order{orders::Arm{}}, now).refusal, Refusal::kNotHolder);
 }
 
-TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
+TEST(Roles, PauseOfAPresentTherapist_CannotBeEndedByThePlayer) {
   Standing now = playing();
   now.therapist_paused = true;
   for (const Act action : {Act::kResume, Act::kNext, Act::kRestart}) {
@@ -96,22 +96,22 @@ TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
     EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
     EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
   }
-  now.led = false;  // nobody is left who could end it
+  now.led = false;  // no therapist is left to end it
   const Order resume{orders::Action{Act::kResume}};
   EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
 }
 
-TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndStopWithout) {
-  EXPECT_EQ(allowed(Role::kUnsaid, playing()), kAll);
+TEST(Roles, ClientWithoutARole_MayDoAllWithTheControlsAndElseOnlyStop) {
+  EXPECT_EQ(allowed(Role::kUnspecified, playing()), kAll);
   Standing now = playing();
   now.holds = false;
-  EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector<std::string>{"Stop", "EmergencyStop"}));
+  EXPECT_EQ(allowed(Role::kUnspecified, now), (std::vector<std::string>{"Stop", "EmergencyStop"}));
 }
 
-TEST(Roles, OrdersOfTheProgramItself_AreNoClients) {
-  for (const Order& order :
-       {Order{orders::HolderAlive{true}}, Order{orders::Unattended{}}, Order{orders::Attended{}}}) {
-    for (const Role role : {Role::kUnsaid, Role::kPlayer, Role::kTherapist}) {
+TEST(Roles, OrdersOfTheProgramItself_AreRefusedFromClients) {
+  for (const Order& order : {Order{orders::HolderAlive{true}}, Order{orders::Unattended{}},
+                             Order{orders::UnattendedEnds{}}}) {
+    for (const Role role : {Role::kUnspecified, Role::kPlayer, Role::kTherapist}) {
       const OrderReply may = mayOrder(role, order, playing());
       EXPECT_FALSE(may.accepted) << order.row().name;
       EXPECT_TRUE(may.reason.starts_with(order.row().name)) << may.reason;
@@ -119,18 +119,18 @@ TEST(Roles, OrdersOfTheProgramItself_AreNoClients) {
   }
 }
 
-TEST(Roles, ClaimBeyondTheToken_Watches) {
+TEST(Roles, RoleBeyondTheToken_BecomesWatcher) {
   EXPECT_EQ(grantedRole(Role::kTherapist, Role::kPlayer), Role::kWatcher);
   EXPECT_EQ(grantedRole(Role::kTherapist, Role::kWatcher), Role::kWatcher);
   EXPECT_EQ(grantedRole(Role::kPlayer, Role::kTherapist), Role::kPlayer);
-  EXPECT_EQ(grantedRole(Role::kUnsaid, Role::kPlayer), Role::kPlayer);
+  EXPECT_EQ(grantedRole(Role::kUnspecified, Role::kPlayer), Role::kPlayer);
 }
 
-TEST(Roles, Names_AreReadBackAndNothingElseIs) {
+TEST(Roles, RoleNames_AreReadBackAndOthersRefused) {
   for (const Role role : {Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
     EXPECT_EQ(roleNamed(nameOf(role)), role);
   }
-  for (const char* none : {"", "unsaid", "Therapist", "admin", "therapist "}) {
+  for (const char* none : {"", "unspecified", "Therapist", "admin", "therapist "}) {
     EXPECT_FALSE(roleNamed(none)) << none;
   }
 }

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-/// Facts for messages: a small scene, a record, a status, a failed step of a commissioning, a ball.
-/// The golden files (tests/golden) are made of them, too: they must not change.
+/// Sample content for messages: a small scene, a record, a status, a failed commissioning step and
+/// a ball. The golden files (tests/golden) are made from it: it must not change.
 namespace wholehand::test {
 
 inline SceneFacts sampleScene() {
@@ -26,7 +26,7 @@ inline SceneFacts sampleScene() {
   return facts;
 }
 
-/// A tick of that many axes and joints, each with a contact between its capsule and `body`.
+/// A record with so many axes and joints, each with a contact between its capsule and `body`.
 inline TickRecord sampleRecord(int axes, int joints, int contacts, int body) {
   TickRecord r;
   r.tick = 123456789012;
@@ -78,7 +78,7 @@ inline CommissioningFacts sampleFailedStep() {
                          "x is too heavy",
                          "balance it"});
   facts.question = 7;
-  facts.asked = Asked::kKnownForce;
+  facts.asked = QuestionKind::kKnownForce;
   facts.motion_state = MotionState::kAwaitsKey;
   return facts;
 }

@@ -12,7 +12,7 @@
 
 namespace wholehand::test {
 
-/// A server on a free port, over a program without a loop and a small web folder.
+/// A server on a free port, with a fake program and a small web folder.
 struct ServerTest : ::testing::Test {
   ServerTest() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
@@ -47,7 +47,7 @@ struct ServerTest : ::testing::Test {
   void open() { server = orThrow(Server::open(program, options, controls)); }
   std::uint16_t port() const { return server->port(); }
 
-  /// Sooner or later: the log has a thread of its own.
+  /// Waits until the log contains `part`; the log has its own thread.
   bool logged(const std::string& part) const {
     const auto until = std::chrono::steady_clock::now() + kPatience;
     while (true) {
@@ -62,7 +62,7 @@ struct ServerTest : ::testing::Test {
       std::this_thread::sleep_for(1ms);
     }
   }
-  /// A line of /metrics: its value, -1 where it is missing.
+  /// Value of a line of /metrics; -1 if it is missing.
   double metric(const std::string& name) const {
     const HttpReply reply = get(port(), "/metrics");
     const std::size_t at = reply.body.find("\nwholehand_" + name + " ");
@@ -75,7 +75,7 @@ struct ServerTest : ::testing::Test {
   std::filesystem::path root;
   FakeProgram program;
   ServerOptions options;
-  ControlsArbiter controls;
+  ControlHolder controls;
   std::unique_ptr<Server> server;
 
  private:

@@ -11,7 +11,7 @@
 #include <memory>
 #include <thread>
 
-// The bar's real loop, with and without clients that take every state and draw nothing.
+// Measures the bar's real loop with and without clients that read every state and draw nothing.
 namespace wholehand::test {
 namespace {
 
@@ -23,11 +23,11 @@ constexpr int kClients = 4;
 
 StationConfig barConfig() {
   StationConfig c = barStation();
-  c.rehearsal.most_of_period = 100.0;  // whatever else this machine does
+  c.rehearsal.allowed_period_share = 100.0;  // passes on a busy machine
   return c;
 }
 
-/// Four clients in threads of their own, until it goes out of scope.
+/// Four clients, each in its own thread, until the object is destroyed.
 class Audience {
  public:
   Audience(std::uint16_t port, std::vector<double>& ages_ms) {
@@ -62,7 +62,7 @@ class Audience {
   std::vector<std::thread> threads_;
 };
 
-/// The loop, its server, and the CPU time of its ticks, with clients and without.
+/// The loop, its server, and the CPU time of the ticks with and without clients.
 struct LoadedStation {
   LoadedStation() : station(barConfig()) {
     seesRealTime();
@@ -83,24 +83,23 @@ struct LoadedStation {
     server.reset();
   }
   void count(DurationHistogram& into, std::chrono::milliseconds duration) {
-    std::this_thread::sleep_for(300ms);  // what came or went has settled
+    std::this_thread::sleep_for(300ms);  // connections settle
     counting = &into;
     std::this_thread::sleep_for(duration);
     counting = nullptr;
-    std::this_thread::sleep_for(50ms);  // the telemetry thread has let go of it
+    std::this_thread::sleep_for(50ms);  // the telemetry thread has finished with it
   }
 
   Station station;
-  ControlsArbiter controls;
+  ControlHolder controls;
   std::unique_ptr<Server> server;
   std::atomic<DurationHistogram*> counting{nullptr};
   std::thread loop;
 };
 
-// Taken in turns, since a machine is not the same from one minute to the next; the rarest ticks of
-// few seconds say little, so that more rounds are played until the figure is reached, or twenty
-// are.
-TEST(StationLoad, FourClients_CostTheTickNothing_slow) {
+// Measurements with and without clients alternate, because the machine's load varies. A few seconds
+// say little about the rarest ticks, so rounds are added until the figure is reached, 20 at most.
+TEST(StationLoad, FourClients_DoNotLengthenTheTick_slow) {
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   const std::chrono::milliseconds turn = full ? 30s : 3s;
   LoadedStation loaded;

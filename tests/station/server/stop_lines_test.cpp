@@ -10,17 +10,17 @@
 #include <algorithm>
 #include <deque>
 
-// Stop, Rest and EmergencyStop from every role, by both lines, whichever client holds the controls,
-// in every state, and with standstills of the program, on a clock and a network that the test makes
-// up. The rules (docs/protocol.md, "Roles"): every client may send EmergencyStop; every client but
-// a watcher may send Stop and Rest; without the controls a Rest is a plain Stop.
+// Stop, Rest and EmergencyStop from every role, over both lines, with any holder of the controls,
+// in every state and with standstills of the program, on a simulated clock and network. Rules
+// (docs/protocol.md, "Roles"): every client may send EmergencyStop; every client but a watcher may
+// send Stop and Rest; a Rest without the controls is a plain Stop.
 namespace wholehand::test {
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// The messages to one client.
-class RecordingLine final : public ClientLine {
+/// A line that stores the messages to one client.
+class RecordingConnection final : public ClientConnection {
  public:
   void deliver(SharedBytes message) override {
     const auto* said = fb::GetMessage(message->data());
@@ -41,16 +41,16 @@ class RecordingLine final : public ClientLine {
   bool was_cut = false;
 };
 
-/// A client with both lines.
+/// A client with a WebSocket and datagrams.
 struct Both {
   std::uint32_t number = 0, id = 0;
-  Role role = Role::kUnsaid;
-  std::shared_ptr<RecordingLine> line = std::make_shared<RecordingLine>();
+  Role role = Role::kUnspecified;
+  std::shared_ptr<RecordingConnection> connection = std::make_shared<RecordingConnection>();
   std::unique_ptr<TestGame> game;
   UdpEndpoint at;
 };
 
-/// The server's part that knows no sockets, and what is under way to it.
+/// The part of the server without sockets, and the messages on their way to it.
 class Lines {
  public:
   explicit Lines(std::mt19937_64& random) : random_(random) {
@@ -62,20 +62,20 @@ class Lines {
   Both& join(Role role) {
     auto& c = *all.emplace_back(std::make_unique<Both>());
     c.role = role;
-    c.number = clients_->join(c.line, role, now_ns);
+    c.number = clients_->join(c.connection, role, now_ns);
     c.at = {0x7F000001, static_cast<std::uint16_t>(5000 + c.number)};
     c.game = std::make_unique<TestGame>([](const TestGame::Bytes&) {});
     c.game->key = c.number;
     host_.admit(c.number, c.number, false);
     return c;
   }
-  void say(const Both& from, wire::Bytes message) {
+  void send(const Both& from, wire::Bytes message) {
     coming_.push_back({from.number, false, std::move(message)});
   }
-  void sayByDatagram(const Both& from, const wire::Bytes& message = {}) {
+  void sendDatagram(const Both& from, const wire::Bytes& message = {}) {
     coming_.push_back({from.number, true, from.game->datagram(message)});
   }
-  /// A frame of the server: the sockets are read before or after it.
+  /// One frame of the server; the sockets are read before or after it, at random.
   void frame() {
     const bool first = random_() % 2 == 0;
     if (first) clients_->tick(now_ns);
@@ -85,7 +85,7 @@ class Lines {
   void pass(std::int64_t ms) { now_ns += ms * kMs; }
 
   FakeProgram program;
-  ControlsArbiter controls;
+  ControlHolder controls;
   std::int64_t now_ns = 1'000'000 * kMs;
   std::vector<std::unique_ptr<Both>> all;
 
@@ -96,7 +96,7 @@ class Lines {
     wire::Bytes bytes;
   };
 
-  /// Each line in its order, the lines in any.
+  /// Delivers all messages: each line in order, the lines in random order.
   void readSockets() {
     while (!coming_.empty()) {
       const OnTheWay& any = coming_[random_() % coming_.size()];
@@ -108,18 +108,18 @@ class Lines {
       if (one.datagram) {
         host_.receive(all[one.from - 1]->at, one.bytes, now_ns);
       } else {
-        clients_->heard(one.from, one.bytes, false, now_ns);
+        clients_->receive(one.from, one.bytes, false, now_ns);
       }
     }
     host_.advance(now_ns);
-    for (const udp::ReceivedCommand& said : host_.takeCommands()) obey(said);
+    for (const udp::ReceivedCommand& said : host_.takeCommands()) apply(said);
   }
-  void obey(const udp::ReceivedCommand& said) {  // as UdpBridge does
+  void apply(const udp::ReceivedCommand& said) {  // as UdpBridge does
     if (said.order.is<orders::EmergencyStop>()) {
       program.order(said.order, [](const OrderReply&) {});
       host_.finishStop(said, true);
     } else {
-      clients_->heardDatagram(said.client, said.order, now_ns);
+      clients_->receiveDatagram(said.client, said.order, now_ns);
     }
   }
 
@@ -130,7 +130,7 @@ class Lines {
   UdpCounters counters_;
   udp::Host host_{controls, counters_,
                   [this](const UdpEndpoint& to, std::span<const std::uint8_t> d) {
-                    all[to.port - 5001]->game->hear(d);
+                    all[to.port - 5001]->game->receive(d);
                     return UdpSent::kSent;
                   }};
   std::deque<OnTheWay> coming_;
@@ -144,7 +144,7 @@ wire::Bytes words(Kind kind, std::uint32_t id) {
   return kind == Kind::kRest ? words::rest(id) : words::emergencyStop(id);
 }
 
-/// One drawn case. Says whether it was to be obeyed.
+/// One random case; checks whether the stop had to be obeyed.
 class Draw {
  public:
   explicit Draw(std::mt19937_64& random) : random_(random), lines_(random) {}
@@ -158,20 +158,20 @@ class Draw {
     for (std::size_t left = 2 + random_() % 3; left > 0; --left) {
       Both& c = lines_.join(static_cast<Role>(random_() % 4));
       for (std::size_t known = random_() % 3; known > 0; --known) {
-        lines_.sayByDatagram(c);
+        lines_.sendDatagram(c);
         lines_.frame();
       }
     }
     lines_.frame();
     Both& holder = any();
-    lines_.say(holder, words::takeControls(++holder.id));
+    lines_.send(holder, words::takeControls(++holder.id));
     lines_.frame();
     ASSERT_EQ(lines_.controls.holder() == holder.number, holder.role != Role::kWatcher);
     Both& stops = any();
     const bool holds = &stops == &holder && holder.role != Role::kWatcher;
     const Kind kind = static_cast<Kind>(random_() % 3);
     const bool by_datagram = random_() % 2 == 0;
-    // It need not rise, nor begin at 1.
+    // The id need not rise and need not start at 1.
     const std::uint32_t id = random_() % 4 == 0 ? random_() % 3 : ++stops.id + 1;
     const std::int64_t stands_ms = random_() % 4 == 0 ? 0 : 100 + random_() % 4900;
     const std::int64_t begins_ms = random_() % 1000;
@@ -182,9 +182,9 @@ class Draw {
       if (ms % 50 == 0) beat(holder);
       if (ms == stop_ms / 2 * 2) {
         if (by_datagram) {
-          lines_.sayByDatagram(stops, words(kind, id));
+          lines_.sendDatagram(stops, words(kind, id));
         } else {
-          lines_.say(stops, words(kind, id));
+          lines_.send(stops, words(kind, id));
         }
       }
       const bool stands_still = ms >= begins_ms && ms < ends_ms;
@@ -194,10 +194,11 @@ class Draw {
     const bool may = kind == Kind::kEmergency || stops.role != Role::kWatcher;
     expectHandedOn(may, kind, kind == Kind::kRest && (holds || status.rested));
     if (!by_datagram) {
-      ASSERT_TRUE(stops.line->replies.contains(id));
-      EXPECT_EQ(stops.line->replies[id].accepted, may);
+      ASSERT_TRUE(stops.connection->replies.contains(id));
+      EXPECT_EQ(stops.connection->replies[id].accepted, may);
     }
-    if (!may && !by_datagram) EXPECT_EQ(stops.line->replies[id].refusal, Refusal::kOnlyWatches);
+    if (!may && !by_datagram)
+      EXPECT_EQ(stops.connection->replies[id].refusal, Refusal::kOnlyWatches);
     if (holder.role == Role::kWatcher) return;
     EXPECT_EQ(lines_.controls.holder(), holder.number) << "after " << stands_ms << " ms";
     EXPECT_TRUE(lines_.program.askedFor<orders::HolderAlive>(0).empty())
@@ -208,10 +209,10 @@ class Draw {
   Both& any() { return *lines_.all[random_() % lines_.all.size()]; }
   void beat(Both& holder) {
     if (random_() % 2 == 0) {
-      lines_.say(holder, words::heartbeat(0));
+      lines_.send(holder, words::heartbeat(0));
     } else {
-      lines_.say(holder, words::heartbeat(0));
-      lines_.sayByDatagram(holder);
+      lines_.send(holder, words::heartbeat(0));
+      lines_.sendDatagram(holder);
     }
   }
   void expectHandedOn(bool may, Kind kind, bool rest) {
@@ -230,7 +231,7 @@ class Draw {
   Lines lines_;
 };
 
-TEST(StopLines, OfEveryKindRoleLineHolderStateAndStandstill_AreObeyed) {
+TEST(StopLines, StopsOfEveryKindRoleLineAndState_AreObeyed) {
   auto random = seededRandom(3404);
   const int drawn = cases(3000);
   for (int i = 0; i < drawn && !::testing::Test::HasFailure(); ++i) {
@@ -240,19 +241,19 @@ TEST(StopLines, OfEveryKindRoleLineHolderStateAndStandstill_AreObeyed) {
   figure("stops by every line, role, holder and state, with standstills of 0.1 to 5 s", drawn, "");
 }
 
-// A client that repeats its stop is not cut off because the program stood still in a write to it.
-TEST(StopLines, LineWhoseWriteOutlastsAStandstill_IsNotCut) {
+// A client that repeats its stop is not cut off if the program itself stood still during the write.
+TEST(StopLines, WriteThatLastsThroughAStandstill_DoesNotCutTheLine) {
   auto random = seededRandom(3405);
   Lines lines(random);
   Both& c = lines.join(Role::kPlayer);
   lines.frame();
-  c.line->writing_since_ns = lines.now_ns;
+  c.connection->writing_since_ns = lines.now_ns;
   lines.pass(5000);
   lines.frame();
-  EXPECT_FALSE(c.line->was_cut) << "what the client has read meanwhile is seen first";
+  EXPECT_FALSE(c.connection->was_cut) << "what the client has read meanwhile is seen first";
   lines.pass(16);
   lines.frame();
-  EXPECT_TRUE(c.line->was_cut) << "it reads nothing";
+  EXPECT_TRUE(c.connection->was_cut) << "it reads nothing";
 }
 
 struct RestRight : ::testing::Test {
@@ -267,10 +268,10 @@ struct RestRight : ::testing::Test {
     return c;
   }
   OrderReply ask(Both& who, const std::function<wire::Bytes(std::uint32_t)>& order) {
-    lines.say(who, order(++who.id));
+    lines.send(who, order(++who.id));
     lines.frame();
-    lines.say(who, words::heartbeat(0));
-    return who.line->replies[who.id];
+    lines.send(who, words::heartbeat(0));
+    return who.connection->replies[who.id];
   }
   OrderReply take(Both& who) {
     return ask(who, [](std::uint32_t id) { return words::takeControls(id); });
@@ -279,9 +280,9 @@ struct RestRight : ::testing::Test {
     return ask(who, [](std::uint32_t id) { return words::rest(id); });
   }
   OrderReply arm(Both& who, std::uint32_t seen) {
-    return ask(who, [seen](std::uint32_t id) { return words::armHavingSeen(seen, id); });
+    return ask(who, [seen](std::uint32_t id) { return words::armAcknowledging(seen, id); });
   }
-  /// As the station says it after a rest.
+  /// Sets the status that the station reports after a rest.
   void rests(std::uint32_t endings, bool arming = false, bool before_start = false) {
     LoopStatus status;
     status.run_state = RunState::kStopped;
@@ -297,7 +298,7 @@ struct RestRight : ::testing::Test {
   Lines lines{random};
 };
 
-TEST_F(RestRight, StaysWithWhoRestedFirst) {
+TEST_F(RestRight, SecondRestDuringARest_DoesNotTakeTheRight) {
   Both &first = player(), &second = player();
   lines.join(Role::kTherapist);
   ASSERT_TRUE(take(first).accepted);
@@ -313,7 +314,7 @@ TEST_F(RestRight, StaysWithWhoRestedFirst) {
   EXPECT_TRUE(arm(first, 2).accepted);
 }
 
-TEST_F(RestRight, OfWhatIsBeingArmed_IsWhosCancelsIt) {
+TEST_F(RestRight, RestThatCancelsAnArming_GivesTheRightToItsPlayer) {
   Both &first = player(), &second = player();
   lines.join(Role::kTherapist);
   ASSERT_TRUE(take(first).accepted);
@@ -326,8 +327,8 @@ TEST_F(RestRight, OfWhatIsBeingArmed_IsWhosCancelsIt) {
   EXPECT_TRUE(arm(second, 3).accepted);
 }
 
-// Else a player would start what no therapist has started, by a rest of nothing.
-TEST_F(RestRight, BeforeTheFirstStart_IsThatOfTheFirstStart) {
+// Otherwise a player could start a session that no therapist has started, by a rest of nothing.
+TEST_F(RestRight, RestBeforeTheFirstStart_GivesOnlyTheRightOfAFirstStart) {
   LoopStatus disarmed;
   lines.program.setStatus(disarmed);
   Both& alone = player();

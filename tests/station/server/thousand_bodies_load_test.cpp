@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <thread>
 
-// A game that registers a thousand bodies over its WebSocket, and draws at 60 Hz: how old what it
-// draws is. Wall time: printed, and judged only by how much came.
+// A game registers a thousand bodies over its WebSocket and draws at 60 Hz. Measures the age of the
+// drawn states. The wall time is printed only; the test checks how many states came.
 namespace wholehand::test {
 namespace {
 
@@ -22,17 +22,17 @@ using replies::message;
 constexpr double kFrame_ms = 1e3 / 60.0;
 
 struct Drawn {
-  std::vector<double> ages_ms;  ///< of the newest state, at every frame
+  std::vector<double> ages_ms;  ///< age of the newest state at every frame
   std::size_t states = 0, bodies = 0, registered = 0, in_slots = 0, left_out = 0;
 };
 
-/// Takes what has come, and does not wait for more than the rest of a frame.
+/// Reads the messages that have come and waits no longer than the rest of the frame.
 void listen(WebSocket& socket, std::chrono::steady_clock::time_point until, Drawn& drawn,
             std::int64_t& newest_ns, std::map<std::uint32_t, fb::Whereabouts>& where) {
   while (std::chrono::steady_clock::now() < until) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
         until - std::chrono::steady_clock::now());
-    const auto frame = socket.hear(std::max(left, 1ms));
+    const auto frame = socket.receive(std::max(left, 1ms));
     if (!frame) continue;
     if (const auto* state = message(*frame).payload_as_WorldState()) {
       newest_ns = state->sent_monotonic_ns();
@@ -45,12 +45,12 @@ void listen(WebSocket& socket, std::chrono::steady_clock::time_point until, Draw
   }
 }
 
-/// Registers the bodies as a game does: 64 a message, around the hand.
+/// Registers the bodies around the hand as a game does: 64 per message.
 void registerAll(WebSocket& socket, std::uint32_t& id) {
   auto random = seededRandom(5405);
   std::uniform_real_distribution<float> unit(-0.6F, 0.6F);
-  socket.say(words::takeControls(++id));
-  socket.say(words::prepareBall(++id, 0, 0.025F));
+  socket.send(words::takeControls(++id));
+  socket.send(words::prepareBall(++id, 0, 0.025F));
   for (int first = 0; first < kMostRegistered; first += 64) {
     std::vector<words::SpawnWords> balls;
     for (int i = first; i < std::min(first + 64, kMostRegistered); ++i) {
@@ -61,7 +61,7 @@ void registerAll(WebSocket& socket, std::uint32_t& id) {
       ball.pose = words::placed(x, y, z);
       balls.push_back(ball);
     }
-    socket.say(words::spawn(++id, balls));
+    socket.send(words::spawn(++id, balls));
   }
 }
 
@@ -73,10 +73,11 @@ Drawn draw(std::uint16_t port, int frames) {
   std::int64_t newest_ns = 0;
   std::map<std::uint32_t, fb::Whereabouts> where;
   auto due = std::chrono::steady_clock::now();
-  for (int frame = -60; frame < frames; ++frame) {  // first, all bodies come
+  for (int frame = -60; frame < frames;
+       ++frame) {  // the first 60 frames are not counted: all bodies arrive
     listen(socket, due, drawn, newest_ns, where);
     due += std::chrono::microseconds(16'667);
-    if (frame % 3 == 0) socket.say(words::heartbeat(0));
+    if (frame % 3 == 0) socket.send(words::heartbeat(0));
     if (frame < 0) continue;
     drawn.ages_ms.push_back(1e-6 * static_cast<double>(monotonicNow_ns() - newest_ns));
   }
@@ -88,13 +89,13 @@ Drawn draw(std::uint16_t port, int frames) {
   return drawn;
 }
 
-TEST(StationLoad, AThousandBodiesOfAGame_AreDrawnAsTheyAreNow) {
+TEST(StationLoad, ThousandBodiesOfAGame_AreDrawnInTheirPresentState) {
   StationConfig config = barStation();
   config.files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/game-scene.toml";
   config.rehearse = false;
   Station station(config);
   (void)orThrow(station.load());
-  ControlsArbiter controls;
+  ControlHolder controls;
   ServerOptions options;
   options.port = 0;
   auto server = orThrow(Server::open(station, options, controls));

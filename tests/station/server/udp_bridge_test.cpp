@@ -13,8 +13,8 @@
 #include <atomic>
 #include <thread>
 
-// WebSocket and datagrams together, on real sockets. Nothing here depends on how fast the machine
-// is: what is late is waited for.
+// WebSocket and datagrams together, on real sockets. No test depends on the speed of the machine:
+// it waits for late messages.
 namespace wholehand {
 namespace {
 
@@ -28,34 +28,34 @@ namespace replies = test::replies;
 constexpr UdpEndpoint kAnyPort{0x7F000001, 0};
 constexpr std::uint64_t kKeyOfTheStart = 0xFEDCBA9876543210;
 
-/// Datagrams of a game, through a socket of its own.
+/// A game's datagrams over its own socket.
 struct SocketGame {
   SocketGame(const UdpEndpoint& program, std::uint64_t key, std::uint32_t rate_hz) : to(program) {
     if (!socket.open(kAnyPort)) throw std::runtime_error("no socket");
     game.key = key;
     game.rate_hz = rate_hz;
   }
-  /// Shows that it is there and hears all that waits; true when the condition comes true in 20 s.
+  /// Sends signs of life and reads all datagrams; true if the condition holds within 20 s.
   template <class Condition>
   bool until(Condition condition) {
     std::array<std::uint8_t, 2000> buffer;
     UdpEndpoint from;
     for (const std::int64_t end = monotonicNow_ns() + 120'000'000'000; monotonicNow_ns() < end;) {
       for (long n; (n = socket.receive(from, buffer)) >= 0;) {
-        game.hear({buffer.data(), static_cast<std::size_t>(n)});
+        game.receive({buffer.data(), static_cast<std::size_t>(n)});
       }
       if (condition()) return true;
-      game.say();
+      game.send();
       socket.wait(5);
     }
     return false;
   }
-  /// As above, saying the same again and again: what is lost is made up for.
+  /// The same, but sends `message` again and again, because datagrams may be lost.
   template <class Condition>
-  bool sayUntil(const std::function<TestGame::Bytes()>& message, Condition condition) {
+  bool sendUntil(const std::function<TestGame::Bytes()>& message, Condition condition) {
     return until([&] {
       if (condition()) return true;
-      game.say(message());
+      game.send(message());
       return false;
     });
   }
@@ -65,7 +65,7 @@ struct SocketGame {
   TestGame game{[this](const TestGame::Bytes& d) { (void)socket.send(to, d); }};
 };
 
-/// A game as it should be: a WebSocket, and datagrams with the key of its Welcome.
+/// A complete game: a WebSocket, and datagrams with the key of its Welcome.
 struct WholeGame {
   WholeGame(Server& server, const UdpBridge& bridge, std::uint32_t rate_hz)
       : socket(server.port()) {
@@ -75,8 +75,8 @@ struct WholeGame {
     EXPECT_EQ(welcome->udp_port(), bridge.local().port);
     fast = std::make_unique<SocketGame>(bridge.local(), welcome->udp_key(), rate_hz);
   }
-  replies::Answer says(const wire::Bytes& message) {
-    socket.say(message);
+  replies::Answer answerTo(const wire::Bytes& message) {
+    socket.send(message);
     return replies::answer(socket);
   }
 
@@ -94,7 +94,7 @@ class UdpBridgeOnLoopback : public ::testing::Test {
     server = test::orThrow(Server::open(backend, options, controls));
   }
   FakeBackend backend;
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpBridge bridge;
   std::unique_ptr<Server> server;
 };
@@ -105,14 +105,14 @@ TEST_F(UdpBridgeOnLoopback, EveryTick_ReachesTheGameInOrder) {
   ASSERT_TRUE(g.fast->until([&] { return !game.state_ticks.empty(); }));
   for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
     bridge.publish(backend.record(tick));
-    // The game's buffer holds some hundred: it reads before it is full, however slow this goes.
+    // The game's buffer holds some hundred datagrams; the game reads before it is full.
     if (tick % 50 == 0) {
       const auto& reported = game.state_ticks;
       ASSERT_TRUE(g.fast->until(
           [&] { return std::find(reported.begin(), reported.end(), tick) != reported.end(); }));
     }
   }
-  std::erase(game.state_ticks, 0U);  // how the loop was before its first record
+  std::erase(game.state_ticks, 0U);  // states from before the first record
   ASSERT_EQ(game.state_ticks.size(), 3000U);
   for (std::uint64_t i = 0; i < 3000; ++i) ASSERT_EQ(game.state_ticks[i], i + 1);
   EXPECT_EQ(bridge.counters().dropped_full, 0U);
@@ -120,20 +120,20 @@ TEST_F(UdpBridgeOnLoopback, EveryTick_ReachesTheGameInOrder) {
 
 TEST_F(UdpBridgeOnLoopback, ControlsByWebSocketAndAimsByDatagram_MoveTheHand) {
   WholeGame g(*server, bridge, 60);
-  ASSERT_TRUE(g.says(words::takeControls(1)).accepted);
-  ASSERT_TRUE(g.says(words::arm(2)).accepted);
+  ASSERT_TRUE(g.answerTo(words::takeControls(1)).accepted);
+  ASSERT_TRUE(g.answerTo(words::arm(2)).accepted);
   const std::vector<float> aim(9, 0.03F);
   std::uint32_t id = 2;
-  ASSERT_TRUE(
-      g.fast->sayUntil([&] { return words::aim(++id, aim); }, [&] { return backend.aims() > 10; }));
+  ASSERT_TRUE(g.fast->sendUntil([&] { return words::aim(++id, aim); },
+                                [&] { return backend.aims() > 10; }));
   EXPECT_FLOAT_EQ(static_cast<float>(backend.record(0).exercise.values[3]), 0.03F);
   ASSERT_TRUE(g.fast->until([&] { return g.fast->game.last.holds_controls; }));
 }
 
 TEST_F(UdpBridgeOnLoopback, SignsOfLifeByDatagram_KeepTheControls) {
   WholeGame g(*server, bridge, 60);
-  ASSERT_TRUE(g.says(words::takeControls(1)).accepted);
-  // Three times the silence that loses them, by the program's own count of what it sent.
+  ASSERT_TRUE(g.answerTo(words::takeControls(1)).accepted);
+  // Waits for three times the silence that loses the controls, counted in sent states.
   ASSERT_TRUE(g.fast->until([&] { return bridge.counters().states_sent >= 6; }));
   EXPECT_EQ(backend.holderAlive(), 1.0);
   while (backend.holderAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -144,19 +144,19 @@ TEST_F(UdpBridgeOnLoopback, AimWithoutTheControls_IsRefusedOnceByWebSocket) {
   WholeGame g(*server, bridge, 0);
   std::uint32_t id = 0;
   const auto before = bridge.counters().received.load();
-  ASSERT_TRUE(g.fast->sayUntil([&] { return words::aim(++id, {0.1F}); },
-                               [&] { return bridge.counters().received > before + 20; }));
+  ASSERT_TRUE(g.fast->sendUntil([&] { return words::aim(++id, {0.1F}); },
+                                [&] { return bridge.counters().received > before + 20; }));
   EXPECT_EQ(replies::answer(g.socket).refusal, fb::Refusal::NotHolder);
-  g.socket.say(words::setHelp(id + 1, fb::Help::Some));
+  g.socket.send(words::setHelp(id + 1, fb::Help::Some));
   EXPECT_EQ(replies::answer(g.socket).command, id + 1) << "no aim was refused a second time";
   EXPECT_EQ(backend.aims(), 0);
 }
 
-TEST_F(UdpBridgeOnLoopback, EmergencyStop_IsObeyedWithoutTheControlsAndSeen) {
+TEST_F(UdpBridgeOnLoopback, EmergencyStop_IsObeyedWithoutTheControlsAndReported) {
   const WholeGame holder(*server, bridge, 0);
   const WholeGame g(*server, bridge, 1000);
-  ASSERT_TRUE(g.fast->sayUntil([] { return words::emergencyStop(77); },
-                               [&] { return g.fast->game.last.rate_or_stop == 77; }));
+  ASSERT_TRUE(g.fast->sendUntil([] { return words::emergencyStop(77); },
+                                [&] { return g.fast->game.last.rate_or_stop == 77; }));
   EXPECT_EQ(backend.status().run_state, RunState::kStopped);
   EXPECT_EQ(backend.status().endings, 2U) << "however often it was repeated";
 }
@@ -172,14 +172,14 @@ TEST_F(UdpBridgeOnLoopback, EndOfTheWebSocket_EndsTheDatagrams) {
   EXPECT_EQ(bridge.counters().peers, 0U);
 }
 
-TEST_F(UdpBridgeOnLoopback, GameThatNeverReads_DoesNotHoldUpPublish) {
+TEST_F(UdpBridgeOnLoopback, GameThatNeverReads_DoesNotBlockPublish) {
   const WholeGame g(*server, bridge, 1000);
   ASSERT_TRUE(g.fast->until([&] { return !g.fast->game.state_ticks.empty(); }));
   const auto before = bridge.counters().states_sent.load();
-  // Forty times what its buffer holds; a send that blocks would never come back.
+  // Sends forty times the capacity of its buffer; a blocking send would never return.
   for (std::uint64_t tick = 1; tick <= 20'000; ++tick) {
     bridge.publish(backend.record(tick));
-    if (tick % 1000 == 0) g.fast->game.say();
+    if (tick % 1000 == 0) g.fast->game.send();
   }
   EXPECT_GE(bridge.counters().states_sent, before + 1000);
 }
@@ -191,7 +191,7 @@ TEST_F(UdpBridgeOnLoopback, OversizedDatagram_IsCounted) {
   EXPECT_EQ(g.game.heard, 0);
 }
 
-TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
+TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnce_GetOnlyTheirOwnMessages) {
   std::atomic<bool> stopping{false};
   std::thread telemetry([&] {
     for (std::uint64_t tick = 1; !stopping; ++tick) {
@@ -216,7 +216,7 @@ TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
   telemetry.join();
   EXPECT_EQ(done, 4);
   bridge.stop();
-  bridge.publish(backend.record(1));  // after the end: nothing happens
+  bridge.publish(backend.record(1));  // after the end: no effect
 }
 
 class UdpBridgeWithAKey : public UdpBridgeOnLoopback {
@@ -224,31 +224,31 @@ class UdpBridgeWithAKey : public UdpBridgeOnLoopback {
   UdpBridgeWithAKey() : UdpBridgeOnLoopback(kKeyOfTheStart) {}
 };
 
-TEST_F(UdpBridgeWithAKey, GameWithoutWebSocket_TakesTheControlsAimsAndStops) {
+TEST_F(UdpBridgeWithAKey, GameWithoutAWebSocket_CanTakeTheControlsAimAndStop) {
   SocketGame g(bridge.local(), kKeyOfTheStart, 200);
   std::uint32_t id = 0;
-  ASSERT_TRUE(g.sayUntil([&] { return words::takeControls(++id); },
-                         [&] { return g.game.last.holds_controls; }));
-  ASSERT_TRUE(g.sayUntil([&] { return words::steer(++id, fb::Steering::Person); },
-                         [&] {
-                           return !g.game.last_state.empty() &&
-                                  g.game.state().steering() == fb::Steering::Person;
-                         }));
+  ASSERT_TRUE(g.sendUntil([&] { return words::takeControls(++id); },
+                          [&] { return g.game.last.holds_controls; }));
+  ASSERT_TRUE(g.sendUntil([&] { return words::steer(++id, fb::Steering::Person); },
+                          [&] {
+                            return !g.game.last_state.empty() &&
+                                   g.game.state().steering() == fb::Steering::Person;
+                          }));
   const std::vector<float> aim(9, 0.02F);
   ASSERT_TRUE(
-      g.sayUntil([&] { return words::aim(++id, aim); }, [&] { return backend.aims() > 10; }));
+      g.sendUntil([&] { return words::aim(++id, aim); }, [&] { return backend.aims() > 10; }));
   const std::uint32_t stop = ++id;
-  ASSERT_TRUE(g.sayUntil([&] { return words::emergencyStop(stop); },
-                         [&] { return g.game.last.rate_or_stop == stop; }));
+  ASSERT_TRUE(g.sendUntil([&] { return words::emergencyStop(stop); },
+                          [&] { return g.game.last.rate_or_stop == stop; }));
   EXPECT_EQ(backend.status().run_state, RunState::kStopped);
-  // It falls silent, and loses the controls as everybody.
+  // The game falls silent and loses the controls like any client.
   while (controls.holder() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   while (backend.holderAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-TEST(UdpBridgeOptions, PortThatIsTaken_IsRefusedInWords) {
+TEST(UdpBridgeOptions, TakenPort_IsRefusedWithAMessage) {
   FakeBackend backend;
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpBridge first(backend, controls), second(backend, controls);
   ASSERT_TRUE(first.start({kAnyPort}).ok());
   const auto taken = second.start({first.local()});
@@ -256,7 +256,7 @@ TEST(UdpBridgeOptions, PortThatIsTaken_IsRefusedInWords) {
   EXPECT_NE(format(taken.errors()).find("cannot be listened to"), std::string::npos);
 }
 
-TEST(UdpKeyText, GoodAndBad) {
+TEST(UdpKeyText, ValidTexts_AreReadAndInvalidOnesRefused) {
   const auto good = parseUdpKey("fedcba9876543210");
   ASSERT_TRUE(good.ok());
   EXPECT_EQ(*good, kKeyOfTheStart);
@@ -284,7 +284,7 @@ TEST(UdpMetrics, Text_NamesEveryReasonOnce) {
   }
 }
 
-TEST(UdpEndpointText, GoodAndBad) {
+TEST(UdpEndpointText, ValidTexts_AreReadAndInvalidOnesRefused) {
   const auto good = parseUdpEndpoint("127.0.0.1:8091");
   ASSERT_TRUE(good.ok());
   EXPECT_EQ(format(*good), "127.0.0.1:8091");

@@ -34,7 +34,7 @@ Bytes written(const Header& header, const Bytes& payload) {
   return {d.begin(), d.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 
-/// zlib's, another implementation than the one under test.
+/// Sets the checksum with zlib, an implementation independent of the one under test.
 void makeChecksumRight(Bytes& d) {
   uLong crc = ::crc32(0, d.data(), kChecksumAt);
   crc = ::crc32(crc, d.data() + kHeaderSize, static_cast<uInt>(d.size() - kHeaderSize));
@@ -48,8 +48,8 @@ Flaw flawWith(Bytes d, std::size_t at, std::uint8_t value) {
   return read(d).flaw;
 }
 
-TEST(UdpDatagram, Written_IsByteByByteWhatTheDocumentSays) {
-  // docs/udp.md, "An example"; made by Python's struct and zlib.
+TEST(UdpDatagram, WrittenDatagram_MatchesTheDocumentByteByByte) {
+  // The example of docs/udp.md, "An example"; made by Python's struct and zlib.
   const std::string expected =
       "57485544"
       "0200"
@@ -72,7 +72,7 @@ TEST(UdpDatagram, Written_IsByteByByteWhatTheDocumentSays) {
   EXPECT_EQ(hex, expected);
 }
 
-TEST(UdpDatagram, Read_IsWhatWasWritten) {
+TEST(UdpDatagram, ReadDatagram_EqualsTheWrittenOne) {
   const Bytes d = written(someHeader(), Bytes(kLargestPayload, 9));
   EXPECT_EQ(d.size(), 1200U);
   const Received r = read(d);
@@ -117,7 +117,7 @@ TEST(UdpDatagram, AnyBitFlipped_IsRefused) {
   }
 }
 
-TEST(UdpDatagram, RandomBytes_AreNeverTakenForOne) {
+TEST(UdpDatagram, RandomBytes_AreNeverAccepted) {
   auto random = test::seededRandom(410);
   for (int i = 0; i < 20'000; ++i) {
     Bytes d(random() % 1300);
@@ -139,13 +139,13 @@ TEST(UdpDecimator, EveryRate_IsExactAndEven) {
       last = tick;
     }
     EXPECT_EQ(sent, 10U * rate_hz);
-    // Evenly: no gap differs by more than a tick from another.
+    // Evenly spaced: gaps differ by one tick at most.
     EXPECT_EQ(widest, (1000 + rate_hz - 1) / rate_hz);
     EXPECT_EQ(narrowest, 1000 / rate_hz);
   }
 }
 
-TEST(UdpDecimator, OtherLoops_KeepTheRate) {
+TEST(UdpDecimator, OtherLoopRates_KeepTheStateRate) {
   const auto sentInASecond = [](std::uint32_t rate_hz, std::uint32_t tick_rate_hz) {
     Decimator decimator(rate_hz, tick_rate_hz);
     int n = 0;
@@ -154,17 +154,17 @@ TEST(UdpDecimator, OtherLoops_KeepTheRate) {
   };
   EXPECT_EQ(sentInASecond(1000, 4000), 1000);
   EXPECT_EQ(sentInASecond(60, 2000), 60);
-  EXPECT_EQ(sentInASecond(1000, 500), 500);  // a slow loop: every tick
+  EXPECT_EQ(sentInASecond(1000, 500), 500);  // a slow loop sends every tick
   EXPECT_EQ(sentInASecond(0, 1000), 0);
 }
 
-TEST(UdpDecimator, SameTickAndNewSession_AreOnceAndAtOnce) {
+TEST(UdpDecimator, RepeatedTick_IsSentOnceAndNewSessionAtOnce) {
   Decimator decimator(10, 1000);
   EXPECT_TRUE(decimator.due(5000));
   EXPECT_FALSE(decimator.due(5000));
   EXPECT_FALSE(decimator.due(5001));
-  EXPECT_TRUE(decimator.due(0));     // ticks began anew
-  EXPECT_TRUE(decimator.due(2500));  // skipped ticks: one state, not 25
+  EXPECT_TRUE(decimator.due(0));     // ticks restart at 0
+  EXPECT_TRUE(decimator.due(2500));  // after skipped ticks one state is due, not 25
   EXPECT_FALSE(decimator.due(2501));
 }
 

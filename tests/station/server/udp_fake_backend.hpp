@@ -11,9 +11,9 @@
 
 namespace wholehand::test {
 
-/// A program without a loop: remembers orders, and shows what they did in the records it makes.
-/// Values of its exercise: 0 lead_in_m as set, 1 whether the game is alive, 2 the number of aims,
-/// 3 the last aim's first axis. Any thread.
+/// A program without a loop: stores orders and shows their effect in the records that it makes.
+/// Values of its exercise: 0: lead_in_m as set, 1: whether the game is alive, 2: number of aims, 3:
+/// first axis of the last aim. Call it from any thread.
 class FakeBackend : public ServerBackend {
  public:
   static constexpr int kAxes = 9, kJoints = 19, kValues = 48;
@@ -53,7 +53,7 @@ class FakeBackend : public ServerBackend {
   [[nodiscard]] std::string recordingPath(const std::string&) const override { return {}; }
   [[nodiscard]] std::string reportFolder(const std::string&, std::string&) override { return {}; }
 
-  /// A record as large as those of the cocktail bar; the hand swings at 1 Hz.
+  /// A record as large as those of the cocktail bar; the hand oscillates at 1 Hz.
   [[nodiscard]] TickRecord record(std::uint64_t tick) const {
     TickRecord r;
     r.tick = tick;
@@ -76,7 +76,7 @@ class FakeBackend : public ServerBackend {
     const std::lock_guard lock(mutex_);
     scene_ = makeScene(scene_->session + 1);
   }
-  /// All but aims, in order.
+  /// All orders but aims, in the order of arrival.
   [[nodiscard]] std::vector<Order> orders() const {
     const std::lock_guard lock(mutex_);
     return orders_;
@@ -91,7 +91,7 @@ class FakeBackend : public ServerBackend {
   }
 
  private:
-  /// Nine axes and forty capsules: a scene of several datagrams.
+  /// A scene of nine axes and forty capsules, which needs several datagrams.
   static std::shared_ptr<const SceneFacts> makeScene(std::uint32_t session) {
     auto facts = std::make_shared<SceneFacts>();
     facts->session = session;
@@ -122,7 +122,7 @@ class FakeBackend : public ServerBackend {
   }
 
   OrderReply carryOut(const orders::Arm& arm) {
-    if (arm.endings_seen != endings_) return {false, "it was stopped after this was asked"};
+    if (arm.acknowledged_stop != endings_) return {false, "it was stopped after this was asked"};
     run_state_ = RunState::kRendering;
     return {true, ""};
   }
@@ -170,8 +170,8 @@ class FakeBackend : public ServerBackend {
   Steering steering_ = Steering::kVirtualPatient;
   double lead_in_m_ = 0.005, holder_alive_ = 1.0, aims_ = 0.0, aimed_ = 0.0;
   std::vector<Order> orders_;
-  std::uint32_t endings_ = 1;  ///< as a station: an order to arm has seen the last one
-  std::uint32_t claim_ = 0;    ///< as a station: what a former holder asked for comes too late
+  std::uint32_t endings_ = 1;  ///< as in a station: an order to arm must name the newest ending
+  std::uint32_t claim_ = 0;    ///< as in a station: orders of a former holder are refused
 };
 
 }  // namespace wholehand::test

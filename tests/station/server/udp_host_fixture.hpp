@@ -9,7 +9,7 @@
 
 #include <utility>
 
-/// The conversation with games, on a clock and a network that the tests make up.
+/// Tests of udp::Host on a simulated clock and network.
 namespace wholehand::udp {
 
 using test::FakeBackend;
@@ -44,18 +44,18 @@ class UdpHost : public ::testing::Test {
     return UdpSent::kSent;
   }
   void arrive(const UdpEndpoint& from, const TestGame::Bytes& d) { host.receive(from, d, now_ns); }
-  /// Everything on the way arrives.
+  /// Delivers all datagrams.
   void settle() {
     do {
       for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
       for (const auto& [to, d] : std::exchange(leaving, {})) {
-        if (to == kGame) game.hear(d);
-        if (to == kOther) other.hear(d);
+        if (to == kGame) game.receive(d);
+        if (to == kOther) other.receive(d);
       }
     } while (!arriving.empty() || !leaving.empty());
     takeCommands();
   }
-  /// Takes what games said, and obeys it.
+  /// Takes the commands of games and carries them out.
   void takeCommands() {
     for (auto& s : host.takeCommands()) {
       if (s.order.is<orders::EmergencyStop>()) host.finishStop(s, true);
@@ -69,11 +69,11 @@ class UdpHost : public ::testing::Test {
       settle();
     }
   }
-  /// Says that it is there, is answered, and shows that it heard the answer.
+  /// Connects a game: it sends a sign of life, is answered, and echoes the answer.
   void connect(TestGame& who, std::uint32_t rate_hz = 1000) {
     who.rate_hz = rate_hz;
     for (int i = 0; i < 2; ++i) {
-      who.say();
+      who.send();
       settle();
     }
   }
@@ -82,17 +82,17 @@ class UdpHost : public ::testing::Test {
     settle();
   }
   std::uint64_t ignored(UdpIgnored reason) const { return counters.ignoredFor(reason); }
-  /// Orders of any of these kinds.
+  /// Number of orders of these kinds.
   template <class... Kinds>
-  int saidOf() const {
+  int sentOf() const {
     return static_cast<int>(std::count_if(said.begin(), said.end(), [](const ReceivedCommand& s) {
       return (s.order.is<Kinds>() || ...);
     }));
   }
-  int gentleStops() const { return saidOf<orders::Stop, orders::Rest>(); }
+  int gentleStops() const { return sentOf<orders::Stop, orders::Rest>(); }
 
   FakeBackend backend;
-  ControlsArbiter controls;
+  ControlHolder controls;
   UdpCounters counters;
   std::int64_t now_ns = 1'000'000'000'000;
   std::mt19937_64 random = test::seededRandom(411);
@@ -101,10 +101,10 @@ class UdpHost : public ::testing::Test {
     TestGame::Bytes bytes;
   };
   std::vector<OnTheWay> arriving, leaving;
-  std::size_t sent_bytes = 0;  ///< by the program
+  std::size_t sent_bytes = 0;  ///< bytes sent by the program
   std::vector<ReceivedCommand> said;
   Host host;
-  ControlsArbiter::Client client = 0;
+  ControlHolder::Client client = 0;
   TestGame game = makeGame(kGame), other = makeGame(kOther);
 };
 

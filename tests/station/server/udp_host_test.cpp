@@ -1,15 +1,15 @@
 #include "station/server/udp_host_fixture.hpp"
 
-// Who is obeyed, who is answered, and what is ignored.
+// Tests which datagrams are obeyed, answered or ignored.
 namespace wholehand::udp {
 namespace {
 
-TEST_F(UdpHost, WithoutAKey_NothingIsAnsweredAndItIsCounted) {
+TEST_F(UdpHost, DatagramWithoutAKey_IsCountedAndNotAnswered) {
   TestGame untrusted = makeGame(kElsewhere);
   untrusted.key = kGameKey + 1;
   for (int i = 0; i < 100; ++i) {
-    untrusted.say();
-    untrusted.say(words::emergencyStop(1));
+    untrusted.send();
+    untrusted.send(words::emergencyStop(1));
   }
   settle();
   EXPECT_EQ(sent_bytes, 0U);
@@ -39,23 +39,23 @@ TEST_F(UdpHost, BadDatagrams_AreCountedByReasonAndNeverAnswered) {
   }
   Header header;
   header.key = kGameKey;
-  header.kind = Kind::kPresent;  // what only the program says
+  header.kind = Kind::kPresent;  // a kind that only the program sends
   Datagram d;
   bad(UdpIgnored::kHeader, {d.begin(), d.begin() + write(d, header, {})});
   bad(UdpIgnored::kMessage, game.datagram({1, 2, 3}));
   EXPECT_EQ(sent_bytes, 0U);
 }
 
-TEST_F(UdpHost, WhatMustArrive_IsNotTakenByDatagram) {
+TEST_F(UdpHost, OrdersThatNeedDelivery_AreRefusedByDatagram) {
   connect(game);
   said.clear();
   const auto all = words::oneOfEach();
-  for (const auto& message : all) game.say(message);
+  for (const auto& message : all) game.send(message);
   settle();
   ASSERT_EQ(said.size(), 5U) << "every stop, an aim and a heartbeat";
-  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
+  EXPECT_EQ(sentOf<orders::EmergencyStop>(), 1);
   EXPECT_EQ(gentleStops(), 2) << "a rest is one";
-  EXPECT_EQ(saidOf<orders::Aim>(), 1);
+  EXPECT_EQ(sentOf<orders::Aim>(), 1);
   EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 5);
 }
 
@@ -64,9 +64,9 @@ TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsAndSteer) {
   board.key = 0xABCDEF;
   host.admit(board.key, controls.newClient(), true);
   for (int i = 0; i < 2; ++i) {
-    board.say();
+    board.send();
     for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
-    for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
+    for (const auto& [to, d] : std::exchange(leaving, {})) board.receive(d);
   }
   (void)host.takeCommands();
   for (const auto& message : words::oneOfEach()) arrive(kGame, board.datagram(message));
@@ -77,46 +77,46 @@ TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsAndSteer) {
                                       "ReleaseControls", "Heartbeat", "Rest"}));
 }
 
-TEST_F(UdpHost, AddressThatHearsNothing_GetsNoMoreThanWasSent) {
-  game.echoes = false;  // somebody with the key, and a foreign address
+TEST_F(UdpHost, UnprovenAddress_GetsNoMoreBytesThanItSent) {
+  game.echoes = false;  // a client with the key and a forged address
   std::size_t got = 0;
   for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
     if (tick % 20 == 0) {
-      game.say(tick % 40 == 0 ? words::aim(static_cast<std::uint32_t>(tick), {0.1F})
-                              : TestGame::Bytes{});
-      got += game.last_said.size();
+      game.send(tick % 40 == 0 ? words::aim(static_cast<std::uint32_t>(tick), {0.1F})
+                               : TestGame::Bytes{});
+      got += game.last_sent.size();
     }
     publish(tick);
     pass(1);
     ASSERT_LE(sent_bytes, got) << "tick " << tick;
   }
   EXPECT_EQ(counters.states_sent, 0U);
-  EXPECT_EQ(saidOf<orders::Aim>(), 0) << "it may only stop";
-  game.say(words::emergencyStop(9999));
-  game.say(words::stop(10'000));
-  game.say(words::rest(10'001));
+  EXPECT_EQ(sentOf<orders::Aim>(), 0) << "it may only stop";
+  game.send(words::emergencyStop(9999));
+  game.send(words::stop(10'000));
+  game.send(words::rest(10'001));
   settle();
-  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
+  EXPECT_EQ(sentOf<orders::EmergencyStop>(), 1);
   EXPECT_EQ(gentleStops(), 2);
 }
 
-TEST_F(UdpHost, LateStop_IsHandedOnOnce) {
+TEST_F(UdpHost, LateStop_IsPassedOnOnce) {
   connect(game);
   const TestGame::Bytes late = game.datagram(words::stop(5));
-  game.say(words::aim(6, {0.1F}));
+  game.send(words::aim(6, {0.1F}));
   settle();
   arrive(kGame, late);
   arrive(kGame, late);
   arrive(kElsewhere, late);
   settle();
   EXPECT_EQ(gentleStops(), 1);
-  game.say(words::stop(5));  // repeated until a state shows it
+  game.send(words::stop(5));  // repeated until a state shows the stop
   settle();
   EXPECT_EQ(gentleStops(), 2);
 }
 
-TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {
-  game.say();
+TEST_F(UdpHost, DatagramWithoutCommand_IsAnsweredWithOneHeader) {
+  game.send();
   settle();
   for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
     publish(tick);
@@ -125,7 +125,7 @@ TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {
   EXPECT_EQ(sent_bytes, kHeaderSize);
 }
 
-TEST_F(UdpHost, GameThatMoves_ProvesItsNewAddress) {
+TEST_F(UdpHost, GameThatChangesItsAddress_MustProveTheNewOne) {
   connect(game);
   const std::size_t before = sent_bytes;
   arrive(kElsewhere, game.datagram());
@@ -135,7 +135,7 @@ TEST_F(UdpHost, GameThatMoves_ProvesItsNewAddress) {
   EXPECT_EQ(sent_bytes, before + kHeaderSize) << "no state for an address that may be anybody's";
 }
 
-TEST_F(UdpHost, StatesEnd_ASecondAfterTheLastSignOfLife) {
+TEST_F(UdpHost, States_EndASecondAfterTheLastSignOfLife) {
   connect(game);
   const std::int64_t last_ns = now_ns;
   std::int64_t last_sent_ns = 0;
@@ -155,7 +155,7 @@ TEST_F(UdpHost, EndOfTheWebSocket_EndsTheDatagrams) {
   connect(game);
   host.dismiss(client);
   const std::size_t before = sent_bytes;
-  game.say(words::aim(1, {0.1F}));
+  game.send(words::aim(1, {0.1F}));
   settle();
   publish(1);
   pass(200);
@@ -164,26 +164,26 @@ TEST_F(UdpHost, EndOfTheWebSocket_EndsTheDatagrams) {
   EXPECT_EQ(counters.peers, 0U);
 }
 
-TEST_F(UdpHost, DatagramPlayedBack_ActsOnce) {
+TEST_F(UdpHost, ReplayedDatagram_ActsOnce) {
   connect(game);
-  game.say(words::aim(1, {0.1F}));
-  const TestGame::Bytes first = game.last_said;
+  game.send(words::aim(1, {0.1F}));
+  const TestGame::Bytes first = game.last_sent;
   settle();
-  game.say(words::aim(2, {0.2F}));
+  game.send(words::aim(2, {0.2F}));
   settle();
   for (int i = 0; i < 10; ++i) arrive(kGame, first);
   arrive(kElsewhere, first);
   settle();
-  EXPECT_EQ(saidOf<orders::Aim>(), 2);
+  EXPECT_EQ(sentOf<orders::Aim>(), 2);
   EXPECT_EQ(ignored(UdpIgnored::kStale), 11U);
   EXPECT_TRUE(host.peers().front().endpoint == kGame) << "nobody moves a game by an old datagram";
-  pass(1100);  // nor when it is gone
+  pass(1100);  // nor after the game is gone
   arrive(kElsewhere, first);
   settle();
-  EXPECT_EQ(saidOf<orders::Aim>(), 2);
+  EXPECT_EQ(sentOf<orders::Aim>(), 2);
 }
 
-TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
+TEST_F(UdpHost, ReplayedConversationWithAFixedKey_MovesNothing) {
   TestGame board = makeGame(kGame);
   board.key = 0xABCDEF;
   host.admit(board.key, controls.newClient(), true);
@@ -192,7 +192,7 @@ TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
     now_ns += kMillisecond_ns;
     overheard.push_back(board.datagram(words::aim(static_cast<std::uint32_t>(i) + 1, {0.1F})));
     arrive(kGame, overheard.back());
-    for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
+    for (const auto& [to, d] : std::exchange(leaving, {})) board.receive(d);
   }
   EXPECT_EQ(host.takeCommands().size(), 19U) << "all but the one before it was known to listen";
   now_ns += Host::kGone_ns + kMillisecond_ns;
@@ -201,29 +201,29 @@ TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
   EXPECT_TRUE(host.takeCommands().empty());
 }
 
-TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
+TEST_F(UdpHost, LateEmergencyStop_IsObeyedOnce) {
   connect(game);
   const TestGame::Bytes late = game.datagram(words::emergencyStop(5));
-  game.say(words::aim(6, {0.1F}));
+  game.send(words::aim(6, {0.1F}));
   settle();
   arrive(kGame, late);
   arrive(kGame, late);
-  game.say(words::emergencyStop(5));  // repeated until it is seen
+  game.send(words::emergencyStop(5));  // repeated until the game sees the stop
   settle();
-  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
+  EXPECT_EQ(sentOf<orders::EmergencyStop>(), 1);
   pass(200);
   EXPECT_EQ(game.last.rate_or_stop, 5U) << "the game is shown that it was obeyed";
 }
 
-TEST_F(UdpHost, EmergencyStop_IsAcknowledgedOnceObeyedAndHandedOnAgainIfThatFailed) {
+TEST_F(UdpHost, EmergencyStop_IsAcknowledgedWhenObeyedAndRetriedIfThatFailed) {
   connect(game);
   const auto repeat = [&] {
-    game.say(words::emergencyStop(5));
+    game.send(words::emergencyStop(5));
     for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
     auto stops = host.takeCommands();
     now_ns += Host::kPresent_ns;
     host.advance(now_ns);
-    for (const auto& [to, d] : std::exchange(leaving, {})) game.hear(d);
+    for (const auto& [to, d] : std::exchange(leaving, {})) game.receive(d);
     return stops;
   };
   const auto first = repeat();
@@ -239,25 +239,25 @@ TEST_F(UdpHost, EmergencyStop_IsAcknowledgedOnceObeyedAndHandedOnAgainIfThatFail
   EXPECT_EQ(game.last.rate_or_stop, 5U);
 }
 
-TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
+TEST_F(UdpHost, EmergencyStopWithAnyId_IsObeyed) {
   connect(game);
   for (const std::uint32_t id : {7U, 3U, 0U, 4'000'000'000U, 7U}) {
-    game.say(words::emergencyStop(id));
+    game.send(words::emergencyStop(id));
   }
   settle();
-  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 5);
+  EXPECT_EQ(sentOf<orders::EmergencyStop>(), 5);
 }
 
-TEST_F(UdpHost, MoreCommandsThanTicks_AreIgnoredButStops) {
+TEST_F(UdpHost, CommandsBeyondTheRate_AreIgnoredExceptStops) {
   connect(game);
-  for (std::uint32_t id = 1; id <= 2000; ++id) game.say(words::aim(id, {0.1F}));
-  game.say(words::emergencyStop(3000));
+  for (std::uint32_t id = 1; id <= 2000; ++id) game.send(words::aim(id, {0.1F}));
+  game.send(words::emergencyStop(3000));
   settle();
-  EXPECT_EQ(saidOf<orders::EmergencyStop>(), 1);
-  // What connecting cost counts, too: two signs of life.
-  EXPECT_GE(saidOf<orders::Aim>(), Host::kMostCommands - 2);
-  EXPECT_LE(saidOf<orders::Aim>(), Host::kMostCommands);
-  EXPECT_EQ(ignored(UdpIgnored::kRate), 2000U - saidOf<orders::Aim>());
+  EXPECT_EQ(sentOf<orders::EmergencyStop>(), 1);
+  // The two signs of life of the connection count, too.
+  EXPECT_GE(sentOf<orders::Aim>(), Host::kMostCommands - 2);
+  EXPECT_LE(sentOf<orders::Aim>(), Host::kMostCommands);
+  EXPECT_EQ(ignored(UdpIgnored::kRate), 2000U - sentOf<orders::Aim>());
 }
 
 TEST_F(UdpHost, RandomBytesFromAGame_ChangeNothing) {
@@ -267,21 +267,21 @@ TEST_F(UdpHost, RandomBytesFromAGame_ChangeNothing) {
     TestGame::Bytes message(1 + random() % 300);
     for (auto& b : message) b = static_cast<std::uint8_t>(random());
     if (message.size() > 8) std::copy_n("WHND", 4, message.begin() + 4);
-    game.say(message);
+    game.send(message);
     settle();
   }
   EXPECT_TRUE(said.empty());
 }
 
-TEST_F(UdpHost, States_ComeAtTheRateOfEachGame) {
+TEST_F(UdpHost, States_AreSentAtTheRateOfEachGame) {
   connect(game, 1000);
   connect(other, 60);
   for (std::uint64_t tick = 1; tick <= 2000; ++tick) {
     publish(tick);
     pass(1);
     if (tick % 50 != 0) continue;
-    game.say();
-    other.say();
+    game.send();
+    other.send();
   }
   EXPECT_EQ(game.state_ticks.size(), 2000U);
   EXPECT_NEAR(static_cast<double>(other.state_ticks.size()), 120.0, 1.0);
@@ -297,7 +297,7 @@ TEST_F(UdpHost, States_SayWhoHoldsTheControls) {
   EXPECT_TRUE(game.last.holds_controls);
 }
 
-TEST_F(UdpHost, Echo_TellsWhatCameLastAndHowLongAgo) {
+TEST_F(UdpHost, Echo_ReportsTheLastDatagramAndItsAge) {
   connect(game);
   now_ns += 7'654'000;
   publish(1);
@@ -305,11 +305,11 @@ TEST_F(UdpHost, Echo_TellsWhatCameLastAndHowLongAgo) {
   EXPECT_EQ(game.last.echo_age_us, 7654U);
 }
 
-TEST_F(UdpHost, WithoutRecords_TheProgramSaysThatItIsThere) {
+TEST_F(UdpHost, ProgramWithoutRecords_SendsSignsOfLife) {
   connect(game, 0);
   const int before = game.heard;
   for (int i = 0; i < 10; ++i) {
-    game.say();
+    game.send();
     pass(100);
   }
   EXPECT_EQ(game.heard - before, 10);

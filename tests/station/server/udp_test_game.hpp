@@ -14,8 +14,8 @@ namespace wholehand::test {
 
 namespace fb = wholehand::protocol;
 
-/// A minimal game: sends what the test says, keeps what it receives. Datagrams leave through a
-/// function and come by hear(): a socket, or a network made up.
+/// A minimal game: sends the test's messages and stores what it receives. Datagrams leave through a
+/// function and arrive by receive(), over a socket or a simulated network.
 class TestGame {
  public:
   using Bytes = wire::Bytes;
@@ -23,7 +23,7 @@ class TestGame {
 
   explicit TestGame(Send send) : send_(std::move(send)) {}
 
-  /// A datagram as it would be said now.
+  /// The next datagram with this message.
   [[nodiscard]] Bytes datagram(const Bytes& message = {}) {
     udp::Header header;
     header.kind = message.empty() ? udp::Kind::kAlive : udp::Kind::kCommand;
@@ -36,19 +36,19 @@ class TestGame {
     const std::size_t size = udp::write(d, header, message);
     return {d.begin(), d.begin() + size};
   }
-  void say(const Bytes& message = {}) {
-    last_said = datagram(message);
-    send_(last_said);
+  void send(const Bytes& message = {}) {
+    last_sent = datagram(message);
+    send_(last_sent);
   }
 
-  void hear(std::span<const std::uint8_t> bytes) {
+  void receive(std::span<const std::uint8_t> bytes) {
     const udp::Received r = udp::read(bytes);
     if (r.flaw != udp::Flaw::kNone) throw std::runtime_error("the program sent rubbish");
     ++heard;
-    heard_bytes += bytes.size();
+    received_bytes += bytes.size();
     largest = std::max(largest, bytes.size());
     if (r.header.key != key) throw std::runtime_error("the key of another conversation");
-    if (r.header.sequence <= newest) return;  // an old one, or one that came twice
+    if (r.header.sequence <= newest) return;  // old or duplicate
     newest = r.header.sequence;
     program_ns = r.header.sent_ns;
     last = r.header;
@@ -56,7 +56,7 @@ class TestGame {
     last_state.assign(r.payload.begin(), r.payload.end());
     state_ticks.push_back(state().tick());
   }
-  /// The newest. @pre there is one
+  /// The newest state. @pre there is one
   [[nodiscard]] const fb::WorldState& state() const {
     flatbuffers::Verifier verifier(last_state.data(), last_state.size());
     if (!fb::VerifyMessageBuffer(verifier)) throw std::runtime_error("not a message");
@@ -66,13 +66,13 @@ class TestGame {
   std::uint64_t key = 0;
   std::uint32_t rate_hz = 1000, sequence = 0;
   std::int64_t sent_ns = 0;
-  bool echoes = true;  ///< what the program sent: it gets what is sent to its address
-  Bytes last_said, last_state;
-  udp::Header last;  ///< of the newest that came
+  bool echoes = true;  ///< whether it echoes, as a game that receives at its address does
+  Bytes last_sent, last_state;
+  udp::Header last;  ///< header of the newest datagram received
   std::uint32_t newest = 0;
   std::int64_t program_ns = 0;
   int heard = 0;
-  std::size_t heard_bytes = 0, largest = 0;
+  std::size_t received_bytes = 0, largest = 0;
   std::vector<std::uint64_t> state_ticks;
 
  private:

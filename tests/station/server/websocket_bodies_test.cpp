@@ -1,7 +1,8 @@
 #include "station/server/sample_facts.hpp"
 #include "station/server/websocket_words.hpp"
 
-// Orders to the bodies of a game over real WebSockets: who may send them, and what clients get.
+// Orders to the bodies of a game over real WebSockets: which clients may send them and what clients
+// receive.
 namespace wholehand::test {
 namespace {
 
@@ -10,7 +11,7 @@ struct BodiesTest : ServerTest {
     return std::make_unique<WebSocket>(port(), "", "/ws" + role);
   }
   static replies::Answer ask(WebSocket& socket, const wire::Bytes& order) {
-    socket.say(order);
+    socket.send(order);
     return answer(socket);
   }
   static std::vector<wire::Bytes> orders(std::uint32_t first) {
@@ -63,7 +64,7 @@ TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
   EXPECT_EQ(program.askedForBodies(5).size(), 5U);
 }
 
-TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
+TEST_F(BodiesTest, CountsBeyondAnyScene_AreRefusedWithoutAskingTheProgram) {
   open();
   const auto holds = client("");
   ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
@@ -79,7 +80,7 @@ TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
   EXPECT_TRUE(program.askedForBodies(1, 0ms).empty());
 }
 
-TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
+TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsSeveralMessages) {
   open();
   const auto holds = client("");
   ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
@@ -99,13 +100,13 @@ TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
   EXPECT_LE(largest(2).size(), wire::kLargestClientMessage);
   constexpr int kSent = 120;
   const auto began = std::chrono::steady_clock::now();
-  // A client that does not read what it is sent is cut off after two seconds.
+  // A client that does not read is cut off after two seconds.
   const auto readAll = [&holds] {
-    while (holds->hear(0ms)) {
+    while (holds->receive(0ms)) {
     }
   };
   for (std::uint32_t id = 2; id < 2 + kSent; ++id) {
-    holds->say(largest(id));
+    holds->send(largest(id));
     readAll();
   }
   double dropped = 0.0, passed = 0.0;
@@ -113,19 +114,19 @@ TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
   while (dropped + passed < kSent && std::chrono::steady_clock::now() < until) {
     readAll();
     dropped = std::max(0.0, refused("rate"));
-    // On a busy machine the test is silent for 200 ms at times, and holds the controls no longer.
+    // On a busy machine the test may be silent for 200 ms and lose the controls.
     passed = static_cast<double>(program.askedFor<orders::PrepareShapes>(0).size()) +
              std::max(0.0, refused("not_holder"));
   }
   EXPECT_EQ(dropped + passed, kSent);
-  // 36.6 kB count as nine: 400 a second allow 44 at once, and 44.4 more a second, however slow the
-  // machine is.
+  // A message of 36.6 kB counts as nine: 400 a second allow 44 at once and 44.4 more a second,
+  // however slow the machine is.
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   EXPECT_LE(passed, 45.0 + 400.0 / 9.0 * took.count());
   EXPECT_GE(passed, 43.0);
 }
 
-TEST_F(BodiesTest, BodiesOfAGame_AreReportedWhenTheyChangeAndToWhoJoinsLater) {
+TEST_F(BodiesTest, BodiesOfAGame_AreReportedOnChangeAndToNewClients) {
   open();
   const auto first = client("?role=watcher");
   ASSERT_TRUE(next(*first, fb::Payload::Controls));
@@ -163,7 +164,7 @@ TEST_F(BodiesTest, BodiesOfAGame_AreReportedWhenTheyChangeAndToWhoJoinsLater) {
   EXPECT_EQ(message(*none).payload_as_GameBodies()->bodies()->size(), 0U);
 }
 
-TEST_F(BodiesTest, BodiesBeyondTheSlots_AreReportedByWhatChangesAndAllToWhoJoinsLater) {
+TEST_F(BodiesTest, RegisteredBodies_AreReportedByChangesAndCompletelyToNewClients) {
   open();
   const auto first = client("?role=watcher");
   ASSERT_TRUE(next(*first, fb::Payload::Controls));
@@ -184,7 +185,7 @@ TEST_F(BodiesTest, BodiesBeyondTheSlots_AreReportedByWhatChangesAndAllToWhoJoins
   EXPECT_EQ(reported->registered()->Get(0)->pose().position_m().z(), 3.0F);
   EXPECT_EQ(reported->registered()->Get(1)->slot(), 3);
   EXPECT_EQ(reported->bodies()->size(), 1U) << "slots, as before";
-  // The pose of a body in a slot is in states: no news.
+  // A body in a slot has its pose in the states; a change of it is not reported again.
   near.body.pose.position_m.x = 0.5;
   away.body.pose.position_m.z = 4.0;
   showRegistered({away, near});
@@ -207,7 +208,7 @@ TEST_F(BodiesTest, BodiesBeyondTheSlots_AreReportedByWhatChangesAndAllToWhoJoins
   EXPECT_EQ(reported->registered()->Get(0)->whereabouts(), fb::Whereabouts::Gone);
 }
 
-TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreReportedInThisOrder) {
+TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreReportedBodyFirst) {
   std::atomic<bool> happens{false};
   program.in_tick = [&] {
     if (!happens.exchange(false)) return;
@@ -223,7 +224,7 @@ TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreReportedInThisOrder) {
   happens = true;
   std::vector<fb::Payload> reported;
   while (reported.size() < 2) {
-    const auto frame = socket->hear();
+    const auto frame = socket->receive();
     ASSERT_TRUE(frame);
     const fb::Payload payload = message(*frame).payload_type();
     if (payload == fb::Payload::GameBodies || payload == fb::Payload::Events) {

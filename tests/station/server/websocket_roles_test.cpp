@@ -30,26 +30,26 @@ struct RolesTest : ServerTest {
     if (token != nullptr) target += std::string("&token=") + token;
     return std::make_unique<WebSocket>(port(), "", target);
   }
-  /// A player that has the controls, ids from 2 on.
+  /// A player that holds the controls; its next id is 2.
   std::unique_ptr<WebSocket> player() const {
     auto socket = client("player");
-    socket->say(takeControls(1));
+    socket->send(takeControls(1));
     EXPECT_EQ(answer(*socket).reason, "");
     return socket;
   }
-  /// Sends one order and returns what is answered to it.
+  /// Sends one order and returns its answer.
   static replies::Answer ask(WebSocket& socket, const wire::Bytes& order) {
-    socket.say(order);
+    socket.send(order);
     return answer(socket);
   }
-  /// Within a moment: nobody has the controls.
+  /// Waits until nobody holds the controls.
   bool comeFree() const {
     while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
     return controls.holder() == 0;
   }
   struct Reported {
     bool mine = false, held = false, led = false;
-    fb::Role role = fb::Role::Unsaid, holder = fb::Role::Unsaid;
+    fb::Role role = fb::Role::Unspecified, holder = fb::Role::Unspecified;
   };
   static Reported controlsOf(WebSocket& socket) {
     const auto frame = next(socket, fb::Payload::Controls);
@@ -59,7 +59,7 @@ struct RolesTest : ServerTest {
   }
 };
 
-TEST_F(RolesTest, TherapistWhileAPlayerPlays_IsObeyedInAllButSteering) {
+TEST_F(RolesTest, TherapistWhileAPlayerHolds_IsObeyedInAllButSteering) {
   open();
   const auto plays = player();
   const auto leads = client("therapist");
@@ -73,7 +73,7 @@ TEST_F(RolesTest, TherapistWhileAPlayerPlays_IsObeyedInAllButSteering) {
   EXPECT_EQ(program.askedFor<orders::SetParameter>(1).size(), 1U);
 }
 
-TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsNotified) {
+TEST_F(RolesTest, TherapistTakingTheSteering_GetsItAndThePlayerIsNotified) {
   open();
   const auto plays = player();
   const auto leads = client("therapist");
@@ -85,7 +85,7 @@ TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsNotified) {
   EXPECT_EQ(lost.holder, fb::Role::Therapist);
   EXPECT_EQ(ask(*plays, aim(2, {0.1F})).refusal, fb::Refusal::NotHolder);
   EXPECT_EQ(ask(*plays, takeControls(3)).refusal, fb::Refusal::ControlsHeld);
-  // The player's aim does not go on: who steers is said anew (ADR 17).
+  // The player's aim ends: the steering is set again (ADR 17).
   const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
   EXPECT_EQ(steered[0].order.as<orders::Steer>()->by, Steering::kVirtualPatient);
@@ -93,7 +93,7 @@ TEST_F(RolesTest, TherapistWhoTakesTheSteering_GetsItAndThePlayerIsNotified) {
   EXPECT_TRUE(ask(*plays, takeControls(4)).accepted);
 }
 
-TEST_F(RolesTest, TwoTherapists_TheLastPressHasTheSteeringAndBothMayAllElse) {
+TEST_F(RolesTest, TwoTherapists_ShareAllOrdersAndTheLastOneSteers) {
   open();
   const auto one = client("therapist");
   const auto two = client("therapist");
@@ -105,7 +105,7 @@ TEST_F(RolesTest, TwoTherapists_TheLastPressHasTheSteeringAndBothMayAllElse) {
   EXPECT_TRUE(ask(*two, steer(3, fb::Steering::Person)).accepted);
 }
 
-TEST_F(RolesTest, PlayerWhoIsLed_IsRefusedInWordsWhatIsTheTherapists) {
+TEST_F(RolesTest, OrderOfTheTherapistFromAPlayer_IsRefusedWithAReason) {
   open();
   const auto leads = client("therapist");
   const auto plays = player();
@@ -118,7 +118,7 @@ TEST_F(RolesTest, PlayerWhoIsLed_IsRefusedInWordsWhatIsTheTherapists) {
   EXPECT_EQ(refused("role"), 3.0);
 }
 
-TEST_F(RolesTest, PauseOfTheTherapist_HoldsUntilTheTherapistEndsIt) {
+TEST_F(RolesTest, PauseOfTheTherapist_LastsUntilTheTherapistEndsIt) {
   open();
   const auto leads = client("therapist");
   const auto plays = player();
@@ -143,11 +143,11 @@ TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
   EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
 }
 
-TEST_F(RolesTest, PlayerThatIsStopped_GivesTheControlsBackAndKeepsThemThroughALoad) {
+TEST_F(RolesTest, Player_LosesTheControlsAtAStopAndKeepsThemThroughALoad) {
   program.setRecord(busyRecord());
   open();
   const auto plays = player();
-  show(RunState::kStopping, 1);  // a load: nothing ended
+  show(RunState::kStopping, 1);  // a load: no ending
   ASSERT_TRUE(next(*plays, fb::Payload::WorldState));
   EXPECT_NE(controls.holder(), 0U);
   show(RunState::kStopped, 2);
@@ -155,7 +155,7 @@ TEST_F(RolesTest, PlayerThatIsStopped_GivesTheControlsBackAndKeepsThemThroughALo
   EXPECT_FALSE(controlsOf(*plays).mine);
 }
 
-TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
+TEST_F(RolesTest, Rest_CanBeEndedOnlyByTheSamePlayer) {
   open();
   const auto leads = client("therapist");
   const auto plays = player();
@@ -166,18 +166,18 @@ TEST_F(RolesTest, Rest_IsEndedByTheSamePlayerAndNobodyElses) {
   ASSERT_TRUE(comeFree()) << "its hand is off";
   const auto other = client("player");
   EXPECT_TRUE(ask(*other, takeControls(1)).accepted);
-  EXPECT_EQ(ask(*other, armHavingSeen(3, 2)).refusal, fb::Refusal::TherapistOnly);
+  EXPECT_EQ(ask(*other, armAcknowledging(3, 2)).refusal, fb::Refusal::TherapistOnly);
   EXPECT_TRUE(ask(*other, releaseControls(3)).accepted);
   EXPECT_TRUE(ask(*plays, takeControls(3)).accepted);
-  EXPECT_EQ(ask(*plays, armHavingSeen(2, 4)).refusal, fb::Refusal::TherapistOnly) << "not seen";
-  EXPECT_TRUE(ask(*plays, armHavingSeen(3, 5)).accepted);
-  show(RunState::kStopped, 4, false);  // somebody stopped it: that is no rest
-  EXPECT_EQ(ask(*plays, armHavingSeen(4, 6)).refusal, fb::Refusal::TherapistOnly);
+  EXPECT_EQ(ask(*plays, armAcknowledging(2, 4)).refusal, fb::Refusal::TherapistOnly) << "not seen";
+  EXPECT_TRUE(ask(*plays, armAcknowledging(3, 5)).accepted);
+  show(RunState::kStopped, 4, false);  // stopped by another client: not a rest
+  EXPECT_EQ(ask(*plays, armAcknowledging(4, 6)).refusal, fb::Refusal::TherapistOnly);
 }
 
-TEST_F(RolesTest, ArmingByATherapistAfterAPlayerVanished_BringsTheEffortBack) {
+TEST_F(RolesTest, ArmOfATherapistAfterAPlayerVanished_RestoresTheEffort) {
   open();
-  player().reset();  // its line is lost
+  player().reset();  // its line breaks
   const auto silent = program.askedFor<orders::HolderAlive>(1);
   ASSERT_EQ(silent.size(), 1U);
   EXPECT_FALSE(silent[0].order.as<orders::HolderAlive>()->alive);
@@ -191,7 +191,7 @@ TEST_F(RolesTest, ArmingByATherapistAfterAPlayerVanished_BringsTheEffortBack) {
   EXPECT_LT(alive[1].at_ns, program.askedFor<orders::Arm>(1)[0].at_ns);
 }
 
-TEST_F(RolesTest, TokenOfEachRole_OpensThatRoleAndNoMore) {
+TEST_F(RolesTest, TokenOfEachRole_GrantsOnlyThatRole) {
   options.token = kTherapist;
   options.player_token = kPlayer;
   options.watcher_token = kWatcher;
@@ -217,7 +217,7 @@ TEST_F(RolesTest, TokenOfEachRole_OpensThatRoleAndNoMore) {
   EXPECT_EQ(client("admin", kTherapist)->status(), 400);
 }
 
-TEST_F(RolesTest, TokensThatOpenNothingOrTooMuch_AreRefusedByName) {
+TEST_F(RolesTest, InvalidTokens_AreRefusedByName) {
   const auto faults = [this] { return format(validate(options)); };
   options.player_token = kPlayer;
   EXPECT_NE(faults().find("player token: leaves nobody who may lead"), std::string::npos)

@@ -3,7 +3,7 @@
 #include <future>
 #include <limits>
 
-// Clients over real WebSockets: what they get, who may command, what is refused.
+// Clients over real WebSockets: what they receive, which may command, and what is refused.
 namespace wholehand::test {
 namespace {
 
@@ -14,39 +14,39 @@ struct WebSocketTest : ServerTest {
     facts.exercise_name = "cocktail-bar";
     program.setScene(facts);
   }
-  /// A client that has the controls, ids from 2 on.
+  /// A client that holds the controls; its next id is 2.
   std::unique_ptr<WebSocket> holder() {
     auto socket = std::make_unique<WebSocket>(port());
-    socket->say(takeControls(1));
+    socket->send(takeControls(1));
     EXPECT_EQ(answer(*socket).reason, "");
     return socket;
   }
 };
 
-TEST_F(WebSocketTest, NewClient_IsGreetedThenShownTheWorld) {
+TEST_F(WebSocketTest, NewClient_GetsAWelcomeThenTheScene) {
   program.setRecord(busyRecord());
   open();
   WebSocket socket(port());
   ASSERT_EQ(socket.status(), 101);
-  // RFC 6455, section 1.3: the answer to that key.
+  // The answer to the example key of RFC 6455, section 1.3.
   EXPECT_EQ(socket.reply().headers.at("sec-websocket-accept"), "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
-  const auto welcome = socket.hear();
+  const auto welcome = socket.receive();
   ASSERT_TRUE(welcome);
   EXPECT_EQ(message(*welcome).payload_as_Welcome()->schema_version(), wire::kSchemaVersion);
   EXPECT_GT(message(*welcome).payload_as_Welcome()->client(), 0U);
   EXPECT_EQ(message(*welcome).payload_as_Welcome()->program_version()->str(), "0.1");
-  const auto scene = socket.hear();
+  const auto scene = socket.receive();
   ASSERT_TRUE(scene);
   EXPECT_EQ(message(*scene).payload_as_Scene()->exercise_name()->str(), "cocktail-bar");
-  const auto controls_message = socket.hear();
+  const auto controls_message = socket.receive();
   ASSERT_TRUE(controls_message);
   EXPECT_FALSE(message(*controls_message).payload_as_Controls()->held());
-  const auto state = socket.hear();
+  const auto state = socket.receive();
   ASSERT_TRUE(state);
   EXPECT_EQ(message(*state).payload_as_WorldState()->contacts()->size(), std::size_t{kMaxContacts});
 }
 
-TEST_F(WebSocketTest, StandingLoop_ShowsChangesAndSignsOfLife) {
+TEST_F(WebSocketTest, PausedLoop_SendsChangesAndSignsOfLife) {
   program.setRecord(busyRecord());
   open();
   WebSocket socket(port());
@@ -55,9 +55,9 @@ TEST_F(WebSocketTest, StandingLoop_ShowsChangesAndSignsOfLife) {
   stopped.run_state = RunState::kStopped;
   program.setStatus(stopped);
   auto frame = next(socket, fb::Payload::WorldState, 300ms);
-  ASSERT_TRUE(frame);  // the tick is the same, the run state is not
+  ASSERT_TRUE(frame);  // the same tick, another run state
   EXPECT_EQ(message(*frame).payload_as_WorldState()->run_state(), fb::RunState::Stopped);
-  EXPECT_TRUE(next(socket, fb::Payload::WorldState, 1s));  // and again, that the line lives
+  EXPECT_TRUE(next(socket, fb::Payload::WorldState, 1s));  // repeated as a sign of life
 }
 
 TEST_F(WebSocketTest, ChangedScene_IsSentAgain) {
@@ -77,7 +77,7 @@ TEST_F(WebSocketTest, EveryEvent_ArrivesInOrder) {
   WebSocket socket(port());
   ASSERT_TRUE(next(socket, fb::Payload::Controls));
   constexpr int kEvents = 2000;
-  std::thread telemetry([&] {  // 4 in each of 500 records, one a millisecond
+  std::thread telemetry([&] {  // 4 events in each of 500 records, a record per ms
     TickRecord r;
     for (int i = 0; i < kEvents; ++i) {
       ExerciseEvent& e = r.exercise.events[r.exercise.event_count++];
@@ -105,20 +105,20 @@ TEST_F(WebSocketTest, EveryEvent_ArrivesInOrder) {
   EXPECT_EQ(expected, kEvents);
 }
 
-TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
+TEST_F(WebSocketTest, SecondClient_WatchesAndMayOnlyStop) {
   open();
   const auto first = holder();
   WebSocket second(port());
-  second.say(takeControls(1));
+  second.send(takeControls(1));
   const auto taken = answer(second);
   EXPECT_EQ(taken.reason, "another client holds the controls");
   EXPECT_EQ(taken.refusal, fb::Refusal::ControlsHeld);
-  second.say(steer(2, fb::Steering::Person));
+  second.send(steer(2, fb::Steering::Person));
   const auto watching = answer(second);
   EXPECT_EQ(watching.reason, "this client does not hold the controls");
   EXPECT_EQ(watching.refusal, fb::Refusal::NotHolder);
   EXPECT_TRUE(program.askedFor<orders::Steer>(1, 50ms).empty());
-  second.say(emergencyStop(3));
+  second.send(emergencyStop(3));
   const auto stopped = answer(second);
   EXPECT_TRUE(stopped.accepted);
   EXPECT_EQ(stopped.command, 3U);
@@ -129,7 +129,7 @@ TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
   EXPECT_TRUE(logged("another client holds the controls"));
 }
 
-TEST_F(WebSocketTest, Holder_IsReportedToAllAndCommands) {
+TEST_F(WebSocketTest, Holder_IsReportedToAllAndMayCommand) {
   open();
   WebSocket watcher(port());
   ASSERT_TRUE(next(watcher, fb::Payload::Controls));
@@ -138,23 +138,23 @@ TEST_F(WebSocketTest, Holder_IsReportedToAllAndCommands) {
   ASSERT_TRUE(reported);
   EXPECT_TRUE(message(*reported).payload_as_Controls()->held());
   EXPECT_FALSE(message(*reported).payload_as_Controls()->held_by_you());
-  first->say(setParameter(2, "lead_in_m", 0.25));
+  first->send(setParameter(2, "lead_in_m", 0.25));
   EXPECT_TRUE(answer(*first).accepted);
   const auto set = program.askedFor<orders::SetParameter>(1);
   ASSERT_EQ(set.size(), 1U);
   EXPECT_EQ(set[0].order.as<orders::SetParameter>()->name, "lead_in_m");
   EXPECT_EQ(set[0].order.as<orders::SetParameter>()->value, 0.25);
-  first->say(setParameter(3, "lead_in_m", 2.0));  // the program refuses it
+  first->send(setParameter(3, "lead_in_m", 2.0));  // refused by the program
   const auto above = answer(*first);
   EXPECT_EQ(above.reason, "lead_in_m = 2: must be in [0, 1]");
   EXPECT_EQ(above.refusal, fb::Refusal::OutOfRange);
   EXPECT_EQ(refused("order"), 1.0);
-  first->say(load(4, "cocktail-bar", 2, ""));  // answered later, from another thread
+  first->send(load(4, "cocktail-bar", 2, ""));  // the answer comes later from another thread
   const auto loaded = answer(*first);
   EXPECT_EQ(loaded.command, 4U);
   EXPECT_TRUE(loaded.accepted);
   EXPECT_EQ(loaded.refusal, fb::Refusal::None);
-  first->say(releaseControls(5));
+  first->send(releaseControls(5));
   EXPECT_TRUE(answer(*first).accepted);
   const auto steered = program.askedFor<orders::Steer>(1);
   ASSERT_EQ(steered.size(), 1U);
@@ -162,10 +162,10 @@ TEST_F(WebSocketTest, Holder_IsReportedToAllAndCommands) {
   EXPECT_EQ(controls.holder(), 0U);
 }
 
-/// Why the server closes: the code and the reason of its close frame.
+/// Code and reason of the server's close frame.
 std::pair<int, std::string> closing(WebSocket& client) {
   std::optional<WebSocket::Frame> frame;
-  do frame = client.hear();
+  do frame = client.receive();
   while (frame && frame->opcode != 8);
   if (!frame || frame->payload.size() < 2) return {0, ""};
   client.sendFrame(8, frame->payload);
@@ -174,7 +174,8 @@ std::pair<int, std::string> closing(WebSocket& client) {
           std::string(frame->payload.begin() + 2, frame->payload.end())};
 }
 
-// No answer can name the order. A client that waits for one sees that the line ended.
+// An answer could not name the order, so the connection is closed; a client that waits for one sees
+// this.
 TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
   open();
   wire::Bytes cut = steer(2, fb::Steering::Person);
@@ -185,7 +186,7 @@ TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
       {cut, "message: is damaged or cut short"}};
   for (const auto& [message, reason] : bad) {
     const auto client = holder();
-    client->say(message);
+    client->send(message);
     const auto reported = answer(*client);
     EXPECT_EQ(reported.command, 0U);
     EXPECT_EQ(reported.reason, reason);
@@ -194,7 +195,7 @@ TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
     EXPECT_EQ(controls.holder(), 0U);
   }
   WebSocket talker(port());
-  talker.sayText("{\"order\":\"arm\"}");
+  talker.sendText("{\"order\":\"arm\"}");
   const auto text = answer(talker);
   EXPECT_EQ(text.reason, "this is text; messages are binary");
   EXPECT_EQ(text.refusal, fb::Refusal::Unreadable);
@@ -205,12 +206,12 @@ TEST_F(WebSocketTest, UnreadableMessages_EndTheConnectionAndSayWhy) {
               program.askedFor<orders::Steer>(1, 0ms)[0].order.client == 0);
 }
 
-// A page sends its heartbeats from another thread, and may number them as it likes.
-TEST_F(WebSocketTest, HeartbeatOfALargeNumber_KeepsNoOrderFromBeingObeyed) {
+// A page sends its heartbeats from another thread and may number them freely.
+TEST_F(WebSocketTest, HeartbeatWithALargeId_DoesNotBlockLaterOrders) {
   open();
   const auto client = holder();
-  client->say(heartbeat(4'000'000'000U));
-  client->say(setParameter(2, "lead_in_m", 0.25));
+  client->send(heartbeat(4'000'000'000U));
+  client->send(setParameter(2, "lead_in_m", 0.25));
   const auto obeyed = answer(*client);
   EXPECT_EQ(obeyed.command, 2U);
   EXPECT_TRUE(obeyed.accepted) << obeyed.reason;
@@ -220,22 +221,22 @@ TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   open();
   const auto client = holder();
   const auto nan = std::numeric_limits<float>::quiet_NaN();
-  client->say(aim(3, {0.0F, nan}));
+  client->send(aim(3, {0.0F, nan}));
   const auto aimed = answer(*client);
   EXPECT_NE(aimed.reason.find("not a finite number"), std::string::npos);
   EXPECT_EQ(aimed.command, 3U) << "its client waits for this number";
-  client->say(arm(4, wire::kSchemaVersion + 1));
+  client->send(arm(4, wire::kSchemaVersion + 1));
   const auto version = answer(*client);
   EXPECT_NE(version.reason.find("schema_version"), std::string::npos);
   EXPECT_EQ(version.refusal, fb::Refusal::OtherVersion);
   EXPECT_EQ(version.command, 4U);
-  client->say(arm(5));
+  client->send(arm(5));
   EXPECT_TRUE(answer(*client).accepted);
-  client->say(arm(5));  // replayed
+  client->send(arm(5));  // a replayed id
   const auto again = answer(*client);
   EXPECT_EQ(again.reason, "command 5 came after command 5: their numbers must rise");
   EXPECT_EQ(again.refusal, fb::Refusal::Replayed);
-  client->say(arm(3));
+  client->send(arm(3));
   EXPECT_NE(answer(*client).reason.find("must rise"), std::string::npos);
   EXPECT_EQ(program.askedFor<orders::Arm>(2, 50ms).size(), 1U);
   EXPECT_TRUE(program.askedFor<orders::Steer>(1, 0ms).empty());
@@ -246,12 +247,13 @@ TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   EXPECT_TRUE(logged("schema_version = 2"));
 }
 
-TEST_F(WebSocketTest, ReplayedEmergencyStop_IsObeyed) {  // better twice than not at all
+TEST_F(WebSocketTest,
+       ReplayedEmergencyStop_IsObeyed) {  // an emergency stop is rather obeyed twice than ignored
   open();
   WebSocket client(port());
-  client.say(emergencyStop(1));
+  client.send(emergencyStop(1));
   EXPECT_TRUE(answer(client).accepted);
-  client.say(emergencyStop(1));
+  client.send(emergencyStop(1));
   EXPECT_TRUE(answer(client).accepted);
   EXPECT_EQ(program.askedFor<orders::EmergencyStop>(2).size(), 2U);
 }
@@ -259,9 +261,9 @@ TEST_F(WebSocketTest, ReplayedEmergencyStop_IsObeyed) {  // better twice than no
 TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
   open();
   const auto client = holder();
-  client->say(wire::Bytes(wire::kLargestClientMessage + 1));
+  client->send(wire::Bytes(wire::kLargestClientMessage + 1));
   std::optional<WebSocket::Frame> frame;
-  do frame = client->hear();
+  do frame = client->receive();
   while (frame && frame->opcode != 8);
   ASSERT_TRUE(frame);
   ASSERT_GE(frame->payload.size(), 2U);
@@ -277,15 +279,15 @@ TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
   EXPECT_EQ(controls.holder(), 0U);
 }
 
-TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_StopsAreNot) {
+TEST_F(WebSocketTest, FloodOfMessages_IsDroppedExceptStops) {
   open();
   WebSocket client(port());
-  client.say(takeControls(1));
+  client.send(takeControls(1));
   EXPECT_TRUE(answer(client).accepted);
   const auto began = std::chrono::steady_clock::now();
-  for (std::uint32_t id = 2; id <= 600; ++id) client.say(heartbeat(id));
-  client.say(stop(601));
-  client.say(emergencyStop(602));
+  for (std::uint32_t id = 2; id <= 600; ++id) client.send(heartbeat(id));
+  client.send(stop(601));
+  client.send(emergencyStop(602));
   EXPECT_EQ(answer(client).reason,
             "Heartbeat: more than 400 messages in a second, those beyond are dropped");
   for (const std::uint32_t id : {601U, 602U}) {
@@ -294,24 +296,24 @@ TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_StopsAreNot) {
     EXPECT_TRUE(reply.accepted);
   }
   EXPECT_EQ(program.askedFor<orders::Stop>(1).size(), 1U);
-  // 400 at once, and 400 more a second, however slow the machine is.
+  // The limit is 400 at once and 400 more a second, however slow the machine is.
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   EXPECT_GE(refused("rate"), 199.0 - 400.0 * took.count());
   EXPECT_LE(refused("rate"), 200.0);
 }
 
-// A client that waits for an answer must not wait for ever: each refused command is named.
+// A client must not wait forever for an answer: each refused command is named.
 TEST_F(WebSocketTest, CommandsBeyondTheRate_AreEachReportedByTheirId) {
   open();
   WebSocket client(port());
-  for (std::uint32_t id = 1; id <= 600; ++id) client.say(heartbeat(id));
-  (void)answer(client);  // of the heartbeats, once
-  for (const std::uint32_t id : {601U, 602U, 603U}) client.say(arm(id));
+  for (std::uint32_t id = 1; id <= 600; ++id) client.send(heartbeat(id));
+  (void)answer(client);  // the refusal of the heartbeats, which comes once
+  for (const std::uint32_t id : {601U, 602U, 603U}) client.send(arm(id));
   for (const std::uint32_t id : {601U, 602U, 603U}) {
     const auto reply = answer(client);
     EXPECT_EQ(reply.command, id);
     EXPECT_FALSE(reply.accepted);
-    if (reply.reason == "this client does not hold the controls") continue;  // a slow machine
+    if (reply.reason == "this client does not hold the controls") continue;  // on a slow machine
     EXPECT_EQ(reply.reason, "Arm: more than 400 messages in a second, those beyond are dropped");
   }
 }
@@ -331,13 +333,13 @@ TEST_F(WebSocketTest, ForeignOrigin_GetsNoConnection) {
   }
   EXPECT_EQ(WebSocket(port(), "Host: evil.example\r\nOrigin: http://evil.example\r\n").status(),
             421);
-  // Through a forwarded port the browser's own idea of the address counts.
+  // Through a forwarded port, the host as the browser knows it counts.
   EXPECT_EQ(WebSocket(port(), "Host: localhost:9\r\nOrigin: http://localhost:9\r\n").status(), 101);
   EXPECT_EQ(refused("origin"), 5.0);
   EXPECT_TRUE(logged("refused (origin)"));
 }
 
-TEST_F(WebSocketTest, Token_IsAskedForByConnectionsAndByTheControls) {
+TEST_F(WebSocketTest, Token_IsRequiredForConnectionsAndControls) {
   options.token = "a-token-of-twenty-ch";
   open();
   EXPECT_EQ(WebSocket(port()).status(), 401);
@@ -348,45 +350,45 @@ TEST_F(WebSocketTest, Token_IsAskedForByConnectionsAndByTheControls) {
                 .headers.at("set-cookie")
                 .find("wholehand_token_" + std::to_string(port()) + "="),
             std::string::npos);
-  client.say(takeControls(1, "a-token-of-twenty-cx"));
+  client.send(takeControls(1, "a-token-of-twenty-cx"));
   const auto wrong = answer(client);
   EXPECT_EQ(wrong.reason, "the token is wrong");
   EXPECT_EQ(wrong.refusal, fb::Refusal::WrongToken);
-  client.say(takeControls(2, "a-token-of-twenty-ch"));
+  client.send(takeControls(2, "a-token-of-twenty-ch"));
   EXPECT_TRUE(answer(client).accepted);
-  EXPECT_EQ(refused("token"), -1.0);  // /metrics itself asks for it
+  EXPECT_EQ(refused("token"), -1.0);  // /metrics needs the token, too
   EXPECT_TRUE(logged("refused (token)"));
 }
 
-// Sixteen that never read, or sixteen tabs: a therapist comes in all the same.
-TEST_F(WebSocketTest, AllPlacesTaken_NewcomerGetsThatOfTheFirstWhoHoldsNothing) {
+// Sixteen clients that never read, or sixteen tabs, must not keep a therapist out.
+TEST_F(WebSocketTest, NewClientWithAllPlacesTaken_ReplacesTheFirstThatHoldsNothing) {
   options.max_clients = 3;
   open();
   const auto holds = holder();
   WebSocket a(port()), b(port());
-  ASSERT_TRUE(a.hear());
-  ASSERT_TRUE(b.hear());
+  ASSERT_TRUE(a.receive());
+  ASSERT_TRUE(b.receive());
   for (int i = 0; i < 30; ++i) {
     WebSocket newcomer(port());
     ASSERT_EQ(newcomer.status(), 101);
-    ASSERT_TRUE(newcomer.hear());
+    ASSERT_TRUE(newcomer.receive());
     ASSERT_LE(metric("clients"), 3.0);
   }
-  holds->say(emergencyStop(2));  // still there, and heard
+  holds->send(emergencyStop(2));  // still connected and obeyed
   EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
 }
 
-// All of them ask before the first one is a client.
-TEST_F(WebSocketTest, TooManyClientsAtOnce_AreNeverMoreThanMayBe) {
+// All clients ask before the first one is admitted.
+TEST_F(WebSocketTest, TooManyClientsAtOnce_NeverExceedTheLimit) {
   options.max_clients = 2;
-  options.more_metrics = [] {  // on the server's thread: the requests come in meanwhile
+  options.more_metrics = [] {  // blocks the server's thread while the requests arrive
     std::this_thread::sleep_for(300ms);
     return std::string();
   };
   open();
   std::vector<std::unique_ptr<RawSocket>> many;
   for (int i = 0; i < 20; ++i) many.push_back(std::make_unique<RawSocket>(port()));
-  ASSERT_EQ(get(port(), "/healthz").status, 200);  // they are accepted
+  ASSERT_EQ(get(port(), "/healthz").status, 200);  // the server accepts them
   RawSocket metrics(port());
   metrics.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
   std::this_thread::sleep_for(50ms);
@@ -405,18 +407,20 @@ TEST_F(WebSocketTest, TooManyClientsAtOnce_AreNeverMoreThanMayBe) {
   EXPECT_LE(metric("clients"), 2.0);
 }
 
-TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
+TEST_F(WebSocketTest, BlockedLog_DelaysNoEmergencyStop) {
   std::promise<void> released;
   auto moves_on = released.get_future().share();
-  options.log = [moves_on](const std::string&) { moves_on.wait(); };  // as a stopped terminal does
+  options.log = [moves_on](const std::string&) {
+    moves_on.wait();
+  };  // blocks like a stopped terminal
   open();
-  const auto client = holder();  // which is logged
-  client->say(emergencyStop(2));
+  const auto client = holder();  // taking the controls is logged
+  client->send(emergencyStop(2));
   EXPECT_EQ(program.askedFor<orders::EmergencyStop>(1).size(), 1U);
   released.set_value();
 }
 
-// How soon: load_test.cpp.
+// load_test.cpp measures the time.
 TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   open();
   const auto client = holder();
@@ -425,19 +429,18 @@ TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   EXPECT_FALSE(alive[0].order.as<orders::HolderAlive>()->alive);
   while (controls.holder() != 0) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(logged("was silent and lost the controls"));
-  client->say(
-      heartbeat(0));  // a page's beats have no number of their own: not refused, and of no use
-  client->say(aim(3, {0.0F}));
+  client->send(heartbeat(0));  // heartbeats have no number: not refused, without effect
+  client->send(aim(3, {0.0F}));
   EXPECT_EQ(answer(*client).refusal, fb::Refusal::NotHolder);
   EXPECT_EQ(program.askedFor<orders::HolderAlive>(1).size(), 1U);
-  client->say(takeControls(4));
+  client->send(takeControls(4));
   EXPECT_TRUE(answer(*client).accepted);
   alive = program.askedFor<orders::HolderAlive>(2);
   ASSERT_GE(alive.size(), 2U);
   EXPECT_TRUE(alive[1].order.as<orders::HolderAlive>()->alive);
 }
 
-TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
+TEST_F(WebSocketTest, VanishedHolder_FadesTheEffortAtOnce) {
   open();
   auto client = holder();
   const std::int64_t gone_ns = monotonicNow_ns();
@@ -445,32 +448,32 @@ TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
   const auto alive = program.askedFor<orders::HolderAlive>(1);
   ASSERT_EQ(alive.size(), 1U);
   EXPECT_FALSE(alive.back().order.as<orders::HolderAlive>()->alive);
-  // Silence alone is noticed after 200 ms at the earliest.
+  // Silence alone would be noticed after 200 ms at the earliest.
   EXPECT_LE(alive.back().at_ns - gone_ns, 100'000'000);
-  EXPECT_EQ(controls.holder(), 0U);  // free for the next one, its own reconnection say
+  EXPECT_EQ(controls.holder(), 0U);  // free for the next client, such as its own reconnection
   EXPECT_TRUE(logged("left while it held the controls"));
 }
 
-TEST_F(WebSocketTest, ProgramThatThrows_LosesNobody) {
+TEST_F(WebSocketTest, ProgramThatThrows_LosesNoClient) {
   open();
   const auto client = holder();
-  client->say(setParameter(2, "throw", 0.5));
+  client->send(setParameter(2, "throw", 0.5));
   WebSocket other(port());
   EXPECT_TRUE(next(other, fb::Payload::WorldState));
   EXPECT_EQ(get(port(), "/healthz").status, 200);
   EXPECT_TRUE(logged("the server went on after: asked for"));
 }
 
-TEST_F(WebSocketTest, AnswerThatComesAfterTheServer_IsLostInPeace) {
+TEST_F(WebSocketTest, AnswerAfterTheServersEnd_IsDroppedSafely) {
   open();
   {
     const auto client = holder();
-    for (std::uint32_t id = 2; id < 30; ++id) client->say(load(id, "cocktail-bar", 1, ""));
+    for (std::uint32_t id = 2; id < 30; ++id) client->send(load(id, "cocktail-bar", 1, ""));
     (void)program.askedFor<orders::LoadExercise>(20);
     server.reset();
   }
   EXPECT_GE(program.askedFor<orders::LoadExercise>(1).size(), 1U);
-  std::this_thread::sleep_for(20ms);  // its threads end
+  std::this_thread::sleep_for(20ms);  // its threads finish
 }
 
 }  // namespace

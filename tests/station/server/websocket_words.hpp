@@ -2,7 +2,7 @@
 
 #include "station/server/server_test.hpp"
 
-/// What the tests with real WebSockets say and hear.
+/// Messages and answers for the tests with real WebSockets.
 namespace wholehand::test {
 
 namespace fb = wholehand::protocol;

@@ -1,4 +1,4 @@
-// What is said of a commissioning, read back by flatc's own accessors, and what a page says to it.
+// Messages about a commissioning, read back by flatc's own accessors, and a page's messages to it.
 #include "station/server/client_words.hpp"
 #include "station/server/sample_facts.hpp"
 #include "station/server/wire.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test::words;
 
-TEST(WireCommissioning, FactsOfAStepThatFailed_AreReadAsTheyWere) {
+TEST(WireCommissioning, FactsOfAFailedStep_AreReadBackUnchanged) {
   const wire::Bytes bytes = wire::commissioningMessage(test::sampleFailedStep());
   flatbuffers::Verifier verifier(bytes.data(), bytes.size());
   ASSERT_TRUE(fb::VerifyMessageBuffer(verifier));
@@ -21,7 +21,7 @@ TEST(WireCommissioning, FactsOfAStepThatFailed_AreReadAsTheyWere) {
   ASSERT_NE(said, nullptr);
   EXPECT_EQ(said->device()->str(), "rail");
   EXPECT_EQ(said->question(), 7U);
-  EXPECT_EQ(said->asked(), fb::Asked::KnownForce);
+  EXPECT_EQ(said->asked(), fb::QuestionKind::KnownForce);
   EXPECT_EQ(said->motion_state(), fb::MotionState::AwaitsKey);
   const fb::CommissioningStep* step = said->steps()->Get(0);
   EXPECT_EQ(step->state(), fb::StepState::Failed);
@@ -30,7 +30,7 @@ TEST(WireCommissioning, FactsOfAStepThatFailed_AreReadAsTheyWere) {
   EXPECT_EQ(step->findings()->Get(0)->upper(), 1.02);
 }
 
-TEST(WireCommissioning, AnswerAndHeldButton_AreOrdersWithTheirNumbers) {
+TEST(WireCommissioning, AnswerAndHeldButton_AreDecodedAsOrdersWithTheirNumbers) {
   const auto answer = test::orThrow(
       wire::decode(command(3, [](Builder& b) { return fb::CreateAnswerDirect(b, 7, "0.122"); })));
   ASSERT_TRUE(answer.is<orders::Answer>());

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-// Messages are read back by flatc's own accessors after its verifier has passed them: what a client
+// Messages are read back by flatc's own accessors after its verifier has passed them, as a client
 // in another language does.
 namespace wholehand {
 namespace {
@@ -24,7 +24,8 @@ const fb::Message& verified(std::span<const std::uint8_t> bytes) {
   return *fb::GetMessage(bytes.data());
 }
 
-/// Every array as long as it can be for that many axes and joints, nothing at its default.
+/// A record with every array at its largest length for so many axes and joints, and no field at its
+/// default.
 TickRecord fullRecord(int axes, int joints, int values) {
   TickRecord r = test::sampleRecord(axes, joints, kMaxContacts, 1);
   r.theta = JointPosition(joints, 0.5);
@@ -39,7 +40,7 @@ LoopStatus fullStatus() {
   return test::sampleStatus(std::vector<double>(8, 0.5));
 }
 
-TEST(WireState, FullRecord_ArrivesAsItWas) {
+TEST(WireState, FullRecord_IsReadBackUnchanged) {
   auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
   TickRecord r = fullRecord(2, 2, 48);
@@ -70,7 +71,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->palm_body(), 1);
   EXPECT_EQ(s->palm_target_distance_m(), 0.125F);
   EXPECT_EQ(s->values()->size(), 48U);
-  EXPECT_EQ(s->values()->Get(47), 47.1);  // a double: exact
+  EXPECT_EQ(s->values()->Get(47), 47.1);  // a double, so exact
   EXPECT_EQ(s->contacts()->size(), std::size_t{kMaxContacts});
   EXPECT_EQ(s->contacts()->Get(63)->capsule(), 63);
   EXPECT_EQ(s->contacts()->Get(0)->force_n().z(), 2.0F);
@@ -79,7 +80,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->statistics()->dropped_records(), 9U);
   EXPECT_EQ(s->statistics()->cpu_p999_us(), 42.5F);
   EXPECT_EQ(s->recording_bytes(), 1ULL << 40U);
-  // By hand: the arm's frame at (0.3, 0.1, 0), turned by 90° about z.
+  // Computed by hand: the arm's frame is at (0.3, 0.1, 0), turned by 90° about z.
   ASSERT_EQ(s->links()->size(), 2U);
   const fb::Pose& arm = *s->links()->Get(1);
   EXPECT_NEAR(arm.position_m().x(), 0.3F, 1e-7F);
@@ -88,7 +89,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_NEAR(arm.orientation_xyzw().w(), std::sqrt(0.5F), 1e-7F);
 }
 
-TEST(WireState, SlotsOfAGame_StandUpToTheLastOneInUse) {
+TEST(WireState, SlotsOfAGame_AreSentUpToTheLastOneInUse) {
   SceneFacts facts = test::sampleScene();  // one body
   facts.scene.game.slots = 8;
   TickRecord record;
@@ -111,7 +112,7 @@ TEST(WireState, SlotsOfAGame_StandUpToTheLastOneInUse) {
   EXPECT_EQ(count(status, wire::Detail::kFull), 5U);
 }
 
-TEST(WireState, RealDevice_SaysWhatItIsLike) {
+TEST(WireState, RealDevice_ReportsItsProperties) {
   wire::StateEncoder encoder(std::make_shared<SceneFacts>(test::sampleScene()));
   LoopStatus status = fullStatus();
   const auto encoded = [&](wire::Detail detail) {
@@ -140,17 +141,17 @@ TEST(WireState, RealDevice_SaysWhatItIsLike) {
   EXPECT_EQ(encoded(wire::Detail::kCompact), nullptr) << "datagrams are small";
 }
 
-TEST(WireState, NothingRenderedYet_StillSaysTheRunState) {
+TEST(WireState, StateBeforeTheFirstRecord_HasTheRunState) {
   wire::StateEncoder encoder(std::make_shared<SceneFacts>(test::sampleScene()));
   LoopStatus idle;
   const auto* s =
       verified(encoder.encode(TickRecord{}, idle, wire::Detail::kFull, 0)).payload_as_WorldState();
   EXPECT_EQ(s->run_state(), fb::RunState::Disarmed);
-  EXPECT_EQ(s->links(), nullptr);  // no joints in the record: nowhere to draw them
+  EXPECT_EQ(s->links(), nullptr);  // no joints in the record, so no link poses
 }
 
-// 1,150 bytes: a datagram of 1,200 with its header.
-TEST(WireState, CompactOfAnyDevice_FitsADatagram) {
+// The limit is 1,150 bytes: with its header a datagram of 1,200.
+TEST(WireState, CompactStateOfAnyDevice_FitsADatagram) {
   auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
   for (int axes = 1; axes <= kMaxAxes; ++axes) {
@@ -166,7 +167,7 @@ TEST(WireState, CompactOfAnyDevice_FitsADatagram) {
   }
 }
 
-TEST(WireState, AfterTheFirst_EncodingAllocatesNothing) {
+TEST(WireState, EncodingAfterTheFirst_AllocatesNothing) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "a sanitizer owns malloc";
   auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);
@@ -178,7 +179,7 @@ TEST(WireState, AfterTheFirst_EncodingAllocatesNothing) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST(WireScene, ShippedHand_EveryNameAndCapsule) {
+TEST(WireScene, ShippedHand_IsSentWithEveryNameAndCapsule) {
   const Models models = test::load(test::shippedFiles("lambda-pride", "four-shapes"));
   SceneFacts facts;
   facts.hand = models.hand;
@@ -209,7 +210,7 @@ Eigen::Isometry3d placedAt(const fb::Pose& pose) {
          turned.cast<double>();
 }
 
-/// Where a client that knows Scene.links and WorldState.theta draws each link, by the rule in the
+/// Link poses as a client computes them from Scene.links and WorldState.theta, by the rule in the
 /// schema.
 std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldState& state) {
   std::vector<Eigen::Isometry3d> poses;
@@ -229,9 +230,9 @@ std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldStat
   return poses;
 }
 
-// WorldState.links comes from the loop's own kinematics: the tree that a client gets has to lead
-// there. Single precision over 20 links: some 1e-6.
-TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
+// WorldState.links comes from the loop's own kinematics; the link tree that a client gets must lead
+// to the same poses. Tolerance: single precision over 20 links, some 1e-6.
+TEST(WireScene, LinksOfTheScene_LeadToTheLinkPosesOfTheState) {
   for (const char* device : {"lambda-pride", "wrist-9axis"}) {
     const Models models = test::load(test::shippedFiles(device, "four-shapes"));
     auto facts = std::make_shared<SceneFacts>();
@@ -257,26 +258,26 @@ TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
   }
 }
 
-// WorldState.bodies says where the centre of mass is: a shape 0.058 above the body's frame, with
-// the centre of mass at 0.05, is drawn 0.008 above it.
-TEST(WireScene, Shapes_StandAboutTheCentreOfMass) {
+// WorldState.bodies gives the centre of mass: a shape 0.058 above the body's frame, with the centre
+// of mass at 0.05, is drawn 0.008 above it.
+TEST(WireScene, Shapes_ArePlacedRelativeToTheCentreOfMass) {
   const wire::Bytes bytes = wire::sceneMessage(test::sampleScene());
   const auto* s = verified(bytes).payload_as_Scene();
   EXPECT_NEAR(s->bodies()->Get(0)->shapes()->Get(0)->in_body()->position_m().z(), 0.008F, 1e-7F);
 }
 
-// ---- what clients say ----------------------------------------------------------------------
+// ---- messages of clients ---------------------------------------------------------------------
 
 std::string wireRefusalOf(const wire::Bytes& bytes) {
   const auto m = wire::decode(bytes);
   return m ? "" : format(m.errors());
 }
 
-TEST(WireDecode, EveryOrder_IsUnderstood) {
+TEST(WireDecode, EveryOrder_IsDecoded) {
   std::vector<Order> m;
   for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
   for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
-  EXPECT_EQ(std::get<orders::Arm>(m[0].what).endings_seen, 1U);
+  EXPECT_EQ(std::get<orders::Arm>(m[0].what).acknowledged_stop, 1U);
   EXPECT_TRUE(m[1].is<orders::Stop>());
   EXPECT_TRUE(m[2].is<orders::EmergencyStop>());
   const auto load = std::get<orders::LoadExercise>(m[3].what);
@@ -312,7 +313,7 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   EXPECT_EQ(spawnOrderOf(bodiesOf(m[17])->commands.at(0)).owner, BodyOwner::kFixed);
 }
 
-TEST(WireDecode, EveryTypeOfTheSchema_HasExactlyOneRowUnderItsName) {
+TEST(WireDecode, EveryCommandOfTheSchema_HasExactlyOneTableRow) {
   std::size_t programs_own = 0;
   for (const orders::Row& row : orders::kTable) programs_own += row.wire == 0 ? 1 : 0;
   EXPECT_EQ(programs_own, 3U);
@@ -353,21 +354,22 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
             std::string::npos);
   EXPECT_NE(wireRefusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"),
             std::string::npos);
-  // The program's own messages are not messages of a client.
+  // Messages of the program are not accepted from a client.
   EXPECT_NE(wireRefusalOf(wire::controlsMessage({true, true})).find("client may send"),
             std::string::npos);
 }
 
-TEST(WireDecode, OrderLeftOut_IsRefused) {
+TEST(WireDecode, MissingOrder_IsRefused) {
   FlatBufferBuilder b;
   fb::FinishMessageBuffer(b, fb::CreateMessage(b, wire::kSchemaVersion, fb::Payload::Command,
                                                fb::CreateCommand(b, 1, fb::Order::Aim, 0).Union()));
   EXPECT_NE(wireRefusalOf({b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()}), "");
 }
 
-// Never beyond the bytes (asan-ubsan runs this), and never an order with a number that is not one.
+// The decoder must never read beyond the bytes (asan-ubsan runs this) and never return an order
+// with a number that is not finite.
 void survives(std::span<const std::uint8_t> bytes) {
-  // A copy of its very size: reading one byte more is seen.
+  // A copy of exactly this size, so that reading one more byte is detected.
   const wire::Bytes exact(bytes.begin(), bytes.end());
   const auto m = wire::decode(exact);
   if (!m) return;
@@ -378,7 +380,7 @@ void survives(std::span<const std::uint8_t> bytes) {
   }
 }
 
-TEST(WireDecode, CutAnywhere_NeverReadsBeyond) {
+TEST(WireDecode, MessageCutAnywhere_IsNeverReadBeyondItsEnd) {
   for (const wire::Bytes& whole : oneOfEach()) {
     for (std::size_t n = 0; n < whole.size(); ++n) survives(std::span(whole).first(n));
   }

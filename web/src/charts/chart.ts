@@ -1,4 +1,4 @@
-// Charts that are printed: they stand still, and are drawn finer than a screen needs.
+// Charts for print: they are static, and drawn finer than a screen needs.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h } from '../shared/dom';
@@ -7,7 +7,7 @@ import { logarithmicNumbers, rangeOf, type ChartLine } from './chart_range';
 
 export type { ChartLine };
 
-/** Dots of the canvas to one of the sheet, beside those of the screen: 192 dots to an inch on paper. */
+/** Additional canvas resolution relative to the screen's: 192 dots per inch on paper. */
 const FINER = 2;
 const SIGNS = '"DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
 export const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
@@ -18,41 +18,41 @@ export interface ChartBand { readonly from: number; readonly to: number; readonl
 export interface ChartSpec {
   readonly title: string;
   readonly unit: string;
-  /** Without the names of times. */
+  /** Height without the time labels. */
   readonly height_px: number;
-  /** Of the lines that have none of their own; not falling. */
+  /** x of the lines that have none of their own; not falling. */
   readonly x?: ArrayLike<number>;
   readonly range_x: readonly [number, number];
   readonly lines: readonly ChartLine[];
-  /** Values that the axis holds at least. */
+  /** Values that the axis must contain. */
   readonly holds?: readonly [number, number];
-  /** Its ends, in place of those of the values. */
+  /** Ends of the axis; by default they follow from the values. */
   readonly range_y?: readonly [number, number];
-  /** Where its numbers stand; else at round ones. */
+  /** Positions of the axis's labels; by default round numbers. */
   readonly numbers_y?: readonly number[];
   /** The same along x. */
   readonly numbers_x?: readonly number[];
-  /** Between these two lines, by their numbers, lies what was asked for. */
+  /** Indices of the two lines that bound the goal range. */
   readonly goal?: readonly [low: number, high: number];
   readonly bands?: readonly ChartBand[];
   readonly marks?: readonly ChartMark[];
-  /** Charts that stand over each other have the same times: the last one names them. */
+  /** Charts above each other have the same times: only the last one labels them. */
   readonly nameOfX?: (x: number) => string;
-  /** After the last of these names. */
+  /** Unit, written after the last label. */
   readonly unit_x?: string;
   readonly logarithmic_x?: boolean;
   readonly logarithmic_y?: boolean;
-  /** A value of x was clicked. */
+  /** Called when a value of x was clicked. */
   readonly pick?: (x: number) => void;
 }
 
 const NAMES_PX = 21;
 const heightOf = (spec: ChartSpec): number => spec.height_px + (spec.nameOfX ? NAMES_PX : 5);
 
-/** uPlot knows a hole as null. */
+/** uPlot represents a missing value as null. */
 const withHoles = (values: ArrayLike<number>): (number | null)[] => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
 
-/** A sample of each line that has a name. */
+/** A legend with a sample of each named line. */
 export function legend(lines: readonly Pick<ChartLine, 'name' | 'color' | 'dash' | 'width' | 'dots'>[]): HTMLElement {
   const sample = ({ color, dash, width = 2.5, dots }: Pick<ChartLine, 'color' | 'dash' | 'width' | 'dots'>): HTMLElement => (dots
     ? h('i', { class: 'dot', style: `background: ${color}` })
@@ -60,10 +60,10 @@ export function legend(lines: readonly Pick<ChartLine, 'name' | 'color' | 'dash'
   return h('span', { class: 'legend' }, ...lines.filter(({ name }) => name !== '').map((line) => h('span', {}, sample(line), line.name)));
 }
 
-/** What stands in a place, so that it can be drawn anew. */
+/** The chart in each place, for redrawing. */
 const drawn = new WeakMap<Element, ChartSpec>();
 
-/** Draws all charts within anew: the colours of the style changed. */
+/** Redraws all charts within an element after the colours of the style changed. */
 export function redrawCharts(within: Element): void {
   for (const host of within.querySelectorAll<HTMLElement>('.chart')) {
     const spec = drawn.get(host);
@@ -71,7 +71,7 @@ export function redrawCharts(within: Element): void {
   }
 }
 
-/** A chart with its title and legend. It is drawn once it has a place in the page. */
+/** A chart with its title and legend. It is drawn once it is in the page. */
 export function chart(spec: ChartSpec): HTMLElement {
   const host = h('div', { class: 'chart', style: `height: ${heightOf(spec)}px`, role: 'img', 'aria-label': `${spec.title}, ${spec.unit}` });
   const figure = h('figure', { class: 'charted' }, h('figcaption', {}, h('b', {}, spec.title), spec.unit === '' ? '' : ` ${spec.unit}`, legend(spec.lines)), host);
@@ -97,7 +97,7 @@ function draw(host: HTMLElement, spec: ChartSpec): void {
   });
 }
 
-/** Lines with x of their own are put side by side on all x that there are. */
+/** Merges lines with x of their own onto the union of all x. */
 function dataOf({ x = [], lines }: ChartSpec): uPlot.AlignedData {
   if (lines.every((line) => !line.x)) return [Array.from(x), ...lines.map(({ values }) => withHoles(values))];
   return uPlot.join(lines.map((line): uPlot.AlignedData => [Array.from(line.x ?? x), withHoles(line.values)]));
@@ -108,7 +108,7 @@ const propertyAt = (host: Element, name: string): string => getComputedStyle(hos
 interface Colors { readonly words: string; readonly grid: string; readonly mark: string; readonly bad: string; readonly paper: string }
 const colorsAt = (host: Element): Colors => ({ words: propertyAt(host, '--ink-2'), grid: propertyAt(host, '--grid'), mark: propertyAt(host, '--line-2'), bad: propertyAt(host, '--bad'), paper: propertyAt(host, '--bg') || '#FFFFFF' });
 
-/** A canvas knows no custom properties. */
+/** Replaces custom properties by their colours, since a canvas does not know them. */
 function inColors(host: HTMLElement, spec: ChartSpec): ChartSpec {
   const known = (color: string): string => propertyAt(host, /^var\((--[\w-]+)\)$/.exec(color)?.[1] ?? '') || color;
   return { ...spec, lines: spec.lines.map((line) => ({ ...line, color: known(line.color) })), bands: spec.bands?.map((band) => ({ ...band, color: known(band.color) })) };
@@ -141,23 +141,23 @@ function seriesOf({ color, dash, width = 1.4, dots, stepped, filled }: ChartLine
   };
 }
 
-/** Where numbers stand, if not where uPlot puts them. */
+/** Positions of labels, unless uPlot chooses them. */
 function splitsOf(logarithmic: boolean | undefined, [low, high]: readonly [number, number], given?: readonly number[]): Pick<uPlot.Axis, 'splits' | 'filter'> {
   const at = given ?? (logarithmic ? logarithmicNumbers(low, high) : undefined);
   return at ? { splits: () => [...at], filter: (_plot, splits) => splits } : {};
 }
 
-/** The last number that has room for the unit says it. */
+/** Labels along x; the last one that has room contains the unit. */
 function namesOfX({ nameOfX, unit_x = '', range_x: [low, high], logarithmic_x }: ChartSpec, splits: readonly (number | null)[]): string[] {
   const place = (x: number): number => (logarithmic_x ? Math.log(x / low) / Math.log(high / low) : (x - low) / (high - low));
   const last = unit_x === '' ? -1 : splits.reduce((at: number, x, i) => (x !== null && place(x) <= 0.9 ? i : at), -1);
   return splits.map((x, i) => (x === null || !nameOfX ? '' : i === last ? `${nameOfX(x)} ${unit_x}` : nameOfX(x)));
 }
 
-/** As few decimals as the value has. */
+/** A number without superfluous decimals. */
 export const numberOf = (value: number): string => String(Number(value.toPrecision(6))).replace('-', '−');
 
-/** Of an axis over many decades: 30000 as "30k", which has room beside it. */
+/** A short label for an axis over many decades: 30000 as "30k". */
 export const shortNumber = (value: number): string => (value >= 1e4 ? `${numberOf(value / 1e3)}k` : numberOf(value));
 
 function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
@@ -176,7 +176,7 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void
   let line = -Infinity;
   ctx.save();
   ctx.textAlign = 'left';
-  // What is bad is named first: a word that has no room is left to the table.
+  // Faults are labelled first; a label without room is left out, since the table has it.
   for (const { at, label, bad } of [...marks.filter((mark) => mark.bad), ...marks.filter((mark) => !mark.bad)]) {
     const x = plot.valToPos(at, 'x', true);
     if (!(x >= bbox.left && x <= bbox.left + bbox.width)) continue;
@@ -184,7 +184,7 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void
     ctx.fillStyle = bad ? colors.bad : colors.words;
     ctx.lineWidth = (bad ? 1.6 : 0.8) * dots;
     ctx.setLineDash(bad ? [] : [2 * dots, 2 * dots]);
-    // Hundreds of lines would hide what they mark: those that stand close are one.
+    // Hundreds of lines would hide the data: close ones are merged.
     if (Math.abs(x - line) >= 4 * dots) {
       ctx.beginPath();
       ctx.moveTo(x, bbox.top);
@@ -193,14 +193,14 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void
       line = x;
     }
     if (label === '') continue;
-    // Signs, such as circled numbers, are read no smaller than that.
+    // Signs such as circled numbers need a larger size to be readable.
     ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
     const width = ctx.measureText(label).width;
     const left = x + 3 * dots + width > bbox.left + bbox.width ? x - 3 * dots - width : x + 3 * dots;
     const place = { left: left - 4 * dots, right: left + width + 4 * dots };
     if (taken.some((other) => place.left < other.right && place.right > other.left)) continue;
     taken.push(place);
-    // Read over the lines, too.
+    // A background keeps labels readable over lines.
     ctx.save();
     ctx.setLineDash([]);
     ctx.lineWidth = 3 * dots;

@@ -1,10 +1,10 @@
-// What the program wrote into the page: src/files/page/chart_page.hpp. Everything here is read once and never trusted.
+// The data that the program wrote into the page: src/files/page/chart_page.hpp. It is parsed once and never trusted.
 import type { Json } from '../embedded/page_data';
 import { Problem } from '../replay/problem';
 
 const VERSION = 1;
 
-/** A text as it is, or a sentence with what stands in its places. */
+/** A text, or a sentence key with values for its placeholders. */
 export type PageText = string | { readonly sentence: string; readonly with: Readonly<Record<string, string>> };
 /** A bar from one value to another on a scale from 0 to `most`. */
 export interface Interval { readonly from: number; readonly to: number; readonly most: number }
@@ -28,7 +28,7 @@ export interface ChartPageData {
 const asJson = (value: unknown): Json => (typeof value === 'object' && value !== null && !Array.isArray(value) ? (value as Json) : {});
 const list = (value: unknown): unknown[] => (Array.isArray(value) ? value : []);
 const objects = (value: unknown): Json[] => list(value).map(asJson);
-/** NaN where there is none: a gap of a line, an end that the values make. */
+/** NaN for a missing value: a gap in a line, or an end that follows from the values. */
 const number = (value: unknown): number => (typeof value === 'number' && Number.isFinite(value) ? value : NaN);
 const numbers = (value: unknown): number[] => list(value).map(number);
 const plain = (value: unknown): string => (typeof value === 'string' ? value : '');
@@ -59,7 +59,7 @@ const chart = (said: Json): PageChart => ({
   marks: objects(said.marks).map((mark) => ({ at: number(mark.at), label: text(mark.label), bad: mark.bad === true })),
 });
 
-/** Reads the data of a page; a Problem where nothing can be shown of it. */
+/** Parses the data of a page; throws a Problem if nothing in it can be shown. */
 export function readChartPage(data: Json): ChartPageData {
   if (data.page !== 'charts') throw new Problem('nonsense', 'the page carries no charts');
   if (data.version !== VERSION) throw new Problem('nonsense', `data of version ${String(data.version)}, page of version ${VERSION}`);

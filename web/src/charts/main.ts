@@ -26,7 +26,7 @@ function problemPanel(words: 'template' | 'broken', problem?: Problem): HTMLElem
     problem ? h('p', {}, t.says) : null, problem ? h('pre', { lang: 'en', dir: 'ltr' }, problem.text) : null);
 }
 
-/** Builds the page anew, in the language and colours of now. */
+/** Builds the page again, in the current language and colours. */
 function build(): void {
   const t = texts();
   document.title = data ? wordsOf(data.title).slice(0, 200) : t.charts;
@@ -46,7 +46,7 @@ function read(): void {
   }
 }
 
-/** Paper is light. */
+/** Switches to light colours for printing. */
 function printLight(): void {
   const { dataset } = document.documentElement;
   let theme = dataset.theme;
@@ -58,12 +58,12 @@ function printLight(): void {
   addEventListener('afterprint', () => paint(theme));
 }
 
-/** A chart is drawn once it has a place. */
+/** Resolves when all charts are drawn, which happens once they are in the page. */
 async function allDrawn(): Promise<void> {
   while (root.querySelector('.chart:not(:has(canvas))')) await new Promise(requestAnimationFrame);
 }
 
-/** What is drawn on a canvas does not change when its font comes: the charts wait for it. */
+/** Waits for the fonts, since a drawn canvas does not change when its font is loaded. */
 async function open(): Promise<void> {
   read();
   await document.fonts.load(`11px ${FONT}`);

@@ -13,7 +13,7 @@ function lineOf({ name, color, dash_px, width_px, axis, dot_px, stepped, filled,
   };
 }
 
-/** The ends of what the lines have; those that are given, where they are. */
+/** The ends of a scale: given ones, else those of the values. */
 function endsOf({ from, to }: { readonly from: number; readonly to: number }, values: Iterable<number>): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
@@ -45,7 +45,7 @@ function tableOf({ title, heads, rows }: PageTable): HTMLElement {
     h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, typeof cell === 'object' && 'most' in cell ? intervalBar(cell) : h('bdi', {}, wordsOf(cell)))))))));
 }
 
-/** Charts that belong below each other share a place of the grid. */
+/** Charts that belong together share a cell of the grid. */
 function places(charts: readonly PageChart[]): HTMLElement[] {
   const out: HTMLElement[] = [];
   for (const each of charts) {

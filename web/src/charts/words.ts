@@ -6,14 +6,14 @@ import { texts } from './i18n';
 
 const axisWord = (name: string): string => consoleTexts().axesLong[name] ?? name;
 
-/** What stands in a place; names of axes, exercises and stages in the person's language. */
+/** A placeholder's value; names of axes, exercises and stages are translated. */
 function inPlace(place: string, value: string): string {
   if (place === 'axes') return value.split(', ').map((name, _i, all) => (all.length > 1 ? consoleTexts().axes[name] ?? name : axisWord(name))).join(', ');
   if (place === 'stage') return reportTexts().stages.names[value] ?? value;
   return value;
 }
 
-/** A text in the language of now. */
+/** A text in the current language. */
 export function wordsOf(text: PageText): string {
   if (typeof text === 'string') return text;
   const known = (texts().sentences as Readonly<Record<string, string>>)[text.sentence] ?? text.sentence;

@@ -1,36 +1,36 @@
-// Asks the records' process by HTTP. It is another process than the station's: it may be gone while a session goes on.
+// HTTP client of the records process. That process is not the station's: it may stop while a session continues.
 
-/** After so long without an answer there is none [ms]. */
+/** A request without an answer for this long has failed [ms]. */
 const WITHIN_MS = 6000;
-/** Where the station opens a visit it rehearses the hand, up to 20 s. */
+/** The station checks the hand when it opens a visit, which takes up to 20 s. */
 const REHEARSED_WITHIN_MS = 21_000, REHEARSES = /\/(visits|guest_visits|item)$/;
 
-/** The records refused: nothing was changed. */
-export class Refused extends Error {
+/** The records refused a request; nothing was changed. */
+export class RefusalError extends Error {
   constructor(readonly status: number, readonly code: string, readonly why: string, readonly field = '', readonly more: Readonly<Record<string, unknown>> = {}) {
     super(why);
   }
 }
 
-/** The records did not answer. What was asked may have been done: the same key asks again. */
-export class Silent extends Error {
+/** The records did not answer. The request may have been carried out; a repetition with the same key is safe. */
+export class NoAnswerError extends Error {
   constructor() { super('no answer'); }
 }
 
 export type Method = 'POST' | 'PUT' | 'DELETE';
 export type Fetch = (url: string, init: RequestInit) => Promise<Response>;
 
-/** A key by which the records know an intent again. */
+/** The idempotency key of a request. */
 export const newKey = (): string => (crypto.randomUUID?.() ?? Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join(''));
 
 interface Intent { readonly key: string; under_way?: Promise<unknown> }
 
 export class ClinicApi {
   token = '';
-  /** Called after every question: true where it was answered, a refusal too. */
-  onHeard: (answered: boolean) => void = () => {};
+  /** Called after every request: true if an answer came (a refusal counts), else false. */
+  onAnswer: (answered: boolean) => void = () => {};
   /** Called with every refusal. */
-  onRefused: (refused: Refused) => void = () => {};
+  onRefused: (refused: RefusalError) => void = () => {};
   private readonly intents = new Map<string, Intent>();
 
   /** @param base "http://host:port", or the empty string while the port is not known */
@@ -39,8 +39,8 @@ export class ClinicApi {
   get<T>(path: string): Promise<T> { return this.request<T>('GET', path); }
 
   /**
-   * Changes something. What is asked twice with the same words is one intent with one key, while it is under way and
-   * until it was answered: a double press changes nothing twice, and a lost answer is asked for again.
+   * Sends a change. Equal requests share one idempotency key while the first is under way and until it is answered:
+   * a double press changes nothing twice, and a lost answer is requested again.
    */
   send<T>(method: Method, path: string, body: unknown = {}, key?: string): Promise<T> {
     const words = `${method} ${path} ${JSON.stringify(body)}`;
@@ -50,7 +50,7 @@ export class ClinicApi {
     const asked = this.request<T>(method, path, body, intent.key).then(
       (answer) => { this.intents.delete(words); return answer; },
       (problem) => {
-        if (problem instanceof Refused) this.intents.delete(words);
+        if (problem instanceof RefusalError) this.intents.delete(words);
         else intent.under_way = undefined;
         throw problem;
       });
@@ -58,7 +58,7 @@ export class ClinicApi {
     return asked;
   }
 
-  /** The text of an answer that is no JSON, as a table of values. */
+  /** The text of an answer that is not JSON, for example a CSV table. */
   async text(path: string): Promise<string> {
     const answer = await this.fetch('GET', path);
     if (!answer.ok) throw await this.refusal(answer);
@@ -82,7 +82,7 @@ export class ClinicApi {
       if (this.token !== '') headers.Authorization = `Bearer ${this.token}`;
       if (key !== undefined) Object.assign(headers, { 'Content-Type': 'application/json', 'Idempotency-Key': key });
       const answer = await this.ask(base + path, { method, headers, body: body === undefined ? undefined : JSON.stringify(body), cache: 'no-store', signal: ended.signal });
-      this.onHeard(true);
+      this.onAnswer(true);
       return answer;
     } catch {
       throw this.silent();
@@ -91,14 +91,14 @@ export class ClinicApi {
     }
   }
 
-  private silent(): Silent {
-    this.onHeard(false);
-    return new Silent();
+  private silent(): NoAnswerError {
+    this.onAnswer(false);
+    return new NoAnswerError();
   }
 
-  private async refusal(answer: Response): Promise<Refused> {
-    const said = await answer.json().catch(() => ({})) as Record<string, unknown>;
-    const refused = new Refused(answer.status, String(said.refused ?? 'other'), String(said.why ?? answer.statusText), String(said.field ?? ''), said);
+  private async refusal(answer: Response): Promise<RefusalError> {
+    const fields = await answer.json().catch(() => ({})) as Record<string, unknown>;
+    const refused = new RefusalError(answer.status, String(fields.refused ?? 'other'), String(fields.why ?? answer.statusText), String(fields.field ?? ''), fields);
     this.onRefused(refused);
     return refused;
   }

@@ -1,30 +1,30 @@
-import { choice, h, say } from '../console/dom';
+import { choice, h, setText } from '../console/dom';
 import { fill } from '../shared/i18n';
-import { Refused } from './api';
+import { RefusalError } from './api';
 import { texts } from './i18n';
 import { accountName } from './notes';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { PlanEditor, planList } from './plan';
 import { newestFirst, tookPlace, type Item, type OneSide, type Patient, type Visit } from './records';
-import { besideTitle, button, once, panel, Said } from './ui';
+import { besideTitle, button, once, panel, StatusMessage } from './ui';
 import { minutes, sideWords, visitClock, visitDay } from './words';
 
-/** What is done today, filled in from the last visit, and the one button that begins it. */
+/** Today's plan, filled in from the last visit, and the button that begins it. */
 export class TodayPanel {
   readonly element: HTMLElement;
   private readonly t = texts().today;
   private readonly body = h('div', {});
   private readonly total = h('span', { class: 'aside' });
   private readonly hint = h('p', { class: 'hint', role: 'status' });
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private readonly begin: HTMLButtonElement;
   private plan: readonly Item[];
   private readonly from: string;
   private side: OneSide | undefined;
   private editing = false;
 
-  constructor(private readonly room: Room, private readonly patient: Patient) {
-    const { t } = this, { clinic } = room;
+  constructor(private readonly context: ClinicContext, private readonly patient: Patient) {
+    const { t } = this, { clinic } = context;
     const filled = patient.today.length > 0 ? patient.today : patient.plan;
     this.plan = clinic.drafts.get<Item[]>('today', patient.id) ?? filled;
     this.side = patient.side === 'both' ? undefined : patient.side;
@@ -35,30 +35,30 @@ export class TodayPanel {
     });
     sides.element.dataset.testid = 'visit-side';
     this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
-    const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; say(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
+    const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; setText(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
     const last = newestFirst(patient.visits).find(tookPlace);
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
     this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings), this.body,
-      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.said.element, this.begin, change), this.total);
+      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.begin, change), this.total);
     this.show();
     this.refresh();
   }
 
   refresh(): void {
-    const { t, begin, room: { clinic }, patient } = this;
+    const { t, begin, context: { clinic }, patient } = this;
     const open = clinic.visit;
     const own = open?.patient === patient.id;
     const number = patient.visits.filter(tookPlace).length + 1;
-    say(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
+    setText(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
     begin.disabled = !open && (this.side === undefined || this.plan.length === 0 || clinic.silentSince !== undefined);
     const preparing = begin.getAttribute('aria-busy') === 'true';
-    say(this.hint, preparing ? t.preparing : open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.room)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
+    setText(this.hint, preparing ? t.preparing : open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.context)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
   }
 
-  private showTotal(): void { say(this.total, `${this.from} · ${minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0))}`); }
+  private showTotal(): void { setText(this.total, `${this.from} · ${minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0))}`); }
 
   private show(): void {
-    const { clinic } = this.room;
+    const { clinic } = this.context;
     this.showTotal();
     if (!this.editing) return this.body.replaceChildren(planList(this.plan));
     this.body.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => {
@@ -70,18 +70,18 @@ export class TodayPanel {
   }
 
   private async press(): Promise<void> {
-    const { room, patient, side } = this, { clinic } = room;
-    if (clinic.visit) return room.go({ at: 'visit', visit: clinic.visit.id });
+    const { context, patient, side } = this, { clinic } = context;
+    if (clinic.visit) return context.go({ at: 'visit', visit: clinic.visit.id });
     if (!side) return;
-    this.said.say('');
+    this.message.show('');
     try {
       const visit = await clinic.api.send<Visit>('POST', `/api/patients/${patient.id}/visits`, { side, plan: this.plan });
       clinic.drafts.drop('today', patient.id);
       clinic.take(visit, { id: patient.id, code: patient.code, name: patient.name, side: patient.side, visits: patient.visits.length, last_visit_us: 0, state: 'open', visit: visit.id });
-      room.go({ at: 'visit', visit: visit.id });
+      context.go({ at: 'visit', visit: visit.id });
     } catch (problem) {
-      if (problem instanceof Refused && problem.code === 'visit_open') await clinic.lookAtVisit().catch(() => {});
-      this.said.problem(problem);
+      if (problem instanceof RefusalError && problem.code === 'visit_open') await clinic.lookAtVisit().catch(() => {});
+      this.message.showProblem(problem);
     }
   }
 }

@@ -1,56 +1,56 @@
-import { ClinicApi, Refused, Silent, type Fetch } from './api';
+import { ClinicApi, RefusalError, NoAnswerError, type Fetch } from './api';
 import { Drafts, type Store } from './drafts';
 import { Outbox } from './outbox';
 import { isOpen, type PatientRow, type Presets, type RecordsState, type Tile, type Values, type Visit } from './records';
 
-/** Names go after so long without input [ms]. */
+/** Names are hidden after this long without input [ms]. */
 export const NAMES_FOR_MS = 5 * 60_000;
-/** While somebody works, the records hear of it this often [ms]: they count requests, not presses. */
+/** While somebody works, the page reports activity to the records this often [ms]: they count requests, not presses. */
 const AWAKE_EVERY_MS = 60_000;
 
-/** What the page is to show before anything else; `in`: an account is signed in and names may be shown. */
+/** The gate that the page shows first; `in`: an account is signed in and names may be shown. */
 export type Stage = 'looking' | 'without' | 'absent' | 'new' | 'locked' | 'who' | 'hidden' | 'in';
 
 const TOKEN = 'wholehand.clinic.token', ACCOUNT = 'wholehand.clinic.account', KEY = 'wholehand.clinic.key', GENTLE = 'wholehand.gentle';
 
-/** What signing in answers. */
-export interface SignedIn { readonly token: string; readonly account: number; readonly browser_key: string }
+/** The records' answer to a sign-in. */
+export interface SignInResult { readonly token: string; readonly account: number; readonly browser_key: string }
 
-/** What the page knows of the records, and who works with them. It holds no names while they are hidden. */
+/** The page's knowledge of the records and of the account that works with them. It holds no names while they are hidden. */
 export class Clinic {
   readonly api: ClinicApi;
   readonly drafts: Drafts;
   readonly outbox: Outbox;
   state: RecordsState | null = null;
   presets: Presets | null = null;
-  /** The open visit, and to whom it belongs; the person is null while names are hidden. */
+  /** The open visit and its patient; the patient is null while names are hidden. */
   visit: Visit | null = null;
   visitPatient: PatientRow | null = null;
-  /** The visit that was finished last, and what comes next: its card stays until another place is chosen. */
+  /** The visit that was finished last and the next appointment; its card stays until another screen is chosen. */
   finished: { readonly visit: Visit; readonly next: string } | undefined;
   hidden = false;
-  /** What was read last of patients, by its path: shown again at once, and while the records do not answer. */
+  /** The last answers about patients, by path. They are shown at once, and while the records do not answer. */
   readonly seen = new Map<string, { readonly at: Date; readonly value: unknown }>();
-  /** Since when the records do not answer. */
+  /** Time since which the records do not answer; undefined: they answer. */
   silentSince: Date | undefined;
-  /** They were silent and answer again: a visit without a patient may have been wanted meanwhile. */
+  /** The records answer again after a silence: a visit without a patient may have been wanted meanwhile. */
   cameBack = false;
-  /** Anything of this changed. */
+  /** Called when any of these fields has changed. */
   onChange: () => void = () => {};
   private port = 0;
   private without = false;
   private touched_ms: number;
-  /** What this tab had typed before it was loaded anew. */
+  /** Resolves when the drafts that this tab had before a reload are restored. */
   private readonly restored: Promise<void>;
   private awake_ms = -Infinity;
 
-  /** @param now_ms a clock that only goes forward */
+  /** @param now_ms a monotonic clock */
   constructor(host: string, private readonly session: () => Store | undefined, private readonly local: () => Store | undefined, private readonly now_ms: () => number, fetched?: Fetch) {
     this.api = new ClinicApi(() => (this.port > 0 ? `http://${host}:${this.port}` : ''), fetched);
     this.drafts = new Drafts(local);
     this.outbox = new Outbox(this.api, this.drafts);
     this.touched_ms = now_ms();
-    this.api.onHeard = (answered) => this.heard(answered);
+    this.api.onAnswer = (answered) => this.onAnswer(answered);
     this.api.onRefused = (refused) => this.refused(refused);
     this.outbox.onChange = () => this.onChange();
     this.api.token = this.kept(TOKEN);
@@ -68,10 +68,10 @@ export class Clinic {
   get account(): number { return this.drafts.account; }
   get tile(): Tile | undefined { return this.api.token === '' ? undefined : this.state?.tiles.find(({ id }) => id === this.account); }
 
-  /** Asks the station where the records are, once, then the records how they are. */
+  /** Asks the station once for the port of the records, then the records for their state. */
   async look(station: Fetch = (url, init) => fetch(url, init)): Promise<void> {
     await this.restored;
-    // A process that was started again may listen elsewhere.
+    // The records process may listen on another port after a restart.
     if (this.port === 0 || this.silentSince) await this.findPort(station);
     if (this.port === 0) return;
     try {
@@ -81,7 +81,7 @@ export class Clinic {
       if (this.stage === 'in' && !this.presets) this.takePresets(await this.api.get<Presets>('/api/presets'));
       if (this.state.clinic === 'open') void this.outbox.flush();
     } catch (problem) {
-      if (!(problem instanceof Silent) && !(problem instanceof Refused)) throw problem;
+      if (!(problem instanceof NoAnswerError) && !(problem instanceof RefusalError)) throw problem;
     }
     this.onChange();
   }
@@ -94,14 +94,14 @@ export class Clinic {
     this.onChange();
   }
 
-  /** Reads something of patients and remembers it while names may be shown. */
+  /** Reads patient data and remembers it while names may be shown. */
   async read<T>(path: string): Promise<T> {
     const value = await this.api.get<T>(path);
     if (!this.hidden) this.seen.set(path, { at: new Date(), value });
     return value;
   }
 
-  /** The gentle preset's numbers outlive the tab: without records nothing starts above them. */
+  /** Stores the gentle preset's numbers beyond the tab: without records no session starts above them. */
   takePresets(presets: Presets): void {
     this.presets = presets;
     try { this.local()?.setItem(GENTLE, JSON.stringify(presets.force[0]?.parameters ?? {})); } catch { /* this page knows them */ }
@@ -112,14 +112,14 @@ export class Clinic {
     try { return JSON.parse(this.local()?.getItem(GENTLE) ?? '{}') as Values; } catch { return {}; }
   }
 
-  /** A visit was opened, changed or ended from here. */
+  /** Sets the visit that was opened, changed or ended from this page. */
   take(visit: Visit | null, patient = this.visitPatient): void {
     this.visit = visit && isOpen(visit) ? visit : null;
     this.visitPatient = this.visit && !this.hidden ? patient : null;
     this.onChange();
   }
 
-  async signedIn({ token, account, browser_key }: SignedIn): Promise<void> {
+  async signedIn({ token, account, browser_key }: SignInResult): Promise<void> {
     await this.drafts.open(account, browser_key);
     this.api.token = token;
     this.hidden = false;
@@ -130,7 +130,7 @@ export class Clinic {
     void this.outbox.flush();
   }
 
-  /** @param typing what the account types into an open visit is still kept for it */
+  /** @param typing true: text that the account types into an open visit is still kept for it */
   signedOut(typing = false): void {
     this.api.token = '';
     this.keep(TOKEN, '');
@@ -143,14 +143,14 @@ export class Clinic {
     this.onChange();
   }
 
-  /** Takes names from the page first, then tells the records. */
+  /** Removes the names from the page first, then notifies the records. */
   async hide(): Promise<void> {
     this.hideHere();
     await this.api.send('POST', '/api/hide').catch(() => {});
   }
 
   async show(pin: string): Promise<void> {
-    const { browser_key } = await this.api.send<Pick<SignedIn, 'browser_key'>>('POST', '/api/show', { pin });
+    const { browser_key } = await this.api.send<Pick<SignInResult, 'browser_key'>>('POST', '/api/show', { pin });
     await this.drafts.open(this.account, browser_key);
     this.keep(KEY, browser_key);
     this.hidden = false;
@@ -160,7 +160,7 @@ export class Clinic {
     this.onChange();
   }
 
-  /** Somebody pressed or typed. */
+  /** Records that somebody pressed or typed. */
   touch(): void {
     this.touched_ms = this.now_ms();
     if (this.stage !== 'in' || this.touched_ms - this.awake_ms < AWAKE_EVERY_MS) return;
@@ -168,7 +168,7 @@ export class Clinic {
     void this.api.get('/api/presets').catch(() => {});
   }
 
-  /** Hides names after NAMES_FOR_MS; call it often. */
+  /** Hides names after NAMES_FOR_MS without input. It must be called often. */
   watch(): void {
     if (this.stage === 'in' && this.now_ms() - this.touched_ms > NAMES_FOR_MS) void this.hide();
   }
@@ -181,12 +181,12 @@ export class Clinic {
         this.port = Number((await answer.json() as { port?: number }).port) || 0;
         this.without = false;
       }
-    } catch { /* asked again */ }
-    if (this.port === 0 && !this.without) this.heard(false);
+    } catch { /* the next call tries again */ }
+    if (this.port === 0 && !this.without) this.onAnswer(false);
     this.onChange();
   }
 
-  private heard(answered: boolean): void {
+  private onAnswer(answered: boolean): void {
     if (answered === (this.silentSince === undefined)) return;
     this.silentSince = answered ? undefined : new Date();
     if (answered) {
@@ -196,7 +196,7 @@ export class Clinic {
     this.onChange();
   }
 
-  private refused({ code }: Refused): void {
+  private refused({ code }: RefusalError): void {
     if (code === 'hidden') this.hideHere();
     else if (code === 'not_signed_in') this.signedOut(this.visit !== null);
     else if (code === 'locked' && this.state) {
@@ -228,6 +228,6 @@ export class Clinic {
     try {
       if (text === '') this.session()?.removeItem(key);
       else this.session()?.setItem(key, text);
-    } catch { /* this page knows it */ }
+    } catch { /* the value stays in this page */ }
   }
 }

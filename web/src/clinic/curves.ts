@@ -4,18 +4,18 @@ import { texts } from './i18n';
 import type { Curve } from './records';
 import { itemWords, number, resultName, shortDay } from './words';
 
-/** A visit needs another one before there is anything to join. */
+/** A curve needs at least two visits. */
 const LEAST = 2;
 const WIDTH = 400, HEIGHT = 132, LEFT = 40, RIGHT = 12, TOP = 10, BOTTOM = 24;
 
-export interface Drawn {
+export interface CurvePoints {
   readonly dots: readonly (readonly [x: number, y: number])[];
   readonly low: number;
   readonly high: number;
 }
 
-/** Where the points of a curve are drawn; undefined while there are too few. It claims nothing of what is between them. */
-export function drawnCurve({ points }: Curve): Drawn | undefined {
+/** The points of a curve in the picture; undefined while there are too few. Values between the points are not interpolated. */
+export function curvePoints({ points }: Curve): CurvePoints | undefined {
   const good = points.filter(([t_us, value]) => Number.isFinite(t_us) && Number.isFinite(value)).sort(([a], [b]) => a - b);
   if (good.length < LEAST) return undefined;
   const values = good.map(([, value]) => value);
@@ -28,9 +28,9 @@ export function drawnCurve({ points }: Curve): Drawn | undefined {
   return { low, high, dots: good.map(([t_us, value], i) => [x(t_us, i), y(value)]) };
 }
 
-/** One value over the visits, with the last one in figures. */
+/** One value over the visits, with the last one as a number. */
 export function curveFigure(curve: Curve): HTMLElement {
-  const t = texts().curves, drawn = drawnCurve(curve);
+  const t = texts().curves, drawn = curvePoints(curve);
   const name = [resultName(curve.name), curve.exercise ? itemWords({ exercise: curve.exercise, level: 0 }) : ''].filter(Boolean).join(', ');
   const last = curve.points.at(-1);
   const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? number(last[1]) : '', curve.unit ? h('small', {}, ` ${curve.unit}`) : null));
@@ -38,7 +38,7 @@ export function curveFigure(curve: Curve): HTMLElement {
   return h('figure', { class: 'curve' }, head, picture(curve, drawn, fill(t.image, { name, n: drawn.dots.length, first: number(curve.points[0][1]), last: number(last![1]) })));
 }
 
-function picture({ points }: Curve, { dots, low, high }: Drawn, words: string): SVGElement {
+function picture({ points }: Curve, { dots, low, high }: CurvePoints, words: string): SVGElement {
   const [bottom, top] = [HEIGHT - BOTTOM, TOP];
   const text = (x: number, y: number, of: string, anchor: string): SVGElement => svg('text', { x, y, 'text-anchor': anchor }, of);
   return svg('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: 'img', 'aria-label': words },

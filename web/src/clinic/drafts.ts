@@ -1,10 +1,10 @@
-// What was typed and is not in the records yet. It outlives hiding, a reload and the tab. The browser keeps it sealed under a
-// key that the records give to one account with its PIN: nobody else reads it there.
+// Text that was typed and is not saved in the records yet. It survives hidden names, a reload and closing the tab. The browser
+// stores it encrypted with a key that the records give to one account with its PIN: nobody else can read it there.
 
 export type Store = Pick<Storage, 'getItem' | 'setItem' | 'removeItem' | 'key' | 'length'>;
 
 const PREFIX = 'wholehand.clinic';
-/** Of AES-GCM, before what it sealed [bytes]. */
+/** Length of the AES-GCM nonce before the ciphertext [bytes]. */
 const NONCE = 12;
 
 const utf8 = new TextEncoder();
@@ -13,7 +13,7 @@ const toBase64 = (bytes: Uint8Array): string => btoa(Array.from(bytes, (byte) =>
 const fromBase64 = (text: string): Uint8Array<ArrayBuffer> => Uint8Array.from(atob(text), (char) => char.charCodeAt(0));
 
 export class Drafts {
-  /** Whose texts these are; 0: nobody's. */
+  /** The account that owns these texts; 0: none. */
   account = 0;
   private readonly here = new Map<string, string>();
   private key: CryptoKey | undefined;
@@ -21,7 +21,7 @@ export class Drafts {
 
   constructor(private readonly storage: () => Store | undefined) {}
 
-  /** Reads what is kept for an account. Until its key is known, what is typed stays in the page. */
+  /** Reads the stored drafts of an account. Until its key is known, new text stays in the page. */
   async open(account: number, key: string): Promise<void> {
     if (account !== this.account) this.close();
     this.account = account;
@@ -42,13 +42,13 @@ export class Drafts {
     this.here.clear();
   }
 
-  /** @param what the field or form; `person`: a patient's number, or 0 */
+  /** @param what the field or form @param person the patient's number; 0: none */
   get<T>(what: string, person: number): T | undefined {
     const text = this.here.get(this.name(what, person));
     return text === undefined ? undefined : JSON.parse(text) as T;
   }
 
-  /** Those that begin so, of no person. */
+  /** The drafts without a patient whose names begin with `what`. */
   all<T>(what: string): readonly (readonly [what: string, value: T])[] {
     const prefix = this.name(what, 0);
     return [...this.here].filter(([name]) => name.startsWith(prefix)).map(([name, text]) => [what + name.slice(prefix.length), JSON.parse(text) as T]);
@@ -67,7 +67,7 @@ export class Drafts {
     if (this.here.delete(name)) this.write(name, undefined);
   }
 
-  /** Everything is in the browser, as far as it keeps anything. */
+  /** Resolves when everything is stored in the browser, if it stores anything. */
   settled(): Promise<void> { return this.writing; }
 
   private write(name: string, text: string | undefined): void {
@@ -75,7 +75,7 @@ export class Drafts {
     this.writing = this.writing.then(async () => {
       if (text === undefined) this.storage()?.removeItem(name);
       else if (key) this.storage()?.setItem(name, await this.sealed(key, name, text));
-    }).catch(() => { /* this page keeps it */ });
+    }).catch(() => { /* the text stays in this page */ });
   }
 
   private async sealed(key: CryptoKey, name: string, text: string): Promise<string> {

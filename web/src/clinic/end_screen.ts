@@ -2,35 +2,35 @@ import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { button, link, once, panel, Said, textInput, Field, type Screen } from './ui';
+import { button, link, once, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
 import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
 
 const EVERY_MS = 2500;
 
-/** What the panel says, then how the person reached and how much was helped, as far as it was measured. */
+/** Results of the exercise's panel, then the person's reaches and the share of help, where they were measured. */
 export function measured(trial: Trial): readonly Result[] {
   const more: readonly (readonly [name: string, value: number | null | undefined, unit: string])[] = [['reach_s', trial.reach_s, 's'], ['peak_speed_m_s', trial.peak_speed_m_s, 'm/s'], ['path_ratio', trial.path_ratio, ''],
     ['helped_share', trial.helped_share === null ? null : 100 * trial.helped_share, '%']];
   return [...trial.results, ...more.flatMap(([name, value, unit]) => (typeof value === 'number' ? [{ name, value, unit }] : []))];
 }
 
-/** A result and the last visit's of the same exercise and level, where there is one. No judgement stands between them. */
+/** Each result beside that of the last visit with the same exercise and level, if there is one. They are not judged. */
 export function besideLast(trial: Trial, last: Visit | undefined): readonly { readonly result: Result; readonly before: Result | undefined }[] {
   const other = [...(last?.trials ?? [])].reverse().find(({ exercise, level, state }) => exercise === trial.exercise && level === trial.level && state === 'measured');
   const before = other ? measured(other) : [];
   return measured(trial).map((result) => ({ result, before: before.find(({ name, unit }) => name === result.name && unit === result.unit) }));
 }
 
-/** Done against planned, results beside the last visit's, what comes next; then a card for the patient. */
+/** The end of a visit: done against planned, results beside those of the last visit, the next appointment; then a card for the patient. */
 export class EndScreen implements Screen {
   readonly element = h('main', { class: 'end' });
   private readonly t = texts().end;
   private readonly done = h('div', {});
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private patient: Patient | undefined;
   private note: NoteBox | undefined;
   private shown = '';
@@ -38,13 +38,13 @@ export class EndScreen implements Screen {
   private closed = false;
   private readonly timer: ReturnType<typeof setInterval>;
 
-  constructor(private readonly room: Room, private readonly id: number) {
-    this.timer = setInterval(() => { if (!this.finished && !room.clinic.silentSince) void room.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); }, EVERY_MS);
+  constructor(private readonly context: ClinicContext, private readonly id: number) {
+    this.timer = setInterval(() => { if (!this.finished && !context.clinic.silentSince) void context.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); }, EVERY_MS);
     void this.open();
   }
 
   who(): readonly [string, string] {
-    const { visitPatient } = this.room.clinic;
+    const { visitPatient } = this.context.clinic;
     return [visitPatient?.name ?? this.patient?.name ?? this.t.title, visitPatient ? `${visitPatient.code} · ${sideWords(this.visit?.side ?? visitPatient.side)}` : ''];
   }
   what(): readonly [string, string] { return [this.t.title, this.visit ? minutes(activeMin(this.visit)) : '']; }
@@ -56,13 +56,13 @@ export class EndScreen implements Screen {
   }
 
   private get visit(): Visit | undefined {
-    const { visit } = this.room.clinic;
+    const { visit } = this.context.clinic;
     return visit?.id === this.id ? visit : this.finished;
   }
 
   private async open(): Promise<void> {
-    const { clinic } = this.room;
-    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
+    const { clinic } = this.context;
+    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.message.element));
     try {
       if (clinic.finished?.visit.id === this.id) {
         this.finished = clinic.finished.visit;
@@ -74,35 +74,35 @@ export class EndScreen implements Screen {
       if (this.visit.patient) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.visit.patient}`).catch(() => undefined);
       if (!this.closed) this.build(this.visit);
     } catch (problem) {
-      if (!this.closed) this.said.problem(problem);
+      if (!this.closed) this.message.showProblem(problem);
     }
   }
 
   private over(words: string): void {
     this.note?.close();
-    this.said.say(words);
-    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.said.element, link(texts().patients.title, { at: 'patients' })));
+    this.message.show(words);
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.message.element, link(texts().patients.title, { at: 'patients' })));
   }
 
   private build(visit: Visit): void {
-    const { t, room } = this;
-    this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
-    const drafts = room.clinic.drafts;
+    const { t, context } = this;
+    this.note = new NoteBox(context, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => {});
+    const drafts = context.clinic.drafts;
     const kept = (what: string): Field => {
       const field = new Field(what === 'next' ? t.next : t.reason, textInput(`end-${what}`, drafts.get<string>(`${what}-${this.id}`, visit.patient ?? 0) ?? '', { maxlength: 500 }));
       field.input.addEventListener('input', () => drafts.set(`${what}-${this.id}`, visit.patient ?? 0, field.input.value));
       return field;
     };
     const next = kept('next'), reason = kept('reason');
-    const nothing = visit.trials.length === 0 && room.model.tally.active_s === 0;
+    const nothing = visit.trials.length === 0 && context.model.counters.active_s === 0;
     const finish = (state: 'done' | 'unfinished', words: string, kind: string): HTMLButtonElement => {
       const press = button(words, `finish-${state}`, () => once(press, () => this.finish(state, [['next', next], ['reason', reason]])), kind);
       return press;
     };
     this.element.replaceChildren(
       h('div', { class: 'col' }, panel(t.doneTitle, 'done', this.done)),
-      h('div', { class: 'col side' }, panel(texts().pain.after, 'pains', painChoice(room, visit, 'after').element), panel(texts().visit.noteTitle, 'marks', this.note.element, nothing ? reason.element : null, next.element),
-        h('section', { class: 'panel', 'aria-label': t.title }, this.said.element, finish('done', t.finish, 'go large wide'), finish('unfinished', t.unfinished, 'wide'), h('a', { class: 'b wide', href: hashOf({ at: 'visit', visit: this.id }) }, t.back))));
+      h('div', { class: 'col side' }, panel(texts().pain.after, 'pains', painChoice(context, visit, 'after').element), panel(texts().visit.noteTitle, 'marks', this.note.element, nothing ? reason.element : null, next.element),
+        h('section', { class: 'panel', 'aria-label': t.title }, this.message.element, finish('done', t.finish, 'go large wide'), finish('unfinished', t.unfinished, 'wide'), h('a', { class: 'b wide', href: hashOf({ at: 'visit', visit: this.id }) }, t.back))));
     this.show();
   }
 
@@ -122,9 +122,9 @@ export class EndScreen implements Screen {
   }
 
   private async finish(state: 'done' | 'unfinished', notes: readonly (readonly [string, Field])[]): Promise<void> {
-    const { room: { clinic }, id } = this, visit = this.visit;
+    const { context: { clinic }, id } = this, visit = this.visit;
     if (!visit) return;
-    this.said.say('');
+    this.message.show('');
     try {
       await this.note?.save();
       for (const [kind, { input }] of notes) {
@@ -137,11 +137,11 @@ export class EndScreen implements Screen {
       if (clinic.visit?.id === id) clinic.take(null);
       this.card(this.finished, clinic.finished.next);
     } catch (problem) {
-      this.said.problem(problem);
+      this.message.showProblem(problem);
     }
   }
 
-  /** For the patient to read: large, without a name, and only what was done. */
+  /** The card for the patient: large type, no name, and only what was done. */
   private card(visit: Visit, next: string): void {
     const t = this.t.card;
     const rows = visit.plan.flatMap((item, i) => {
@@ -158,7 +158,7 @@ export class EndScreen implements Screen {
   }
 }
 
-/** Results of a trial beside those of the last visit. */
+/** A table of a trial's results beside those of the last visit. */
 export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement {
   const t = texts().end, p = texts().patient;
   if (trial.state === 'waiting') return h('small', {}, p.waiting);

@@ -1,13 +1,13 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { Room } from './page';
-import { Refused } from './api';
-import type { SignedIn } from './clinic';
+import type { ClinicContext } from './page';
+import { RefusalError } from './api';
+import type { SignInResult } from './clinic';
 import { COLOURS, colourChoice, goodPin } from './sign_in';
-import { button, Field, once, problemWords, Said, textInput, type Screen } from './ui';
+import { button, Field, once, problemWords, StatusMessage, textInput, type Screen } from './ui';
 
-/** Makes the clinic: its pass phrase, the first tile, then the recovery code, which is shown this once. */
+/** Creates the clinic: pass phrase, first account tile, and the recovery code, which is shown only once. */
 export class FirstStart implements Screen {
   readonly element = h('main', { class: 'gate' });
   stays = false;
@@ -17,15 +17,15 @@ export class FirstStart implements Screen {
   private readonly name = new Field(this.t.name, textInput('tile-name', '', { maxlength: 60 }));
   private readonly pin = new Field(this.t.pin, textInput('tile-pin', '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete: 'off' }), { hint: this.t.pinHint });
   private readonly colour = colourChoice(COLOURS[0]);
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
 
-  constructor(private readonly room: Room) {
+  constructor(private readonly context: ClinicContext) {
     const { t } = this;
     const make = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'make-clinic' }, t.make);
-    const folder = room.clinic.state?.folder;
+    const folder = context.clinic.state?.folder;
     const where = !folder ? null : h('p', { class: folder.empty ? 'warning' : '', 'data-testid': 'folder' }, [fill(t.folder, { path: folder.path }), ...(folder.empty ? [t.folderEmpty, t.folderAsk] : [])].join(' '));
     const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), where,
-      this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.said.element, make);
+      this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.message.element, make);
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(make, () => this.make()); });
     this.element.append(form);
   }
@@ -38,27 +38,27 @@ export class FirstStart implements Screen {
     pin.refuse(goodPin(pin.input.value) ? '' : t.badPin);
     const wrong = [phrase, again, name, pin].find(({ input }) => input.getAttribute('aria-invalid') === 'true');
     if (wrong) return wrong.input.focus();
-    this.said.say('');
+    this.message.show('');
     this.stays = true;
     try {
-      const made = await this.room.clinic.api.send<SignedIn & { recovery_code: string }>('POST', '/api/init',
+      const made = await this.context.clinic.api.send<SignInResult & { recovery_code: string }>('POST', '/api/init',
         { pass_phrase: phrase.input.value, tile: { name: name.input.value.trim(), colour: this.colour.value(), pin: pin.input.value } });
       this.showCode(made);
     } catch (problem) {
       this.stays = false;
-      if (problem instanceof Refused && problem.field.includes('pass_phrase')) phrase.refuse(problemWords(problem));
-      else this.said.problem(problem);
+      if (problem instanceof RefusalError && problem.field.includes('pass_phrase')) phrase.refuse(problemWords(problem));
+      else this.message.showProblem(problem);
     }
   }
 
-  /** Nobody goes on without having seen it. */
-  private showCode(made: SignedIn & { readonly recovery_code: string }): void {
+  /** Shows the recovery code; the page continues only after it is confirmed. */
+  private showCode(made: SignInResult & { readonly recovery_code: string }): void {
     const t = this.t.code;
     const kept = h('input', { type: 'checkbox', id: 'code-kept', 'data-testid': 'code-kept' });
     const on = button(t.on, 'code-done', async () => {
-      await this.room.clinic.signedIn(made);
+      await this.context.clinic.signedIn(made);
       this.stays = false;
-      void this.room.clinic.look();
+      void this.context.clinic.look();
     }, 'go wide');
     on.disabled = true;
     kept.addEventListener('change', () => { on.disabled = !kept.checked; });

@@ -1,19 +1,19 @@
 import { svg } from '../console/dom';
 import type { OneSide, Size } from './records';
 
-/** What the records take [m]. */
+/** Range of hand sizes that the records accept [m]. */
 export const LENGTH_M = [0.15, 0.215] as const, BREADTH_M = [0.06, 0.11] as const;
 export const MEDIAN: Size = { length_m: 0.188, breadth_m: 0.085 };
 
-/** Of each finger: where its base is across the knuckles (−1 to 1, from the thumb's side), and its tip's share of the hand's length. */
+/** For each finger: the position of its base across the knuckles (−1 to 1, from the thumb's side), and its tip as a share of the hand's length. */
 const FINGERS = [[-0.74, 0.93], [-0.25, 1], [0.25, 0.95], [0.74, 0.8]] as const;
 const KNUCKLES = 0.54;
 
-/** A hand from its back, to scale, with a ruler of 10 cm: 1 unit is 1 mm. */
+/** A hand seen from its back, to scale, with a ruler of 10 cm: 1 unit is 1 mm. */
 export function handPicture(side: OneSide, { length_m, breadth_m }: Size, words: string): SVGElement {
   const [length, breadth] = [1000 * length_m, 1000 * breadth_m];
   const wide = 0.21 * breadth, half = breadth / 2, knuckles = KNUCKLES * length;
-  // From the back, the thumb of a right hand points to the left.
+  // Seen from the back, the thumb of a right hand points to the left.
   const mirror = side === 'right' ? 1 : -1;
   const [palm, wrist] = [knuckles + 0.02 * length, 0.36 * breadth];
   const d = `M${-wrist} 0C${-half * 1.02} ${-palm * 0.35} ${-half} ${-palm * 0.7} ${-half} ${-palm}L${half} ${-palm * 0.93}C${half} ${-palm * 0.6} ${half * 0.95} ${-palm * 0.3} ${wrist} 0Z`;

@@ -9,7 +9,7 @@ import { ClinicPage } from './page';
 
 declare global {
   interface Window {
-    /** What the page knows of the program, for tests and for curious people. */
+    /** The newest messages of the program, for tests and debugging. */
     wholehandNow: { state: WorldStateT | null; scene: SceneT | null };
   }
 }

@@ -1,29 +1,29 @@
 import type { Drafts } from './drafts';
 import type { Outbox } from './outbox';
 
-/** A note is saved so long after the last key [ms]. */
+/** A note is saved this long after the last key [ms]. */
 export const SAVED_AFTER_MS = 1000;
-/** Below this, the records take a note's number from the page. */
+/** Numbers of notes that the page assigns are below this; the records accept them. */
 const NUMBERS = 2 ** 48;
 
-/** To what a note belongs. */
-export type About = { readonly visit: number } | { readonly patient: number };
-/** A note while it is written. */
-interface Writing { readonly id: number; readonly at_us: number; readonly text: string }
+/** The visit or patient that a note belongs to. */
+export type NoteTarget = { readonly visit: number } | { readonly patient: number };
+/** A note that is being written. */
+interface NoteDraft { readonly id: number; readonly at_us: number; readonly text: string }
 
 export type NoteState = 'empty' | 'typing' | 'saved' | 'waits';
 
-/** Keeps a note with every key, and sends it a second after the last one, always whole and under the same number. */
+/** Stores a note locally with every key, and sends it one second after the last key, always whole and under the same number. */
 export class NoteKeeper {
   state: NoteState = 'empty';
   onChange: () => void = () => {};
-  private writing: Writing | undefined;
+  private writing: NoteDraft | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param what under which it is found again, of this person (0: of nobody) */
-  constructor(private readonly outbox: Outbox, private readonly drafts: Drafts, private readonly about: About, private readonly what: string, private readonly person: number, private readonly now_ms: () => number = Date.now) {
-    const kept = drafts.get<Writing>(what, person);
-    // What was saved to its end stands in the list.
+  /** @param what the name under which the draft is stored @param person the patient's number; 0: none */
+  constructor(private readonly outbox: Outbox, private readonly drafts: Drafts, private readonly about: NoteTarget, private readonly what: string, private readonly person: number, private readonly now_ms: () => number = Date.now) {
+    const kept = drafts.get<NoteDraft>(what, person);
+    // A note that was saved completely is in the list and needs no draft.
     if (kept && !outbox.has(this.place(kept))) drafts.drop(what, person);
     else if (kept) {
       this.writing = kept;
@@ -45,14 +45,14 @@ export class NoteKeeper {
     this.later();
   }
 
-  /** Sends what is not saved. It is called again where the records were silent. */
+  /** Sends unsaved text. It is called again after the records did not answer. */
   async save(): Promise<void> {
     clearTimeout(this.timer);
     await this.outbox.flush();
     if (this.writing && this.text.trim() !== '') this.become(this.outbox.has(this.place(this.writing)) ? 'waits' : 'saved');
   }
 
-  /** The note is done: the next words are another one. */
+  /** Finishes the note: further text begins another one. */
   async done(): Promise<boolean> {
     await this.save();
     if (this.state === 'waits') return false;
@@ -64,7 +64,7 @@ export class NoteKeeper {
 
   close(): void { clearTimeout(this.timer); }
 
-  private place({ id }: Writing): string { return `note-${id}`; }
+  private place({ id }: NoteDraft): string { return `note-${id}`; }
 
   private later(): void {
     clearTimeout(this.timer);

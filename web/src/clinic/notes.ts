@@ -1,15 +1,15 @@
-import { h, say } from '../console/dom';
+import { h, setText } from '../console/dom';
 import { texts } from './i18n';
-import { NoteKeeper, type About } from './note_keeper';
-import type { Room } from './page';
+import { NoteKeeper, type NoteTarget } from './note_keeper';
+import type { ClinicContext } from './page';
 import type { Note } from './records';
 import { button } from './ui';
 import { clockOf, dayOf } from './words';
 
-/** What waits is tried again this often [ms]. */
+/** Waiting entries are sent again this often [ms]. */
 const AGAIN_MS = 5000;
 
-/** A field for a note that is kept as it is typed. */
+/** A field for a note that is stored while it is typed. */
 export class NoteBox {
   readonly element: HTMLElement;
   private readonly t = texts().notes;
@@ -18,8 +18,8 @@ export class NoteBox {
   private readonly area: HTMLTextAreaElement;
   private readonly timer: ReturnType<typeof setInterval>;
 
-  /** @param added called where a note is done, to read the list anew */
-  constructor({ clinic }: Room, about: About, what: string, person: number, added: () => void) {
+  /** @param added called when a note is finished, so that the list is read again */
+  constructor({ clinic }: ClinicContext, about: NoteTarget, what: string, person: number, added: () => void) {
     const { t } = this;
     this.keeper = new NoteKeeper(clinic.outbox, clinic.drafts, about, what, person);
     this.area = h('textarea', { class: 'in', rows: 2, 'aria-label': t.write, placeholder: t.write, maxlength: 8000, 'data-testid': 'note' });
@@ -44,10 +44,10 @@ export class NoteBox {
     this.keeper.close();
   }
 
-  private show(): void { say(this.state, this.t.states[this.keeper.state]); }
+  private show(): void { setText(this.state, this.t.states[this.keeper.state]); }
 }
 
-/** Notes with day, clock and who wrote them. */
+/** Notes with day, time and author. */
 export function noteList(notes: readonly Note[], nameOf: (account: string | number) => string): HTMLElement {
   const t = texts().notes;
   if (notes.length === 0) return h('p', { class: 'none' }, t.none);
@@ -55,5 +55,5 @@ export function noteList(notes: readonly Note[], nameOf: (account: string | numb
     h('span', {}, [t.kinds[kind] ?? (kind === 'text' ? '' : kind), text].filter(Boolean).join(': ')), h('small', {}, [dayOf(at_us), clockOf(at_us), nameOf(account)].filter(Boolean).join(', ')))));
 }
 
-/** A tile's name by its number; a name stays what it is. */
-export const accountName = ({ clinic }: Room) => (account: string | number): string => (typeof account === 'string' ? account : clinic.state?.tiles.find(({ id }) => id === account)?.name ?? '');
+/** The name of an account by its number; a name is returned unchanged. */
+export const accountName = ({ clinic }: ClinicContext) => (account: string | number): string => (typeof account === 'string' ? account : clinic.state?.tiles.find(({ id }) => id === account)?.name ?? '');

@@ -1,19 +1,19 @@
-import { newKey, Refused, Silent, type ClinicApi } from './api';
+import { newKey, RefusalError, NoAnswerError, type ClinicApi } from './api';
 import type { Drafts } from './drafts';
 
-/** Something that is to be saved. With a key it happens once; a note has a number of its own in its place. */
-export interface Waiting { readonly method: 'POST' | 'PUT'; readonly path: string; readonly body: Readonly<Record<string, unknown>>; readonly key?: string }
+/** A change that waits to be saved. With a key it is applied once; a note has a number of its own instead. */
+export interface OutboxEntry { readonly method: 'POST' | 'PUT'; readonly path: string; readonly body: Readonly<Record<string, unknown>>; readonly key?: string }
 
-/** Refusals after which the same words may be taken later. */
+/** Refusals after which the same request may be accepted later. */
 const LATER = ['hidden', 'locked', 'not_signed_in', 'busy', 'database', 'station_silent', 'too_many_tries'];
 const PLACE = 'outbox.';
 
-/** Marks, pain and notes: kept until the records have them. Each account has its own. */
+/** Marks, pain values and notes that are kept until the records have them. Each account has its own outbox. */
 export class Outbox {
-  /** Called when what waits has changed. */
+  /** Called when the waiting entries have changed. */
   onChange: () => void = () => {};
-  /** Called with what the records will never take, and why. */
-  onRefused: (waiting: Waiting, refused: Refused) => void = () => {};
+  /** Called with an entry that the records will never accept, and their reason. */
+  onRefused: (waiting: OutboxEntry, refused: RefusalError) => void = () => {};
   private under_way: Promise<void> | undefined;
 
   constructor(private readonly api: Pick<ClinicApi, 'send'>, private readonly drafts: Drafts) {}
@@ -21,8 +21,8 @@ export class Outbox {
   get waiting(): number { return this.drafts.all(PLACE).length; }
   has(name: string): boolean { return this.drafts.get(PLACE + name, 0) !== undefined; }
 
-  /** Keeps it, in place of what waits under the same name. */
-  keep(name: string, waiting: Waiting): void {
+  /** Stores an entry; it replaces a waiting entry with the same name. */
+  keep(name: string, waiting: OutboxEntry): void {
     this.drafts.set(PLACE + name, 0, waiting);
     this.onChange();
   }
@@ -32,13 +32,13 @@ export class Outbox {
     this.onChange();
   }
 
-  /** Keeps it first, then sends it. */
-  async add(path: string, body: Waiting['body'], name = newKey()): Promise<void> {
+  /** Stores an entry first, then sends it. */
+  async add(path: string, body: OutboxEntry['body'], name = newKey()): Promise<void> {
     this.keep(name, { method: 'POST', path, body, key: newKey() });
     await this.flush();
   }
 
-  /** Sends what waits, each once. Nothing is lost where it fails, and nothing comes twice where an answer was lost. */
+  /** Sends every waiting entry once. A failure loses nothing, and a lost answer duplicates nothing. */
   flush(): Promise<void> {
     this.under_way ??= this.send().finally(() => { this.under_way = undefined; });
     return this.under_way;
@@ -47,19 +47,19 @@ export class Outbox {
   private async send(): Promise<void> {
     const { drafts } = this, { account } = drafts;
     const tried = new Set<string>();
-    const words = (place: string, waiting: Waiting): string => place + JSON.stringify(waiting);
+    const words = (place: string, waiting: OutboxEntry): string => place + JSON.stringify(waiting);
     while (drafts.account === account && account !== 0) {
-      const next = drafts.all<Waiting>(PLACE).find(([place, waiting]) => !tried.has(words(place, waiting)));
+      const next = drafts.all<OutboxEntry>(PLACE).find(([place, waiting]) => !tried.has(words(place, waiting)));
       if (!next) return;
       const [place, waiting] = next;
       tried.add(words(place, waiting));
       try {
         await this.api.send(waiting.method, waiting.path, waiting.body, waiting.key);
       } catch (problem) {
-        if (problem instanceof Silent) return;
-        if (!(problem instanceof Refused)) throw problem;
+        if (problem instanceof NoAnswerError) return;
+        if (!(problem instanceof RefusalError)) throw problem;
         if (LATER.includes(problem.code)) {
-          // A refusal changed nothing, and is the answer to its key for ever: the next time is another intent.
+          // A refused key stays refused: the next attempt needs another one.
           const again = waiting.key === undefined ? waiting : { ...waiting, key: newKey() };
           if (drafts.account === account) drafts.set(place, 0, again);
           tried.add(words(place, again));
@@ -67,7 +67,7 @@ export class Outbox {
         }
         this.onRefused(waiting, problem);
       }
-      // Meanwhile it may have been replaced.
+      // The entry may have been replaced while it was sent.
       if (drafts.account === account && JSON.stringify(drafts.get(place, 0)) === JSON.stringify(waiting)) this.drop(place.slice(PLACE.length));
     }
   }

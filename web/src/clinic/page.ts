@@ -27,28 +27,28 @@ import { clock } from './words';
 
 /** Words and numbers are refreshed this often [ms]. */
 const REFRESH_MS = 200;
-/** The records are asked how they are this often [ms]. */
+/** The state of the records is requested this often [ms]. */
 const LOOK_MS = 4000;
-/** The picture is drawn beside the patient's game, often on one machine [ms]. */
+/** Period of the picture: it is drawn beside the patient's game, often on one machine [ms]. */
 const PICTURE_MS = 1000 / 12;
 
-/** What screens need of the page. */
-export interface Room {
+/** The part of the page that its screens use. */
+export interface ClinicContext {
   readonly clinic: Clinic;
   readonly model: ConsoleModel;
   readonly connection: Connection;
   go(route: Route): void;
-  /** Says something below the header, until it is closed. */
-  tell(words: string, bad?: boolean): void;
-  /** Loads the picture of the hand, once. */
+  /** Shows a message below the header until it is closed. */
+  showMessage(words: string, bad?: boolean): void;
+  /** Loads the 3D view of the hand, once. */
   picture(): Promise<PacedView | undefined>;
-  /** Builds what is shown anew. */
+  /** Builds the visible screen again. */
   build(): void;
 }
 
 
-/** The page where patients, visits and progress are kept. One screen at a time stands below the same header. */
-export class ClinicPage implements Room {
+/** The page for patients, visits and progress. One screen at a time is shown below a fixed header. */
+export class ClinicPage implements ClinicContext {
   readonly clinic: Clinic;
   readonly model: ConsoleModel;
   private header: Header | undefined;
@@ -58,10 +58,10 @@ export class ClinicPage implements Room {
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
   private view: Promise<PacedView | undefined> | undefined;
-  private told: { words: string; bad: boolean } = { words: '', bad: false };
-  /** While a visit is open: the records' doors are shown in its place, as the person asked. */
+  private message: { words: string; bad: boolean } = { words: '', bad: false };
+  /** During an open visit: the person asked for the unlock screen, which is shown instead of the visit. */
   private door = false;
-  private readonly line = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
+  private readonly bars = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
 
   constructor(private readonly root: HTMLElement, readonly connection: Connection) {
     this.model = new ConsoleModel(connection);
@@ -88,9 +88,9 @@ export class ClinicPage implements Room {
     else location.hash = hash;
   }
 
-  tell(words: string, bad = false): void {
-    this.told = { words, bad };
-    this.refreshLine();
+  showMessage(words: string, bad = false): void {
+    this.message = { words, bad };
+    this.refreshBars();
   }
 
   picture(): Promise<PacedView | undefined> {
@@ -101,7 +101,7 @@ export class ClinicPage implements Room {
     return this.view;
   }
 
-  /** Builds everything; what is typed is kept by the screens. */
+  /** Builds everything again; the screens keep typed text. */
   build(): void {
     document.title = texts().title;
     this.notices?.close();
@@ -130,13 +130,13 @@ export class ClinicPage implements Room {
     this.screen?.draw?.();
   }
 
-  /** Shows the screen that is due; the same one stays as it is. */
+  /** Shows the current screen; an unchanged screen is not rebuilt. */
   private update(): void {
     const [name, make] = this.due();
     if (name !== this.shown && !this.screen?.stays) {
       this.shown = name;
       this.screen?.close?.();
-      // What was of the screen before is gone before the next one is made: no name stays in the page.
+      // The earlier screen is removed before the next one is made, so that no name stays in the page.
       this.screen = undefined;
       this.root.replaceChildren();
       this.screen = make();
@@ -144,23 +144,23 @@ export class ClinicPage implements Room {
       this.root.replaceChildren(this.header!.element, this.below(), this.screen.element);
       this.header!.refresh();
     }
-    this.refreshLine();
+    this.refreshBars();
     this.screen?.refresh?.();
   }
 
   private below(): HTMLElement {
-    return h('div', { class: 'below' }, this.line.nav, h('div', { class: 'notices' }, this.notices!.element, this.line.records, this.line.told));
+    return h('div', { class: 'below' }, this.bars.nav, h('div', { class: 'notices' }, this.notices!.element, this.bars.records, this.bars.told));
   }
 
-  /** Which screen, by a name that changes where it is to be made anew. */
+  /** The screen to show, and a name that changes whenever it must be built again. */
   private due(): readonly [name: string, make: () => Screen] {
     const { clinic } = this;
     const { stage } = clinic;
     const route = routeOf(location.hash);
     const visit = clinic.visit;
-    // An open visit stays usable, whatever became of names and records.
+    // An open visit stays usable when names are hidden or the records are absent.
     if (visit && isOpen(visit) && stage !== 'in' && !this.door && ['hidden', 'who', 'locked', 'absent'].includes(stage)) return [`visit ${visit.id} ${stage}`, () => new VisitScreen(this, visit.id)];
-    // A session that runs without records is not taken from the screen when they answer again.
+    // A session that runs without records stays on the screen when the records answer again.
     const runs = this.screen instanceof AloneScreen && running(this);
     if (stage === 'absent' || (route.at === 'alone' && (clinic.silentSince || runs)) || (runs && stage !== 'in')) return ['alone', () => new AloneScreen(this)];
     switch (stage) {
@@ -188,36 +188,36 @@ export class ClinicPage implements Room {
     }
   }
 
-  private refreshLine(): void {
-    const t = texts(), { clinic, line } = this;
+  private refreshBars(): void {
+    const t = texts(), { clinic, bars } = this;
     const { visit, silentSince, stage } = clinic;
     const waits = clinic.outbox.waiting;
     const at = document.body.dataset.screen;
     const silent = silentSince === undefined ? '' : fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '');
-    line.records.hidden = silent === '';
+    bars.records.hidden = silent === '';
     const offer = silent !== '' && !visit && at !== 'alone';
-    if (line.records.dataset.words !== `${silent} ${offer}`) {
-      line.records.dataset.words = `${silent} ${offer}`;
-      line.records.replaceChildren(h('span', {}, silent), offer ? button(t.alone.begin, 'to-alone', () => this.go({ at: 'alone' }), 'small') : '');
+    if (bars.records.dataset.words !== `${silent} ${offer}`) {
+      bars.records.dataset.words = `${silent} ${offer}`;
+      bars.records.replaceChildren(h('span', {}, silent), offer ? button(t.alone.begin, 'to-alone', () => this.go({ at: 'alone' }), 'small') : '');
     }
     if (clinic.cameBack && stage === 'in') {
       clinic.cameBack = false;
-      if (waits === 0 && this.told.words === '') this.told = { words: t.answerAgain, bad: false };
+      if (waits === 0 && this.message.words === '') this.message = { words: t.answerAgain, bad: false };
     }
-    line.told.hidden = this.told.words === '';
-    line.told.className = this.told.bad ? 'notice bad' : 'notice';
-    if (line.told.dataset.words !== this.told.words) {
-      line.told.dataset.words = this.told.words;
-      line.told.replaceChildren(h('span', {}, this.told.words), button(t.close, 'close-told', () => this.tell(''), 'small'));
+    bars.told.hidden = this.message.words === '';
+    bars.told.className = this.message.bad ? 'notice bad' : 'notice';
+    if (bars.told.dataset.words !== this.message.words) {
+      bars.told.dataset.words = this.message.words;
+      bars.told.replaceChildren(h('span', {}, this.message.words), button(t.close, 'close-told', () => this.showMessage(''), 'small'));
     }
     const places = JSON.stringify([stage, at, visit?.id, clinic.tile, this.door, t.title]);
-    if (line.nav.dataset.places === places) return;
-    line.nav.dataset.places = places;
-    line.nav.setAttribute('aria-label', t.places);
-    line.nav.replaceChildren(...this.places());
+    if (bars.nav.dataset.places === places) return;
+    bars.nav.dataset.places = places;
+    bars.nav.setAttribute('aria-label', t.places);
+    bars.nav.replaceChildren(...this.places());
   }
 
-  /** Where one can go from here, and who works. */
+  /** Links to the other screens, and the account that works. */
   private places(): Node[] {
     const t = texts(), { clinic } = this;
     const { visit, stage, tile } = clinic;
@@ -238,14 +238,14 @@ export class ClinicPage implements Room {
     ];
   }
 
-  /** The records will never take it: what was typed goes back to where it was typed. */
+  /** Shows text that the records will never accept, so that it can be entered again. */
   private refuseKept(body: Readonly<Record<string, unknown>>, problem: unknown): void {
     const words = typeof body.text === 'string' && body.text !== '' ? ` “${body.text.slice(0, 200)}”` : '';
-    this.tell(`${problemWords(problem)}${words}`, true);
+    this.showMessage(`${problemWords(problem)}${words}`, true);
   }
 }
 
-/** The station keeps no records, or they were not heard yet. */
+/** The screen of a station without records, or before their first answer. */
 function notYet(stage: 'looking' | 'without'): Screen {
   const t = texts().stages[stage];
   return { element: h('main', { class: 'gate' }, h('section', { class: 'panel narrow', 'data-testid': stage }, h('h2', {}, t.title), h('p', {}, t.words), stage === 'looking' ? null : h('p', {}, h('a', { href: '/console' }, texts().console)))) };

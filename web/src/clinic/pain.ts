@@ -2,18 +2,18 @@ import { h, setAttribute } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 
-export type When = 'before' | 'after';
+export type PainTime = 'before' | 'after';
 export type Pain = number | null;
 
-/** In words: 0 is an answer, "not asked" another one. */
+/** Pain in words: 0 is an answer and differs from "not asked". */
 export const painWords = (pain: Pain | undefined): string => (pain === null || pain === undefined ? texts().pain.unasked : String(pain));
 
-/** Pain from 0 to 10, or not asked, with one touch. */
+/** Buttons for pain from 0 to 10, or "not asked". */
 export class PainChoice {
   readonly element: HTMLElement;
   private readonly buttons: readonly HTMLButtonElement[];
 
-  constructor(when: When, private chosen: Pain, private readonly onChoice: (pain: Pain) => void) {
+  constructor(when: PainTime, private chosen: Pain, private readonly onChoice: (pain: Pain) => void) {
     const t = texts().pain;
     this.buttons = ([null, ...Array.from({ length: 11 }, (_, n) => n)] as Pain[]).map((pain) => {
       const words = pain === null ? t.notAsked : String(pain);

@@ -1,29 +1,29 @@
-import { choice, h, say } from '../console/dom';
+import { choice, h, setText } from '../console/dom';
 import { viewOf } from '../console/parameter_model';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill } from '../shared/i18n';
-import { Refused } from './api';
+import { RefusalError } from './api';
 import { BREADTH_M, handPicture, LENGTH_M, MEDIAN } from './hand_picture';
 import { texts } from './i18n';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { planList, select } from './plan';
 import type { OneSide, Patient, PatientText, Presets, Side, Size } from './records';
-import { button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
+import { button, Field, once, panel, problemWords, StatusMessage, textInput, type Screen } from './ui';
 import { parameterWords, presetName, sideWords } from './words';
 
-/** Limits of a person's own reach and fingers: where the program has them, they may be set. */
+/** Parameters for the reach and fingers of one person; they may be set where the program has them. */
 export const OF_PERSON = ['reach_left_m', 'reach_right_m', 'reach_forward_m', 'fingers_open_rad', 'fingers_close_rad'] as const;
 const EMPTY: PatientText = { name: '', code: '', born: '', number: '', side: 'both', hands: {}, preset: 'gentle', parameters: {}, warnings: '', plan: [] };
-type Typed = Omit<PatientText, 'side'> & { readonly side: Side | '' };
+type FormValues = Omit<PatientText, 'side'> & { readonly side: Side | '' };
 
-/** A patient on one screen. What is typed is kept until it is saved, over hiding, reload and a records' process that is gone. */
+/** The form of a patient. Text is kept until it is saved: over hidden names, a reload and a records process that does not answer. */
 export class PatientForm implements Screen {
   readonly element = h('main', { class: 'form' });
   private readonly t = texts().form;
-  private typed: Typed = { ...EMPTY, side: '' };
+  private typed: FormValues = { ...EMPTY, side: '' };
   private version = 0;
   private presets: Presets | undefined;
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private readonly fields = new Map<string, Field<HTMLInputElement | HTMLTextAreaElement>>();
   private readonly hands = h('div', { class: 'hands' });
   private readonly numbers = h('dl', { class: 'facts' });
@@ -32,18 +32,18 @@ export class PatientForm implements Screen {
   private readonly sideWrong = h('span', { class: 'wrong', role: 'alert' });
   private closed = false;
 
-  /** @param id of the patient; 0: a new one */
-  constructor(private readonly room: Room, private readonly id: number) { void this.open(); }
+  /** @param id the patient's number; 0: a new patient */
+  constructor(private readonly context: ClinicContext, private readonly id: number) { void this.open(); }
 
   who(): readonly [string, string] { return [this.id > 0 ? texts().form.edit : texts().form.title, '']; }
   close(): void { this.closed = true; }
 
   private async open(): Promise<void> {
-    const { clinic } = this.room;
+    const { clinic } = this.context;
     try {
       if (!clinic.presets) clinic.takePresets(await clinic.api.get<Presets>('/api/presets'));
       this.presets = clinic.presets!;
-      const kept = clinic.drafts.get<{ typed: Typed; version: number }>('form', this.id);
+      const kept = clinic.drafts.get<{ typed: FormValues; version: number }>('form', this.id);
       if (kept) ({ typed: this.typed, version: this.version } = kept);
       else if (this.id > 0) this.takePatient(await clinic.api.get<Patient>(`/api/patients/${this.id}`));
       else {
@@ -54,8 +54,8 @@ export class PatientForm implements Screen {
       if (!this.closed) this.build(kept !== undefined);
     } catch (problem) {
       if (this.closed) return;
-      this.said.problem(problem);
-      this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element, button(texts().again, 'form-again', () => void this.open())));
+      this.message.showProblem(problem);
+      this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.message.element, button(texts().again, 'form-again', () => void this.open())));
     }
   }
 
@@ -65,9 +65,9 @@ export class PatientForm implements Screen {
     this.version = patient.version;
   }
 
-  private change(part: Partial<Typed>): void {
+  private change(part: Partial<FormValues>): void {
     this.typed = { ...this.typed, ...part };
-    this.room.clinic.drafts.set('form', this.id, { typed: this.typed, version: this.version });
+    this.context.clinic.drafts.set('form', this.id, { typed: this.typed, version: this.version });
   }
 
   private field(key: 'name' | 'code' | 'born' | 'number' | 'warnings', attributes: Readonly<Record<string, string | number | boolean>> = {}, wide = false): HTMLElement {
@@ -81,16 +81,16 @@ export class PatientForm implements Screen {
   }
 
   private build(kept: boolean): void {
-    const { t, room } = this;
+    const { t, context } = this;
     const save = h('button', { type: 'submit', class: 'b go', 'data-testid': 'save-patient' }, t.save);
     const back = button(t.back, 'form-back', () => {
-      room.clinic.drafts.drop('form', this.id);
-      room.go(this.id > 0 ? { at: 'patient', patient: this.id } : { at: 'patients' });
+      context.clinic.drafts.drop('form', this.id);
+      context.go(this.id > 0 ? { at: 'patient', patient: this.id } : { at: 'patients' });
     });
     const side = choice(t.fields.side, (['left', 'right', 'both'] as const).map((key) => ({ key, name: sideWords(key) })), this.typed.side, (key) => {
       this.change({ side: key as Side });
       side.choose(key);
-      say(this.sideWrong, '');
+      setText(this.sideWrong, '');
       this.showHands();
     });
     side.element.dataset.testid = 'patient-side';
@@ -104,7 +104,7 @@ export class PatientForm implements Screen {
       this.showPlan();
     })), this.planned);
     const form = h('form', { class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan),
-      h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.said.element, back, save));
+      h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, back, save));
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(save, () => this.save()); });
     this.element.replaceChildren(this.both, form);
     this.showHands();
@@ -133,9 +133,9 @@ export class PatientForm implements Screen {
     }));
   }
 
-  /** Reach and fingers of this person, where the program has them; empty: as the exercise has it. */
+  /** Fields for this person's reach and fingers, where the program has them; an empty field means the exercise's value. */
   private reach(): HTMLElement | null {
-    const known = (this.room.model.scene?.parameters ?? []).filter(({ name }) => (OF_PERSON as readonly string[]).includes(String(name)));
+    const known = (this.context.model.scene?.parameters ?? []).filter(({ name }) => (OF_PERSON as readonly string[]).includes(String(name)));
     if (known.length === 0) return null;
     return h('details', { open: OF_PERSON.some((name) => name in this.typed.parameters) }, h('summary', {}, this.t.reach), h('div', { class: 'grid' }, ...known.map((parameter) => {
       const view = viewOf(parameter, consoleTexts().parameters.names);
@@ -172,7 +172,7 @@ export class PatientForm implements Screen {
       const shown = h('output', { class: 'num' }, `${input.value} mm`);
       input.addEventListener('input', () => {
         this.change({ hands: { ...this.typed.hands, [side]: { ...size(), [key]: Number(input.value) / 1000 } } });
-        say(shown, `${input.value} mm`);
+        setText(shown, `${input.value} mm`);
         field.refuse('');
         draw();
       });
@@ -186,11 +186,11 @@ export class PatientForm implements Screen {
   }
 
   private async save(): Promise<void> {
-    const { t, typed, room: { clinic } } = this;
-    this.said.say('');
+    const { t, typed, context: { clinic } } = this;
+    this.message.show('');
     if (typed.name.trim() === '') return this.refuse('name', t.noName);
     if (typed.side === '') {
-      say(this.sideWrong, t.noSide);
+      setText(this.sideWrong, t.noSide);
       return void this.element.querySelector<HTMLElement>('[data-testid=patient-side] button')?.focus();
     }
     const hands = Object.fromEntries(Object.entries(typed.hands).filter(([side]) => typed.side === 'both' || side === typed.side));
@@ -200,32 +200,32 @@ export class PatientForm implements Screen {
         ? await clinic.api.send<Patient>('PUT', `/api/patients/${this.id}`, { ...body, version: this.version })
         : await clinic.api.send<Patient>('POST', '/api/patients', body);
       clinic.drafts.drop('form', this.id);
-      this.room.go({ at: 'patient', patient: saved.id });
+      this.context.go({ at: 'patient', patient: saved.id });
     } catch (problem) {
-      if (problem instanceof Refused && problem.code === 'changed' && problem.more.now) this.showBoth(problem.more.now as Patient);
-      else if (problem instanceof Refused && (problem.field !== '' || problem.code === 'code_exists')) this.refuse(problem.field || 'code', problemWords(problem));
-      else this.said.say(`${problemWords(problem)} ${t.stays}`);
+      if (problem instanceof RefusalError && problem.code === 'changed' && problem.more.now) this.showBoth(problem.more.now as Patient);
+      else if (problem instanceof RefusalError && (problem.field !== '' || problem.code === 'code_exists')) this.refuse(problem.field || 'code', problemWords(problem));
+      else this.message.show(`${problemWords(problem)} ${t.stays}`);
     }
   }
 
-  /** At its field, and there is the focus; nothing that was typed goes. */
+  /** Shows the error at its field and focuses it; typed text is kept. */
   private refuse(key: string, words: string): void {
     const field = this.fields.get(key) ?? [...this.fields].find(([name]) => name.startsWith(`${key}.`) || key.startsWith(`${name}.`))?.[1];
-    if (!field) return this.said.say(words);
+    if (!field) return this.message.show(words);
     const details = field.element.closest('details');
     if (details) details.open = true;
     field.refuse(words);
     field.input.focus();
   }
 
-  /** Somebody else saved the same patient meanwhile: both texts stand beside each other. */
+  /** Another account saved the same patient meanwhile: shows both versions beside each other. */
   private showBoth(now: Patient): void {
     const { t, typed } = this;
     const rows = differing(typed, now);
     const words = (value: unknown): string => (typeof value === 'string' ? value : JSON.stringify(value));
     const mine = button(t.both.mine, 'keep-mine', () => { this.version = now.version; this.both.replaceChildren(); void this.save(); }, 'go');
     const theirs = button(t.both.theirs, 'take-theirs', () => {
-      this.room.clinic.drafts.drop('form', this.id);
+      this.context.clinic.drafts.drop('form', this.id);
       this.takePatient(now);
       this.both.replaceChildren();
       this.build(false);
@@ -238,7 +238,7 @@ export class PatientForm implements Screen {
   }
 }
 
-/** What two texts of a patient differ in. */
-export function differing(mine: Typed, theirs: PatientText): (keyof PatientText)[] {
+/** The fields in which two versions of a patient differ. */
+export function differing(mine: FormValues, theirs: PatientText): (keyof PatientText)[] {
   return (Object.keys(EMPTY) as (keyof PatientText)[]).filter((key) => JSON.stringify(mine[key]) !== JSON.stringify(theirs[key]));
 }

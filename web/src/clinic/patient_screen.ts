@@ -6,30 +6,30 @@ import { TodayPanel } from './begin';
 import { curveFigure } from './curves';
 import { texts } from './i18n';
 import { accountName, NoteBox, noteList } from './notes';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { painWords } from './pain';
 import { PatientPicker } from './picker';
 import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
-import { besideTitle, button, Field, once, panel, problemWords, Said, textInput, twice, type Screen } from './ui';
+import { besideTitle, button, Field, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { clock, bornWords, itemWords, minutes, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
 
-/** So many visits are listed at first. */
+/** Number of visits that are listed at first. */
 const NEWEST = 12;
-/** So many notes are shown at first. */
+/** Number of notes that are shown at first. */
 const FIRST_NOTES = 3;
-/** Results that are still measured are asked for again after this [ms]. */
+/** Results that are still being measured are requested again after this [ms]. */
 const MEASURED_MS = 4000;
 
-/** One patient: curves over the visits, the visits, today, the person, notes. */
+/** One patient: curves over the visits, the list of visits, today's plan, personal data, notes. */
 export class PatientScreen implements Screen {
   readonly element = h('main', { class: 'patient' });
   private readonly t = texts().patient;
   private patient: Patient | undefined;
   private today: TodayPanel | undefined;
   private notes: NoteBox | undefined;
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private readonly extra = h('div', { class: 'extra' });
   private readonly listed = h('div', {});
   private failedSince: Date | undefined;
@@ -39,8 +39,8 @@ export class PatientScreen implements Screen {
   private reading: Promise<void> | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly room: Room, private readonly id: number) {
-    this.element.append(h('section', { class: 'panel narrow' }, this.said.element, h('p', { class: 'none' }, this.t.reading)));
+  constructor(private readonly context: ClinicContext, private readonly id: number) {
+    this.element.append(h('section', { class: 'panel narrow' }, this.message.element, h('p', { class: 'none' }, this.t.reading)));
     void this.read();
   }
 
@@ -54,7 +54,7 @@ export class PatientScreen implements Screen {
 
   refresh(): void {
     this.today?.refresh();
-    if (this.failedSince && !this.room.clinic.silentSince) void this.read();
+    if (this.failedSince && !this.context.clinic.silentSince) void this.read();
   }
 
   close(): void {
@@ -69,7 +69,7 @@ export class PatientScreen implements Screen {
   }
 
   private async readNow(): Promise<void> {
-    const { clinic } = this.room;
+    const { clinic } = this.context;
     try {
       if (!clinic.presets) clinic.takePresets(await clinic.api.get('/api/presets'));
       const patient = await clinic.read<Patient>(`/api/patients/${this.id}`);
@@ -77,7 +77,7 @@ export class PatientScreen implements Screen {
       const first = this.patient === undefined;
       this.patient = patient;
       this.failedSince = undefined;
-      this.said.say('');
+      this.message.show('');
       if (first) this.build(patient);
       else this.showLists(patient);
       clearTimeout(this.timer);
@@ -87,23 +87,23 @@ export class PatientScreen implements Screen {
       this.failedSince ??= new Date();
       const seen = clinic.seen.get(`/api/patients/${this.id}`);
       if (!this.patient && seen) this.build(this.patient = seen.value as Patient);
-      this.said.say([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), seen ? fill(this.t.asOf, { at: clock(seen.at) }) : ''].filter(Boolean).join(' '));
+      this.message.show([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), seen ? fill(this.t.asOf, { at: clock(seen.at) }) : ''].filter(Boolean).join(' '));
     }
   }
 
   private build(patient: Patient): void {
-    const { room, t } = this;
-    this.today = new TodayPanel(room, patient);
-    this.notes = new NoteBox(room, { patient: patient.id }, 'note', patient.id, () => void this.read());
+    const { context, t } = this;
+    this.today = new TodayPanel(context, patient);
+    this.notes = new NoteBox(context, { patient: patient.id }, 'note', patient.id, () => void this.read());
     const progress = h('div', { class: 'lists' }, this.progressPanel(patient), this.visitsPanel(patient));
     this.listed.className = 'listed';
-    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.said.element, this.today.element, panel(t.notes, 'notes-panel', this.notes.element, this.listed), this.personPanel(patient)));
+    this.element.replaceChildren(h('div', { class: 'col' }, this.extra, progress), h('div', { class: 'col side' }, this.message.element, this.today.element, panel(t.notes, 'notes-panel', this.notes.element, this.listed), this.personPanel(patient)));
     this.showLists(patient);
   }
 
   private showLists(patient: Patient): void {
     const notes = [...patient.notes].sort((a, b) => b.at_us - a.at_us), first = this.allNotes ? notes : notes.slice(0, FIRST_NOTES);
-    this.listed.replaceChildren(noteList(first, accountName(this.room)), notes.length > first.length ? button(fill(this.t.all, { n: notes.length }), 'all-notes', () => { this.allNotes = true; this.showLists(patient); }, 'wide') : '');
+    this.listed.replaceChildren(noteList(first, accountName(this.context)), notes.length > first.length ? button(fill(this.t.all, { n: notes.length }), 'all-notes', () => { this.allNotes = true; this.showLists(patient); }, 'wide') : '');
     this.element.querySelector('.lists')?.replaceChildren(this.progressPanel(patient), this.visitsPanel(patient));
   }
 
@@ -118,7 +118,7 @@ export class PatientScreen implements Screen {
     const { t } = this;
     const visits = newestFirst(patient.visits);
     const shown = this.all ? visits : visits.slice(0, NEWEST);
-    const csv = button(t.csv, 'csv', async () => { try { await saveText(this.room, `/api/export/patient/${patient.id}.csv`, `patient-${patient.id}.csv`); } catch (problem) { this.said.problem(problem); } });
+    const csv = button(t.csv, 'csv', async () => { try { await saveText(this.context, `/api/export/patient/${patient.id}.csv`, `patient-${patient.id}.csv`); } catch (problem) { this.message.showProblem(problem); } });
     const more = visits.length > NEWEST ? button(this.all ? t.newest : fill(t.all, { n: visits.length }), 'all-visits', () => { this.all = !this.all; this.showLists(patient); }) : null;
     return besideTitle(panel(t.visits, 'visits', visits.length === 0 ? h('p', { class: 'none' }, t.noVisits) : h('ul', { class: 'visit-list', 'data-testid': 'visits' }, ...shown.map((visit, i) => this.visitRow(visit, visits.slice(i + 1)))), more),
       h('span', { class: 'sp' }), visits.length > 0 ? h('a', { class: 'b', href: hashOf({ at: 'progress', patient: patient.id }), 'data-testid': 'print-progress' }, t.print) : null, visits.length > 0 ? csv : null);
@@ -136,7 +136,7 @@ export class PatientScreen implements Screen {
       ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))));
   }
 
-  /** What an item gave, with replay and report of its recording, and the last one of the same exercise beside it. */
+  /** The results of a trial with links to its replay and report, beside the last trial of the same exercise. */
   private trialRow(trial: Trial, earlier: readonly Visit[]): HTMLElement {
     const { t } = this, token = tokenOf(location), name = itemWords(trial);
     const link = (href: string, words: string, spoken: string): HTMLElement => h('a', { href, target: '_blank', rel: 'noopener', 'aria-label': `${words}: ${spoken}` }, words);
@@ -146,8 +146,8 @@ export class PatientScreen implements Screen {
   }
 
   private personPanel(patient: Patient): HTMLElement {
-    const { t, room } = this;
-    const force = room.clinic.presets?.force.find(({ id }) => id === patient.preset);
+    const { t, context } = this;
+    const force = context.clinic.presets?.force.find(({ id }) => id === patient.preset);
     const facts: (readonly [string, string])[] = [
       ...(patient.born === '' ? [] : [[t.born, bornWords(patient.born)] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
       ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
@@ -157,38 +157,38 @@ export class PatientScreen implements Screen {
     h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
   }
 
-  /** What is rarely done, and then by mistake: out of the way, and each with a second press. */
+  /** Rarely needed corrections, each confirmed by a second press. */
   private mistakes(patient: Patient): HTMLElement {
-    const { t, room } = this, { api } = room.clinic;
-    const said = new Said();
+    const { t, context } = this, { api } = context.clinic;
+    const message = new StatusMessage();
     const code = new Field(fill(t.erase.code, { code: patient.code }), textInput('erase-code'));
     const erase = button(t.erase.press, 'erase-yes', () => once(erase, async () => {
       if (code.input.value.trim() !== patient.code) return code.refuse(t.erase.wrong);
       try {
         await api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code });
-        room.tell(t.erase.done);
-        room.go({ at: 'patients' });
-      } catch (problem) { said.problem(problem); }
+        context.showMessage(t.erase.done);
+        context.go({ at: 'patients' });
+      } catch (problem) { message.showProblem(problem); }
     }), 'danger');
-    return h('details', { class: 'mistakes' }, h('summary', {}, t.more), said.element, h('div', { class: 'pair' },
-      twice(t.noShowNote, t.noShowYes, 'no-show', said, () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
+    return h('details', { class: 'mistakes' }, h('summary', {}, t.more), message.element, h('div', { class: 'pair' },
+      twice(t.noShowNote, t.noShowYes, 'no-show', message, () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
       button(t.merge.title, 'merge', () => this.merge(patient)),
-      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', said, () => api.send('DELETE', `/api/patients/${patient.id}`), () => room.go({ at: 'patients' })) : null),
+      patient.visits.length === 0 ? twice(t.remove, fill(t.removeYes, { name: patient.name }), 'delete-patient', message, () => api.send('DELETE', `/api/patients/${patient.id}`), () => context.go({ at: 'patients' })) : null),
     h('details', {}, h('summary', {}, t.erase.title), h('p', {}, t.erase.words), code.element, erase));
   }
 
   private pick(title: string, ask: string, act: (other: number) => Promise<unknown>): void {
     const done = (): void => this.extra.replaceChildren();
-    this.extra.replaceChildren(new PatientPicker(this.room, title, ask, this.id, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
+    this.extra.replaceChildren(new PatientPicker(this.context, title, ask, this.id, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
     this.extra.scrollIntoView({ block: 'nearest' });
   }
 
   private move(visit: Visit): void {
-    this.pick(fill(this.t.moveTitle, { day: visitDay(visit), at: visitClock(visit) }), this.t.moveYes, (patient) => this.room.clinic.api.send('POST', `/api/visits/${visit.id}/move`, { patient }));
+    this.pick(fill(this.t.moveTitle, { day: visitDay(visit), at: visitClock(visit) }), this.t.moveYes, (patient) => this.context.clinic.api.send('POST', `/api/visits/${visit.id}/move`, { patient }));
   }
 
   private merge(patient: Patient): void {
-    this.pick(fill(this.t.merge.which, { name: patient.name, code: patient.code }), this.t.merge.yes, (from) => this.room.clinic.api.send('POST', `/api/patients/${patient.id}/merge`, { from }));
+    this.pick(fill(this.t.merge.which, { name: patient.name, code: patient.code }), this.t.merge.yes, (from) => this.context.clinic.api.send('POST', `/api/patients/${patient.id}/merge`, { from }));
   }
 }
 

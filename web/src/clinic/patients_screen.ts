@@ -4,25 +4,25 @@ import { tokenOf } from '../net/open_connection';
 import { duration } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { PatientPicker } from './picker';
 import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Visit } from './records';
 import { hashOf } from './routes';
-import { button, once, problemWords, Said, textInput, twice, type Screen } from './ui';
+import { button, once, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { activeMin, itemNow } from './records';
 import { clock, clockOf, dayOf, itemWords, locale, minutes, sideWords, visitClock, visitDay } from './words';
 
-/** The list is read again this often [ms]. */
+/** The list is requested again this often [ms]. */
 const EVERY_MS = 15_000;
 
-/** Open and unfinished visits first, then all patients, found by name or code. */
+/** Open and unfinished visits first, then all patients, with a search by name or code. */
 export class PatientsScreen implements Screen {
   readonly element = h('main', { class: 'patients' });
   private readonly t = texts().patients;
   private readonly find = textInput('find', '', { type: 'search', 'aria-label': this.t.find, placeholder: this.t.find });
   private readonly cards = h('div', { class: 'cards' });
   private readonly rows = h('div', { class: 'rows' });
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private readonly count = h('span', { class: 'aside', role: 'status' });
   private readonly extra = h('div', { class: 'extra' });
   private readonly timer: ReturnType<typeof setInterval>;
@@ -35,14 +35,14 @@ export class PatientsScreen implements Screen {
   private shown = '';
   private closed = false;
 
-  constructor(private readonly room: Room) {
+  constructor(private readonly context: ClinicContext) {
     const { t } = this;
     this.find.addEventListener('input', () => { clearTimeout(this.typing); this.typing = setTimeout(() => void this.read(), 150); });
     const fresh = h('a', { class: 'b go', href: hashOf({ at: 'new' }), 'data-testid': 'new-patient' }, t.fresh);
     this.element.append(this.cards, this.extra, this.loose, h('section', { class: 'panel list', 'aria-label': t.title },
-      h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.said.element, this.rows));
-    this.timer = setInterval(() => { if (!document.hidden && !this.room.clinic.silentSince) void this.read(); }, EVERY_MS);
-    const seen = room.clinic.seen.get('/api/patients');
+      h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.message.element, this.rows));
+    this.timer = setInterval(() => { if (!document.hidden && !this.context.clinic.silentSince) void this.read(); }, EVERY_MS);
+    const seen = context.clinic.seen.get('/api/patients');
     if (seen) {
       this.list = seen.value as PatientList;
       this.listed = seen.at;
@@ -56,8 +56,8 @@ export class PatientsScreen implements Screen {
   }
 
   refresh(): void {
-    // Records that answer again are read at once.
-    if (this.failedSince && !this.room.clinic.silentSince) void this.read();
+    // The list is read at once when the records answer again.
+    if (this.failedSince && !this.context.clinic.silentSince) void this.read();
   }
 
   close(): void {
@@ -69,18 +69,18 @@ export class PatientsScreen implements Screen {
   private async read(): Promise<void> {
     const find = this.find.value.trim();
     try {
-      const list = await this.room.clinic.read<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
+      const list = await this.context.clinic.read<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
       if (this.closed || find !== this.find.value.trim()) return;
       this.list = list;
       this.listed = new Date();
       this.failedSince = undefined;
-      this.said.say('');
+      this.message.show('');
       this.show();
-      this.showLoose(await this.room.clinic.api.get('/api/sessions'));
+      this.showLoose(await this.context.clinic.api.get('/api/sessions'));
     } catch (problem) {
       if (this.closed) return;
       this.failedSince ??= new Date();
-      this.said.say([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), this.listed ? fill(this.t.asOf, { at: clock(this.listed) }) : ''].join(' '));
+      this.message.show([problemWords(problem), fill(this.t.failed, { at: clock(this.failedSince) }), this.listed ? fill(this.t.asOf, { at: clock(this.listed) }) : ''].join(' '));
     }
   }
 
@@ -105,54 +105,54 @@ export class PatientsScreen implements Screen {
     const { t } = this;
     const line = h('tr', {}, h('th', { scope: 'row' }, h('a', { href: hashOf({ at: 'patient', patient: row.id }), 'data-testid': `patient-${row.id}` }, row.name)),
       h('td', { class: 'num', 'data-name': t.code }, row.code), h('td', { 'data-name': t.hand }, sideWords(row.side)), h('td', { 'data-name': t.last }, row.last_visit_us > 0 ? dayOf(row.last_visit_us) : t.never), h('td', { class: 'num', 'data-name': t.visits }, String(row.visits)));
-    // The whole line may be touched; keys have its link.
-    line.addEventListener('click', (event) => { if (!(event.target instanceof HTMLAnchorElement)) this.room.go({ at: 'patient', patient: row.id }); });
+    // The whole line reacts to a pointer; the keyboard uses its link.
+    line.addEventListener('click', (event) => { if (!(event.target instanceof HTMLAnchorElement)) this.context.go({ at: 'patient', patient: row.id }); });
     return line;
   }
 
   private card(row: PatientRow): HTMLElement {
-    const { t } = this, { room } = this;
+    const { t } = this, { context } = this;
     const open = row.state === 'open';
-    const said = new Said();
+    const message = new StatusMessage();
     const go = button(t.goOn, `go-on-${row.id}`, () => once(go, async () => {
-      if (open) return room.go({ at: 'visit', visit: row.visit });
-      try { await this.goOn(row); } catch (problem) { said.problem(problem); }
+      if (open) return context.go({ at: 'visit', visit: row.visit });
+      try { await this.goOn(row); } catch (problem) { message.showProblem(problem); }
     }), 'go');
     const end = button(t.endIt, `end-it-${row.id}`, () => once(end, async () => {
       try {
-        await room.clinic.api.send('POST', `/api/visits/${row.visit}/finish`, { state: 'done' });
+        await context.clinic.api.send('POST', `/api/visits/${row.visit}/finish`, { state: 'done' });
         await this.read();
-      } catch (problem) { said.problem(problem); }
+      } catch (problem) { message.showProblem(problem); }
     }));
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: open ? 'tag on' : 'tag warn' }, open ? t.open : t.unfinished)),
       h('h2', {}, h('a', { href: hashOf({ at: 'patient', patient: row.id }) }, row.name)), h('p', { class: 'aside' }, [row.code, sideWords(row.side), row.last_visit_us > 0 ? dayOf(row.last_visit_us) : ''].filter(Boolean).join(' · ')),
-      said.element, h('div', { class: 'pair' }, go, open ? null : end));
+      message.element, h('div', { class: 'pair' }, go, open ? null : end));
   }
 
-  /** Goes on with an unfinished visit where it ended. */
+  /** Continues an unfinished visit. */
   private async goOn(row: PatientRow): Promise<void> {
-    const { clinic } = this.room;
+    const { clinic } = this.context;
     const patient = await clinic.api.get<Patient>(`/api/patients/${row.id}`);
     const visit = patient.visits.find(({ id }) => id === row.visit);
     clinic.take(await clinic.api.send<Visit>('POST', `/api/visits/${row.visit}/item`, { item: visit ? itemNow(visit) : 0 }), row);
-    this.room.go({ at: 'visit', visit: row.visit });
+    this.context.go({ at: 'visit', visit: row.visit });
   }
 
-  /** What was recorded for nobody: given to a patient, or deleted. */
+  /** Recordings without a patient, to be assigned or deleted. */
   private showLoose({ sessions, more }: { readonly sessions: readonly LooseSession[]; readonly more: number }): void {
-    const { t, room, chosen } = this, words = t.sessions, token = tokenOf(location), { api } = room.clinic;
+    const { t, context, chosen } = this, words = t.sessions, token = tokenOf(location), { api } = context.clinic;
     const shown = JSON.stringify([sessions, more]);
     if (this.loose.dataset.shown === shown) return;
     this.loose.dataset.shown = shown;
     for (const id of chosen) if (!sessions.some((session) => session.id === id)) chosen.delete(id);
     if (sessions.length === 0) return this.loose.replaceChildren();
-    const said = new Said();
+    const message = new StatusMessage();
     const give = button(words.give, 'give-sessions', () => this.pick(words.whose, async (patient) => { await api.send('POST', '/api/sessions/give', { patient, sessions: [...chosen] }); }), 'go');
-    const away = twice(t.remove, t.removeYes, 'delete-sessions', said, async () => {
+    const away = twice(t.remove, t.removeYes, 'delete-sessions', message, async () => {
       for (const id of chosen) await api.send('DELETE', `/api/sessions/${id}`);
     }, () => void this.read());
     const count = (): void => {
-      // A session that cannot be given, as one of another clinic, can still be deleted.
+      // A session that cannot be assigned, for example one of another clinic, can still be deleted.
       give.disabled = chosen.size === 0 || sessions.some(({ id, state }) => chosen.has(id) && state !== 'measured');
       away.disabled = chosen.size === 0;
     };
@@ -169,40 +169,40 @@ export class PatientsScreen implements Screen {
     });
     count();
     this.loose.replaceChildren(h('section', { class: 'panel loose', 'aria-label': words.title, 'data-testid': 'loose-sessions' }, h('div', { class: 'hd' }, h('h2', {}, words.title), h('span', { class: 'sp' }), give, away),
-      h('p', {}, words.words), said.element, h('ul', {}, ...rows), more > 0 ? h('p', { class: 'aside' }, fill(words.more, { n: more })) : null));
+      h('p', {}, words.words), message.element, h('ul', {}, ...rows), more > 0 ? h('p', { class: 'aside' }, fill(words.more, { n: more })) : null));
   }
 
   private pick(title: string, act: (patient: number) => Promise<void>): void {
     const done = (): void => this.extra.replaceChildren();
-    this.extra.replaceChildren(new PatientPicker(this.room, title, this.t.giveYes, 0, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
+    this.extra.replaceChildren(new PatientPicker(this.context, title, this.t.giveYes, 0, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
     this.extra.scrollIntoView({ block: 'nearest' });
   }
 
-  /** A visit that nobody was chosen for: it is given to a patient, or deleted. */
+  /** A visit without a patient, to be assigned or deleted. */
   private unassigned(visit: Visit): HTMLElement {
-    const { t } = this, { api } = this.room.clinic;
-    const said = new Said();
+    const { t } = this, { api } = this.context.clinic;
+    const message = new StatusMessage();
     const give = button(t.give, `give-${visit.id}`, () => this.pick(t.giveTo, async (patient) => { await api.send('POST', `/api/visits/${visit.id}/move`, { patient }); }), 'go');
-    const away = twice(t.remove, t.removeYes, `delete-${visit.id}`, said, () => api.send('DELETE', `/api/visits/${visit.id}`), () => void this.read());
+    const away = twice(t.remove, t.removeYes, `delete-${visit.id}`, message, () => api.send('DELETE', `/api/visits/${visit.id}`), () => void this.read());
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: 'tag warn' }, t.noPatient)), h('h2', {}, `${visitDay(visit)}, ${visitClock(visit)}`),
-      h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${minutes(activeMin(visit))}`), said.element, h('div', { class: 'pair' }, give, away));
+      h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${minutes(activeMin(visit))}`), message.element, h('div', { class: 'pair' }, give, away));
   }
 
-  /** A visit without a patient has the gentle limits, and says so before it begins. */
+  /** A visit without a patient has the gentle limits; the page says so before it begins. */
   askSide(): void {
-    const { t } = this, { clinic } = this.room;
-    const said = new Said();
+    const { t } = this, { clinic } = this.context;
+    const message = new StatusMessage();
     const begin = (side: OneSide): HTMLButtonElement => {
       const press = button(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, () => once(press, async () => {
         try {
           const visit = await clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
           clinic.take(visit, null);
-          this.room.go({ at: 'visit', visit: visit.id });
-        } catch (problem) { said.problem(problem); }
+          this.context.go({ at: 'visit', visit: visit.id });
+        } catch (problem) { message.showProblem(problem); }
       }), 'go');
       return press;
     };
     this.extra.replaceChildren(h('section', { class: 'panel', 'aria-label': t.without }, h('div', { class: 'hd' }, h('h2', {}, t.without), h('span', { class: 'sp' }), button(texts().picker.cancel, 'without-cancel', () => this.extra.replaceChildren())),
-      h('p', {}, t.withoutMore), said.element, h('div', { class: 'pair' }, begin('left'), begin('right'))));
+      h('p', {}, t.withoutMore), message.element, h('div', { class: 'pair' }, begin('left'), begin('right'))));
   }
 }

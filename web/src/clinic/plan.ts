@@ -1,4 +1,4 @@
-import { choice, h, say } from '../console/dom';
+import { choice, h, setText } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Item, Presets } from './records';
@@ -7,13 +7,13 @@ import { helpWords, itemWords, minutes } from './words';
 
 const MOST_MINUTES = 60;
 
-/** The plan as it is read: number, exercise, minutes, help. */
+/** The plan as a list: number, exercise, minutes, help. */
 export function planList(items: readonly Item[], now = -1): HTMLElement {
   return h('ol', { class: 'plan' }, ...items.map((item, i) => h('li', { ...(i === now ? { 'aria-current': 'step' } : {}) },
     h('span', { class: 'nr', 'aria-hidden': 'true' }, String(i + 1)), h('span', {}, h('b', {}, itemWords(item)), h('small', {}, fill(texts().helpOf, { help: helpWords(item.help) }))), h('span', { class: 'num' }, minutes(item.minutes)))));
 }
 
-/** The plan, changed with one touch each: exercise, level, minutes, help, order. */
+/** An editor of the plan: exercise, level, minutes, help, order. */
 export class PlanEditor {
   readonly element = h('div', { class: 'plan-editor' });
   private items: Item[];
@@ -49,7 +49,7 @@ export class PlanEditor {
     const level = select(`plan-level-${i}`, fill(t.level, named), Array.from({ length: Math.max(1, levels) }, (_, k) => [String(k + 1), String(k + 1)]), String(item.level), (n) => change({ level: Number(n) }));
     const help = choice(fill(t.help, named), (['full', 'some', 'none'] as const).map((key) => ({ key, name: helpWords(key) })), item.help, (key) => change({ help: key as Item['help'] }));
     const shown = h('output', { class: 'num' });
-    say(shown, minutes(item.minutes));
+    setText(shown, minutes(item.minutes));
     const step = (by: number, sign: string, words: string): HTMLButtonElement => {
       const press = button(sign, `plan-${by < 0 ? 'less' : 'more'}-${i}`, () => change({ minutes: Math.max(1, Math.min(MOST_MINUTES, item.minutes + by)) }));
       press.setAttribute('aria-label', fill(words, named));

@@ -4,28 +4,28 @@ import { curveFigure } from './curves';
 import { resultTable } from './end_screen';
 import { texts } from './i18n';
 import { accountName, noteList } from './notes';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { painWords } from './pain';
 import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Visit } from './records';
 import { hashOf } from './routes';
-import { button, Said, type Screen } from './ui';
+import { button, StatusMessage, type Screen } from './ui';
 import { bornWords, itemWords, minutes, sideWords, visitClock, visitDay } from './words';
 
-/** A sheet of paper: what is on it is seen before it is printed. */
+/** A printable sheet, shown on the screen before it is printed. */
 abstract class Sheet implements Screen {
   readonly element = h('main', { class: 'sheet' });
   protected readonly t = texts().sheet;
   protected patient: Patient | undefined;
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private closed = false;
   private theme: string | undefined;
   private readonly light = (): void => { this.theme = document.documentElement.dataset.theme; document.documentElement.dataset.theme = 'light'; };
   private readonly back = (): void => { document.documentElement.dataset.theme = this.theme; };
 
-  constructor(protected readonly room: Room, private readonly id: number) {
+  constructor(protected readonly context: ClinicContext, private readonly id: number) {
     addEventListener('beforeprint', this.light);
     addEventListener('afterprint', this.back);
-    this.element.append(h('section', { class: 'panel narrow' }, this.said.element));
+    this.element.append(h('section', { class: 'panel narrow' }, this.message.element));
     void this.open();
   }
 
@@ -36,19 +36,19 @@ abstract class Sheet implements Screen {
     removeEventListener('afterprint', this.back);
   }
 
-  /** What stands on the paper; undefined where there is nothing. */
+  /** The content of the sheet; undefined where there is none. */
   protected abstract paper(patient: Patient): Node[] | undefined;
 
   private async open(): Promise<void> {
     try {
-      const patient = this.patient = await this.room.clinic.api.get<Patient>(`/api/patients/${this.id}`);
+      const patient = this.patient = await this.context.clinic.api.get<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       const paper = this.paper(patient);
       const { t } = this;
       this.element.replaceChildren(h('div', { class: 'pair no-print' }, h('a', { class: 'b', href: hashOf({ at: 'patient', patient: this.id }) }, fill(t.back, { name: patient.name })), paper ? button(t.print, 'print', () => print(), 'go') : null),
         h('article', { class: 'panel paper' }, ...(paper ?? [h('p', { class: 'none' }, t.nothing)])));
     } catch (problem) {
-      if (!this.closed) this.said.problem(problem);
+      if (!this.closed) this.message.showProblem(problem);
     }
   }
 
@@ -57,7 +57,7 @@ abstract class Sheet implements Screen {
   }
 }
 
-/** Curves and visits of a patient. */
+/** A sheet with the curves and visits of a patient. */
 export class ProgressPrint extends Sheet {
   protected paper(patient: Patient): Node[] | undefined {
     const { t } = this, visits = newestFirst(patient.visits).filter(tookPlace);
@@ -69,9 +69,9 @@ export class ProgressPrint extends Sheet {
   }
 }
 
-/** One visit: done against planned, results, pain, notes. */
+/** A sheet with one visit: done against planned, results, pain, notes. */
 export class VisitPrint extends Sheet {
-  constructor(room: Room, id: number, private readonly visitId: number) { super(room, id); }
+  constructor(context: ClinicContext, id: number, private readonly visitId: number) { super(context, id); }
 
   protected paper(patient: Patient): Node[] | undefined {
     const { t } = this, visits = newestFirst(patient.visits);
@@ -83,6 +83,6 @@ export class VisitPrint extends Sheet {
       h('p', {}, `${sideWords(visit.side)} · ${minutes(activeMin(visit))} ${texts().patient.active} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
       h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(texts().end.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
         ...visit.trials.filter((trial) => trial.item === i).map((trial) => resultTable(trial, last)))))),
-      h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.room))];
+      h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.context))];
   }
 }

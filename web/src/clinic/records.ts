@@ -1,4 +1,4 @@
-// What the records hold, as their process sends it. Times in microseconds UTC, lengths in m.
+// Data of the records, as their process sends it. Times are in microseconds UTC, lengths in m.
 export type Side = 'right' | 'left' | 'both';
 export type OneSide = Exclude<Side, 'both'>;
 export type Values = Readonly<Record<string, number>>;
@@ -7,7 +7,7 @@ export interface Tile { readonly id: number; readonly name: string; readonly col
 
 export interface RecordsState {
   readonly clinic: 'new' | 'locked' | 'open';
-  /** Before the clinic has begun: where the records will be. An empty folder may be a disk that is not mounted. */
+  /** Before the clinic is created: the folder of the records. An empty folder may be a disk that is not mounted. */
   readonly folder?: { readonly path: string; readonly empty: boolean };
   readonly tiles: readonly Tile[];
   readonly station: { readonly heard: boolean };
@@ -50,7 +50,7 @@ export interface PatientList {
 
 export interface Size { readonly length_m: number; readonly breadth_m: number }
 
-/** What a person writes of a patient. */
+/** The editable data of a patient. */
 export interface PatientText {
   readonly name: string;
   readonly code: string;
@@ -84,7 +84,7 @@ export interface Trial {
   /** null where nothing was measured. */
   readonly active_s: number | null;
   readonly helped_share: number | null;
-  /** Of the person's reaches: mean time, greatest speed, path over the straight line. */
+  /** Mean time of the person's reaches, greatest speed, and path length relative to the straight line. */
   readonly reach_s?: number | null;
   readonly peak_speed_m_s?: number | null;
   readonly path_ratio?: number | null;
@@ -93,7 +93,7 @@ export interface Trial {
   readonly why?: string;
 }
 
-/** What was recorded outside of a visit, or while the records did not answer: nobody's yet. */
+/** A recording made outside of a visit, or while the records did not answer. It belongs to no patient yet. */
 export interface LooseSession extends Omit<Trial, 'item'> {
   readonly id: number;
   readonly duration_s: number;
@@ -102,7 +102,7 @@ export interface LooseSession extends Omit<Trial, 'item'> {
 
 export interface Visit {
   readonly id: number;
-  /** null: nobody yet. */
+  /** null: no patient is assigned yet. */
   readonly patient: number | null;
   readonly side: OneSide;
   readonly began_us: number;
@@ -111,7 +111,7 @@ export interface Visit {
   readonly state: 'open' | 'unfinished' | 'done' | 'no_show' | 'guest';
   readonly account: string | number;
   readonly plan: readonly Item[];
-  /** What is set up. */
+  /** Index of the plan's item that is set up. */
   readonly item: number;
   readonly trials: readonly Trial[];
   readonly notes?: readonly Note[];
@@ -138,14 +138,14 @@ export const activeMin = ({ trials }: Pick<Visit, 'trials'>): number => trials.r
 export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): number =>
   trials.filter((trial) => trial.item === item).reduce((sum, { active_s }) => sum + (active_s ?? 0), 0);
 
-/** The item that is set up, within the plan. */
+/** The index of the item that is set up, limited to the plan. */
 export const itemNow = ({ plan, item }: Pick<Visit, 'plan' | 'item'>): number => Math.max(0, Math.min(item, plan.length - 1));
 
-/** It goes on: it may be trained in, and nothing else begins. */
+/** Whether the visit is open: training continues in it, and no other visit may begin. */
 export const isOpen = ({ state, ended_us }: Visit): boolean => state === 'open' || (state === 'guest' && ended_us === 0);
 
-/** A visit to which a patient belongs, and which took place. */
+/** Whether a visit took place and belongs to a patient. */
 export const tookPlace = ({ state }: Visit): boolean => state === 'done' || state === 'unfinished';
 
-/** Newest first. */
+/** Visits sorted by date, the newest first. */
 export const newestFirst = (visits: readonly Visit[]): Visit[] => [...visits].sort((a, b) => b.began_us - a.began_us);

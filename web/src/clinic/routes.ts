@@ -1,4 +1,4 @@
-// Where the page is, after the "#". An address carries numbers only: it is seen, kept and sent.
+// The screen is written in the address after "#". It contains numbers only, because addresses are seen, stored and sent.
 
 export type Route =
   | { readonly at: 'patients' | 'new' | 'settings' | 'alone' }

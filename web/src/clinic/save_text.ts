@@ -1,8 +1,8 @@
 import { h } from '../console/dom';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 
-/** Saves a table as a file. It is asked for with the session, so a plain link would be refused. */
-export async function saveText({ clinic }: Room, path: string, file_name: string): Promise<void> {
+/** Saves a table as a file. The request needs the session's token, so a plain link would be refused. */
+export async function saveText({ clinic }: ClinicContext, path: string, file_name: string): Promise<void> {
   const url = URL.createObjectURL(new Blob([await clinic.api.text(path)], { type: 'text/csv' }));
   h('a', { href: url, download: file_name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);

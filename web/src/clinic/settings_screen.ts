@@ -1,22 +1,22 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import { saveText } from './save_text';
 import { COLOURS, colourChoice, goodPin, inColour } from './sign_in';
-import { button, Field, once, panel, problemWords, Said, textInput, type Screen } from './ui';
+import { button, Field, once, panel, problemWords, StatusMessage, textInput, type Screen } from './ui';
 import { clockOf, dayOf } from './words';
 
-/** A backup that is older than this is said [ms]. */
+/** A backup older than this is reported [ms]. */
 const OLD_MS = 2 * 86_400_000;
 
-/** Who works here, the backup, exports, locking for the day. */
+/** Accounts, backup, exports, and locking for the day. */
 export class SettingsScreen implements Screen {
   readonly element = h('main', { class: 'settings' });
   private readonly t = texts().settings;
   private readonly backup = h('p', {});
 
-  constructor(private readonly room: Room) {
+  constructor(private readonly context: ClinicContext) {
     this.element.append(h('div', { class: 'col' }, this.people()), h('div', { class: 'col' }, panel(this.t.backup, 'backup', this.backup), this.exports(), this.leaving()));
     this.refresh();
   }
@@ -24,24 +24,24 @@ export class SettingsScreen implements Screen {
   who(): readonly [string, string] { return [texts().settings.title, '']; }
 
   refresh(): void {
-    const { t } = this, backup = this.room.clinic.state?.backup;
+    const { t } = this, backup = this.context.clinic.state?.backup;
     const old = !backup || backup.problem !== undefined || backup.last_us === 0 || Date.now() - backup.last_us / 1000 > OLD_MS;
     const words = !backup || backup.folder === '' ? t.noFolder : backup.last_us === 0 ? fill(t.noBackup, { folder: backup.folder }) : fill(t.lastBackup, { day: dayOf(backup.last_us), at: clockOf(backup.last_us), folder: backup.folder });
     this.backup.className = old ? 'warning' : '';
-    const said = backup?.problem ? `${words} ${fill(t.backupProblem, { why: backup.problem })}` : words;
-    if (this.backup.textContent !== said) this.backup.textContent = said;
+    const message = backup?.problem ? `${words} ${fill(t.backupProblem, { why: backup.problem })}` : words;
+    if (this.backup.textContent !== message) this.backup.textContent = message;
   }
 
   private people(): HTMLElement {
-    const { t, room: { clinic } } = this;
+    const { t, context: { clinic } } = this;
     const name = new Field(t.name, textInput('account-name', '', { maxlength: 60 }));
     const pin = new Field(texts().first.pin, textInput('account-pin', '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete: 'new-password' }), { hint: texts().first.pinHint });
     const colour = colourChoice(COLOURS[(clinic.state?.tiles.length ?? 0) % COLOURS.length]);
-    const said = new Said();
+    const message = new StatusMessage();
     const list = h('ul', { class: 'people' });
     const show = (): void => list.replaceChildren(...(clinic.state?.tiles ?? []).map((tile) => h('li', {}, h('i', { style: inColour(tile.colour) }), tile.name)));
     const add = h('button', { type: 'submit', class: 'b go', 'data-testid': 'add-account' }, t.add);
-    const form = h('form', {}, h('h3', {}, t.newPerson), name.element, colour.element, pin.element, said.element, add);
+    const form = h('form', {}, h('h3', {}, t.newPerson), name.element, colour.element, pin.element, message.element, add);
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       name.refuse(name.input.value.trim() === '' ? texts().first.noName : '');
@@ -50,11 +50,11 @@ export class SettingsScreen implements Screen {
       void once(add, async () => {
         try {
           await clinic.api.send('POST', '/api/accounts', { name: name.input.value.trim(), colour: colour.value(), pin: pin.input.value });
-          said.say('');
+          message.show('');
           name.input.value = pin.input.value = '';
           await clinic.look();
           show();
-        } catch (problem) { said.problem(problem); }
+        } catch (problem) { message.showProblem(problem); }
       });
     });
     show();
@@ -63,16 +63,16 @@ export class SettingsScreen implements Screen {
 
   private exports(): HTMLElement {
     const { t } = this;
-    const said = new Said();
+    const message = new StatusMessage();
     const press = button(t.csvAll, 'csv-all', () => once(press, async () => {
-      try { await saveText(this.room, '/api/export/all.csv', 'all.csv'); } catch (problem) { said.say(problemWords(problem)); }
+      try { await saveText(this.context, '/api/export/all.csv', 'all.csv'); } catch (problem) { message.show(problemWords(problem)); }
     }));
-    return panel(t.export, 'export', h('p', {}, t.exportWords), said.element, press);
+    return panel(t.export, 'export', h('p', {}, t.exportWords), message.element, press);
   }
 
   private leaving(): HTMLElement {
-    const { t, room: { clinic } } = this;
-    const said = new Said();
+    const { t, context: { clinic } } = this;
+    const message = new StatusMessage();
     const out = button(t.signOut, 'sign-out', () => once(out, async () => {
       await clinic.api.send('POST', '/api/sign_out').catch(() => {});
       clinic.signedOut();
@@ -82,8 +82,8 @@ export class SettingsScreen implements Screen {
         await clinic.api.send('POST', '/api/lock');
         clinic.signedOut();
         await clinic.look();
-      } catch (problem) { said.problem(problem); }
+      } catch (problem) { message.showProblem(problem); }
     }));
-    return panel(t.leaving, 'leaving', h('p', {}, t.lockWords), said.element, h('div', { class: 'pair' }, out, lock));
+    return panel(t.leaving, 'leaving', h('p', {}, t.lockWords), message.element, h('div', { class: 'pair' }, out, lock));
   }
 }

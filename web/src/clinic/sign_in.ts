@@ -1,20 +1,20 @@
-import { h, say } from '../console/dom';
-import { Refused } from './api';
+import { h, setText } from '../console/dom';
+import { RefusalError } from './api';
 import { texts } from './i18n';
-import type { Room } from './page';
+import type { ClinicContext } from './page';
 import type { Tile } from './records';
-import { button, Field, once, Said, textInput, type Screen } from './ui';
+import { button, Field, once, StatusMessage, textInput, type Screen } from './ui';
 
-/** Colours of tiles; white stands on each with 4.5 or more. */
+/** Colours of tiles; white text on each has a contrast of at least 4.5. */
 export const COLOURS = ['#0B6B58', '#1F5FC4', '#8E0B4E', '#7A4B00', '#5A3E9B', '#A1141A'] as const;
 
-/** A tile's colour as a style; of nobody's, grey. */
+/** A tile's colour as a style; grey without a valid colour. */
 export const inColour = (colour = ''): string => `background: ${/^#[0-9a-f]{6}$/i.test(colour) ? colour : '#5A534C'}`;
 export const goodPin = (pin: string): boolean => /^\d{4,8}$/.test(pin);
 
 export const initials = (name: string): string => name.split(/\s+/).filter(Boolean).slice(0, 2).map((word) => [...word][0].toUpperCase()).join('');
 
-/** A tile's colour, by its name. */
+/** Buttons to choose a tile's colour by its name. */
 export function colourChoice(chosen: string): { element: HTMLElement; value: () => string } {
   const t = texts().tile;
   const radios = COLOURS.map((colour, i) => h('input', { type: 'radio', name: 'tile-colour', value: colour, checked: colour === chosen, 'aria-label': t.colours[i] }));
@@ -24,30 +24,30 @@ export function colourChoice(chosen: string): { element: HTMLElement; value: () 
   };
 }
 
-/** Opens the records for the day: by the pass phrase, or by the printed code. */
+/** Unlocks the records for the day, by the pass phrase or the printed recovery code. */
 export class UnlockScreen implements Screen {
   readonly element = h('main', { class: 'gate' });
   private byCode = false;
 
-  constructor(private readonly room: Room) { this.show(); }
+  constructor(private readonly context: ClinicContext) { this.show(); }
 
   private show(): void {
     const t = texts().unlock, { byCode } = this;
     const field = new Field(byCode ? t.code : t.phrase, textInput('unlock-words', '', byCode ? {} : { type: 'password', autocomplete: 'current-password' }));
     const go = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'unlock' }, t.open);
-    const said = new Said();
-    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), field.element, said.element, go,
+    const message = new StatusMessage();
+    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), field.element, message.element, go,
       button(byCode ? t.byPhrase : t.byCode, 'unlock-other', () => { this.byCode = !byCode; this.show(); }, 'wide'));
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       void once(go, async () => {
-        said.say('');
+        message.show('');
         try {
-          await this.room.clinic.api.send('POST', '/api/unlock', byCode ? { recovery_code: field.input.value.trim() } : { pass_phrase: field.input.value });
-          await this.room.clinic.look();
+          await this.context.clinic.api.send('POST', '/api/unlock', byCode ? { recovery_code: field.input.value.trim() } : { pass_phrase: field.input.value });
+          await this.context.clinic.look();
         } catch (problem) {
-          if (problem instanceof Refused && problem.field === 'recovery_code') said.say(t.mistyped);
-          else said.problem(problem);
+          if (problem instanceof RefusalError && problem.field === 'recovery_code') message.show(t.mistyped);
+          else message.showProblem(problem);
           field.input.select();
         }
       });
@@ -57,13 +57,13 @@ export class UnlockScreen implements Screen {
   }
 }
 
-/** Tiles of those who work here, then the digits of the one who was chosen. */
+/** Tiles of the accounts, then the PIN pad of the chosen one. */
 export class WhoScreen implements Screen {
   readonly element = h('main', { class: 'gate' });
   private readonly t = texts().who;
 
-  constructor(private readonly room: Room) {
-    const { clinic } = room;
+  constructor(private readonly context: ClinicContext) {
+    const { clinic } = context;
     const tiles = clinic.state?.tiles ?? [];
     const same = clinic.stage === 'hidden' ? tiles.find(({ id }) => id === clinic.account) : undefined;
     if (same) this.pad(same);
@@ -74,7 +74,7 @@ export class WhoScreen implements Screen {
   private tiles(): void {
     const { t } = this;
     this.element.replaceChildren(h('section', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title),
-      h('div', { class: 'tiles' }, ...(this.room.clinic.state?.tiles ?? []).map((tile) => {
+      h('div', { class: 'tiles' }, ...(this.context.clinic.state?.tiles ?? []).map((tile) => {
         const press = button('', `tile-${tile.id}`, () => this.pad(tile), 'tile');
         press.replaceChildren(face(tile), h('span', {}, tile.name));
         return press;
@@ -83,29 +83,29 @@ export class WhoScreen implements Screen {
   }
 
   private pad(tile: Tile): void {
-    const { t } = this, { clinic } = this.room;
+    const { t } = this, { clinic } = this.context;
     const hidden = clinic.stage === 'hidden' && tile.id === clinic.account;
     const field = new Field(t.pin, textInput('pin', '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete: 'off' }));
     const { input } = field;
-    const said = new Said();
+    const message = new StatusMessage();
     const go = h('button', { type: 'submit', class: 'b go', 'data-testid': 'pin-ok' }, t.ok);
     const key = (digit: string): HTMLElement => button(digit, `key-${digit}`, () => { input.value += digit; }, 'key');
     const back = button('⌫', 'key-back', () => { input.value = input.value.slice(0, -1); }, 'key');
     back.setAttribute('aria-label', t.back);
     const form = h('form', { class: 'panel narrow pad', 'aria-label': hidden ? t.again : t.title },
-      h('h2', {}, hidden ? t.again : t.title), h('p', { class: 'whose' }, face(tile), h('b', {}, tile.name)), hidden ? h('p', {}, t.kept) : null, field.element, said.element,
+      h('h2', {}, hidden ? t.again : t.title), h('p', { class: 'whose' }, face(tile), h('b', {}, tile.name)), hidden ? h('p', {}, t.kept) : null, field.element, message.element,
       h('div', { class: 'keys' }, ...[...'123456789'].map(key), back, key('0'), go),
       (clinic.state?.tiles.length ?? 0) > 1 ? button(t.other, 'other-tile', () => this.tiles(), 'wide') : null);
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       void once(go, async () => {
-        say(said.element, '');
+        setText(message.element, '');
         try {
           if (hidden) await clinic.show(input.value);
           else await clinic.signedIn(await clinic.api.send('POST', '/api/sign_in', { account: tile.id, pin: input.value }));
           await clinic.look();
         } catch (problem) {
-          said.problem(problem);
+          message.showProblem(problem);
           input.value = '';
           input.focus();
         }

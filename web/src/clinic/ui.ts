@@ -1,33 +1,33 @@
-import { h, say } from '../console/dom';
+import { h, setText } from '../console/dom';
 import type { EventT } from '../protocol';
 import { fill } from '../shared/i18n';
-import { Refused, Silent } from './api';
+import { RefusalError, NoAnswerError } from './api';
 import { texts } from './i18n';
 import { hashOf, type Route } from './routes';
 
-/** A part of the page that fills it below the header. */
+/** A screen of the page below the header. */
 export interface Screen {
   readonly element: HTMLElement;
-  /** Who and what for the header; names only while they may be shown. */
+  /** Two lines for the header, person and exercise; names only while they may be shown. */
   readonly who?: () => readonly [string, string];
   readonly what?: () => readonly [string, string];
-  /** Whether Start may be pressed here; without it there is no Start. */
+  /** Whether Start may be pressed; a screen without this has no Start. */
   readonly startable?: () => boolean;
-  /** It shows what is shown once: the page leaves it alone. */
+  /** The screen shows something that appears only once: the page does not replace it. */
   readonly stays?: boolean;
   refresh?(): void;
   draw?(): void;
-  /** What the station renders and says, for screens that show it. */
+  /** Notifications of the station's scene and events, for screens that show them. */
   sceneChanged?(): void;
   take?(events: readonly EventT[]): void;
   close?(): void;
 }
 
-/** Why something was refused, in the person's language where it has words for it. */
+/** The reason of a refusal, in the page's language where it has a translation. */
 export function problemWords(problem: unknown): string {
   const t = texts();
-  if (problem instanceof Silent) return t.silentNow;
-  if (!(problem instanceof Refused)) return String(problem);
+  if (problem instanceof NoAnswerError) return t.silentNow;
+  if (!(problem instanceof RefusalError)) return String(problem);
   const own = t.refusals[problem.code];
   const values = Object.fromEntries(Object.entries({ ...problem.more, why: problem.why }).map(([key, value]) => [key, String(value)]));
   return own ? fill(own, values) : problem.why;
@@ -43,22 +43,22 @@ export function panel(title: string, kind: string, ...children: (Node | string |
   return h('section', { class: `panel ${kind}`.trim(), 'aria-label': title }, h('div', { class: 'hd' }, h('h2', {}, title)), ...children);
 }
 
-/** Adds to the line of a panel's title. */
+/** Adds elements to the title line of a panel. */
 export function besideTitle(of: HTMLElement, ...parts: (Node | null)[]): HTMLElement {
   of.querySelector('.hd')!.append(...parts.filter((part): part is Node => part !== null));
   return of;
 }
 
-/** A place where a refusal is said. It is there from the start, so that a screen reader hears it. */
-export class Said {
+/** A place for error messages. It exists from the start, so that a screen reader announces changes. */
+export class StatusMessage {
   readonly element = h('p', { class: 'said', role: 'alert' });
-  say(words: string): void { say(this.element, words); }
-  problem(problem: unknown): void { this.say(problemWords(problem)); }
+  show(words: string): void { setText(this.element, words); }
+  showProblem(problem: unknown): void { this.show(problemWords(problem)); }
 }
 
 let fieldNumber = 0;
 
-/** A field with its name above and what is wrong with it below. */
+/** An input with its label above and an error message below. */
 export class Field<Input extends HTMLInputElement | HTMLTextAreaElement | HTMLSelectElement = HTMLInputElement> {
   readonly element: HTMLElement;
   private readonly wrong: HTMLElement;
@@ -71,9 +71,9 @@ export class Field<Input extends HTMLInputElement | HTMLTextAreaElement | HTMLSe
     this.element = h('div', { class: wide ? 'field wide' : 'field' }, h('label', { for: id }, words, hint === '' ? null : h('small', {}, ` ${hint}`)), input, this.wrong);
   }
 
-  /** Says what is wrong; nothing, that nothing is. What was typed stays. */
+  /** Shows an error; an empty text clears it. Typed text is kept. */
   refuse(words: string): void {
-    say(this.wrong, words);
+    setText(this.wrong, words);
     this.input.setAttribute('aria-invalid', String(words !== ''));
   }
 }
@@ -81,22 +81,22 @@ export class Field<Input extends HTMLInputElement | HTMLTextAreaElement | HTMLSe
 export const textInput = (test: string, value = '', attributes: Readonly<Record<string, string | number | boolean>> = {}): HTMLInputElement =>
   h('input', { type: 'text', class: 'in', 'data-testid': test, value, autocomplete: 'off', spellcheck: 'false', ...attributes });
 
-/** Lets a button act once at a time; it stays where it is and says that it works. */
+/** Lets a button act once at a time; the button stays in place and is marked as busy. */
 export async function once(of: HTMLButtonElement, act: () => Promise<void>): Promise<void> {
   if (of.getAttribute('aria-busy') === 'true') return;
   of.setAttribute('aria-busy', 'true');
   try { await act(); } finally { of.removeAttribute('aria-busy'); }
 }
 
-/** What cannot be taken back is pressed twice; `sure` says what the second press does. */
-export function twice(words: string, sure: string, test: string, said: Said, act: () => Promise<unknown>, then: () => void): HTMLButtonElement {
+/** A button for an action that cannot be undone: it needs a second press. @param sure the label of the second press */
+export function twice(words: string, sure: string, test: string, message: StatusMessage, act: () => Promise<unknown>, then: () => void): HTMLButtonElement {
   const press = button(words, test, () => {
     const yes = button(sure, `${test}-yes`, () => once(yes, async () => {
       try {
         await act();
         yes.replaceWith(press);
         then();
-      } catch (problem) { said.problem(problem); }
+      } catch (problem) { message.showProblem(problem); }
     }), 'danger');
     press.replaceWith(yes);
     yes.focus();

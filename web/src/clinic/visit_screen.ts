@@ -1,22 +1,22 @@
-import { choice, h, say } from '../console/dom';
+import { choice, h, setText } from '../console/dom';
 import type { EventT } from '../protocol';
 import { duration } from '../shared/format';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
-import type { Room } from './page';
-import { PainChoice, type When } from './pain';
+import type { ClinicContext } from './page';
+import { PainChoice, type PainTime } from './pain';
 import { activeOf_s, itemNow, type Visit } from './records';
 import { gently, running, SideQuestion, Training } from './training';
-import { besideTitle, button, link, panel, problemWords, Said, type Screen } from './ui';
+import { besideTitle, button, link, panel, problemWords, StatusMessage, type Screen } from './ui';
 import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
 
-/** The visit is read again this often [ms]. */
+/** The visit is requested again this often [ms]. */
 const EVERY_MS = 4000;
 const MARKS = ['tired', 'spasm', 'cue', 'hands_on'] as const;
 
-/** A visit under way: the picture, the plan, what is set most, notes by one touch. It works with names hidden and records gone. */
+/** A visit under way: the picture, the plan, the most used controls, and quick notes. It works while names are hidden or the records do not answer. */
 export class VisitScreen implements Screen {
   readonly element = h('main', { class: 'visit' });
   private readonly t = texts().visit;
@@ -25,45 +25,45 @@ export class VisitScreen implements Screen {
   private readonly clock = h('b', { class: 'num' });
   private readonly active = h('span', { class: 'num', 'data-testid': 'active' });
   private readonly side: SideQuestion;
-  private readonly said = new Said();
+  private readonly message = new StatusMessage();
   private readonly marked = h('p', { class: 'marked', role: 'status' });
   private readonly next: HTMLButtonElement;
   private readonly end: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
   private shownPlan = '';
   private note: NoteBox | undefined;
-  private painAsked: When | undefined;
+  private painAsked: PainTime | undefined;
   private painShown = '';
-  private painWhen: When | undefined;
+  private painWhen: PainTime | undefined;
   private readonly painPlace = h('div', { class: 'pain-place' });
   private readonly painFresh = new FreshButtons(this.painPlace);
   private marks: readonly string[] = [];
-  /** The visit whose parts are shown; null once it is over. */
+  /** The visit that is shown; null once it is over. */
   private shown: Visit | null | undefined;
   private closed = false;
   private busy = false;
   private read_ms = -Infinity;
 
-  constructor(private readonly room: Room, private readonly id: number) {
+  constructor(private readonly context: ClinicContext, private readonly id: number) {
     const { t } = this;
-    this.training = new Training(room);
+    this.training = new Training(context);
     this.side = new SideQuestion(String(id), () => this.visit?.side, t.wrongSide, () => this.refresh());
     this.next = button(t.next, 'next-item', () => this.goTo(this.now + 1), 'first wide');
     this.end = button(t.end, 'end-visit', () => this.ending(), 'wide');
-    this.stop = button(t.stop, 'gentle-stop', () => gently(room, t.stop), 'wide');
-    if (room.clinic.visit?.id === id) this.build();
+    this.stop = button(t.stop, 'gentle-stop', () => gently(context, t.stop), 'wide');
+    if (context.clinic.visit?.id === id) this.build();
     else void this.find();
   }
 
   private get visit(): Visit | undefined {
-    const { visit } = this.room.clinic;
+    const { visit } = this.context.clinic;
     return visit?.id === this.id ? visit : undefined;
   }
   private get now(): number { return this.visit ? itemNow(this.visit) : 0; }
-  private get named(): boolean { return this.room.clinic.stage === 'in'; }
+  private get named(): boolean { return this.context.clinic.stage === 'in'; }
 
   who(): readonly [string, string] {
-    const { visitPatient, visit } = this.room.clinic, { t } = this;
+    const { visitPatient, visit } = this.context.clinic, { t } = this;
     const side = visit ? sideWords(visit.side) : '';
     if (visit && !visit.patient) return [t.noPatient, `${side} · ${t.gentle}`];
     if (!this.named || !visitPatient) return [t.hiddenName, side];
@@ -71,14 +71,14 @@ export class VisitScreen implements Screen {
   }
 
   what(): readonly [string, string] {
-    const { visit, t, room: { model } } = this;
+    const { visit, t, context: { model } } = this;
     const item = visit?.plan[this.now];
     const recorded = model.recorded === undefined ? [] : [model.recorded ? t.recorded : t.unrecorded];
     return item ? [itemWords(item), [fill(t.itemOf, { n: this.now + 1, m: visit!.plan.length }), ...recorded].join(' · ')] : [t.title, ''];
   }
 
-  /** Not before somebody has said which hand is in the device, and not with what another visit has set. */
-  startable(): boolean { return this.visit !== undefined && !this.busy && this.side.said && this.setUp; }
+  /** Start needs a confirmed hand side, and the exercise and limits of this visit. */
+  startable(): boolean { return this.visit !== undefined && !this.busy && this.side.confirmed && this.setUp; }
 
   refresh(): void {
     const { visit, t } = this;
@@ -87,19 +87,19 @@ export class VisitScreen implements Screen {
       return;
     }
     if (this.shown === null) return;
-    say(this.clock, clock(new Date()));
-    say(this.active, this.activeWords(visit));
+    setText(this.clock, clock(new Date()));
+    setText(this.active, this.activeWords(visit));
     this.training.refresh();
     this.side.refresh();
     this.showPlan(visit);
-    this.stop.disabled = !running(this.room);
+    this.stop.disabled = !running(this.context);
     this.showPain(visit);
-    if (this.said.element.textContent === '' && !this.setUp) this.said.say(t.notSetUp);
-    else if (this.said.element.textContent === t.notSetUp && this.setUp) this.said.say('');
+    if (this.message.element.textContent === '' && !this.setUp) this.message.show(t.notSetUp);
+    else if (this.message.element.textContent === t.notSetUp && this.setUp) this.message.show('');
     const now_ms = performance.now();
-    if (now_ms - this.read_ms < EVERY_MS || this.room.clinic.silentSince) return;
+    if (now_ms - this.read_ms < EVERY_MS || this.context.clinic.silentSince) return;
     this.read_ms = now_ms;
-    if (['in', 'hidden'].includes(this.room.clinic.stage)) void this.room.clinic.lookAtVisit().catch(() => {});
+    if (['in', 'hidden'].includes(this.context.clinic.stage)) void this.context.clinic.lookAtVisit().catch(() => {});
   }
 
   draw(): void { this.training.draw(); }
@@ -113,33 +113,33 @@ export class VisitScreen implements Screen {
   }
 
   private async find(): Promise<void> {
-    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.said.element));
+    this.element.replaceChildren(h('section', { class: 'panel narrow' }, this.message.element));
     try {
-      await this.room.clinic.lookAtVisit();
+      await this.context.clinic.lookAtVisit();
       if (this.closed) return;
       if (this.visit) this.build();
       else this.over(this.t.over);
     } catch (problem) {
-      if (!this.closed) this.said.problem(problem);
+      if (!this.closed) this.message.showProblem(problem);
     }
   }
 
-  /** It has ended, here or on another screen: nothing of it is left to press. */
+  /** Closes the screen after the visit has ended, here or on another screen. */
   private over(words: string): void {
-    const { clinic } = this.room, { shown } = this;
+    const { clinic } = this.context, { shown } = this;
     this.shown = null;
-    this.said.say(clinic.visit ? this.t.another : words);
-    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.said.element, h('div', { class: 'pair' },
+    this.message.show(clinic.visit ? this.t.another : words);
+    this.element.replaceChildren(h('section', { class: 'panel narrow', 'data-testid': 'visit-over' }, this.message.element, h('div', { class: 'pair' },
       clinic.visit ? link(texts().visitOpen, { at: 'visit', visit: clinic.visit.id }) : link(texts().patients.title, { at: 'patients' }),
       shown?.patient ? link(texts().end.card.toPatient, { at: 'summary', patient: shown.patient, visit: this.id }) : null)));
   }
 
   private build(): void {
-    const { t, room } = this, visit = this.shown = this.visit!;
-    const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.said.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
+    const { t, context } = this, visit = this.shown = this.visit!;
+    const plan = besideTitle(panel(t.plan, 'planned', h('p', { class: 'session' }, this.clock, ' ', this.active), this.planned, this.message.element, h('div', { class: 'pair acts' }, this.next, this.stop, this.end)));
     const marks = panel(t.marks, 'marks', h('div', { class: 'mark-keys' }, ...MARKS.map((kind) => button(texts().notes.kinds[kind], `mark-${kind}`, () => this.mark(kind)))), this.marked);
     if (this.named) {
-      this.note = new NoteBox(room, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => void room.clinic.lookAtVisit().catch(() => {}));
+      this.note = new NoteBox(context, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => void context.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
     this.element.replaceChildren(h('div', { class: 'col seen' }, this.side.element, this.training.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.training.controls));
@@ -147,12 +147,12 @@ export class VisitScreen implements Screen {
     this.refresh();
   }
 
-  /** How long the item and the visit have been active: what was measured, and what goes on now. */
+  /** The active time of the item and of the visit: measured trials plus the running session. */
   private activeWords(visit: Visit): string {
-    const { tally } = this.room.model, { t, now } = this;
-    const from_us = (tally.from?.getTime() ?? 0) * 1000;
+    const { counters } = this.context.model, { t, now } = this;
+    const from_us = (counters.from?.getTime() ?? 0) * 1000;
     const measured = visit.trials.some(({ began_us, state }) => state === 'measured' && began_us > from_us - 5e6);
-    const live_s = from_us > visit.began_us - 5e6 && !measured ? tally.active_s : 0;
+    const live_s = from_us > visit.began_us - 5e6 && !measured ? counters.active_s : 0;
     const all_s = live_s + visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0), 0);
     return fill(t.active, { item: duration(activeOf_s(visit, now) + live_s), of: visit.plan[now]?.minutes ?? 0, all: duration(all_s) });
   }
@@ -164,13 +164,13 @@ export class VisitScreen implements Screen {
     if (shown === this.shownPlan) return;
     this.shownPlan = shown;
     this.next.hidden = last;
-    // What is pressed next: Start, until the item was trained.
+    // The next button to press: Start until the item was trained.
     const trained = visit.trials.some((trial) => trial.item === now);
     this.next.classList.toggle('go', trained && !last);
     this.end.classList.toggle('go', trained && last);
     this.next.disabled = this.end.disabled = this.busy;
     const following = visit.plan[now + 1];
-    say(this.next, following ? fill(t.nextIs, { name: itemWords(following) }) : t.next);
+    setText(this.next, following ? fill(t.nextIs, { name: itemWords(following) }) : t.next);
     this.planned.replaceChildren(h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
       const done_s = activeOf_s(visit, i);
       const state = i === now ? t.inProgress : visit.trials.some((trial) => trial.item === i) ? t.done : '';
@@ -181,26 +181,26 @@ export class VisitScreen implements Screen {
     })));
   }
 
-  /** The program has set up this visit and item. */
+  /** Whether the program has set up this visit and item. */
   private get setUp(): boolean {
-    const { scene } = this.room.model;
+    const { scene } = this.context.model;
     return Number(scene?.visit ?? 0) === this.id && scene?.visitItem === this.now;
   }
 
   // ---- stop, next, end
 
-  /** A gentle stop, then the item's exercise, help and limits. Nothing starts by it. */
+  /** Stops gently, then sets up the item's exercise, help and limits. It does not start. */
   private async goTo(item: number): Promise<void> {
     if (this.busy) return;
-    const { clinic } = this.room, { t } = this;
+    const { clinic } = this.context, { t } = this;
     this.busy = true;
-    this.said.say('');
+    this.message.show('');
     this.refresh();
     try {
-      if (!await gently(this.room, t.stop)) return this.said.say(t.doesNotStop);
+      if (!await gently(this.context, t.stop)) return this.message.show(t.doesNotStop);
       clinic.take(await clinic.api.send<Visit>('POST', `/api/visits/${this.id}/item`, { item }));
     } catch (problem) {
-      this.said.say(`${problemWords(problem)} ${t.staysAsItIs}`);
+      this.message.show(`${problemWords(problem)} ${t.staysAsItIs}`);
     } finally {
       this.busy = false;
       this.refresh();
@@ -211,43 +211,43 @@ export class VisitScreen implements Screen {
     if (this.busy) return;
     this.busy = true;
     try {
-      if (await gently(this.room, this.t.stop)) this.room.go({ at: 'end', visit: this.id });
-      else this.said.say(this.t.doesNotStop);
+      if (await gently(this.context, this.t.stop)) this.context.go({ at: 'end', visit: this.id });
+      else this.message.show(this.t.doesNotStop);
     } finally {
       this.busy = false;
     }
   }
 
-  // ---- notes by one touch, pain
+  // ---- quick notes, pain
 
   private mark(kind: (typeof MARKS)[number]): void {
     const at_us = Date.now() * 1000;
     this.marks = [`${clockOf(at_us)} ${texts().notes.kinds[kind]}`, ...this.marks].slice(0, 4);
-    say(this.marked, this.marks.join(' · '));
-    void this.room.clinic.outbox.add(`/api/visits/${this.id}/notes`, { kind, text: '', at_us });
+    setText(this.marked, this.marks.join(' · '));
+    void this.context.clinic.outbox.add(`/api/visits/${this.id}/notes`, { kind, text: '', at_us });
   }
 
-  /** Until the first item has ended it is asked for before, later for after; the other one is a touch away. */
+  /** Shows the question for pain before the session until the first item has ended, later that for after it; the other one can be chosen. */
   private showPain(visit: Visit): void {
-    const { tally, status } = this.room.model;
-    const trained = visit.trials.length > 0 || (tally.active_s > 0 && (tally.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
+    const { counters, status } = this.context.model;
+    const trained = visit.trials.length > 0 || (counters.active_s > 0 && (counters.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
     const ended = trained && !['rendering', 'paused'].includes(status.name);
-    const when: When = this.painAsked ?? (ended || this.painWhen === 'after' ? 'after' : 'before');
+    const when: PainTime = this.painAsked ?? (ended || this.painWhen === 'after' ? 'after' : 'before');
     const shown = JSON.stringify([when, visit.pain_before, visit.pain_after]);
     if (this.painShown === shown) return;
     this.painShown = shown;
     if (this.painWhen !== when && this.painWhen !== undefined && this.painAsked === undefined) this.painFresh.changed();
     this.painWhen = when;
     const t = texts().pain;
-    const whens = choice(this.t.pain, [{ key: 'before', name: t.before }, { key: 'after', name: t.after }], when, (key) => { this.painAsked = key as When; this.showPain(this.visit ?? visit); });
+    const whens = choice(this.t.pain, [{ key: 'before', name: t.before }, { key: 'after', name: t.after }], when, (key) => { this.painAsked = key as PainTime; this.showPain(this.visit ?? visit); });
     const focused = document.activeElement?.getAttribute('data-testid');
-    this.painPlace.replaceChildren(whens.element, painChoice(this.room, visit, when).element);
+    this.painPlace.replaceChildren(whens.element, painChoice(this.context, visit, when).element);
     if (focused?.startsWith('pain-')) this.painPlace.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
   }
 }
 
-/** Sends it, or keeps it until the records answer; the visit knows it at once. */
-export function painChoice({ clinic }: Room, visit: Visit, when: When): PainChoice {
+/** Buttons for pain; the value is sent, or kept until the records answer, and set in the visit at once. */
+export function painChoice({ clinic }: ClinicContext, visit: Visit, when: PainTime): PainChoice {
   const key = when === 'before' ? 'pain_before' : 'pain_after';
   return new PainChoice(when, visit[key], (value) => {
     if (clinic.visit?.id === visit.id) clinic.visit = { ...clinic.visit, [key]: value };

@@ -5,10 +5,10 @@ import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Item, Result, Side, Trial, Visit } from './records';
 
-/** Days as they are written in Europe. */
+/** The locale for dates, with European formats. */
 export const locale = (): string => (language() === 'en' ? 'en-GB' : language());
 
-/** A visit's own day and clock, wherever the page is opened. */
+/** A time in the visit's own time zone. */
 const ofVisit = (t_us: number, offset_min: number): Date => new Date(t_us / 1000 + offset_min * 60_000);
 const DAY = { weekday: 'short', day: 'numeric', month: 'short' } as const;
 const CLOCK = { hour: '2-digit', minute: '2-digit', hour12: false } as const;
@@ -20,7 +20,7 @@ export const visitClock = ({ began_us, offset_min }: Pick<Visit, 'began_us' | 'o
 
 const yearNow = (): number => new Date().getFullYear();
 
-/** A moment in this machine's time. */
+/** The day of a time, in this machine's time zone. */
 export function dayOf(t_us: number): string {
   const at = new Date(t_us / 1000), t = texts();
   if (at.toDateString() === new Date().toDateString()) return t.todayWord;
@@ -37,7 +37,7 @@ export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>)
 export const helpWords = (help: Item['help']): string => texts().helps[help];
 export const minutes = (min: number): string => fill(texts().min, { n: fixed(min, min > 0 && min < 1 ? 1 : 0) });
 
-/** The name of a limit, and its value as people read it. */
+/** The name of a limit, and its value in display units. */
 export function parameterWords(name: string, value: number): readonly [name: string, value: string] {
   const label = consoleTexts().parameters.names[name] ?? asWords(name);
   if (name.endsWith('_rad')) return [label, `${fixed(value * 180 / Math.PI, 0)}°`];
@@ -48,15 +48,15 @@ export function parameterWords(name: string, value: number): readonly [name: str
   return [label, number(value)];
 }
 
-/** As few decimals as it has, three figures at most. */
+/** A number with up to three significant digits and no superfluous decimals. */
 export const number = (value: number): string => (Number.isFinite(value) ? String(Number(value.toPrecision(3))).replace('-', '−') : '–');
 
-/** As the exercise's panel calls it; of an exercise that is not known here its name, without the unit. */
+/** The name of a result as the exercise's panel has it; for an unknown exercise the raw name without its unit. */
 export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
 export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
 export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);
 
-/** What a trial gave, in a line. */
+/** The results of a trial in one line. */
 export function trialWords(trial: Trial): string {
   const t = texts().patient;
   if (trial.state === 'waiting') return t.waiting;

@@ -1,32 +1,32 @@
-// A button that lets the device move for as long as a person holds it, and not a moment longer.
+// A button that lets the device move only while a person holds it.
 
-const BEAT_MS = 40;
-/** As the program counts (HoldSwitch::kSilent_ns): a page that hung for so long holds nothing any more. */
+const HEARTBEAT_MS = 40;
+/** Equal to HoldSwitch::kSilent_ns of the program: a page that hung for this long holds nothing any more. */
 const SILENT_MS = 120;
 
 /** The part of an element that is used. */
 export type Holdable = Pick<HTMLElement, 'addEventListener' | 'removeEventListener' | 'setPointerCapture'>;
-/** Where the page reports that the person cannot see it or has turned away from it. */
+/** The targets of events by which the page is hidden or loses the focus. */
 export interface Surroundings { readonly window: EventTarget; readonly document: EventTarget & { readonly hidden: boolean } }
 
 export interface HoldOptions {
-  /** A number above that of every press of this page before, of other buttons too: the program takes no older one. */
+  /** Returns a number above those of all earlier presses of this page, other buttons included: the program accepts no older number. */
   readonly nextPress: () => number;
-  /** With every beat, and once with `held` false when it is let go. */
+  /** Called with every heartbeat, and once with `held` false when the button is released. */
   readonly send: (press: number, held: boolean) => void;
-  /** It is held now, or not any more. */
+  /** Called when the button becomes held or released. */
   readonly changed: (held: boolean) => void;
   readonly allowed: () => boolean;
 }
 
 /**
- * Beats while a pointer or a key (space, enter) stays down on it. Letting go, a lost pointer or focus, a page that is
- * hidden, left or hung, and end() all end the press; it has to be pressed anew then. A click latches nothing.
+ * Sends heartbeats while a pointer or a key (space, enter) stays down on it. A release, a lost pointer or focus, a page that
+ * is hidden, left or hung, and end() all end the press; then it must be pressed again. A click does not latch.
  */
 export class HoldButton {
   private press = 0;
   private by = '';            // 'pointer 3' or 'key Space'; empty: not held
-  private beat_ms = 0;
+  private heartbeat_ms = 0;
   private timer: ReturnType<typeof setInterval> | undefined;
   private readonly unhook: (() => void)[] = [];
 
@@ -47,7 +47,7 @@ export class HoldButton {
 
   get held(): boolean { return this.by !== ''; }
 
-  /** Whatever ends it: the line is lost, another console leads, the program asks something. */
+  /** Ends the press from outside: the connection is lost, another console leads, or the program asks a question. */
   end(): void {
     if (!this.held) return;
     this.by = '';
@@ -77,16 +77,16 @@ export class HoldButton {
     if (this.held || !this.options.allowed() || this.around.document.hidden) return;
     this.by = by;
     this.press = this.options.nextPress();
-    this.beat_ms = performance.now();
+    this.heartbeat_ms = performance.now();
     this.options.send(this.press, true);
-    this.timer = setInterval(() => this.beat(), BEAT_MS);
+    this.timer = setInterval(() => this.heartbeat(), HEARTBEAT_MS);
     this.options.changed(true);
   }
 
-  private beat(): void {
+  private heartbeat(): void {
     const now_ms = performance.now();
-    const late = now_ms - this.beat_ms > SILENT_MS;
-    this.beat_ms = now_ms;
+    const late = now_ms - this.heartbeat_ms > SILENT_MS;
+    this.heartbeat_ms = now_ms;
     if (late || !this.options.allowed()) this.end();
     else this.options.send(this.press, true);
   }

@@ -9,12 +9,12 @@ import { StepList } from './step_list';
 import { TaskCard } from './task_card';
 import { stepNow, taskOf } from './view';
 
-/** What a program says within this time after it has greeted; else it commissions nothing [ms]. */
+/** A program that sends no commissioning message within this time after its welcome commissions nothing [ms]. */
 const SAYS_WITHIN_MS = 1500;
 
-/** The page that leads a person through the commissioning of a device; what it shows comes from the program. */
+/** The page that guides a person through the commissioning of a device; its content comes from the program. */
 export class CommissionPage {
-  private heardElse = false;
+  private stationWithoutCommissioning = false;
   private card: TaskCard | undefined;
   private list = new StepList();
   private about = h('p', { class: 'about' });
@@ -23,10 +23,10 @@ export class CommissionPage {
   constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
     this.build();
     for (const what of ['commissioning', 'controls', 'status', 'scene', 'leaving'] as const) connection.on(what, () => this.show());
-    connection.on('welcome', () => setTimeout(() => { this.heardElse = true; this.show(); }, SAYS_WITHIN_MS));
+    connection.on('welcome', () => setTimeout(() => { this.stationWithoutCommissioning = true; this.show(); }, SAYS_WITHIN_MS));
   }
 
-  /** Anew, in the language of now. */
+  /** Builds the page again, in the current language. */
   build(): void {
     const t = texts();
     this.card?.close();
@@ -36,7 +36,7 @@ export class CommissionPage {
     const { unconfirmed, unconfirmedMore } = consoleTexts().notices;
     this.unconfirmed = h('p', { class: 'notice alarm', role: 'alert', hidden: true, 'data-testid': 'stop-unconfirmed' }, h('strong', {}, unconfirmed), ` ${unconfirmedMore}`);
     const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' }, icon('stop'), t.stop);
-    // When it goes down, not when it comes up again.
+    // Stop acts on pointerdown, not on release.
     for (const press of ['pointerdown', 'click']) stop.addEventListener(press, () => this.stop());
     const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },
       ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, key.toUpperCase())));
@@ -60,7 +60,7 @@ export class CommissionPage {
     const c = connection.commissioning;
     const title = c?.daily ? t.daily : t.title;
     document.title = `${title}: Wholehand`;
-    const task = taskOf(c, connection.status, connection.controls, this.heardElse);
+    const task = taskOf(c, connection.status, connection.controls, this.stationWithoutCommissioning);
     document.body.dataset.task = task;
     this.about.replaceChildren(h('b', {}, title),
       c ? fill(t.by, { device: String(c.device), serial: String(c.serial), operator: String(c.operatorName) }) : '');

@@ -7,7 +7,7 @@ import { numbers } from './view';
 
 const ICON = { [StepState.Waiting]: 'wait', [StepState.UnderWay]: 'play', [StepState.Done]: 'ok', [StepState.Failed]: 'bad' } as const;
 
-/** All steps with their state, and what each has found. */
+/** All steps with their state and their findings. */
 export class StepList {
   private readonly list = h('ol', { class: 'course' });
   readonly element = h('section', { class: 'panel', 'aria-label': texts().steps }, this.list);
@@ -31,14 +31,14 @@ export class StepList {
     return item;
   }
 
-  // One row an axis: what was found of it, with units.
+  // One row for each axis: its findings with units.
   private findings(findings: readonly FindingT[]): HTMLElement {
     const t = texts();
     const axes = [...new Set(findings.map((found) => String(found.axis)))];
-    const said = (found: FindingT): string => `${t.finding[String(found.quantity)] ?? String(found.quantity)}\u00a0${numbers(found, t.to)}\u00a0${String(found.unit)}`;
+    const findingWords = (found: FindingT): string => `${t.finding[String(found.quantity)] ?? String(found.quantity)}\u00a0${numbers(found, t.to)}\u00a0${String(found.unit)}`;
     return h('dl', {}, ...axes.flatMap((axis) => [
       h('dt', {}, axis === '' ? '' : consoleTexts().axesLong[axis] ?? axis),
-      h('dd', {}, findings.filter((found) => String(found.axis) === axis).map(said).join(', ')),
+      h('dd', {}, findings.filter((found) => String(found.axis) === axis).map(findingWords).join(', ')),
     ]));
   }
 }

@@ -1,19 +1,19 @@
-import { h, say } from '../console/dom';
+import { h, setText } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import type { Connection } from '../net/connection';
 import type { Answer } from '../net/pending_answers';
-import { Asked, MotionKind, MotionState, Role, type CommissioningT } from '../protocol';
+import { QuestionKind, MotionKind, MotionState, Role, type CommissioningT } from '../protocol';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { HoldButton } from './hold_button';
 import { texts } from './i18n';
 import { numbers, repeatable, typedNumber, type Task } from './view';
 
-let presses = 0;  // of this page
+let presses = 0;  // number of presses on this page
 
 const sentence = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
-/** What the person is to do now: one question, one button to hold, or what keeps it waiting. */
+/** The current task of the person: a question, a button to hold, or the reason for waiting. */
 export class TaskCard {
   private readonly t = texts();
   private readonly head = h('h1', { class: 'head', tabindex: -1 });
@@ -35,7 +35,7 @@ export class TaskCard {
   show(task: Task, c: CommissioningT | null, step: number): void {
     this.task = task;
     this.now = c;
-    // Whatever is not a motion that this page leads ends what is held.
+    // Every other task ends a held button.
     if (task !== 'hold') this.letGo();
     const key = JSON.stringify([task, task === 'hold' ? 0 : c?.question, task === 'next' ? c?.next : '', c?.asked, this.connection.controls.role]);
     if (key !== this.shown) {
@@ -44,7 +44,7 @@ export class TaskCard {
       this.build(task, c, step);
     }
     if (task === 'hold') this.showMotion(c!);
-    say(this.note, this.refusal || (c && task !== 'next' ? String(c.note ?? '') : ''));
+    setText(this.note, this.refusal || (c && task !== 'next' ? String(c.note ?? '') : ''));
   }
 
   letGo(): void { this.button?.end(); }
@@ -57,8 +57,8 @@ export class TaskCard {
     const focus = document.activeElement === document.body || this.element.contains(document.activeElement);
     const fills = c ? this.fills(c) : {};
     const put = (head: string, more: string, ...body: (Node | string)[]): void => {
-      say(this.head, sentence(fill(head, fills)));
-      say(this.more, fill(more, fills));
+      setText(this.head, sentence(fill(head, fills)));
+      setText(this.more, fill(more, fills));
       this.body.replaceChildren(...body);
       this.fresh.changed();
     };
@@ -72,17 +72,17 @@ export class TaskCard {
         if (this.connection.controls.role === Role.Therapist) this.body.append(this.press('take-over', t.takeOver, 'b', () => this.connection.takeControls()));
         break;
       case 'yes-no': {
-        const device = c!.asked === Asked.ThisDevice;
+        const device = c!.asked === QuestionKind.ThisDevice;
         put(device ? t.ask.device : t.ask.nobody, device ? t.ask.deviceMore : t.ask.nobodyMore, this.answer('yes', device ? t.yes : t.ask.nobodyYes, 'b go'), this.answer('no', device ? t.no : t.ask.nobodyNo, 'b'));
         break;
       }
       case 'done': {
-        const push = c!.asked === Asked.PushAway;
+        const push = c!.asked === QuestionKind.PushAway;
         put(push ? t.ask.push : t.ask.estop, push ? t.ask.pushMore : t.ask.estopMore, this.answer('', t.done, 'b go'));
         break;
       }
       case 'number': {
-        const travel = c!.asked === Asked.Travel;
+        const travel = c!.asked === QuestionKind.Travel;
         put(travel ? t.ask.travel : t.ask.force, travel ? t.ask.travelMore : t.ask.forceMore, this.field(travel ? t.ask.travelField : t.ask.forceField, String(c!.unit)));
         break;
       }
@@ -95,7 +95,7 @@ export class TaskCard {
         if (recording !== '') this.body.append(h('p', { class: 'file' }, fill(t.finishedMore, { recording })));
       }
     }
-    // A key that is still down must confirm nothing: no answer gets the focus by itself.
+    // A key that is still down must confirm nothing, so no answer button gets the focus automatically.
     if (focus) (this.body.querySelector<HTMLElement>('.hold, input') ?? this.head).focus();
   }
 
@@ -110,10 +110,10 @@ export class TaskCard {
 
   private showMotion(c: CommissioningT): void {
     const { t } = this;
-    say(this.head, c.motionState === MotionState.Over ? t.wait : sentence(fill(t.motion[c.motion] ?? MotionKind[c.motion], this.fills(c))));
-    say(this.more, t.holdMore);
+    setText(this.head, c.motionState === MotionState.Over ? t.wait : sentence(fill(t.motion[c.motion] ?? MotionKind[c.motion], this.fills(c))));
+    setText(this.more, t.holdMore);
     const moves = c.motionState === MotionState.Moves;
-    if (this.word) say(this.word, this.button?.held ? t.held : t.hold);
+    if (this.word) setText(this.word, this.button?.held ? t.held : t.hold);
     if (!this.bar) return;
     this.bar.classList.toggle('moves', moves && c.motionS > 0);
     this.bar.style.setProperty('--motion', `${c.motionS}s`);
@@ -130,7 +130,7 @@ export class TaskCard {
       changed: (held) => {
         button.classList.toggle('held', held);
         button.setAttribute('aria-pressed', String(held));
-        if (this.word) say(this.word, held ? t.held : t.hold);
+        if (this.word) setText(this.word, held ? t.held : t.hold);
       },
       allowed: () => this.task === 'hold' && connection.status === 'open' && connection.controls.heldByYou,
     });
@@ -145,7 +145,7 @@ export class TaskCard {
       event.preventDefault();
       const number = typedNumber(input.value);
       if (number === '') this.refuse(this.t.ask.noNumber);
-      else void this.tell(question, number);
+      else void this.sendAnswer(question, number);
     });
     return form;
   }
@@ -153,19 +153,19 @@ export class TaskCard {
   private failed(c: CommissioningT, step: number): HTMLElement[] {
     const { t } = this;
     const at = c.steps[step];
-    const said = at && String(at.problem ?? '') !== '' ? [h('dl', { class: 'failed', lang: 'en', 'data-testid': 'failed' },
+    const problems = at && String(at.problem ?? '') !== '' ? [h('dl', { class: 'failed', lang: 'en', 'data-testid': 'failed' },
       h('dt', {}, t.why), h('dd', {}, String(at.problem)), h('dt', {}, t.remedy), h('dd', {}, String(at.remedy)))] : [];
     const name = (key: string): string => t.step[key] ?? key;
     const on = c.daily ? t.ask.check : fill(t.ask.repeat, { step: name(String(c.next)) });
     const earlier = repeatable(c);
     const rest = h('details', { class: 'earlier', hidden: earlier.length === 0 }, h('summary', {}, t.ask.earlier),
       ...earlier.map((key) => this.answer(key, name(key), 'b small')));
-    return [...said, h('div', { class: 'row' }, this.answer('', on, 'b go'), this.answer('quit', t.ask.end, 'b')), rest];
+    return [...problems, h('div', { class: 'row' }, this.answer('', on, 'b go'), this.answer('quit', t.ask.end, 'b')), rest];
   }
 
   private answer(words: string, label: string, look: string): HTMLElement {
     const question = this.now?.question ?? 0;
-    return this.press(`answer-${words === '' ? 'done' : words}`, label, look, () => this.tell(question, words));
+    return this.press(`answer-${words === '' ? 'done' : words}`, label, look, () => this.sendAnswer(question, words));
   }
 
   private press(id: string, label: string, look: string, act: () => Promise<Answer | undefined>): HTMLElement {
@@ -175,13 +175,13 @@ export class TaskCard {
   }
 
   /** Answers the question that the pressed button was built for. */
-  private async tell(question: number, words: string): Promise<undefined> {
+  private async sendAnswer(question: number, words: string): Promise<undefined> {
     const answer = await this.connection.answer(question, words);
     if (!answer.accepted && question === this.now?.question) this.refuse(answer.reason);
   }
 
   private refuse(why: string): void {
     this.refusal = why;
-    say(this.note, why);
+    setText(this.note, why);
   }
 }

@@ -1,24 +1,24 @@
 import { Help, type ParameterT } from '../protocol';
 import { fixed } from '../shared/format';
 import { fill } from '../shared/i18n';
-import { choice, h, say, setAttribute } from './dom';
+import { choice, h, setText, setAttribute } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 import { ParameterTarget, viewOf, type ParameterView } from './parameter_model';
 import { niceStep } from './scale';
 
-/** What is set most in a session beside the help: of each line the first that the exercise has. */
+/** The most used parameters besides the help: of each line the first one that the exercise has. */
 const SET_MOST = [['effort_limit_hand_tip_n'], ['squeeze_threshold_ratio', 'level_ratio', 'wall_stiffness_ratio'], ['viscosity_ratio'], ['reach_forward_m', 'line_tolerance_l', 'effort_limit_arm_n']] as const;
-/** So many presses from one end of a range to the other, at most. */
+/** Maximum number of presses from one end of a range to the other. */
 const PRESSES = 20;
 
-/** The next whole step above or below a value, within the range. */
+/** The next multiple of the step above or below a value, within the range. */
 export function stepped(shown: number, way: 1 | -1, { lower, upper }: Pick<ParameterView, 'lower' | 'upper'>, step: number): number {
   const next = way > 0 ? Math.floor(shown / step + 1e-6) + 1 : Math.ceil(shown / step - 1e-6) - 1;
   return Math.min(upper, Math.max(lower, Number((next * step).toPrecision(9))));
 }
 
-/** Less, the value, more. */
+/** A value with a button for less and one for more. */
 class Stepper {
   readonly element: HTMLElement;
   private readonly view: ParameterView;
@@ -42,9 +42,9 @@ class Stepper {
 
   refresh(): void {
     const { model, target, view, step, buttons: [less, more] } = this;
-    target.see(model.state?.parameters[this.index] ?? target.now, model.stated_ms);
+    target.onState(model.state?.parameters[this.index] ?? target.now, model.stated_ms);
     const shown = target.shown * view.factor, decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-    say(this.value, `${fixed(shown, decimals)} ${view.unit}`);
+    setText(this.value, `${fixed(shown, decimals)} ${view.unit}`);
     setAttribute(less, 'aria-disabled', String(shown <= view.lower + step / 1e3));
     setAttribute(more, 'aria-disabled', String(shown >= view.upper - step / 1e3));
   }
@@ -61,16 +61,16 @@ class Stepper {
   }
 }
 
-/** The help in the game, as the therapist sets it. */
+/** Buttons for the help in the game. */
 export function helpChoice(model: ConsoleModel): ReturnType<typeof choice> {
   const t = texts();
-  const help = choice(t.setup.help, [Help.Unsaid, Help.Full, Help.Some, Help.None].map((key) => ({ key: String(key), name: t.setup.helps[key] })),
-    String(Help.Unsaid), (key) => void model.command(t.setup.help, () => model.connection.setHelp(Number(key))));
+  const help = choice(t.setup.help, [Help.Unspecified, Help.Full, Help.Some, Help.None].map((key) => ({ key: String(key), name: t.setup.helps[key] })),
+    String(Help.Unspecified), (key) => void model.command(t.setup.help, () => model.connection.setHelp(Number(key))));
   help.element.dataset.testid = 'set-help';
   return help;
 }
 
-/** What a therapist sets most, each with one touch. */
+/** The controls that a therapist uses most, each one press away. */
 export class BigControls implements Panel {
   readonly element: HTMLElement;
   private readonly help: ReturnType<typeof choice>;
@@ -89,7 +89,7 @@ export class BigControls implements Panel {
   }
 
   refresh(): void {
-    this.help.choose(String(this.model.state?.help ?? Help.Unsaid));
+    this.help.choose(String(this.model.state?.help ?? Help.Unspecified));
     for (const stepper of this.steppers) stepper.refresh();
   }
 }

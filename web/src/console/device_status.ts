@@ -3,20 +3,20 @@ import { fill } from '../shared/i18n';
 import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n/en';
 
-/** What of a real device is shown. */
+/** The shown fields of a real device. */
 export type ReportedDevice = Pick<DeviceStateT, 'enabled' | 'homed' | 'silenced' | 'temperatureKnown' | 'temperatureC' | 'sampleAgeS' | 'hosted' | 'hostAgeS' | 'letGo'>;
 
-/** A real device in three lines for a person. */
+/** The state of a real device in three lines. */
 export interface DeviceLines {
   /** Enabled or not, homed or not. */
   state: string;
   /** Temperature and ages. */
   figures: string;
-  /** Why the host let go; empty where it did not. */
+  /** Why the host disabled the device; empty if it did not. */
   letGo: string;
 }
 
-/** Older than this, an age is said in seconds [s]. */
+/** An age above this is shown in seconds [s]. */
 const SECONDS_FROM_S = 1;
 
 const REASONS: Readonly<Record<Exclude<ReleaseReason, ReleaseReason.None>, keyof ConsoleTexts['device']['reasons']>> = {

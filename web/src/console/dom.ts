@@ -1,6 +1,6 @@
 import { h, setAttribute } from '../shared/dom';
 
-export { h, setAttribute, setText as say } from '../shared/dom';
+export { h, setAttribute, setText } from '../shared/dom';
 
 type Child = Node | string | null | undefined;
 type Attributes = Readonly<Record<string, string | number | boolean | undefined>>;
@@ -22,7 +22,7 @@ export function setClass(element: Element, name: string, on: boolean): void {
   if (element.classList.contains(name) !== on) element.classList.toggle(name, on);
 }
 
-/** Buttons of which one is chosen. */
+/** A group of buttons of which one is chosen. */
 export function choice(
   label: string, options: readonly { key: string; name: string; title?: string }[], chosen: string, onChoice: (key: string) => void,
 ): { element: HTMLElement; choose: (key: string) => void } {

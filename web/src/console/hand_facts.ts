@@ -2,17 +2,17 @@ import type { SceneT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { h } from './dom';
 import { asWords, fixed } from '../shared/format';
-import { shownUnits } from './history';
+import { displayUnits } from './history';
 import { texts } from './i18n';
 import { isArm } from './plot_specs';
 
-/** The hand that is loaded: which one, and how far the device lets each of its axes go. */
+/** The loaded hand: its name, and the range that the device allows for each axis. */
 export function handFacts(scene: SceneT): HTMLElement {
   const t = texts();
   const name = String(scene.handName ?? '');
   const row = (label: string, value: string): HTMLElement => h('div', {}, h('dt', {}, label), h('dd', {}, value));
   const ranges = scene.axes.filter((axis) => !isArm(axis)).map((axis) => {
-    const { coordinate, coordinateUnit } = shownUnits(axis);
+    const { coordinate, coordinateUnit } = displayUnits(axis);
     const words = fill(t.handFacts.range, { lo: fixed(axis.lower * coordinate, 0), hi: fixed(axis.upper * coordinate, 0) });
     return row(t.axesLong[String(axis.name)] ?? String(axis.name), `${words} ${coordinateUnit}`);
   });

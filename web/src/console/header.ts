@@ -4,7 +4,7 @@ import { Act, RunState, Steering } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { deviceLines } from './device_status';
-import { h, say, setAttribute, setClass } from './dom';
+import { h, setText, setAttribute, setClass } from './dom';
 import { texts } from './i18n';
 import { icon, type IconName } from './icons';
 import type { ConsoleModel, Panel } from './model';
@@ -16,12 +16,12 @@ const PILL_ICON: Readonly<Record<string, IconName>> = {
   rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
 };
 
-/** What another page says in it, and where it may start. */
+/** Header content that another page provides, and its condition for Start. */
 export interface HeaderOwn {
-  /** In place of the scene's patient and exercise, two lines each. */
+  /** Two lines each, instead of the scene's patient and exercise. */
   readonly who: () => readonly [string, string];
   readonly what: () => readonly [string, string];
-  /** Whether Start may be pressed, beside what the program says; undefined: there is nothing to start on this screen. */
+  /** Whether Start may be pressed, in addition to the program's state; undefined: this screen has no Start. */
   readonly startable: () => boolean | undefined;
 }
 
@@ -40,7 +40,7 @@ export class Header implements Panel {
   private readonly pause: HTMLButtonElement;
   private readonly resume: HTMLButtonElement;
   private readonly freshResume: FreshButtons;
-  /** The newest ending that the page showed beside "Start", and the one at the moment when it was pressed. */
+  /** The newest stop that the page showed beside "Start", and the one at the moment of the press. */
   private endingsShown = 0;
   private endingsPressed: number | undefined;
 
@@ -59,7 +59,7 @@ export class Header implements Panel {
     this.resume = h('button', { type: 'button', class: 'b', 'data-testid': 'resume', hidden: true }, icon('play'), t.resume);
     this.freshResume = new FreshButtons(this.resume);
     this.resume.addEventListener('click', () => void model.command(t.resume, () => model.connection.act(Act.Resume)));
-    // Without a connection, too: the stop is sent as soon as there is one (PendingStop).
+    // Emergency stop works without a connection, too: it is sent as soon as there is one (PendingStop).
     const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
       icon('stop'), t.emergency, h('kbd', {}, t.esc));
     stop.addEventListener('click', () => void model.emergencyStop());
@@ -69,7 +69,7 @@ export class Header implements Panel {
     this.refresh();
   }
 
-  /** Pauses, by the button or by Space; never starts. */
+  /** Pauses, by the button or by Space; it never starts. */
   pauseNow(): void {
     const { model, t } = this;
     if (!this.pause.hidden && !this.pause.disabled) void model.command(t.pause, () => model.connection.act(Act.Pause));
@@ -91,26 +91,26 @@ export class Header implements Panel {
   private refreshWho(): void {
     const { model, t, own } = this;
     const { scene } = model;
-    if (own) return this.sayOwn(own);
+    if (own) return this.writeOwn(own);
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
     const profile = String(scene.profile ?? ''), simulated = deviceLines(model.state?.device, t) === undefined;
-    say(this.who.first, personWords(profile, String(scene.patientName ?? ''), simulated) || fill(t.profile.profile, { name: t.profile.noProfile }));
+    setText(this.who.first, personWords(profile, String(scene.patientName ?? ''), simulated) || fill(t.profile.profile, { name: t.profile.noProfile }));
     const plays = profile !== '' && simulated && model.state?.runState === RunState.Rendering && model.state.steering === Steering.VirtualPatient;
-    say(this.who.second, [fill(t.session, { n: model.state?.session ?? scene.session }), side, ...(plays ? [t.virtualPlays] : []),
+    setText(this.who.second, [fill(t.session, { n: model.state?.session ?? scene.session }), side, ...(plays ? [t.virtualPlays] : []),
       ...(model.recorded === undefined ? [] : [model.recorded ? t.recordings.on : t.recordings.off])].join(', '));
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
-    say(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise, 0, ExercisePanel.of(scene)?.title));
+    setText(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise, 0, ExercisePanel.of(scene)?.title));
     const level = scene.levels > 0 ? fill(t.level, { n: scene.level }) : '';
     const progress = this.info.progress((name) => model.value(name));
-    say(this.what.second, progress === '' ? level : `${level}, ${progress}`);
+    setText(this.what.second, progress === '' ? level : `${level}, ${progress}`);
   }
 
-  private sayOwn(own: HeaderOwn): void {
+  private writeOwn(own: HeaderOwn): void {
     for (const [pair, [first, second]] of [[this.who, own.who()], [this.what, own.what()]] as const) {
-      say(pair.first, first);
-      say(pair.second, second);
+      setText(pair.first, first);
+      setText(pair.second, second);
       pair.element.hidden = first === '' && second === '';
     }
   }
@@ -125,8 +125,8 @@ export class Header implements Panel {
     }
     setClass(this.pill, 'bad', bad);
     setClass(this.pill, 'warn', limited || name === 'stopping' || name === 'stopped' || name === 'paused');
-    say(this.pillName, t.states[name]);
-    say(this.pillCause, limited ? t.pill.limited : t.pill[name]);
+    setText(this.pillName, t.states[name]);
+    setText(this.pillCause, limited ? t.pill.limited : t.pill[name]);
   }
 
   private refreshButtons(): void {
@@ -141,7 +141,7 @@ export class Header implements Panel {
     if (this.arm.lastChild?.textContent !== word) this.arm.replaceChildren(icon('play'), word);
     this.pause.disabled = name !== 'rendering';
     const paused = name === 'paused';
-    // Where nothing is started, there is a Pause only while there is something to pause.
+    // A screen without Start shows Pause only while there is something to pause.
     const idle = here === undefined && this.pause.disabled;
     if (idle && !paused) {
       this.pause.hidden = this.resume.hidden = true;

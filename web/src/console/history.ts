@@ -1,27 +1,27 @@
 import type { AxisT, WorldStateT } from '../protocol';
-import { extremesOf, KEPT, type Kept, type PlotSource, type Span, type TimeTick } from './plot_source';
+import { extremesOf, STORED_SERIES, type StoredSeries, type PlotSource, type Span, type TimeTick } from './plot_source';
 import { SampleWindow } from './sample_window';
 
 /** Length of the window that the plots show [s]. */
 export const WINDOW_S = 10;
-// Twice 60 messages a second, so that a hasty program still fills the window.
+// Twice 60 messages a second, so that a program that sends faster still fills the window.
 const CAPACITY = 2 * 60 * WINDOW_S;
-/** Between two sessions on the plots' clock [s]: long enough that no speed is made of the jump. */
+/** Distance between two sessions on the plots' clock [s]: long enough that no speed is computed across it. */
 const BETWEEN_SESSIONS_S = 0.6;
-/** A longer time without a sample means that the line was lost or the page asleep [s]. */
+/** A longer time without a sample means a lost connection or a suspended page [s]. */
 const GAP_S = 0.5;
 /** Labels of the time axis, before now [s]. */
 const TICKS_S = [10, 8, 6, 4, 2, 0];
 
-/** Factors to the units that people read: forces at the tip for torques, degrees, millimetres. */
-export interface Shown {
+/** Factors to display units: forces at the tip for torques, degrees, millimetres. */
+export interface DisplayUnits {
   effort: number;
   coordinate: number;
   effortUnit: string;
   coordinateUnit: string;
 }
 
-export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
+export function displayUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): DisplayUnits {
   // An axis without a unit is shown in the program's own.
   if (String(axis.unit ?? '') === '') return { effort: 1, coordinate: 1, effortUnit: '', coordinateUnit: '' };
   const turns = String(axis.unit) === 'rad';
@@ -34,11 +34,11 @@ export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
   };
 }
 
-/** The last ten seconds of what is felt. Time runs on over a new session and stands still without one. */
+/** The last ten seconds of efforts and coordinates. Time continues over a new session and stands still without one. */
 export class History implements PlotSource {
   readonly live = true;
   readonly samples: SampleWindow;
-  private readonly units: Shown[];
+  private readonly units: DisplayUnits[];
   private readonly row: Float64Array;
   private tick: bigint | undefined;
   private session = 0;
@@ -46,8 +46,8 @@ export class History implements PlotSource {
   private own_s = 0;
 
   constructor(axes: readonly AxisT[]) {
-    this.units = axes.map(shownUnits);
-    const columns = 2 + KEPT.length * axes.length;
+    this.units = axes.map(displayUnits);
+    const columns = 2 + STORED_SERIES.length * axes.length;
     this.samples = new SampleWindow(columns, CAPACITY);
     this.row = new Float64Array(columns);
   }
@@ -65,8 +65,8 @@ export class History implements PlotSource {
     return 1;
   }
 
-  column(kept: Kept, axis: number): number {
-    return 2 + KEPT.indexOf(kept) * this.units.length + axis;
+  column(kept: StoredSeries, axis: number): number {
+    return 2 + STORED_SERIES.indexOf(kept) * this.units.length + axis;
   }
 
   times(): Float64Array {
@@ -98,7 +98,7 @@ export class History implements PlotSource {
   add(state: WorldStateT): boolean {
     if (this.tick === state.tick && this.session === state.session) return false;
     const step_s = state.timeS - this.program_s;
-    // Messages that a busy page missed leave a gap as long as it was.
+    // Messages that a busy page missed leave a gap of their duration.
     const follows = this.session === state.session && step_s > 0;
     if (this.tick !== undefined && !(follows && step_s <= GAP_S)) this.addGap();
     this.own_s += follows ? step_s : BETWEEN_SESSIONS_S;
@@ -124,13 +124,13 @@ export class History implements PlotSource {
     this.samples.push(this.row);
   }
 
-  /** Largest size in the window of what is kept of an axis, in shown units. */
-  peak(kept: Kept, axis: number): number {
+  /** Largest magnitude in the window of one series of an axis, in display units. */
+  peak(kept: StoredSeries, axis: number): number {
     const [least, most] = this.extremes([this.column(kept, axis)]);
     return Math.max(0, -least, most);
   }
 
-  /** Highest speed in the window over these translations together, over steps of about 50 ms [m/s]. */
+  /** Highest speed in the window of these translations together, over steps of about 50 ms [m/s]. */
   peakSpeed(axes: readonly number[]): number {
     const count = this.count();
     const times = this.samples.column(0, count);

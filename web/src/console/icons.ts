@@ -27,7 +27,7 @@ const DRAWINGS = {
 
 export type IconName = keyof typeof DRAWINGS;
 
-/** A picture without words of its own; words stand beside it. */
+/** An icon without accessible text; a text stands beside it. */
 export function icon(name: IconName): SVGSVGElement {
   const { box, paths } = DRAWINGS[name];
   return svg('svg', { viewBox: `0 0 ${box} ${box}`, 'aria-hidden': 'true', class: `icon-${name}` },

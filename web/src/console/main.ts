@@ -11,7 +11,7 @@ import { startTheme } from './theme';
 declare global {
   interface Window {
     wholehandStats: WholehandStats;
-    /** What the page knows of the program, for tests and for curious people. */
+    /** The newest messages of the program, for tests and debugging. */
     wholehandNow: { state: WorldStateT | null; scene: SceneT | null };
   }
 }
@@ -22,10 +22,10 @@ const connection = await openConnection('therapist');
 const page = new ConsolePage(document.querySelector<HTMLElement>('#app')!, connection);
 onLanguage(() => page.build());
 
-// What the page costs and how old what it shows is.
+// Frame times of the page and the age of its data.
 const stats = new FrameStats();
 const clock = new ClockOffset();
-connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
+connection.on('state', (state) => clock.addSample(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
 Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(page.quality) });
 Object.defineProperty(window, 'wholehandNow', { get: () => ({ state: connection.latestState, scene: connection.scene }) });
 
@@ -34,7 +34,7 @@ function frame(now_ms: number): void {
   const began_ms = performance.now();
   const state = connection.latestState;
   if (!page.frame(began_ms)) return;
-  // uPlot draws in a microtask of its own: what it costs counts too.
+  // uPlot draws in a microtask of its own, whose time counts too.
   queueMicrotask(() => {
     const ended_ms = performance.now();
     const age_ms = state ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN;

@@ -2,26 +2,26 @@ import { OWN_SIGNS } from '../exercises/info';
 import { RunState, type EventT } from '../protocol';
 import type { ConsoleTexts } from './i18n/en';
 
-/** A moment that every plot shows as an upright line. */
+/** A moment that every plot shows as a vertical line. */
 export interface Mark {
   time_s: number;
   label: string;
-  /** In words, for the safety panel and tables. */
+  /** The meaning in words, for the safety panel and tables. */
   meaning: string;
   bad: boolean;
 }
 
 const SIGNS: Readonly<Record<string, [string, keyof ConsoleTexts['phases']]>> = { touched: ['①', 'bump'], engaged: ['②', 'engaged'] };
 
-/** The sign of an event's phase of a grasp; undefined where it begins none. */
+/** The sign of the grasp phase that an event begins; undefined where it begins none. */
 export function phaseSign(name: string): string | undefined {
   return SIGNS[name]?.[0] ?? OWN_SIGNS[name]?.sign;
 }
 
-/** A sign that comes again within this time belongs to the same moment [s]. */
+/** A repeated sign within this time belongs to the same moment [s]. */
 const SAME_MOMENT_S = 0.4;
 
-/** Moments of the last seconds: the phases of a grasp, stops and faults. */
+/** Marks of the last seconds: the phases of a grasp, stops and faults. */
 export class Marks {
   list: Mark[] = [];
   private runState: RunState | undefined;

@@ -7,7 +7,7 @@ import { texts } from './i18n';
 import { Marks } from './marks';
 import type { Recording } from './recordings';
 import { faultWords, statusOf, type Status } from './run_status';
-import { Tally } from './tally';
+import { SessionCounters } from './session_counters';
 
 /** A line of the safety panel. */
 export interface Notice {
@@ -16,28 +16,28 @@ export interface Notice {
 }
 
 /**
- * Faults that do not stop, but are reported. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
+ * Faults that are reported without a stop. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
  * 20: owner silent, 22: the energy tank damped, 26: drive hot, 31: contacts unsettled.
  */
 const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26) | (1 << 31);
-/** Nothing is started for this long after rendering has ended [ms]: a person who reaches for Pause must not press Start. */
+/** Nothing is started for this long after rendering has ended [ms]: a press that was meant for Pause must not start. */
 const DEAD_MS = 1000;
 /** The header shows a limit that held within this time [s]. */
 const LIMITED_FOR_S = 1;
 
-/** States come 60 times a second; after a longer pause than this the page, or the line, stood still [ms]. */
+/** States come 60 times a second; a longer pause than this means that the page or the connection stalled [ms]. */
 const LONGEST_PAUSE_MS = 50;
 
 /** The state of the console. Panels read it and send orders through it. */
 export class ConsoleModel {
   scene: SceneT | null = null;
   state: WorldStateT | null = null;
-  /** Time for which states have come [ms]. It stands still while none comes, or the page is too busy to read one. */
+  /** Time for which states have come [ms]. It stands still while none comes, or while the page is too busy to read one. */
   stated_ms = 0;
   private state_ms = 0;
   history = new History([]);
   readonly marks = new Marks();
-  readonly tally = new Tally();
+  readonly counters = new SessionCounters();
   paused = false;
   notice: Notice | undefined;
   /** The recording that ended last, until its notice is closed or rendering begins. */
@@ -63,7 +63,7 @@ export class ConsoleModel {
     return statusOf(this.connection.status, this.state, this.paused, this.scene?.faultNames ?? [], texts(), this.scene?.axes ?? []);
   }
 
-  /** Whether it may be started from here: nothing renders, and has not for a moment. */
+  /** Whether the page may start: nothing renders, and nothing has for DEAD_MS. */
   get startable(): boolean {
     const startable = ['disarmed', 'stopped', 'faulted'].includes(this.status.name);
     return startable && performance.now() - this.ended_ms > DEAD_MS;
@@ -74,12 +74,12 @@ export class ConsoleModel {
     return this.connection.status === 'open' ? isRecorded(this.scene, this.state) : undefined;
   }
 
-  /** Whether an effort was at its limit just now. */
+  /** Whether an effort reached its limit within the last LIMITED_FOR_S. */
   get limited(): boolean {
     return this.history.now_s - this.limited_s < LIMITED_FOR_S;
   }
 
-  /** A figure of the exercise by its name; undefined where there is none. */
+  /** A value of the exercise by its name; undefined where there is none. */
   value(name: string): number | undefined {
     const index = this.scene?.valueNames.indexOf(name) ?? -1;
     return index < 0 ? undefined : this.state?.values[index];
@@ -93,7 +93,7 @@ export class ConsoleModel {
 
   /**
    * Sends an order. A therapist needs the controls only for an order that `steers`, which sets who moves the hand. A
-   * refusal is shown to the therapist, unless `quietly`, and returned.
+   * refusal is returned and, unless `quietly`, shown.
    */
   async command(what: string, send: () => Promise<Answer>, { quietly = false, steers = false } = {}): Promise<Answer> {
     let answer: Answer = { accepted: true, reason: '' };
@@ -126,7 +126,7 @@ export class ConsoleModel {
     this.state_ms = now_ms;
     if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
-    this.tally.look(state, this.paused, new Date(), String(this.scene?.recording ?? ''));
+    this.counters.onState(state, this.paused, new Date(), String(this.scene?.recording ?? ''));
     this.takeFaults(state);
     if (!this.history.add(state)) return;
     this.fresh = true;
@@ -134,12 +134,12 @@ export class ConsoleModel {
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
   }
 
-  /** Takes the faults. One tick in 17 is sent; the counts show what happened in the others. */
+  /** Reads the fault counters. One tick in 17 is sent; the counters cover the others. */
   private takeFaults({ session, faults, faultTicks }: WorldStateT): void {
     const before = this.faultTicks.session === session ? this.faultTicks.counts : [];
     let bits = faults & INFORMATION;
     faultTicks.forEach((count, bit) => { if (count > (before[bit] ?? 0)) bits |= INFORMATION & (1 << bit); });
-    // A page that is opened, or a new session, begins to count.
+    // Counting starts anew on a page that was just opened, and in a new session.
     const counted = this.faultTicks.counts.length > 0 || this.faultTicks.session !== 0;
     this.faultTicks = { session, counts: [...faultTicks] };
     if (!counted) bits = faults & INFORMATION;
@@ -153,7 +153,7 @@ export class ConsoleModel {
     const period_s = this.scene?.periodS ?? 1e-3;
     this.marks.addEvents(events, names, (tick) => this.history.timeOfTick(tick, period_s), texts());
     for (const event of events) {
-      this.tally.count(String(names[event.type]), names.map(String));
+      this.counters.count(String(names[event.type]), names.map(String));
       if (names[event.type] === 'paused') this.paused = true;
       if (names[event.type] === 'resumed' || names[event.type] === 'restarted') this.paused = false;
     }
@@ -168,6 +168,6 @@ export interface Panel {
   draw?(): void;
   /** Updates words and numbers, a few times a second. */
   refresh?(): void;
-  /** Ends the panel before the page is built anew. */
+  /** Releases the panel before the page is built again. */
   close?(): void;
 }

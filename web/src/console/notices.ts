@@ -1,7 +1,7 @@
 import { sessionWords } from './title_words';
 import { hasHardware } from '../shared/hardware';
 import { fill } from '../shared/i18n';
-import { h, say } from './dom';
+import { h, setText } from './dom';
 import { texts } from './i18n';
 import { Role } from '../protocol';
 import type { ConsoleModel, Panel } from './model';
@@ -11,7 +11,7 @@ import { figuresOf, reportUrl, type Recording } from './recordings';
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 10_000;
 
-/** In their own place below the header, one at a time, the gravest first: stop not confirmed, connection lost, the controls lost, somebody else commands, an order was refused. */
+/** Notices below the header, one at a time, the most severe first: stop not confirmed, connection lost, controls lost, another client commands, order refused. */
 export class NoticesPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -50,9 +50,9 @@ export class NoticesPanel implements Panel {
     this.refresh();
   }
 
-  /** Says that an order was refused, and why. */
+  /** Shows that an order was refused, and the reason. */
   refuse(what: string, reason: string): void {
-    say(this.refusedText, fill(this.t.notices.refused, { what, reason }));
+    setText(this.refusedText, fill(this.t.notices.refused, { what, reason }));
     this.refused.hidden = false;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => { this.refused.hidden = true; }, REFUSAL_MS);
@@ -66,19 +66,19 @@ export class NoticesPanel implements Panel {
     if (this.lost.hidden === lost) this.lost.hidden = !lost;
     if (lost) {
       const hardware = hasHardware(state) ? ` ${t.hardware}` : '';
-      say(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
-      say(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
+      setText(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
+      setText(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
     }
     const { role, holder } = connection.controls;
     const watching = connection.status === 'open' && (role === Role.Watcher || role === Role.Player);
     if (this.watching.hidden === watching) this.watching.hidden = !watching;
     const held = connection.status === 'open' && !watching && connection.controls.held && !connection.controls.heldByYou;
-    say(this.heldText, holder === Role.Player ? t.player : holder === Role.Therapist ? t.therapist : t.held);
+    setText(this.heldText, holder === Role.Player ? t.player : holder === Role.Therapist ? t.therapist : t.held);
     if (this.held.hidden === held) this.held.hidden = !held;
     const { loss } = connection;
     const left = connection.status === 'open' && loss !== '' && !connection.controls.held;
     if (this.left.hidden === left) this.left.hidden = !left;
-    if (loss !== '') say(this.leftText, t[loss]);
+    if (loss !== '') setText(this.leftText, t[loss]);
     const unrecorded = this.model.recorded === false;
     if (this.unrecorded.hidden === unrecorded) this.unrecorded.hidden = !unrecorded;
     if (this.shownSaved !== this.model.saved) this.showSaved(this.shownSaved = this.model.saved);

@@ -4,7 +4,7 @@ import type { Quality } from '../scene/quality';
 import { store, stored } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
 import { BigControls } from './big_controls';
-import { builtFrom } from './built_from';
+import { panelKey } from './panel_key';
 import { h, setAttribute } from './dom';
 import { ExercisePanelView } from './panel_view';
 import { Header } from './header';
@@ -21,15 +21,15 @@ import { SetupPanel } from './setup';
 import { TimingPanel } from './timing';
 import { ScenePanel } from './scene_panel';
 
-/** Words and numbers are refreshed this often [ms]; faster cannot be read. */
+/** Texts and numbers are refreshed this often [ms]; a faster rate is unreadable. */
 const REFRESH_MS = 200;
 
 const STORED_VIEW = 'wholehand.view';
 
-/** A frame this much early is on time [ms]. */
+/** A frame that is early by this much counts as on time [ms]. */
 const EARLY_MS = 2;
 
-/** The therapist's page: panels around one model, built anew for a language, a theme or a scene. */
+/** The therapist's page: panels around one model, rebuilt for a language, a theme or a scene. */
 export class ConsolePage {
   private readonly model: ConsoleModel;
   private panels: Panel[] = [];
@@ -43,21 +43,21 @@ export class ConsolePage {
   private viewTried = false;
   private look: HandLook = 'skin';
   private readonly watch = new SavedWatch();
-  /** As in console.css. */
+  /** The same condition as in console.css. */
   private readonly narrow = matchMedia('(max-width: 1199px), (max-height: 639px)');
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
-  private builtFrom = '';
-  /** Plots, tables and timing are an engineer's; the therapist's view comes first. */
+  private shownPanelKey = '';
+  /** Plots, tables and timing are the engineer's view; the therapist's view is the default. */
   private engineer = (new URLSearchParams(location.search).get('view') ?? stored(STORED_VIEW)) === 'engineer';
 
   constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
     this.model = new ConsoleModel(connection);
     this.model.onScene = () => {
-      // A recording that begins, or a new session, changes nothing that is built: what is half typed stays.
-      const built = builtFrom(this.model.scene);
-      if (built !== this.builtFrom) this.build();
-      this.builtFrom = built;
+      // A new recording or session rebuilds nothing, so that half-typed text is kept.
+      const built = panelKey(this.model.scene);
+      if (built !== this.shownPanelKey) this.build();
+      this.shownPanelKey = built;
       if (this.model.scene) this.view?.setScene(this.model.scene);
     };
     connection.on('events', (events) => this.exercise?.take(events));
@@ -74,7 +74,7 @@ export class ConsolePage {
     return this.view?.drawnIn ?? 'none';
   }
 
-  /** Builds every panel; what the therapist chose stays chosen. */
+  /** Builds every panel; the therapist's choices are kept. */
   build(): void {
     const axis = this.plots?.axisName ?? 'finger_flexion';
     const group = this.parameters?.openGroup ?? 0;
@@ -103,7 +103,7 @@ export class ConsolePage {
     const done = h('div', { class: 'col' }, setup.element, ...(engineer ? [this.parameters.element] : []), recordings.element);
     let parts: HTMLElement[];
     if (engineer) {
-      // On a tablet or telephone plots come last: there they are below what must be at hand.
+      // On a tablet or telephone the plots come last, below the panels that must be at hand.
       (this.narrow.matches ? this.plots.element : seen).append(timing.element);
       parts = this.narrow.matches ? [seen, done, this.plots.element] : [this.plots.element, seen, done];
     } else parts = [seen, h('div', { class: 'col' }, big.element, this.parameters.element), done];
@@ -114,7 +114,7 @@ export class ConsolePage {
     this.refreshed_ms = -Infinity;
   }
 
-  /** Builds the 3D view; without WebGL the page says so and goes on. */
+  /** Loads the 3D view; without WebGL the page shows a text instead. */
   async loadView(): Promise<void> {
     try {
       this.view = await PacedView.load();
@@ -128,14 +128,14 @@ export class ConsolePage {
   }
 
   /**
-   * Time between two drawings of plots and picture [ms]. A machine that does not draw in high quality draws
-   * both on its processor, and most often the patient's game beside them.
+   * Time between two drawings of plots and picture [ms]. A machine without high quality draws both on its processor,
+   * usually beside the patient's game.
    */
   private get pace_ms(): number {
     return this.quality === 'high' ? 0 : 1000 / PICTURES_HZ.low;
   }
 
-  /** Draws what is due of the page. @returns whether plots and picture were drawn */
+  /** Draws the due parts of the page. @returns whether plots and picture were drawn */
   frame(now_ms: number): boolean {
     if (now_ms - this.refreshed_ms >= REFRESH_MS) {
       this.refreshed_ms = now_ms;

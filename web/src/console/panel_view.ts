@@ -1,6 +1,6 @@
 import { ExercisePanel, type PanelValueView } from '../exercises/panel';
 import type { EventT } from '../protocol';
-import { h, say, setAttribute } from './dom';
+import { h, setText, setAttribute } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 
@@ -28,7 +28,7 @@ export class ExercisePanelView implements Panel {
   refresh(): void {
     const { panel, model: { state } } = this;
     if (!panel) return;
-    say(this.instruction, (state && panel.instruction(state)) || panel.title);
+    setText(this.instruction, (state && panel.instruction(state)) || panel.title);
     if (!state) return;
     const values = panel.values(state);
     if (this.rows.length === 0) this.grow(values);
@@ -39,11 +39,11 @@ export class ExercisePanelView implements Panel {
   take(events: readonly EventT[]): void {
     for (const event of events) {
       const words = this.panel?.event(event.type);
-      if (words) say(this.event, words);
+      if (words) setText(this.event, words);
     }
   }
 
-  /** The first state may come after the scene. */
+  /** Adds the values that the first state brings; it may come after the scene. */
   private grow(values: readonly PanelValueView[]): void {
     this.rows.push(...values.map((value) => makeRow(value)));
     this.element.append(...this.rows.map(({ element }) => element));
@@ -57,7 +57,7 @@ function makeRow({ name, label }: PanelValueView): Row {
 }
 
 function update({ element, value, track, fill, band }: Row, view: PanelValueView): void {
-  say(value, view.shown);
+  setText(value, view.shown);
   setAttribute(element, 'data-zone', view.zone);
   setAttribute(track, 'aria-valuenow', String(Math.round(100 * view.share)));
   setAttribute(track, 'aria-valuetext', view.shown);

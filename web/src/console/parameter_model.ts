@@ -3,14 +3,14 @@ import { asWords } from '../shared/format';
 import { niceStep } from './scale';
 
 /**
- * What a slider's place means: its steps begin at the lower end, and where one of them is nearest to the value that
- * the program began with, that value is meant.
+ * The value that a slider's position stands for. Its steps begin at the lower end; the step nearest to the program's
+ * initial value stands for exactly that value.
  */
 export function meantBySlider(shown: number, initial: number, step: number): number {
   return Math.abs(shown - initial) <= 0.501 * step ? initial : shown;
 }
 
-/** How a parameter is shown: people read mm, ° and %, the program reads SI. */
+/** The display form of a parameter: people read mm, ° and %, the program reads SI units. */
 export interface ParameterView {
   name: string;
   group: number;
@@ -49,7 +49,7 @@ export function roundAway(value: number): number {
   return Number(value.toPrecision(6));
 }
 
-/** The program's value of what a person typed, comma or point; undefined: no number of the range. */
+/** The program's value of a typed number, with comma or point; undefined if it is not a number in the range. */
 export function parsed(text: string, view: ParameterView): number | undefined {
   const value = Number(text.trim().replace(',', '.').replace('−', '-'));
   if (text.trim() === '' || !Number.isFinite(value)) return undefined;
@@ -57,15 +57,15 @@ export function parsed(text: string, view: ParameterView): number | undefined {
   return value / view.factor;
 }
 
-/** For so long a value may stand still, or what was asked for be unanswered, before it is not believed any more: time that the program's states give (ConsoleModel.stated_ms). */
+/** A value that stands still, or a request without an answer, for longer than this is given up. Time as the program's states give it (ConsoleModel.stated_ms) [ms]. */
 const STANDS_MS = 1500;
-/** An earlier ramp may run on until the program has the newer value [ms]. */
+/** An earlier ramp may continue for this long until the program has the newer value [ms]. */
 const ANSWER_MS = 300;
 
 /**
- * A parameter between what is asked for and what is: while its ramp runs, `target` says where it
- * goes. A refusal puts it back to what is; so does a value that goes elsewhere, as when another console
- * asks for another one, or that stands still short of it.
+ * The requested and the present value of a parameter: while its ramp runs, `target` is the value that it goes to. The
+ * request ends with a refusal, with a value that moves away from it (another console requested another one), or with
+ * a value that stands still short of it.
  */
 export class ParameterTarget {
   private asked: number | undefined;
@@ -80,17 +80,17 @@ export class ParameterTarget {
     return this.present;
   }
 
-  /** Where the ramp goes; undefined when there is none under way. */
+  /** The end of the ramp; undefined when none is under way. */
   get target(): number | undefined {
     return this.asked;
   }
 
-  /** What the controls show: what was asked for while it is under way, else what is. */
+  /** The value that the controls show: the requested one while it is under way, else the present one. */
   get shown(): number {
     return this.asked ?? this.present;
   }
 
-  /** @param now_ms time that states give: a page that stood still forgets nothing that was asked for */
+  /** @param now_ms time of the program's states: a page that stood still keeps its request */
   ask(value: number, now_ms: number): void {
     this.asked = value;
     this.moved_ms = now_ms;
@@ -100,8 +100,8 @@ export class ParameterTarget {
     this.asked = undefined;
   }
 
-  /** Takes the program's present value; the ramp ends when it is as near as floats come. */
-  see(value: number, now_ms: number): void {
+  /** Updates the present value; the ramp ends when it equals the request up to the precision of floats. */
+  onState(value: number, now_ms: number): void {
     const before = this.present;
     this.present = value;
     if (this.asked === undefined) return;

@@ -1,6 +1,6 @@
 import { ParameterGroup, type ParameterT } from '../protocol';
 import { fill } from '../shared/i18n';
-import { h, say, setAttribute } from './dom';
+import { h, setText, setAttribute } from './dom';
 import { fixed } from '../shared/format';
 import { handFacts } from './hand_facts';
 import { texts } from './i18n';
@@ -10,11 +10,11 @@ import { meantBySlider, parsed, ParameterTarget, roundAway, viewOf, type Paramet
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 8000;
 
-/** Of a parameter, when its panel is built anew. */
+/** The state of a parameter's row that is kept when its panel is rebuilt. */
 interface KeptRow { readonly target: ParameterTarget; readonly typed: string | undefined }
-type Kept = ReadonlyMap<string, KeptRow>;
+type KeptRows = ReadonlyMap<string, KeptRow>;
 
-/** A slider and a number for one parameter, with its range, its ramp, and why it was refused. */
+/** A slider and a number for one parameter, with its range, its ramp, and the reason of a refusal. */
 class ParameterRow {
   readonly element: HTMLElement;
   private readonly t = texts().parameters;
@@ -26,7 +26,7 @@ class ParameterRow {
   private readonly initial: number;
   private readonly refusal: HTMLElement;
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
-  private typing = false;   // since the value was last asked for
+  private typing = false;   // the person typed since the last request
 
   constructor(private readonly model: ConsoleModel, private readonly index: number, parameter: ParameterT, kept?: KeptRow) {
     this.view = viewOf(parameter, this.t.names);
@@ -48,7 +48,7 @@ class ParameterRow {
     this.slider.addEventListener('change', () => void this.ask(slid() / view.factor));
     this.number.addEventListener('input', () => { this.typing = true; });
     this.number.addEventListener('change', () => { if (this.typing) this.typed(); });
-    // The browser does not count a text that was kept from the earlier panel as a change.
+    // The browser does not report a change for text that was restored from the earlier panel.
     this.number.addEventListener('keydown', (event) => { if (event.key === 'Enter' && this.typing) this.typed(); });
     this.refresh(true);
     if (kept?.typed === undefined) return;
@@ -65,13 +65,13 @@ class ParameterRow {
   }
 
   refresh(always = false): void {
-    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now, this.model.stated_ms);
+    this.target.onState(this.model.state?.parameters[this.index] ?? this.target.now, this.model.stated_ms);
     const { target } = this.target;
     const ramping = target !== undefined;
     if (this.ramp.hidden === ramping) this.ramp.hidden = !ramping;
-    // What holds and what is asked for, both: a slider that has moved is no limit yet.
-    if (ramping) say(this.ramp, fill(this.t.ramp, { now: this.text(this.target.now), v: this.text(target) }));
-    // A control that the person is using, or has half typed into, is left alone.
+    // Shows both the present and the requested value: a moved slider is not yet the limit in force.
+    if (ramping) setText(this.ramp, fill(this.t.ramp, { now: this.text(this.target.now), v: this.text(target) }));
+    // A control that the person is using, or has half typed into, is not overwritten.
     const half = this.typing && document.activeElement === this.number;
     const touched = half || this.slider.matches(':active');
     if (touched && !always) return;
@@ -82,7 +82,7 @@ class ParameterRow {
     setAttribute(this.slider, 'aria-valuetext', `${shown} ${this.view.unit}`);
   }
 
-  /** What was selected to be typed over stays selected: a value that moves must not mix with what is typed. */
+  /** Writes a value and keeps a selection: a changing value must not mix with typed text. */
   private write(shown: string): void {
     const { number } = this;
     const selected = document.activeElement === number && number.selectionStart !== number.selectionEnd;
@@ -120,7 +120,7 @@ class ParameterRow {
     this.number.value = this.text(this.target.shown);
     this.refresh(true);
     this.refusal.hidden = false;
-    say(this.refusal, reason);
+    setText(this.refusal, reason);
     setAttribute(this.number, 'aria-invalid', 'true');
     clearTimeout(this.refusalTimer);
     this.refusalTimer = setTimeout(() => this.clearRefusal(), REFUSAL_MS);
@@ -128,12 +128,12 @@ class ParameterRow {
 
   private clearRefusal(): void {
     this.refusal.hidden = true;
-    say(this.refusal, '');
+    setText(this.refusal, '');
     this.number.removeAttribute('aria-invalid');
   }
 }
 
-// The ends of a slider need no more digits than say which they are.
+// The ends of a slider need only enough digits to be recognized.
 function trimmed(text: string): string {
   return text.replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
 }
@@ -145,8 +145,8 @@ export class ParametersPanel implements Panel {
   private readonly pages: HTMLElement[] = [];
   private readonly rows: ParameterRow[] = [];
 
-  /** What was asked for and is half typed, of a panel before this one, by name. */
-  constructor(private readonly model: ConsoleModel, private group: number, private readonly kept: Kept = new Map()) {
+  /** @param kept requests and half-typed text of the earlier panel, by name */
+  constructor(private readonly model: ConsoleModel, private group: number, private readonly kept: KeptRows = new Map()) {
     const t = texts().parameters;
     for (const key of Object.keys(t.groups).map(Number)) this.addGroup(key, t.groups[key], t.none);
     const tablist = h('div', { class: 'seg', role: 'tablist', 'aria-label': t.title }, ...this.tabs);
@@ -165,8 +165,8 @@ export class ParametersPanel implements Panel {
     for (const row of this.rows) row.refresh();
   }
 
-  /** For the panel that follows this one. */
-  keep(): Kept {
+  /** The state of all rows, for the next panel. */
+  keep(): KeptRows {
     return new Map(this.rows.map((row) => [row.name, row.keep()]));
   }
 

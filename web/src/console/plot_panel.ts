@@ -1,5 +1,5 @@
 import { fill } from '../shared/i18n';
-import { h, say, svg } from './dom';
+import { h, setText, svg } from './dom';
 import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
@@ -8,14 +8,14 @@ import { limitsOf, type Axes, type PlotSpec, type SeriesSpec } from './plot_spec
 import type { Theme } from './theme';
 import { TimePlot, type PlotHands } from './time_plot';
 
-/** Numbers in a text table: latest, least, most. */
+/** A row of a text table: latest, least and largest value. */
 interface Row {
   series: SeriesSpec;
   legend: HTMLElement;
   cells: HTMLElement[];
 }
 
-/** What a plot shows, and where its limits and marks come from. */
+/** The data of a plot, and the sources of its limits and marks. */
 export interface PlotsModel {
   readonly scene: Axes | null;
   readonly history: PlotSource;
@@ -24,7 +24,7 @@ export interface PlotsModel {
   parameter(name: string): number | undefined;
 }
 
-/** A plot with its title, legend with live numbers, and the same as a table. */
+/** A plot with its title, a legend with current numbers, and the same data as a table. */
 export class PlotPanel {
   readonly element: HTMLElement;
   private readonly plot: TimePlot;
@@ -56,12 +56,12 @@ export class PlotPanel {
     const { history } = this.model;
     for (const { series, legend, cells } of this.rows) {
       const current = fixed(history.current(series.column), series.decimals);
-      say(legend, current);
+      setText(legend, current);
       if (!inTables) continue;
       const [least, most] = history.extremes([series.column]);
-      say(cells[0], current);
-      say(cells[1], fixed(least, series.decimals));
-      say(cells[2], fixed(most, series.decimals));
+      setText(cells[0], current);
+      setText(cells[1], fixed(least, series.decimals));
+      setText(cells[2], fixed(most, series.decimals));
     }
   }
 

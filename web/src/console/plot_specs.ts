@@ -1,11 +1,11 @@
 import type { AxisT, SceneT } from '../protocol';
-import { shownUnits } from './history';
+import { displayUnits } from './history';
 import type { ConsoleTexts } from './i18n';
 import type { PlotColumns } from './plot_source';
 
 export interface SeriesSpec {
   name: string;
-  /** Custom property of the colour. */
+  /** CSS custom property of the colour. */
   color: string;
   dash: readonly number[];
   column: number;
@@ -13,7 +13,7 @@ export interface SeriesSpec {
 }
 
 export interface PlotSpec {
-  /** 'hand', 'arm', 'axis', 'ratios', or another that a page adds. */
+  /** 'hand', 'arm', 'axis', 'ratios', or an identifier that a page adds. */
   id: string;
   title: string;
   unit: string;
@@ -25,7 +25,7 @@ export interface PlotSpec {
   range?: readonly [number, number];
 }
 
-/** A scene, as far as plots are made from it. */
+/** The part of a scene that plots are made from. */
 export type Axes = Pick<SceneT, 'axes'>;
 
 /** Colour of an axis and its dash, which repeats the distinction: solid, long, dotted. */
@@ -45,12 +45,12 @@ export function isArm(axis: Pick<AxisT, 'name'>): boolean {
 export const lookOf = (axis: AxisT): readonly [string, readonly number[]] => lookOfName(String(axis.name));
 export const lookOfName = (name: string): readonly [string, readonly number[]] => LOOKS[name] ?? ['--ax-x', []];
 
-/** Efforts of one part of the device; a unit other than the plot's is said at the series. */
+/** Efforts of one part of the device; a unit that differs from the plot's is written at the series. */
 function efforts(id: 'hand' | 'arm', scene: Axes, columns: PlotColumns, t: ConsoleTexts): PlotSpec {
   const wanted = scene.axes.map((axis, i) => ({ axis, i })).filter(({ axis }) => isArm(axis) === (id === 'arm'));
   const series = wanted.map(({ axis, i }): SeriesSpec => {
     const [color, dash] = lookOf(axis);
-    const { effortUnit } = shownUnits(axis);
+    const { effortUnit } = displayUnits(axis);
     const name = t.axes[String(axis.name)] ?? String(axis.name);
     return {
       name: effortUnit === 'N' ? name : `${name}, ${effortUnit}`, color, dash,
@@ -66,7 +66,7 @@ export function coordinateSpec(scene: Axes, columns: PlotColumns, axis: number, 
   const name = String(spec.name);
   const [color] = lookOf(spec);
   return {
-    id: 'axis', title: t.axesLong[name] ?? name, unit: shownUnits(spec).coordinateUnit, leastSpan: 8, withZero: false,
+    id: 'axis', title: t.axesLong[name] ?? name, unit: displayUnits(spec).coordinateUnit, leastSpan: 8, withZero: false,
     series: [
       { name: t.plots.device, color, dash: [], column: columns.column('device', axis), decimals: 0 },
       { name: t.plots.avatar, color: '--ax-a', dash: AVATAR_DASH, column: columns.column('avatar', axis), decimals: 0 },
@@ -74,7 +74,7 @@ export function coordinateSpec(scene: Axes, columns: PlotColumns, axis: number, 
   };
 }
 
-/** φ of the hand's axes and α; of every axis where there is no hand. */
+/** φ of the hand's axes and α; φ of every axis where there is no hand. */
 function ratios(scene: Axes, columns: PlotColumns, t: ConsoleTexts): PlotSpec {
   const all = scene.axes.map((axis, i) => ({ axis, i }));
   const hand = all.filter(({ axis }) => !isArm(axis));
@@ -94,19 +94,19 @@ export function plotSpecs(scene: Axes, columns: PlotColumns, axis: number, t: Co
   ].filter((spec) => spec.series.length > 0);
 }
 
-/** A limit in a plot: that of one axis. */
+/** The limit of one axis in a plot. */
 export interface AxisLimit { readonly column: number; readonly name: string; readonly limit: number }
 
-/** The limit that holds for an axis now, in its shown unit: the device's own, or what is set for its part if that is less. */
+/** The limit in force for an axis, in display units: the lower one of the device's limit and the limit set for its part. */
 export function limitOfAxis(axis: AxisT, parameter: (name: string) => number | undefined): number {
-  const { effort, effortUnit } = shownUnits(axis);
+  const { effort, effortUnit } = displayUnits(axis);
   const set = effortUnit === 'N' ? parameter(isArm(axis) ? 'effort_limit_arm_n' : 'effort_limit_hand_tip_n') : undefined;
   return Math.min(axis.effortLimit * effort, set ?? Infinity);
 }
 
-/** The limits that hold for the axes of a plot of efforts now [N]; an axis is at its own, not at the largest of its part. */
+/** The limits in force for the axes of a plot of efforts [N]; each axis has its own, not the largest of its part. */
 export function limitsOf(id: string, scene: Axes, columns: PlotColumns, parameter: (name: string) => number | undefined, t: ConsoleTexts): AxisLimit[] {
   if (id !== 'hand' && id !== 'arm') return [];
-  return scene.axes.flatMap((axis, i) => (isArm(axis) !== (id === 'arm') || shownUnits(axis).effortUnit !== 'N' ? []
+  return scene.axes.flatMap((axis, i) => (isArm(axis) !== (id === 'arm') || displayUnits(axis).effortUnit !== 'N' ? []
     : [{ column: columns.column('effort', i), name: t.axes[String(axis.name)] ?? String(axis.name), limit: limitOfAxis(axis, parameter) }]));
 }

@@ -7,7 +7,7 @@ import { PlotPanel } from './plot_panel';
 import { coordinateSpec, plotSpecs } from './plot_specs';
 import { readTheme } from './theme';
 
-/** What the signs on the plots mean. */
+/** The meaning of the signs on the plots. */
 export function legend({ legend: t }: ConsoleTexts): HTMLElement {
   const { title, ...lines } = t;
   return h('details', { class: 'legend', 'data-testid': 'legend' }, h('summary', { title, 'aria-label': title }, '?'), h('ul', {}, ...[...Object.values(lines), ...Object.values(OWN_SIGNS).map((own) => own.legend())].map((line) => h('li', {}, line))));
@@ -66,7 +66,7 @@ export class PlotsPanel implements Panel {
     return axisChoice(this.model.scene?.axes ?? [], this.axis, t, (axis) => this.showAxis(axis, t));
   }
 
-  // Only this plot is built anew; the keyboard stays on the chosen button.
+  // Rebuilds only this plot; the keyboard focus stays on the chosen button.
   private showAxis(axis: number, t: ConsoleTexts): void {
     const { scene } = this.model;
     const at = this.plots.findIndex((plot) => plot.element.dataset.plot === 'axis');

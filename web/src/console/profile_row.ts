@@ -1,10 +1,10 @@
 import { RunState } from '../protocol';
 import { fill } from '../shared/i18n';
-import { h, say, setClass } from './dom';
+import { h, setText, setClass } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel } from './model';
 
-/** Shows whose settings hold, saves them under a name, and loads another person's before the start. */
+/** Shows the open profile, saves the settings under a name, and loads another profile before the start. */
 export class ProfileRow {
   readonly element: HTMLElement;
   private readonly t = texts().profile;
@@ -36,7 +36,7 @@ export class ProfileRow {
     const { t, model, name } = this;
     const whose = String(model.scene?.profile ?? '');
     const wrong = name.value.trim() !== '' && !name.validity.valid;
-    say(this.now, wrong ? t.rule : fill(t.profile, { name: whose || t.noProfile }));
+    setText(this.now, wrong ? t.rule : fill(t.profile, { name: whose || t.noProfile }));
     setClass(this.now, 'refusal', wrong);
     const named = name.value.trim() !== '' && name.validity.valid;
     const known = (model.scene?.profiles ?? []).some((profile) => String(profile) === name.value.trim());

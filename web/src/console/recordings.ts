@@ -1,14 +1,14 @@
 import { sessionWords } from './title_words';
 import { tokenOf } from '../net/open_connection';
 import { fill, language } from '../shared/i18n';
-import { h, say } from './dom';
+import { h, setText } from './dom';
 import { bytes, duration } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 
-/** How often the list is read [ms]. */
+/** The list is requested this often [ms]. */
 const EVERY_MS = 5000;
-/** How many of the newest are shown at first. Years of recordings would only slow the page. */
+/** Number of recordings that are shown at first: a list of years would slow the page. */
 const NEWEST = 6;
 
 export interface Recording {
@@ -16,9 +16,9 @@ export interface Recording {
   created_utc?: string;
   duration_s?: number;
   bytes?: number;
-  /** Ticks for which the disk had no room. */
+  /** Number of ticks that could not be written because the disk was full. */
   ticks_missing?: number;
-  /** The program is writing it now; it can be replayed as far as it goes. */
+  /** The program is writing it now; it can be replayed up to the present. */
   being_written?: boolean;
   title?: string;
   /** Code of the person whose profile was open. */
@@ -26,7 +26,7 @@ export interface Recording {
   report?: boolean | string;
 }
 
-/** Reads the answer of /api/recordings, without entries that are malformed; undefined where it is no list. */
+/** Reads the answer of /api/recordings without malformed entries; undefined if it is not a list. */
 function readRecordings(json: unknown): { recordings: Recording[]; recording: string } | undefined {
   if (typeof json !== 'object' || json === null || !Array.isArray((json as { recordings?: unknown }).recordings)) return undefined;
   const { recordings, recording } = json as { recordings: unknown[]; recording?: unknown };
@@ -45,51 +45,51 @@ function whenMade(created_utc: string | undefined, now: Date, locale: string): s
     : made.toLocaleDateString(locale, { day: 'numeric', month: 'short' });
 }
 
-/** The address of a recording or its report; the token where this page has one. */
+/** The address of a recording or its report, with the token of this page if it has one. */
 export function recordingUrl(name: string, report: boolean, token: string): string {
   return `/api/recordings/${encodeURIComponent(name)}${report ? '/report' : ''}${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`;
 }
 
-/** The address of the page that has the report made and shows it. */
+/** The address of the page that requests the report and shows it. */
 export function reportUrl(name: string, token: string): string {
   return `/replay?recording=${encodeURIComponent(name)}&report${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
-/** The address of the page that replays a recording, or two beside each other. */
+/** The address of the page that replays one recording, or two side by side. */
 export function replayUrl(names: readonly string[], token: string): string {
   const [recording, beside] = names.map(encodeURIComponent);
   return `/replay?recording=${recording}${beside === undefined ? '' : `&beside=${beside}`}${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
-/** How long and how large a recording is, what it misses and whether it goes on, as people read it. */
+/** Duration, size, missing ticks, and whether it is still being written, as text. */
 export function figuresOf(recording: Recording): string {
   const { duration_s, bytes: size, ticks_missing, being_written } = recording;
   return [
     ...(being_written === true ? [texts().recordings.beingWritten] : []),
-    // How long it is becomes known when it is closed.
+    // The duration is known only when the file is closed.
     ...(duration_s === undefined || being_written === true ? [] : [duration(duration_s)]),
     ...(size === undefined ? [] : [bytes(size)]),
     ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
   ].join(', ');
 }
 
-/** What is shown of a list that has its newest first: the newest, what is being written and what was chosen; or all. */
+/** The shown part of a list with the newest first: the newest, the one being written and the chosen ones; or all. */
 export function shownOf(recordings: readonly Recording[], chosen: readonly string[], all: boolean): Recording[] {
   return recordings.filter(({ name, being_written }, k) => all || k < NEWEST || being_written === true || chosen.includes(name));
 }
 
-/** The links of a recording. One that is still written has neither a report nor a whole file. */
+/** The links of a recording. One that is still being written has neither a report nor a complete file. */
 export function offered({ being_written, report }: Recording): { report: boolean; download: boolean } {
   const finished = being_written !== true;
   return { report: finished && Boolean(report), download: finished };
 }
 
-/** Reports each recording that has ended once, when it is in the list. */
+/** Reports each ended recording once, when it appears in the list. */
 export class SavedWatch {
   private writing = '';
   private readonly ended = new Set<string>();
 
-  /** Takes the name of what is being written now; true where another one has ended. */
+  /** Updates the name of the recording being written; true if another one has ended. */
   take(writing: string): boolean {
     if (writing === this.writing) return false;
     const ended = this.writing !== '';
@@ -99,13 +99,13 @@ export class SavedWatch {
     return ended;
   }
 
-  /** Those of the list that have ended and were not reported. */
+  /** Recordings of the list that have ended and were not reported. */
   found(recordings: readonly Recording[]): Recording[] {
     return recordings.filter(({ name }) => this.ended.delete(name));
   }
 }
 
-/** What was recorded, with replay, report and download, and what is being recorded. */
+/** The recordings with replay, report and download, and the one being written. */
 export class RecordingsPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts().recordings;
@@ -137,7 +137,7 @@ export class RecordingsPanel implements Panel {
     if (this.watch.take(writing)) void this.read();
     const runs = writing !== '';
     if (this.now.hidden === runs) this.now.hidden = !runs;
-    if (runs) say(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
+    if (runs) setText(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
   }
 
   close(): void {
@@ -155,14 +155,14 @@ export class RecordingsPanel implements Panel {
       const finished = found.recordings.filter(({ name }) => name !== found.recording);
       for (const recording of this.watch.found(finished)) this.model.saved = recording;
     } catch {
-      say(this.words, this.t.failed);
+      setText(this.words, this.t.failed);
       this.words.hidden = false;
     }
   }
 
   private take(recordings: readonly Recording[]): void {
     this.words.hidden = recordings.length > 0;
-    say(this.words, this.t.none);
+    setText(this.words, this.t.none);
     if (JSON.stringify(recordings) === JSON.stringify(this.recordings)) return;
     this.recordings = recordings;
     this.chosen = this.chosen.filter((name) => recordings.some((recording) => recording.name === name));
@@ -174,10 +174,10 @@ export class RecordingsPanel implements Panel {
     const shown = shownOf(this.recordings, this.chosen, this.all);
     this.list.replaceChildren(...shown.map((recording) => this.row(recording, tokenOf(location))));
     this.more.hidden = this.recordings.length <= NEWEST;
-    say(this.more, this.all ? this.t.newest : fill(this.t.all, { n: this.recordings.length.toLocaleString(language()) }));
+    setText(this.more, this.all ? this.t.newest : fill(this.t.all, { n: this.recordings.length.toLocaleString(language()) }));
   }
 
-  /** Two that are chosen are replayed beside each other; a third one takes the place of the first. */
+  /** Chooses up to two recordings, which are replayed side by side; a third one replaces the first. */
   private choose(box: HTMLInputElement): void {
     const name = box.value;
     this.chosen = box.checked ? [...this.chosen, name].slice(-2) : this.chosen.filter((other) => other !== name);

@@ -10,13 +10,13 @@ export interface Status {
   /** 0 Disarmed, 1 Rendering, 2 Stopping, 3 Stopped or Faulted; undefined without a program. */
   step: number | undefined;
   bad: boolean;
-  /** The state's cause, in one line. */
+  /** The cause of the state, in one line. */
   cause: string;
-  /** Which axis was beyond which limit, and by how much. */
+  /** The axis that exceeded a limit, which limit, and by how much. */
   excess?: string;
-  /** What the system did or will do. */
+  /** The system's reaction. */
   did: string;
-  /** What a person is to do. */
+  /** The action that is expected of a person. */
   todo?: string;
 }
 
@@ -34,28 +34,28 @@ export function faultWords(bits: number, names: readonly string[]): string[] {
   return names.filter((_, bit) => ((bits >>> bit) & 1) === 1).map(faultWord);
 }
 
-/** Name of the bit of an emergency stop, Scene.fault_names. */
+/** Name of the emergency-stop bit in Scene.fault_names. */
 const EMERGENCY_STOP = 'emergency stop';
 const OF_SPEED: readonly string[] = ['speed limit exceeded', 'encoder jumped'];
 const OF_TIME = 'gap too long';
 
-/** The part of the state that says why it stopped. */
-export type Reported = Pick<WorldStateT, 'runState' | 'latchedFaults'>
+/** The part of the state that contains the cause of a stop. */
+export type ReportedStatus = Pick<WorldStateT, 'runState' | 'latchedFaults'>
   & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit' | 'rehearsedTicks'>>;
 
-/** A device's axis, as far as its limit is reported. */
+/** An axis of the device, with the fields that its limit is reported in. */
 export interface NamedAxis {
   name: string | Uint8Array | null;
   unit: string | Uint8Array | null;
 }
 
-/** Stopping faults by name; a stop that follows one is not its cause. */
+/** Names of the faults that stop; a stop that only follows from a fault is not listed. */
 function stoppingNames(bits: number, names: readonly string[]): string[] {
   return names.filter((name, bit) => ((bits >>> bit) & 1) === 1 && name !== 'stop requested' && name !== EMERGENCY_STOP);
 }
 
 /** The axis, its value and its limit: "x, away: 1.62 m/s, limit 1.5". Empty where nothing is known. */
-function excessWords(state: Reported, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
+function excessWords(state: ReportedStatus, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
   const axis = axes[state.faultAxis ?? -1];
   const limit = state.faultLimit ?? 0;
   const name = axis ? texts.axesLong[String(axis.name)] ?? String(axis.name) : '';
@@ -69,7 +69,7 @@ function excessWords(state: Reported, faults: readonly string[], axes: readonly 
   return name === '' ? much : `${name}: ${much}`;
 }
 
-function faultedStatus(state: Reported, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
+function faultedStatus(state: ReportedStatus, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
   const t = texts.safety;
   const faults = stoppingNames(state.latchedFaults, faultNames);
   const words = faults.map(faultWord).join(', ') || '?';
@@ -77,9 +77,9 @@ function faultedStatus(state: Reported, faultNames: readonly string[], axes: rea
   return { cause: fill(t.cause, { what: words }), excess: excessWords(state, faults, axes, texts), did: t.faultedWhat, todo };
 }
 
-/** What the state of the program means to a therapist. */
+/** The meaning of the program's state for a therapist. */
 export function statusOf(
-  connection: ConnectionStatus, state: Reported | null,
+  connection: ConnectionStatus, state: ReportedStatus | null,
   paused: boolean, faultNames: readonly string[], texts: ConsoleTexts, axes: readonly NamedAxis[] = [],
 ): Status {
   const t = texts.safety;

@@ -1,8 +1,8 @@
 import { fill } from '../shared/i18n';
-import { h, say, setAttribute, setClass } from './dom';
+import { h, setText, setAttribute, setClass } from './dom';
 import { fixed } from '../shared/format';
 import { deviceLines } from './device_status';
-import { shownUnits } from './history';
+import { displayUnits } from './history';
 import { SafetyState } from '../protocol';
 import { language } from '../shared/i18n';
 import { texts } from './i18n';
@@ -10,7 +10,7 @@ import { icon } from './icons';
 import type { ConsoleModel, Panel } from './model';
 import { isArm, limitOfAxis } from './plot_specs';
 
-/** A peak against its limit. */
+/** A peak value beside its limit. */
 class PeakRow {
   readonly element: HTMLElement;
   private readonly bar = h('i');
@@ -27,14 +27,14 @@ class PeakRow {
     const most = String(Number(limit.toPrecision(3)));
     this.bar.style.width = `${Math.min(100, (100 * peak) / limit).toFixed(1)}%`;
     setClass(this.track, 'over', peak >= 0.995 * limit);
-    say(this.text, `${shown} / ${most} ${this.unit}`);
+    setText(this.text, `${shown} / ${most} ${this.unit}`);
     setAttribute(this.track, 'aria-valuemax', most);
     setAttribute(this.track, 'aria-valuenow', String(Math.min(peak, limit).toFixed(this.decimals)));
     setAttribute(this.track, 'aria-valuetext', `${this.name}: ${fill(words, { a: shown, b: most })} ${this.unit}`);
   }
 }
 
-/** Shows the state, its cause, what the system did, and how near to its limits it was. */
+/** Shows the state, its cause, the system's reaction, and the peaks relative to their limits. */
 export class SafetyPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -88,26 +88,26 @@ export class SafetyPanel implements Panel {
       if (i === status.step) setAttribute(step, 'aria-current', 'step');
       else step.removeAttribute('aria-current');
     });
-    say(this.steps[1], this.model.state?.safetyState === SafetyState.Armed ? t.states.armed : t.states.rendering);
-    say(this.steps[3], status.name === 'faulted' ? t.states.faulted : t.states.stopped);
+    setText(this.steps[1], this.model.state?.safetyState === SafetyState.Armed ? t.states.armed : t.states.rendering);
+    setText(this.steps[3], status.name === 'faulted' ? t.states.faulted : t.states.stopped);
     if (this.box.dataset.bad !== String(status.bad)) {
       this.box.dataset.bad = String(status.bad);
       this.causeIcon.replaceChildren(icon(status.bad ? 'bad' : 'ok'));
     }
     setClass(this.box, 'bad', status.bad);
-    say(this.cause, status.cause);
-    say(this.excess, status.excess ?? '');
-    say(this.did, status.did || this.lastNotice());
-    say(this.todo, status.todo ?? '');
+    setText(this.cause, status.cause);
+    setText(this.excess, status.excess ?? '');
+    setText(this.did, status.did || this.lastNotice());
+    setText(this.todo, status.todo ?? '');
   }
 
   /** Lines of a real device. */
   private refreshDevice(): void {
     const lines = deviceLines(this.model.state?.device, this.t);
     this.device.hidden = lines === undefined;
-    say(this.deviceState, lines?.state ?? '');
-    say(this.deviceFigures, lines?.figures ?? '');
-    say(this.deviceLetGo, lines?.letGo ?? '');
+    setText(this.deviceState, lines?.state ?? '');
+    setText(this.deviceFigures, lines?.figures ?? '');
+    setText(this.deviceLetGo, lines?.letGo ?? '');
   }
 
   private lastNotice(): string {
@@ -122,13 +122,13 @@ export class SafetyPanel implements Panel {
     if (!scene || history.samples.length === 0) return;
     const indices = scene.axes.map((_, i) => i);
     const nameOf = (i: number): string => String(scene.axes[i].name);
-    // Of several axes that which is nearest to its own limit: one at its limit is not hidden by another with more room.
+    // The axis nearest to its own limit is shown: an axis with more room does not hide one at its limit.
     const show = (row: PeakRow, wanted: readonly number[]): void => {
       const peaks = wanted.map((i) => ({ peak: history.peak('effort', i), limit: limitOfAxis(scene.axes[i], (name) => model.parameter(name)) }));
       const nearest = peaks.reduce((a, b) => (b.peak / b.limit > a.peak / a.limit ? b : a), peaks[0] ?? { peak: 0, limit: 1 });
       row.show(nearest.peak, nearest.limit, t.safety.of);
     };
-    const inNewton = (i: number): boolean => shownUnits(scene.axes[i]).effortUnit === 'N';
+    const inNewton = (i: number): boolean => displayUnits(scene.axes[i]).effortUnit === 'N';
     show(this.fingers, indices.filter((i) => !isArm(scene.axes[i]) && !nameOf(i).startsWith('thumb') && inNewton(i)));
     show(this.thumb, indices.filter((i) => nameOf(i).startsWith('thumb') && inNewton(i)));
     const arm = indices.filter((i) => isArm(scene.axes[i]) && String(scene.axes[i].unit) === 'm');

@@ -1,4 +1,4 @@
-/** Steps that people read easily: 1, 2, 5 times a power of ten, at least `span / most`. */
+/** The smallest step of 1, 2 or 5 times a power of ten that is at least `span / most`. */
 export function niceStep(span: number, most: number): number {
   const raw = Math.max(span, 1e-9) / most;
   const power = 10 ** Math.floor(Math.log10(raw));
@@ -13,12 +13,12 @@ export function ticksIn(lower: number, upper: number, step: number): number[] {
   return ticks;
 }
 
-/** A range grows at once and shrinks only after the data stayed inside a smaller one this long [s]. */
+/** A range grows at once, and shrinks only after the data stayed inside a smaller one for this long [s]. */
 const SHRINK_AFTER_S = 2;
 
 /**
- * The range of a plot's values: whole steps, around the data with some room, never smaller than
- * `leastSpan`, and calm.
+ * The range of a plot's values: whole steps around the data with some room, never smaller than
+ * `leastSpan`, without frequent changes.
  */
 export class CalmRange {
   lower = 0;
@@ -30,7 +30,7 @@ export class CalmRange {
     private readonly withZero: boolean,
   ) {}
 
-  /** Takes the data's extremes at `now_s`; true when the range changed. */
+  /** Adapts to the data's extremes at `now_s`; true when the range changed. */
   follow(least: number, most: number, now_s: number): boolean {
     const [lower, upper] = this.wanted(least, most);
     const grows = lower < this.lower || upper > this.upper || this.upper === this.lower;
@@ -40,7 +40,7 @@ export class CalmRange {
       return false;
     }
     if (!grows && now_s - this.smallSince_s < SHRINK_AFTER_S) return false;
-    // Growing on one side must not shrink the other at once.
+    // Growth on one side must not shrink the other side at once.
     const outgrown = grows && this.upper !== this.lower;
     this.lower = outgrown ? Math.min(lower, this.lower) : lower;
     this.upper = outgrown ? Math.max(upper, this.upper) : upper;
@@ -48,7 +48,7 @@ export class CalmRange {
     return true;
   }
 
-  /** Takes the range of these extremes at once: of a window that stands still. */
+  /** Adapts to these extremes at once, for a window that stands still. */
   fit(least: number, most: number): void {
     [this.lower, this.upper] = this.wanted(least, most);
   }

@@ -1,13 +1,13 @@
 import { infoOf, type ExerciseInfo } from '../exercises/info';
 import type { HandLook, PacedView } from '../scene/paced_view';
-import { choice, h, say } from './dom';
+import { choice, h, setText } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 
 /** The part of a model that the panel shows, live or of a recording. */
-export type Shown = Pick<ConsoleModel, 'scene' | 'state' | 'value'>;
+export type SceneSource = Pick<ConsoleModel, 'scene' | 'state' | 'value'>;
 
-/** The scene as it is now, small, with the hand as skin or as the capsules that collide. */
+/** The present scene in a small view, with the hand as skin or as its collision capsules. */
 export class ScenePanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -18,7 +18,7 @@ export class ScenePanel implements Panel {
   private view: PacedView | undefined;
   private readonly resized = new ResizeObserver(() => this.view?.resize());
 
-  constructor(private readonly model: Shown, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
+  constructor(private readonly model: SceneSource, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
     const { t } = this;
     this.info = infoOf(model.scene);
     this.look = choice(t.view.choice, [{ key: 'skin', name: t.view.skin }, { key: 'colliders', name: t.view.colliders }], shown, (key) => this.showHand(key as HandLook));
@@ -27,10 +27,10 @@ export class ScenePanel implements Panel {
     this.element = h('section', { class: 'panel view', 'aria-label': t.view.title }, this.words, this.look.element, this.caption);
   }
 
-  /** Takes the picture; undefined where it cannot be drawn. */
+  /** Sets the 3D view; undefined where it cannot be drawn. */
   setView(view: PacedView | undefined): void {
     this.view = view;
-    say(this.words, view ? '' : this.t.view.none);
+    setText(this.words, view ? '' : this.t.view.none);
     this.words.hidden = view !== undefined;
     this.look.element.hidden = view === undefined;
     if (!view) return;
@@ -49,7 +49,7 @@ export class ScenePanel implements Panel {
   refresh(): void {
     const caption = this.info.caption((name) => this.model.value(name));
     if (this.caption.hidden !== (caption === '')) this.caption.hidden = caption === '';
-    say(this.caption, caption);
+    setText(this.caption, caption);
   }
 
   close(): void {

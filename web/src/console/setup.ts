@@ -1,7 +1,7 @@
 import { Act, Help, Role, RunState, Steering } from '../protocol';
 import { infoOf } from '../exercises/info';
 import { helpChoice } from './big_controls';
-import { choice, h, say, setAttribute, setClass } from './dom';
+import { choice, h, setText, setAttribute, setClass } from './dom';
 import { asWords } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
@@ -9,8 +9,8 @@ import { ProfileRow } from './profile_row';
 import { exerciseWords } from './title_words';
 
 /**
- * The levels that may be asked of a chosen exercise. How many another one has is known once it is loaded, and every
- * exercise has a first one.
+ * The levels that may be chosen for an exercise. The number of levels of another exercise is known once it is loaded;
+ * every exercise has a first level.
  */
 export function levelsOf(chosen: string, loaded: Readonly<{ exercise: string; levels: number }>): number[] {
   const count = chosen === loaded.exercise ? Math.max(1, loaded.levels) : 1;
@@ -31,7 +31,7 @@ export class SetupPanel implements Panel {
   private readonly help: ReturnType<typeof choice>;
   private readonly profile: ProfileRow;
 
-  /** @param withHelp the help is set here, not beside it */
+  /** @param withHelp the help is set in this panel */
   constructor(private readonly model: ConsoleModel, withHelp: boolean) {
     const { t } = this;
     this.profile = new ProfileRow(model);
@@ -59,12 +59,12 @@ export class SetupPanel implements Panel {
     const { t, model } = this;
     const { heldByYou, held, holder } = model.connection.controls;
     const theirs = holder === Role.Player ? t.setup.players : holder === Role.Therapist ? t.setup.therapists : t.setup.others;
-    say(this.holder, heldByYou ? t.setup.yours : held ? theirs : t.setup.free);
-    say(this.take, heldByYou ? t.setup.giveBack : t.setup.takeShort);
+    setText(this.holder, heldByYou ? t.setup.yours : held ? theirs : t.setup.free);
+    setText(this.take, heldByYou ? t.setup.giveBack : t.setup.takeShort);
     setAttribute(this.take, 'title', heldByYou ? t.setup.giveBack : t.setup.take);
     setClass(this.take, 'go', !heldByYou);
     this.who.choose(String(model.state?.steering ?? Steering.VirtualPatient));
-    this.help.choose(String(model.state?.help ?? Help.Unsaid));
+    this.help.choose(String(model.state?.help ?? Help.Unspecified));
     this.profile.refresh();
     this.stop.disabled = model.state?.runState !== RunState.Rendering;
   }
@@ -94,7 +94,7 @@ export class SetupPanel implements Panel {
 
   private async load(): Promise<void> {
     const { model, t } = this;
-    // 0: as it is. Another exercise begins at its first level: the present one may not be there.
+    // Level 0 keeps the present one. Another exercise starts at its first level, since it may not have the present one.
     const isLoaded = this.exercise.value === String(model.scene?.exerciseName ?? '');
     const level = isLoaded && this.level.disabled ? 0 : Number(this.level.value);
     await model.command(t.setup.load, () => model.connection.loadExercise(this.exercise.value, level, this.hand.value));

@@ -1,6 +1,6 @@
 import { store, stored } from '../shared/i18n';
 
-/** Colours for what is drawn on a canvas, read once from the style sheet. */
+/** Colours for canvas drawing, read once from the style sheet. */
 export interface Theme {
   ink2: string;
   grid: string;
@@ -12,7 +12,7 @@ export interface Theme {
 const STORED = 'wholehand.theme';
 type Name = 'light' | 'dark';
 
-/** Address (?theme=), then stored choice, then what the system prefers. */
+/** Applies the theme of the address (?theme=), else the stored choice, else the system's preference. */
 export function startTheme(): void {
   const asked = new URLSearchParams(location.search).get('theme') ?? stored(STORED);
   const dark = asked === null ? matchMedia('(prefers-color-scheme: dark)').matches : asked === 'dark';

@@ -7,7 +7,7 @@ import type { AxisLimit, PlotSpec } from './plot_specs';
 import { CalmRange, niceStep, ticksIn } from './scale';
 import type { Theme } from './theme';
 
-/** Half a letter's width [px]: the word for now is centred at the last tick. */
+/** Half a letter's width [px]: the word for the present is centred at the last tick. */
 const NOW_PX = 3.7;
 const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 const FONT_BAD = '700 14px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
@@ -15,24 +15,24 @@ const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-
 /** A limit is drawn when the data reach this share of it. */
 const LIMIT_NEAR = 0.45;
 
-/** Of the canvas [px]. */
-interface Stretch { readonly left: number; readonly right: number }
+/** An interval of the canvas [px]. */
+interface PixelRange { readonly left: number; readonly right: number }
 
 const NOTHING: Span = { from_s: 0, to_s: 1 };
-/** A shorter pull is a click [px]. */
+/** A shorter drag is a click [px]. */
 const PULL_PX = 6;
 
-/** What a person does in a plot of a recording. */
+/** Callbacks for input in a plot of a recording. */
 export interface PlotHands {
   /** A time was clicked. */
   seek(time_s: number): void;
-  /** A window was pulled open. */
+  /** A window was selected by dragging. */
   zoom(window: Span): void;
   /** The wheel was turned at a time; a factor below 1 shows less. */
   scale(time_s: number, factor: number): void;
 }
 
-/** One plot of a window of time. Draws what is in its source, and copies nothing of it. */
+/** One plot of a window of time. It draws the data of its source without copying it. */
 export class TimePlot {
   private readonly range: CalmRange;
   private readonly head = h('i', { class: 'head', hidden: true });
@@ -62,7 +62,7 @@ export class TimePlot {
   }
 
   draw(source: PlotSource, marks: readonly Mark[], limits: readonly AxisLimit[]): void {
-    // A plot that has no size yet is drawn with them once it has.
+    // A plot without a size is drawn once it has one.
     this.source = source;
     this.marks = marks;
     this.limits = limits;
@@ -84,7 +84,7 @@ export class TimePlot {
     return this.source?.window ?? NOTHING;
   }
 
-  // The range holds the data, and the limit of each axis once that axis comes near it.
+  // The range contains the data, and the limit of each axis once that axis comes near it.
   private follow(source: PlotSource): void {
     let [least, most] = source.extremes(this.spec.series.map((series) => series.column));
     this.near = [];
@@ -118,7 +118,7 @@ export class TimePlot {
       if (plot.select.width < PULL_PX) hands.seek(timeAt(event.clientX - plot.over.getBoundingClientRect().left));
     });
     plot.over.addEventListener('wheel', (event) => {
-      // Plots are in a page that scrolls: only with Ctrl or Shift does the wheel change the window.
+      // The page scrolls: the wheel changes the window only with Ctrl or Shift.
       if (!event.ctrlKey && !event.shiftKey) return;
       event.preventDefault();
       const turned = event.deltaY || event.deltaX;
@@ -197,18 +197,18 @@ export class TimePlot {
     context.restore();
   }
 
-  /** What is bad is named first; a name that would stand in another is left out. */
+  /** Marks of faults are labelled first; a label that would overlap another one is left out. */
   private drawMarks(plot: uPlot, ratio: number): void {
     const { from_s, to_s } = this.window;
     const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s);
-    const taken: Stretch[] = [];
+    const taken: PixelRange[] = [];
     for (const mark of [...seen.filter(({ bad }) => bad), ...seen.filter(({ bad }) => !bad)]) {
       const name = this.drawMark(plot, mark, ratio, taken);
       if (name) taken.push(name);
     }
   }
 
-  /** Of the axes that come near theirs, or the one that all have; where they have several, it is said whose each is. */
+  /** Draws limits of the axes that come near theirs, or the common limit of all; several limits are labelled with their axes. */
   private drawLimits(plot: uPlot, ratio: number): void {
     const values = [...new Set(this.limits.map(({ limit }) => limit))];
     const drawn = values.length === 1 ? values : values.filter((value) => this.near.some(({ limit }) => limit === value));
@@ -234,8 +234,8 @@ export class TimePlot {
     context.fillText(words, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
   }
 
-  /** @param taken where names stand [px]; @returns where this one's does */
-  private drawMark(plot: uPlot, mark: Mark, ratio: number, taken: readonly Stretch[]): Stretch | undefined {
+  /** @param taken intervals of existing labels [px] @returns the interval of this label */
+  private drawMark(plot: uPlot, mark: Mark, ratio: number, taken: readonly PixelRange[]): PixelRange | undefined {
     const { ctx: context, bbox } = plot;
     const x = Math.round(plot.valToPos(mark.time_s, 'x', true));
     context.strokeStyle = mark.bad ? this.theme.bad : this.theme.line2;
@@ -246,12 +246,12 @@ export class TimePlot {
     context.moveTo(x, bbox.top);
     context.lineTo(x, bbox.top + bbox.height);
     context.stroke();
-    // A stop is named once, at the top; its line goes through all plots.
+    // A stop is labelled once, at the top; its line crosses all plots.
     if (mark.bad && this.spec.id !== 'hand') return undefined;
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
     if (mark.label === '') return undefined;
     const width = context.measureText(mark.label).width;
-    // At the end of the window it stands before its line.
+    // At the right end of the window the label stands before its line.
     const left = x + 5 * ratio + width <= bbox.left + bbox.width ? x + 5 * ratio : x - 5 * ratio - width;
     const name = { left, right: left + width };
     if (taken.some((other) => name.left < other.right + 5 * ratio && name.right > other.left)) return undefined;

@@ -1,5 +1,5 @@
 import { fill } from '../shared/i18n';
-import { h, say, setAttribute, svg } from './dom';
+import { h, setText, setAttribute, svg } from './dom';
 import { fixed, grouped } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
@@ -9,10 +9,10 @@ import { niceStep, ticksIn } from './scale';
 const LEFT_PX = 30;
 const BOTTOM_PX = 18;
 const TOP_PX = 6;
-/** A picture lower than this has no room for a second line of words, nor for every power of ten [px]. */
+/** A picture lower than this has no room for a second line of text, nor for every power of ten [px]. */
 const LOW_PX = 96;
 
-/** How long ticks take: the tail as a picture, the quantiles as numbers. */
+/** Durations of ticks: the tail as a picture, the quantiles as numbers. */
 export class TimingPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -33,13 +33,13 @@ export class TimingPanel implements Panel {
     const statistics = this.model.state?.statistics;
     if (!statistics) return;
     const dropped = statistics.droppedRecords > 0n ? `, ${fill(this.t.timing.dropped, { n: grouped(statistics.droppedRecords) })}` : '';
-    say(this.missed, fill(this.t.timing.missed, { n: grouped(statistics.missedDeadlines), m: grouped(statistics.ticks) }) + dropped);
+    setText(this.missed, fill(this.t.timing.missed, { n: grouped(statistics.missedDeadlines), m: grouped(statistics.ticks) }) + dropped);
     const times = {
       ticks: Number(statistics.ticks), p50_us: statistics.cpuP50Us, p99_us: statistics.cpuP99Us,
       p999_us: statistics.cpuP999Us, max_us: statistics.cpuMaxUs,
     };
     const values = [times.p50_us, times.p99_us, times.p999_us, times.max_us].map((us) => fixed(us, us < 100 ? 1 : 0));
-    this.numbers.forEach(({ value }, i) => say(value, values[i]));
+    this.numbers.forEach(({ value }, i) => setText(value, values[i]));
     const width = this.chart.clientWidth;
     const height = this.chart.clientHeight;
     const looks = `${width}x${height} ${values.join(' ')} ${Math.round(Math.log10(Math.max(1, times.ticks)) * 20)}`;
@@ -55,7 +55,7 @@ export class TimingPanel implements Panel {
     const floor = height - BOTTOM_PX;
     const y = (count: number): number => floor - logHeight(count, times.ticks) * (floor - TOP_PX);
     const points = tail(times);
-    // Between two quantiles only their order is known: the count falls from one to the next.
+    // Only the order of ticks is known between two quantiles: the count falls from one to the next.
     const line = points.map((point, i) => `${i === 0 ? 'M' : 'L'}${x(point.time_us).toFixed(1)} ${y(point.count).toFixed(1)}`).join('');
     const last = points.at(-1);
     const area = last ? `${line}V${floor}H${LEFT_PX}Z` : '';

@@ -1,5 +1,5 @@
-/** A point of "how many ticks took longer than this". */
-export interface Slower {
+/** A point of the curve "how many ticks took longer than this". */
+export interface TailPoint {
   time_us: number;
   count: number;
 }
@@ -16,7 +16,7 @@ export interface TickTimes {
  * The tail of the tick times from its quantiles: by definition half of the ticks took longer than
  * p50, one in a hundred longer than p99, one in a thousand longer than p99.9, and one the maximum.
  */
-export function tail(times: TickTimes): Slower[] {
+export function tail(times: TickTimes): TailPoint[] {
   if (!(times.ticks > 0)) return [];
   const points = [
     { time_us: 0, count: times.ticks },
@@ -25,11 +25,11 @@ export function tail(times: TickTimes): Slower[] {
     { time_us: times.p999_us, count: times.ticks / 1000 },
     { time_us: times.max_us, count: 1 },
   ];
-  // A short run has fewer than a thousand ticks: no point counts less than one tick.
+  // A short run has fewer than a thousand ticks: points that count less than one tick are left out.
   return points.filter((point, i) => i === points.length - 1 || point.count > 1);
 }
 
-/** Right end of the time axis: the deadline with room, or the slowest tick if that is later. */
+/** Right end of the time axis: the deadline with some room, or the slowest tick if that is later. */
 export function timeEnd(deadline_us: number, max_us: number): number {
   return Math.max(1.1 * deadline_us, 1.05 * max_us);
 }

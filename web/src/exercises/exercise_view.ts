@@ -1,4 +1,4 @@
-// What an exercise adds to the picture. Apart from exercise.ts: three.js comes later than the words.
+// The 3D view of an exercise. It is separate from exercise.ts because three.js is loaded later than the texts.
 
 import type { Group, PerspectiveCamera, SpotLight, Vector3 } from 'three';
 import type { SkinUniforms } from '../hand/skin_shader';
@@ -16,38 +16,38 @@ import { taskOf } from './kitchen/task';
 import { gripOf } from './squeeze_to_level/grip';
 import { HutView } from './squeeze_to_level/hut_view';
 
-/** Points that words of the page stand at, three.js's frame [m]. */
+/** Anchor points of the page's texts, in three.js's frame [m]. */
 export interface Anchors {
-  readonly goal: Vector3 | undefined;     // where the goal of the present step is marked
-  readonly target: Vector3 | undefined;   // the grip of what is to be grasped
+  readonly goal: Vector3 | undefined;     // the mark of the current step's goal
+  readonly target: Vector3 | undefined;   // the grip of the current target
 }
 
 export interface ExerciseView {
   readonly root: Group;
   /** Height of the rail over the counter [m]; undefined: no rail. */
   readonly rail_m: number | undefined;
-  /** Where the exercise takes place; undefined: before the fluted wall. */
+  /** The room; undefined: the fluted wall. */
   readonly setting?: Setting;
-  /** Whether this view draws a body of the scene: nothing else does then. */
+  /** Whether this view draws a body of the scene; then nothing else draws it. */
   owns(body: string): boolean;
-  /** Where the row stands, and the corners of what must be seen at once; before the first state, as far as it is known. */
+  /** The camera's place, and the corners of the region that must be visible; before the first state, as far as known. */
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] };
-  /** The camera was placed. */
+  /** Called after the camera was placed. */
   placeBehind(camera: PerspectiveCamera, place: CameraPlace): void;
-  /** @param eye where the picture is taken from */
+  /** @param eye the camera's position */
   update(state: WorldStateT, eye: Vector3, dt_s: number): void;
-  /** What is soft yields to the hand. */
+  /** Deforms soft objects around the hand. */
   yieldTo(skin: SkinUniforms): void;
   /** Moves the soft spot of light to the target. */
   lightTarget(light: SpotLight, dt_s: number): void;
-  /** Where the rail is, three.js's frame; undefined where the program has none. */
+  /** z of the rail in three.js's frame; undefined where the program has none. */
   railZ(state: WorldStateT): number | undefined;
   anchors(camera: PerspectiveCamera): Anchors;
-  /** Takes what the page remembers. */
+  /** Sets the marks that the page remembers. */
   mark?(marks: Marks): void;
 }
 
-/** The view of a scene's exercise; undefined where its bodies are all there is to see. */
+/** The view of a scene's exercise; undefined where the bodies are drawn plainly. */
 export function viewOf(scene: SceneT, quality: Quality): ExerciseView | undefined {
   const bar = barOf(scene), grip = gripOf(scene), things = thingsOf(scene), task = taskOf(scene);
   if (bar) return new BarView(bar, scene, quality);

@@ -1,4 +1,4 @@
-// Which exercises have a folder here. Every other one is shown by its panel.
+// The exercises that have a folder here. Every other exercise is shown by its panel.
 import type { SceneT } from '../protocol';
 import { BAR_FILE, barOf } from './cocktail_bar/bar';
 import { BarPlay } from './cocktail_bar/play';
@@ -19,7 +19,7 @@ import { gripTargets } from './squeeze_to_level/targets';
 
 const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: () => -1, letGo: () => false };
 
-/** What may be grasped in a scene, as far as its exercise says. */
+/** The grasp targets of a scene's exercise. */
 export function targetsOf(scene: SceneT): GraspTargets {
   const bar = barOf(scene), grip = gripOf(scene), task = taskOf(scene);
   if (bar) return barTargets(bar, scene);
@@ -27,7 +27,7 @@ export function targetsOf(scene: SceneT): GraspTargets {
   return grip ? gripTargets(grip, scene) : NO_TARGETS;
 }
 
-/** The exercise of a scene in the game; null where it shows nothing. @param before of an earlier scene, which may go on */
+/** The exercise of a scene in the game; null where nothing can be shown. @param before the play of an earlier scene, which may continue */
 export function playOf(scene: SceneT, before: Play | null): Play | null {
   const bar = barOf(scene);
   if (bar) return new BarPlay(bar, scene, before instanceof BarPlay ? before : undefined);
@@ -38,12 +38,12 @@ export function playOf(scene: SceneT, before: Play | null): Play | null {
   return panel && new PanelPlay(panel, scene);
 }
 
-/** The exercise that the game loads where none is on that can be shown, and speaks of before a scene has come. */
+/** The exercise that the game loads if the present one cannot be shown; it is described before a scene has come. */
 export const FIRST = {
   file: BAR_FILE,
   words: barWords,
   pageTitle: () => text('title'),
   pictureLabel: () => text('picture'),
-  /** Said where the browser cannot draw. */
+  /** The text if the browser cannot draw. */
   noPicture: () => text('noPicture'),
 } as const;

@@ -1,4 +1,4 @@
-// What console, replay and report say of an exercise beside its panel.
+// Texts of an exercise for console, replay and report, in addition to its panel.
 import type { SceneT } from '../protocol';
 import { barOf } from './cocktail_bar/bar';
 import { textOf } from './cocktail_bar/i18n';
@@ -11,13 +11,13 @@ import { taskOf } from './kitchen/task';
 export type Value = (name: string) => number | undefined;
 
 export interface ExerciseInfo {
-  /** Which part of the exercise is played; empty where it has none. */
+  /** The current part of the exercise; empty where it has none. */
   progress(value: Value): string;
-  /** Under the picture; empty where there is nothing to say. */
+  /** The caption of the picture; may be empty. */
   caption(value: Value): string;
-  /** Empty where levels have no names. */
+  /** The name of a level; empty where levels have none. */
   levelName(level: number): string;
-  /** A body of the scene as people call it; undefined where the exercise has no name for it. */
+  /** The name of a body of the scene; undefined where the exercise has none. */
   bodyName(body: string): string | undefined;
 }
 
@@ -29,41 +29,41 @@ export function infoOf(scene: SceneT | null | undefined): ExerciseInfo {
   return bar ? barInfo(bar, String(scene?.exerciseName ?? '')) : NOTHING;
 }
 
-/** The name of an exercise's file in the person's language; undefined where no folder has one. */
+/** The title of an exercise file in the page's language; undefined where no folder has one. */
 export const ownTitle = (file: string): string | undefined => barTitle(file);
 
-/** An event of an exercise in the person's language; undefined where no folder has words for it. */
+/** The text of an exercise's event in the page's language; undefined where no folder has one. */
 export const ownEventWords = (name: string): string | undefined => textOf(`event.${name}`);
 
-/** Stands in the plots where an event begins a phase of a grasp. */
+/** A sign in the plots for an event that begins a phase of a grasp. */
 export interface EventSign { readonly sign: string; meaning(): string; legend(): string }
 
 /** The signs of the exercises' own events, by the events' names. */
 export const OWN_SIGNS: Readonly<Record<string, EventSign>> = BAR_SIGNS;
 
-/** A finished part of an exercise as a report shows it: what src/replay/therapy_facts.hpp finds. */
+/** A finished part of an exercise in a report, as found by src/replay/therapy_facts.hpp. */
 export interface ReportPart { readonly event: string; readonly index: number; readonly value: number; readonly to_s: number; readonly persons: boolean; readonly steps: readonly (readonly [index: number, amount_l: number])[] }
 
-/** What a recording holds of its exercise. */
-export interface Recorded<Part extends ReportPart = ReportPart> {
+/** The exercise's parts in a recording. */
+export interface RecordedParts<Part extends ReportPart = ReportPart> {
   readonly parts: readonly Part[];
-  /** Of all parts that an event finishes, by its name: how many are the person's, and their stars together. */
+  /** For each finishing event: the number of the person's parts, and the sum of their stars. */
   readonly sums: Readonly<Record<string, { readonly count: number; readonly stars: number }>>;
   readonly scene: SceneT | undefined;
 }
 
 export interface ExerciseReport {
-  /** Of results, by their names. */
+  /** The better direction of results, by their names. */
   readonly better: Readonly<Record<string, 'more' | 'less'>>;
-  /** What is finished by an event of its own; undefined where the event is not. */
+  /** The name of what an event finishes; undefined where the event finishes nothing. */
   thing(event: string): string | undefined;
-  /** How many parts of the exercise the person finished. */
-  parts(recorded: Recorded): { readonly key: string; readonly done: number; readonly words: string } | undefined;
-  /** How many stars they had together, and how many there could be; undefined where no part was finished. */
-  stars(recorded: Recorded): { readonly value: number; readonly most: number; readonly words: string } | undefined;
-  /** What was done, part by part: the person's first, and whose each is. */
-  table<Part extends ReportPart>(recorded: Recorded<Part>, timeWords: (time_s: number) => string, whoseWords: (part: Part) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
+  /** The number of parts that the person finished. */
+  parts(recorded: RecordedParts): { readonly key: string; readonly done: number; readonly words: string } | undefined;
+  /** The person's stars in total and at most; undefined where no part was finished. */
+  stars(recorded: RecordedParts): { readonly value: number; readonly most: number; readonly words: string } | undefined;
+  /** A table of all parts: the person's first, with the share of each. */
+  table<Part extends ReportPart>(recorded: RecordedParts<Part>, timeWords: (time_s: number) => string, whoseWords: (part: Part) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
 }
 
-/** Each says nothing of a recording that is not its own. */
+/** Each report returns nothing for a recording of another exercise. */
 export const REPORTS: readonly ExerciseReport[] = [barReport, kitchenReport];

@@ -13,8 +13,8 @@ export interface PanelValueView {
   readonly unit: string;
   readonly share: number;        // 0 .. 1 of its range
   readonly goal: Goal | null;
-  readonly zone: '' | 'low' | 'right' | 'high';   // of the goal band; '' without one
-  readonly result: boolean;      // it counts at the end
+  readonly zone: '' | 'low' | 'right' | 'high';   // relative to the goal band; '' without one
+  readonly result: boolean;      // it is a result at the end
 }
 
 /** A text in the page's language. */
@@ -22,7 +22,7 @@ export function inLanguage(words: WordsT | null | undefined): string {
   return String(words?.[language()] ?? words?.en ?? '');
 }
 
-/** What a value of the panel is called in the page's language; empty where the panel does not show it. */
+/** The label of a panel's value in the page's language; empty where the panel does not show it. */
 export function labelOf(scene: SceneT | null | undefined, value: string): string {
   return inLanguage(scene?.panel?.values.find(({ name }) => String(name) === value)?.label);
 }
@@ -35,7 +35,7 @@ export class ExercisePanel {
     this.figures = new ExerciseValues(scene.valueNames);
   }
 
-  /** Null where the exercise reports none. */
+  /** The panel of a scene; null where the exercise has none. */
   static of(scene: SceneT | null): ExercisePanel | null {
     return scene?.panel ? new ExercisePanel(scene) : null;
   }
@@ -43,12 +43,12 @@ export class ExercisePanel {
   get title(): string { return inLanguage(this.scene.panel?.title); }
   get lead(): string { return inLanguage(this.scene.panel?.lead); }
 
-  /** What the person is to do now; empty where the exercise does not say. */
+  /** The current instruction; empty where the exercise gives none. */
   instruction(state: WorldStateT): string {
     return inLanguage(this.scene.panel?.instructions[this.figures.get(state, 'instruction', -1)]);
   }
 
-  /** Nothing is left to do. */
+  /** Whether the exercise is finished. */
   done(state: WorldStateT): boolean { return this.figures.get(state, 'done') > 0.5; }
 
   values(state: WorldStateT): PanelValueView[] {
@@ -70,7 +70,7 @@ export class ExercisePanel {
     });
   }
 
-  /** An event in words; empty where nothing is said of it. */
+  /** The text of an event; empty where it has none. */
   event(type: number): string {
     return inLanguage(this.scene.panel?.events.find((event) => event.type === type)?.words);
   }

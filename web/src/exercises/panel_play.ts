@@ -1,4 +1,4 @@
-// An exercise in the game that is shown by its panel alone.
+// An exercise in the game that is shown only by its panel.
 import type { SceneT, WorldStateT } from '../protocol';
 import type { ExerciseWords, Meter, Phase, Play, Praise, Prompt } from './exercise';
 import { ExercisePanel } from './panel';
@@ -18,7 +18,7 @@ export class PanelPlay implements Play {
   phase(state: WorldStateT): Phase { return this.panel.done(state) ? 'success' : 'free'; }
   isPaused(state: WorldStateT): boolean { return this.values.get(state, 'paused') > 0.5; }
 
-  /** What to do now; where the exercise does not say, what it is about. */
+  /** The current instruction; without one, the exercise's description. */
   prompt(state: WorldStateT): Prompt {
     const now = this.panel.instruction(state);
     return now ? { title: now, more: '' } : { title: this.panel.title, more: this.panel.lead };
@@ -30,7 +30,7 @@ export class PanelPlay implements Play {
   card(): null { return null; }
   goal(): null { return null; }
 
-  /** The first value of the panel that has a goal band. */
+  /** A meter of the first value that has a goal band. */
   meter(state: WorldStateT): Meter | null {
     const value = this.panel.values(state).find(({ goal }) => goal !== null);
     if (!value?.goal || value.zone === '') return null;

@@ -10,7 +10,7 @@ export class ExerciseValues {
 
   has(name: string): boolean { return this.index.has(name); }
 
-  /** `otherwise` where the exercise has no value of that name, or it is not finite. */
+  /** A value by name; `otherwise` where the exercise has none of that name, or it is not finite. */
   get(state: Pick<WorldStateT, 'values'>, name: string, otherwise = 0): number {
     const i = this.index.get(name);
     const value = i === undefined ? undefined : state.values[i];

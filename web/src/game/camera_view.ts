@@ -1,4 +1,4 @@
-// Shows the camera's picture: large on a card until a hand was kept in its frame, then small in a corner during the play.
+// Shows the camera's picture: large on a card until a hand was kept in its frame, then small in a corner during play.
 import type { InputTexts } from '../input/i18n/en';
 import type { WebcamView } from '../input/webcam';
 import { h, setText } from '../shared/dom';
@@ -16,7 +16,7 @@ export class CameraView {
   /** Card of the steps before the camera steers, for the overlay. */
   readonly card: HTMLElement;
   readonly otherWay: HTMLButtonElement;
-  /** The small picture in the corner; hidden where there is nothing to say. */
+  /** The small picture in the corner; hidden while the camera is off. */
   readonly mirror: HTMLElement;
   private readonly title = h('h1', { id: 'camera-title', class: 't-l' });
   private readonly more = h('p', { class: 't-m soft' });
@@ -33,7 +33,7 @@ export class CameraView {
     this.mirror = h('div', { class: 'camera card', hidden: true, 'data-testid': 'camera' }, this.problem, this.again);
   }
 
-  /** `view`: undefined where the camera is off; `reason`: why it is off, '' where the person turned it off. */
+  /** @param view undefined: the camera is off @param reason why it is off; '': the person turned it off */
   show(view: WebcamView | undefined, reason: string, texts: InputTexts['camera']): void {
     const { card, mirror } = this;
     const plays = view?.step === 'play';

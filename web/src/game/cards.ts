@@ -1,4 +1,4 @@
-// The card that lies over the play: which one, with what, and what its buttons do.
+// Chooses the card over the play, fills it, and connects its buttons.
 import { FIRST } from '../exercises';
 import type { ExerciseWords, Praise } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
@@ -15,8 +15,8 @@ import type { Presses } from './presses';
 import type { Sound } from './sound';
 import { Speech } from './speech';
 
-/** What the page shows, and what its buttons act on. */
-export interface Behind {
+/** The parts of the page that cards show and act on. */
+export interface CardContext {
   readonly connection: Connection;
   readonly controls: Controls;
   readonly memory: Memory;
@@ -24,7 +24,7 @@ export interface Behind {
   readonly sound: Sound;
 }
 
-/** Remembers which choice has the focus, and finds it again in a card that was built anew. */
+/** Remembers the focused choice, and finds it again in a rebuilt card. */
 function focusedChoice(): (card: HTMLElement) => HTMLElement | null {
   const [name, value] = Object.entries(document.activeElement instanceof HTMLElement ? { ...document.activeElement.dataset } : {})[0] ?? [];
   if (!name || name === 'testid') return () => null;
@@ -41,12 +41,12 @@ export class Cards {
 
   constructor(
     root: HTMLElement, private readonly play: HTMLElement, private readonly hud: Hud, private readonly camera: CameraView,
-    private readonly behind: Behind, private readonly actions: CardActions,
+    private readonly behind: CardContext, private readonly actions: CardActions,
   ) {
     this.overlay = new Overlay(root, hud.strip, () => actions.rest());
   }
 
-  /** How far a rest is at which the device lets go. */
+  /** The state of a rest in which the device is released. */
   get restState(): '' | 'letting' | 'let' {
     const { connection, memory } = this.behind;
     if (memory.resting !== 'off') return '';
@@ -55,7 +55,7 @@ export class Cards {
 
   showAttempts(attempts: number): void { this.overlay.showAttempts(attempts); }
 
-  /** The card of a state; none where the person plays or watches. */
+  /** Shows the card of a state; none while the person plays or watches. */
   show(now: PageState): void {
     this.state = now;
     const { connection, memory, presses } = this.behind;
@@ -140,13 +140,13 @@ export class Cards {
     this.overlay.open('success', card, { first });
   }
 
-  /** Rests after praise. An exercise without stars has no parts: there the device lets go. */
+  /** Rests after praise. An exercise without stars has no parts: there the device is released. */
   private restAfter({ stars }: Praise): void {
     const { presses } = this.behind;
     void (stars === undefined ? presses.rest() : presses.restBetween());
   }
 
-  /** The words of the exercise that is loaded, or of the one that will be. */
+  /** The texts of the loaded exercise, or of the one that will be loaded. */
   private get exerciseWords(): ExerciseWords { return (this.behind.memory.play ?? FIRST).words; }
 
   private ways(): HelpSection[] {

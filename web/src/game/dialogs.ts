@@ -1,4 +1,4 @@
-// Builds the cards that lie over the play: welcome, praise, help, and messages when something prevents it.
+// Builds the cards over the play: welcome, praise, help, and messages about interruptions.
 import { trapFocus } from '../shared/a11y';
 import { TONES, type ToneName as Tone } from '../hand/tones';
 import { HELPS, type Help } from '../input/wish';
@@ -10,13 +10,13 @@ import { language, LANGUAGES, text, type Language, type TextKey } from '../share
 import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture } from './pictures';
 import { MUSIC_VOLUMES, type MusicVolume } from './sound';
 
-/** Sizes of the text. What must be read in play is always large (game.css). */
+/** Sizes of the text. Text that must be read during play is always large (game.css). */
 const TEXT_SIZES = ['normal', 'far'] as const;
 export type TextSize = typeof TEXT_SIZES[number];
 
 export interface HelpSection { readonly way: string; readonly name: string; readonly lines: readonly { readonly keys: readonly string[]; readonly does: string }[] }
 
-/** Holds the one card that lies over the play, and keeps the focus in it and in what stays reachable beside it. */
+/** Holds the card over the play, and keeps the focus in it and in the controls that stay reachable beside it. */
 export class Overlay {
   private release: (() => void) | null = null;
   private onEscape: (() => void) | null = null;
@@ -25,8 +25,8 @@ export class Overlay {
   private buttons = '';
 
   /**
-   * `beside`: the strip with Stop, which stays reachable from every card that does not cover it; `otherwise`: what
-   * Escape does where no card is open that it closes.
+   * @param beside the strip with Stop, reachable from every card that does not cover it
+   * @param otherwise the action of Escape if no open card closes by it
    */
   constructor(root: HTMLElement, private readonly beside: HTMLElement, otherwise: () => void) {
     root.append(this.element);
@@ -47,7 +47,7 @@ export class Overlay {
     this.release = trapFocus(options.alone ? [this.element] : [this.element, this.beside], options.first ?? card);
   }
 
-  /** Shows how often the connection was tried, on a card that waits for the program. */
+  /** Shows the number of connection attempts on a card that waits for the program. */
   showAttempts(attempts: number): void { showAttempts(this.element, attempts); }
 
   /** Closes the card and moves the focus. */
@@ -64,7 +64,7 @@ export class Overlay {
 const pressable = (label: string, pressed: boolean, onclick: () => void, extra: Record<string, string> = {}): HTMLButtonElement =>
   h('button', { type: 'button', class: 'choice', 'aria-pressed': String(pressed), onclick, ...extra }, label);
 
-/** A list of the keys of a way of playing, and what they do. */
+/** A list of the keys of an input method, and their effects. */
 function helpList(section: HelpSection, more = ''): HTMLElement {
   return h('ul', { class: 'help-list t-s' }, ...section.lines.map((line) =>
     h('li', {}, ...line.keys.map((key) => h('kbd', {}, key)), ` ${line.does}`)), more ? h('li', {}, more) : null);
@@ -73,8 +73,8 @@ function helpList(section: HelpSection, more = ''): HTMLElement {
 export interface WelcomeContent {
   readonly ways: readonly HelpSection[];
   readonly way: string;
-  readonly robot: boolean;            // a real device is there
-  readonly levels: number;            // to choose from; 0: a therapist chooses
+  readonly robot: boolean;            // a real device is connected
+  readonly levels: number;            // number of levels to choose from; 0: a therapist chooses
   readonly level: number;
   readonly tone: Tone;
   readonly textSize: TextSize;
@@ -136,7 +136,7 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   return { card, start };
 }
 
-/** A message: a large picture, a title, what happened, and what it means for the person. */
+/** A message card: a large picture, a title, what happened, and what it means for the person. */
 function messageCard(picture: SVGElement, title: string, what: string, soft: string, ...more: (HTMLElement | null)[]): HTMLElement {
   return h('section', { class: 'card message', role: 'alertdialog', 'aria-labelledby': 'message-title', 'aria-describedby': 'message-what', tabindex: 0 },
     picture, h('div', {}, h('h1', { id: 'message-title', class: 't-xl' }, title), h('p', { id: 'message-what', class: 't-m' }, what), h('p', { class: 't-m soft' }, soft)),
@@ -151,19 +151,19 @@ const dots = (attempts: number): HTMLElement => {
   return row;
 };
 
-/** Lights the dots of a card that waits for the program; the card itself, and the focus in it, stay. */
+/** Lights the dots of a card that waits for the program, without rebuilding it, so that the focus stays. */
 export function showAttempts(within: ParentNode, attempts: number): void {
   const lit = attempts <= 0 ? 1 : ((attempts - 1) % 4) + 1;
   within.querySelectorAll('.dots i').forEach((dot, i) => dot.classList.toggle('on', i < lit));
 }
 
-/** `hardware`: the device is real, and has a stop button that the card names. */
+/** @param hardware the device is real, and has a stop button that the card mentions */
 export function lostCard(attempts: number, hardware: boolean): HTMLElement {
   return messageCard(plugPicture(), text('lost.title'), text('lost.what'), text('lost.soft'), dots(attempts), h('p', { class: 'waits t-s', 'data-testid': 'stop-waits' }, text('lost.stop')),
     hardware ? h('p', { class: 'hardware t-s', 'data-testid': 'hardware' }, buttonPicture(), text('lost.button')) : null);
 }
 
-/** `refusedWith`: 401 or 403 where the program is there but does not let this page in. */
+/** @param refusedWith 401 or 403 where the program refuses this page */
 export function absentCard(attempts: number, refusedWith: number): HTMLElement {
   if (refusedWith > 0) return messageCard(plugPicture(), text('refused.title'), text(refusedWith === 401 ? 'refused.token' : 'refused.origin'), text('refused.soft'));
   return messageCard(plugPicture(), text('absent.title'), text('absent.what'), text('absent.soft'), dots(attempts));
@@ -173,7 +173,7 @@ export function versionCard(ours: number, theirs: number): HTMLElement {
   return messageCard(plugPicture(), text('version.title'), text('version.what', { a: ours, b: theirs }), text('version.soft'));
 }
 
-/** `cause`: of a fault, in the program's words; empty after somebody pressed stop. */
+/** @param cause the fault in the program's words; empty after a press of Stop */
 export function stoppedCard(cause: string): HTMLElement {
   const link = h('a', { class: 'console-link t-s', href: `/console${location.search}${location.hash}`, 'data-testid': 'console-link' }, text('stopped.console'));
   const card = messageCard(octagonPicture(), text(cause ? 'faulted.title' : 'stopped.title'), text('stopped.what'), text('stopped.soft'),
@@ -182,7 +182,7 @@ export function stoppedCard(cause: string): HTMLElement {
   return card;
 }
 
-/** `off`: the device is letting go, or has let go; `notice`: why going on did not work. */
+/** @param off whether the device is being released, or is released @param notice why continuing failed */
 export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting', onclick: goOn }, text('game.back'));
   const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' ? 'rest.letting' : 'rest.more'), off === 'let' ? text('rest.anew') : '',
@@ -190,7 +190,7 @@ export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () =
   return { card, first };
 }
 
-/** Says that the controls are gone; only a press takes them again. `notice`: why that did not work. */
+/** The card after a loss of the controls; only a press takes them again. @param notice why that failed */
 export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));
   const card = messageCard(cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
@@ -199,7 +199,7 @@ export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goO
   return { card, first };
 }
 
-/** Says that the browser lost the picture. The play waits until it is `back` and the person goes on. */
+/** The card after the browser lost the picture. The play waits until it is `back` and the person continues. */
 export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'see-again', disabled: !back, onclick: goOn }, text('game.back'));
   const card = back ? messageCard(cupPicture(), text('webgl.backTitle'), text('rest.more'), '', h('p', { class: 'links' }, first))
@@ -210,7 +210,7 @@ export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement
 
 export interface PraiseActions { next(): void; nextLevel(): void; again(): void; rest(): void }
 
-/** `more`: there is a level after this one; `starsSoFar`: with those of this part. */
+/** @param more there is a next level @param starsSoFar includes those of this part */
 export function praiseCard(praise: Praise, more: boolean, starsSoFar: number, actions: PraiseActions): { card: HTMLElement; first: HTMLElement } {
   const button = (kind: string, words: string, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, words);
   const first = !praise.levelDone ? button('go', praise.next, 'next', actions.next)
@@ -236,13 +236,13 @@ export interface Settings {
   readonly sounds: boolean;
   readonly music: MusicVolume;
   readonly speech: boolean;
-  readonly voice: boolean;   // this machine has one that speaks the page's language
+  readonly voice: boolean;   // this machine has a voice of the page's language
   readonly textSize: TextSize;
 }
 
 export interface SettingsActions { sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
 
-/** The settings of sound and text, which the browser keeps. */
+/** The settings of sound and text, which the browser stores. */
 function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
   const line = (id: string, key: TextKey, choices: HTMLElement[], note = '') => h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': `settings-${id}` },
     h('h2', { id: `settings-${id}`, class: 't-m' }, text(key)), ...choices, note ? h('p', { class: 'notice', role: 'status', 'data-testid': `${id}-note` }, note) : null);
@@ -263,7 +263,7 @@ export function helpCard(ways: readonly HelpSection[], settings: Settings, actio
   return { card, first };
 }
 
-/** Said where the picture cannot be drawn; the words go on. */
+/** The card where the picture cannot be drawn; the texts continue. */
 export function noPictureCard(why: 'none' | 'lost' = 'none'): HTMLElement {
   const [title, what] = why === 'none' ? [text('webgl.title'), FIRST.noPicture()] : [text('webgl.lostTitle'), text('webgl.lostSoft')];
   return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, title), h('p', { class: 't-s' }, what));

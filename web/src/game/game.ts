@@ -1,4 +1,4 @@
-// The game: joins what the program says with what the page remembers and shows.
+// The game: connects the program's messages with the page's memory and its display.
 import type { Chime } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
@@ -11,10 +11,10 @@ import { Screen } from './screen';
 import { Sound } from './sound';
 import { pageState } from './page_state';
 
-/** What events of any exercise sound like, where the exercise has no sound of its own. */
+/** Default sounds of events, where the exercise has no sound of its own. */
 const CHIMES: Readonly<Record<string, Chime>> = { step_done: 'step', level_done: 'done' };
 
-/** What flowed is not heard any more when the program has been silent for so long [ms]. */
+/** The sound of a flow ends when the program has been silent for this long [ms]. */
 const SILENT_MS = 500;
 
 export class Game {
@@ -37,22 +37,22 @@ export class Game {
 
   get tone(): Tone { return this.memory.tone; }
 
-  /** A hand is to be kept in the camera's frame: nobody plays yet. */
+  /** The camera step is shown: nobody plays yet. */
   get framing(): boolean { return this.memory.framing; }
 
-  /** The picture came, or was found to be impossible (null). */
+  /** Sets the picture; null: it cannot be drawn. */
   setPicture(picture: Picture | null): void {
     this.screen.setPicture(picture);
     this.controls.pointing = picture ? (x_px, y_px) => picture.rowPoint(x_px, y_px) : undefined;
   }
 
-  /** The browser lost the picture, or has it again: a player who plays by it waits until they go on. */
+  /** The browser lost the picture, or has it again: a player who needs it waits until they continue. */
   pictureLost(lost: boolean): void {
     this.memory.unseen = lost ? 'lost' : 'back';
     this.frame();
   }
 
-  /** Once a frame, and now and then where frames are slow. */
+  /** Called once a frame, and by a timer where frames are slow. */
   frame(): void {
     const { memory, connection } = this;
     const { latestState: state, status } = connection;
@@ -83,7 +83,7 @@ export class Game {
     const renders = state.runState === RunState.Rendering;
     this.sound.flow(renders ? rate : 0, level, sound);
     this.sound.gurgle(renders ? air : 0);
-    const chime = play?.heard?.();
+    const chime = play?.takeChime?.();
     if (chime) this.sound.chime(chime);
   }
 
@@ -91,7 +91,7 @@ export class Game {
     for (const event of events) {
       const name = String(this.connection.scene?.eventNames[event.type] ?? '');
       const words = this.memory.play?.panel?.event(event.type);
-      if (words) this.screen.hud.panel.tell(words, performance.now());
+      if (words) this.screen.hud.panel.showEvent(words, performance.now());
       const chime = this.memory.play?.chimes[name] ?? CHIMES[name];
       if (chime) this.sound.chime(chime);
     }

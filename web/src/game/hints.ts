@@ -1,14 +1,14 @@
-// Hints that rise while nothing happens: words, then a ring and a shadow, then the hand shows what to do.
+// Hints that become stronger while nothing happens: text, then a ring and a shadow, then the hand shows the task.
 export type HintLevel = 0 | 1 | 2 | 3;
 
-/** Times after which the hints are given, while what to do stays the same [s]. */
+/** Times after which the hints are given, while the task stays the same [s]. */
 const RISE_S = [6, 12, 20] as const;
 
 export class Hints {
   private task = '';
   private waited_s = 0;
 
-  /** @param task what is to be done; '' while a person cannot do anything, or does it */
+  /** @param task the current task; '' while a person cannot act, or acts */
   look(task: string, dt_s: number): HintLevel {
     this.waited_s = task === this.task && task !== '' ? this.waited_s + dt_s : 0;
     this.task = task;

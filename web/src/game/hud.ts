@@ -1,4 +1,4 @@
-// The card of the task, the amount at the goal, and the strip with instruction, meter and buttons.
+// The task card, the amount at the goal, and the strip with instruction, meter and buttons.
 import type { GoalWords, Meter, TaskCard, TaskStep } from '../exercises/exercise';
 import { h, setAttribute, setText } from '../shared/dom';
 import { text } from '../shared/i18n';
@@ -8,7 +8,7 @@ import { helpPicture, restPicture, stopPicture, tickPicture } from './pictures';
 export interface HudActions { help(): void; rest(): void; stop(): void; play(): void }
 export interface Point { readonly x_px: number; readonly y_px: number }
 
-/** Puts an element's anchor to a point of the screen. */
+/** Moves an element's anchor to a point of the screen. */
 function moveTo(element: HTMLElement, point: Point | null): void {
   element.hidden = point === null;
   if (point) element.style.transform = `translate(${point.x_px.toFixed(1)}px, ${point.y_px.toFixed(1)}px)`;
@@ -24,7 +24,7 @@ class StepsCard {
 
   constructor() { this.element.append(h('header', {}, this.count, this.title), this.list); }
 
-  /** The words change with the language, the rows with the task. */
+  /** Text is rebuilt when the language changes, rows when the task changes. */
   show(card: TaskCard | null): void {
     this.element.hidden = card === null;
     if (!card) return;
@@ -93,7 +93,7 @@ class SqueezeMeter {
     setAttribute(this.track, 'aria-valuetext', word);
     this.zone.style.left = `${(100 * meter.low).toFixed(1)}%`;
     this.zone.style.width = `${(100 * (meter.high - meter.low)).toFixed(1)}%`;
-    // The slide is as wide as the track: moving it costs no layout.
+    // The slide is as wide as the track: moving it causes no layout.
     this.mark.parentElement!.style.transform = `translateX(${(100 * meter.value).toFixed(1)}%)`;
   }
 }
@@ -136,23 +136,23 @@ export class Hud {
     setAttribute(this.help, 'aria-label', text('game.help'));
     setText(this.stopWord, text('game.stop'));
     setText(this.restWord, text('game.rest'));
-    setAttribute(this.rest, 'aria-label', text('game.rest'));   // upright, its word is not shown
+    setAttribute(this.rest, 'aria-label', text('game.rest'));   // on an upright screen its text is hidden
     setText(this.play, text('watch.play'));
   }
 
-  /** A stop was pressed, and the program has not said that it has it. */
+  /** Shows the alarm: a stop was pressed, and the program has not confirmed it. */
   alarm(on: boolean): void {
     if (this.unconfirmed.hasChildNodes() === on) return;
     this.strip.classList.toggle('alarmed', on);
     this.unconfirmed.replaceChildren(...(on ? [h('b', { class: 't-read' }, text('stop.unconfirmed')), h('span', { class: 't-s' }, text('stop.unconfirmedMore'))] : []));
   }
 
-  say(title: string, more: string): void {
+  writeInstruction(title: string, more: string): void {
     setText(this.title, title);
     setText(this.more, more);
   }
 
-  /** The parts of the play; null: there is nothing to show of it. */
+  /** Shows the parts of the play; null hides a part. */
   show(card: TaskCard | null, meter: Meter | null, goal: GoalWords | null): void {
     this.task.show(card);
     this.meter.show(meter);
@@ -162,19 +162,19 @@ export class Hud {
     setText(this.amountMore, goal.more);
   }
 
-  /** Whether the session is recorded; undefined: there is none. */
+  /** Shows whether the session is recorded; undefined: there is no session. */
   record(on: boolean | undefined): void {
     this.recorded.hidden = on === undefined;
     if (on !== undefined) setText(this.recorded, text(on ? 'game.recorded' : 'game.unrecorded'));
   }
 
-  /** A ring where the target stands on the counter, and the hand's shadow; null: no such hint. */
+  /** Shows a ring where the target stands on the counter, and the hand's shadow; null hides both. */
   depth(marks: { ring: Point; shadow: Point } | null): void {
     moveTo(this.ring, marks?.ring ?? null);
     moveTo(this.shadow, marks?.shadow ?? null);
   }
 
-  /** Where the picture has the mark of the goal, and chevrons beside the target; null: it shows none. */
+  /** Places the goal's text at its mark, and chevrons beside the target; null hides them. */
   place(goal: Point | null, cue: { at: Point; left: boolean } | null): void {
     moveTo(this.callOut, this.callOut.dataset.shown === 'true' ? goal : null);
     moveTo(this.chevrons, cue?.at ?? null);

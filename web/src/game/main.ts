@@ -5,7 +5,7 @@ import { Controls } from '../input/controls';
 import { openConnection } from '../net/open_connection';
 import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
-import { tellHowUsed } from '../shared/a11y';
+import { markInputMethod } from '../shared/a11y';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { growWithZoom } from '../scene/zoomed_text';
 import { noPictureCard } from './dialogs';
@@ -17,14 +17,14 @@ declare global {
   interface Window { wholehandStats: WholehandStats }
 }
 
-/** Behind the camera's card the picture is drawn so often: hand tracking, which gets ready, needs the machine [ms]. */
+/** Period of the picture behind the camera's card: starting the hand tracking needs the machine [ms]. */
 const STILL_MS = 1000;
 
 const stats = new FrameStats();
 const clock = new ClockOffset();
 
 startLanguage();
-tellHowUsed(document);
+markInputMethod(document);
 const followZoom = (): void => growWithZoom(document.documentElement);
 followZoom();
 addEventListener('resize', followZoom);
@@ -42,7 +42,7 @@ onLanguage(() => {
   document.title = FIRST.pageTitle();
   play.setAttribute('aria-label', FIRST.pictureLabel());
 });
-connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
+connection.on('state', (state) => clock.addSample(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
 
 let picture: Picture | null = null;
 let quality: QualityWatch | null = null;
@@ -69,10 +69,10 @@ function frame(now_ms: number): void {
   if (quality && document.body.dataset.quality !== quality.now) document.body.dataset.quality = quality.now;
 }
 requestAnimationFrame(frame);
-// Where pictures are slow, or the page is hidden, what the program says is still heeded.
+// If frames are slow, or the page is hidden, a timer processes the program's messages.
 setInterval(() => { if (performance.now() - framed_ms > 150) game.frame(); }, 100);
 
-// The words are there at once; the picture follows when it is built.
+// The texts are shown at once; the picture follows when it is built.
 try {
   const made = await loadPicture(canvas, game.tone);
   quality = made.quality;
@@ -82,7 +82,7 @@ try {
   let note: HTMLElement | null = null;
   const lost = (isLost: boolean): void => {
     note?.remove();
-    canvas.style.visibility = isLost ? 'hidden' : '';   // browsers draw a broken one white
+    canvas.style.visibility = isLost ? 'hidden' : '';   // browsers draw a lost canvas white
     if (isLost) page.append(note = noPictureCard('lost'));
     game.pictureLost(isLost);
   };

@@ -1,4 +1,4 @@
-// What the page remembers: what the person chose and is about, and what the program reported before.
+// The page's memory: the person's choices and current activity, and earlier reports of the program.
 import { playOf } from '../exercises';
 import type { Play } from '../exercises/exercise';
 import type { Connection } from '../net/connection';
@@ -7,9 +7,9 @@ import { store, stored } from '../shared/i18n';
 import { TONES, type ToneName as Tone } from '../hand/tones';
 import type { TextSize } from './dialogs';
 import { addStars, starsOf } from './stars';
-import type { Known, Press } from './takeover';
+import type { PlayContext, Press } from './takeover';
 import { hasHardware } from '../shared/hardware';
-import { isFaded, type Resting, type Situation, type Unseen } from './page_state';
+import { isFaded, type RestState, type Situation, type PictureLoss } from './page_state';
 import { HELPS, type Help } from '../input/wish';
 
 const STORED = { text: 'wholehand.text', tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way', help: 'wholehand.help' } as const;
@@ -27,7 +27,7 @@ function storedHelp(): Help {
   return HELPS.find((help) => help === wanted) ?? 'full';
 }
 
-/** The session that was played in this tab: a reload goes on with it. */
+/** The session that was played in this tab: a reload continues it. */
 const PLAYED = 'wholehand.played';
 
 function playedSession(): number {
@@ -35,44 +35,44 @@ function playedSession(): number {
 }
 
 export class Memory {
-  // Chosen, here or at an earlier visit.
+  // Choices of the person, from this visit or an earlier one.
   tone: Tone = storedTone();
   way = stored(STORED.way) ?? (matchMedia('(pointer: coarse)').matches ? 'touch' : 'mouse');
   level = 1;
   private chosenHelp: Help = storedHelp();
   textSize: TextSize = stored(STORED.text) === 'far' ? 'far' : 'normal';
 
-  // What the person is about.
+  // Current activity of the person.
   wish: Situation['wish'] = new URLSearchParams(location.search).has('watch') ? 'watch' : 'undecided';
-  press: Press | null = null;  // whose orders are on their way
-  endingsShown = 0;            // of the program's endings, the last one that is on the screen
-  resting: Resting = 'no';
+  press: Press | null = null;  // the press whose orders are under way
+  endingsShown = 0;            // the newest ending of the program that is on the screen
+  resting: RestState = 'no';
   playedBeforeRest = false;
-  isTheirs = true;             // the part that was begun: the program, or somebody else, plays it
+  isTheirs = true;             // the current part is played by the program or another client
   helpOpen = false;
-  unseen: Unseen = 'no';
-  framing = false;             // a hand is to be kept in the camera's frame, before it steers
-  notice = '';                 // why something was refused
+  unseen: PictureLoss = 'no';
+  framing = false;             // the camera waits for a hand in its frame before it steers
+  notice = '';                 // why an order was refused
 
-  // Reported by the program.
+  // Reports of the program.
   play: Play | null = null;
   levels = 1;
   palmLink = 0;
   hardware = false;
-  setHelp: Help | undefined;   // by the therapist
+  setHelp: Help | undefined;   // set by the therapist
   everOpen = false;
 
-  // The part of the exercise that is played.
-  partFollows = false;         // another one comes after it
-  praised = false;             // for the part that is done now
+  // The current part of the exercise.
+  partFollows = false;         // another part comes after it
+  praised = false;             // the current part was praised
   private profile = '';
-  private starsCounted = false;   // of this part
-  private restSeen = false;    // the program has said that it rests
+  private starsCounted = false;   // the stars of this part were added
+  private restSeen = false;    // the program has reported this rest
   private readonly playedBefore = playedSession();
   private loadedLevel = 1;
 
-  /** What orders ask again while they are on their way, because they change it. */
-  readonly known = (): Known => ({ play: this.play, hardware: this.hardware });
+  /** Facts that orders read again while they are under way, because they change them. */
+  readonly known = (): PlayContext => ({ play: this.play, hardware: this.hardware });
 
   situation({ status, problem, attempts, controls, loss }: Connection): Situation {
     const { everOpen, wish, resting, framing, unseen } = this;
@@ -88,29 +88,29 @@ export class Memory {
 
   chooseTextSize(wanted: TextSize): void { this.textSize = wanted; store(STORED.text, wanted); }
 
-  /** Whether what is measured of the grip is the person's own: with full help the page squeezes. */
+  /** Whether the measured grip is the person's own: with full help the page squeezes. */
   get ownGrip(): boolean { return this.hardware || this.help !== 'full'; }
 
-  /** The stars of the patient whose profile is loaded, with those of this part, which are added once. */
+  /** The stars of the loaded profile, including those of this part, which are added once. */
   countStars(won: number): number {
     if (this.starsCounted) return starsOf(this.profile);
     this.starsCounted = true;
     return addStars(this.profile, won);
   }
 
-  /** Ends the play. Only the person begins it again: nothing takes the hand back by itself. */
+  /** Ends the play. Only a press of the person begins it again. */
   leavePlay(): void {
     if (this.wish === 'play') this.wish = 'watch';
     this.resting = 'no';
     this.helpOpen = false;
   }
 
-  /** Takes note that this page plays now. */
+  /** Records that this page plays now. */
   remember(state: WorldStateT | null): void {
-    try { sessionStorage.setItem(PLAYED, String(state?.session ?? -1)); } catch { /* a reload begins anew */ }
+    try { sessionStorage.setItem(PLAYED, String(state?.session ?? -1)); } catch { /* without storage a reload starts anew */ }
   }
 
-  /** Begins a rest, in which the device lets go. It is over when the device renders again, or when something else ends. */
+  /** Begins a rest, in which the device is released. It is over when the device renders again, or when another stop happens. */
   beginRest(): void {
     this.resting = 'off';
     this.restSeen = false;
@@ -132,7 +132,7 @@ export class Memory {
     this.restSeen ||= state.rested;
     if (this.resting === 'off' && this.restSeen && state.runState === RunState.Rendering) this.resting = 'no';
     if (this.play?.follow(state)) this.starsCounted = false;
-    // Nobody has played since this tab did: what was begun goes on.
+    // Nobody has played since this tab did, so its play continues.
     if (this.wish !== 'undecided' || !this.isTheirs || state.session !== this.playedBefore || !isFaded(state)) return;
     this.isTheirs = false;
     this.level = this.loadedLevel;

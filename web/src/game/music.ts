@@ -1,8 +1,8 @@
-// Quiet music, made here: slow chords, each broken into soft tones of a C major scale, over and over.
+// Quiet generated music: slow chords, each broken into soft tones of a C major scale, repeated.
 
 export interface Tone { readonly tone_hz: number; readonly at_s: number; readonly long_s: number; readonly loud: number }
 
-/** One bar [s]; four tones a bar. */
+/** Duration of a bar of four tones [s]. */
 export const BAR_S = 4;
 const C4_HZ = 261.6256;
 /** Semitones over C4, four to a chord: C, A minor, F, G. */
@@ -21,7 +21,7 @@ export function barTones(bar: number): Tone[] {
   return tones;
 }
 
-/** How far ahead tones are given to the browser [s], and how often [ms]. */
+/** Tones are scheduled this far ahead [s], this often [ms]. */
 const AHEAD_S = 1.5;
 const LOOK_MS = 500;
 
@@ -46,7 +46,7 @@ export class Music {
   }
 
   private look(): void {
-    // Tones that a paused page has missed are not played later.
+    // Tones that a paused page has missed are skipped.
     this.next_s = Math.max(this.next_s, this.context.currentTime);
     while (this.next_s < this.context.currentTime + AHEAD_S) {
       for (const tone of barTones(this.bar)) this.sound(tone);

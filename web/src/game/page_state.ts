@@ -1,4 +1,4 @@
-// What the page shows at one moment, as a pure function of what it knows. No words of a language, no elements.
+// The page's state as a pure function of its inputs. No texts, no elements.
 import type { Phase, Play } from '../exercises/exercise';
 import type { ConnectionStatus, VersionProblem } from '../net/connection';
 import type { Hands, Loss } from '../net/holding';
@@ -9,27 +9,27 @@ import { faultWord } from '../shared/i18n';
 /** Bit of WorldState.faults; docs/safety.md. */
 const OWNER_SILENT = 1 << 20;
 
-/** The phase of the task while the person plays; otherwise what keeps them from it. */
+/** The phase of the task while the person plays; otherwise the obstacle to playing. */
 export type PageState =
   | Phase | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest';
 
-/** 'between': the exercise is paused between two parts. 'off': the device has let go at this person's wish. */
-export type Resting = 'no' | 'between' | 'off';
+/** 'between': the exercise is paused between two parts. 'off': the device was released at this person's wish. */
+export type RestState = 'no' | 'between' | 'off';
 
-/** 'lost': the browser lost the picture. 'back': it is there again, and the person has not gone on yet. */
-export type Unseen = 'no' | 'lost' | 'back';
+/** 'lost': the browser lost the picture. 'back': it is there again, and the person has not continued yet. */
+export type PictureLoss = 'no' | 'lost' | 'back';
 
 export interface Situation {
   readonly status: ConnectionStatus;
   readonly problem: VersionProblem | null;
   readonly everOpen: boolean;      // the program has answered since the page was opened
-  readonly attempts: number;       // failed ones since it was last there
+  readonly attempts: number;       // failed attempts since it was last there
   readonly wish: 'undecided' | 'play' | 'watch';
-  readonly loading: boolean;       // orders of ours are on their way that stop the run for a moment
-  readonly resting: Resting;
-  readonly framing: boolean;       // the camera is opened, and a hand to be kept in its frame
-  readonly unseen: Unseen;         // the picture that the person plays by
-  readonly loss: Loss;             // of the controls that this page had
+  readonly loading: boolean;       // this page's orders are under way that stop the run for a moment
+  readonly resting: RestState;
+  readonly framing: boolean;       // the camera is open and waits for a hand in its frame
+  readonly unseen: PictureLoss;         // state of the picture that the person plays by
+  readonly loss: Loss;             // why this page lost the controls
   readonly held: Pick<Hands, 'heldByYou' | 'held'>;
 }
 
@@ -44,7 +44,7 @@ export function isPlaying(s: Situation, state: WorldStateT | null): boolean {
   return state.steering === Steering.Person || hasHardware(state);
 }
 
-/** Whether the rest that this page asked for still holds: nothing else has ended the rendering. */
+/** Whether the rest that this page requested still holds: no other stop has ended the rendering. */
 function restHolds({ runState, rested }: Pick<WorldStateT, 'runState' | 'rested'>): boolean {
   return runState === RunState.Rendering || (rested && (runState === RunState.Stopping || runState === RunState.Stopped));
 }
@@ -72,7 +72,7 @@ export function faultsOf(names: readonly unknown[], bits: number): string[] {
   return names.map(String).filter((_, bit) => ((bits >>> bit) & 1) === 1);
 }
 
-/** Why the run stopped by itself; empty after a stop that somebody asked for. */
+/** Why the run stopped by itself; empty after a stop by a person. */
 export function causeOf(scene: Pick<SceneT, 'faultNames'> | null, state: WorldStateT): string {
   if (state.runState !== RunState.Faulted || !scene) return '';
   return faultsOf(scene.faultNames, state.latchedFaults).filter((name) => name !== 'stop requested').map(faultWord).join(', ');

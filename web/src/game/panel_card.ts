@@ -1,9 +1,9 @@
-// The card of an exercise that has no picture of its own here: its values, each with its range and goal band.
+// The card of an exercise without its own view: its values, each with its range and goal band.
 import { h, setAttribute, setText } from '../shared/dom';
 import type { ExercisePanel, PanelValueView } from '../exercises/panel';
 import type { WorldStateT } from '../protocol';
 
-/** For this long the last event stays [ms]. */
+/** Time for which the last event is shown [ms]. */
 const EVENT_MS = 4000;
 
 interface Row { readonly row: HTMLElement; readonly label: HTMLElement; readonly number: HTMLElement; readonly unit: HTMLElement; readonly track: HTMLElement; readonly fill: HTMLElement; readonly band: HTMLElement }
@@ -36,8 +36,8 @@ export class PanelCard {
     if (now_ms - this.shown_ms > EVENT_MS) setText(this.event, '');
   }
 
-  /** Something happened. */
-  tell(words: string, now_ms: number): void {
+  /** Shows an event for EVENT_MS. */
+  showEvent(words: string, now_ms: number): void {
     this.shown_ms = now_ms;
     setText(this.event, words);
   }

@@ -1,15 +1,15 @@
-// The picture behind the words, where WebGL is there, in the quality that the machine can draw.
+// The 3D picture behind the texts, where WebGL is available, in the quality that the machine can draw.
 import type { SceneView } from '../scene/scene_view';
 import type { Quality, QualityChooser } from '../scene/quality';
 import type { ToneName as Tone } from '../hand/tones';
 
 export type Picture = SceneView;
 
-/** Which quality is drawn in: asked for by ?quality=, or chosen from the machine and its frame time. */
+/** Chooses the quality: by ?quality=, or from the machine and its frame time. */
 export class QualityWatch {
   constructor(public now: Quality, private readonly chooser: QualityChooser | null) {}
 
-  /** After a frame. */
+  /** Call after a frame. */
   look(picture: Picture, now_ms: number): void {
     const wanted = this.chooser?.choose(picture.stats(), now_ms) ?? this.now;
     if (wanted === this.now) return;
@@ -18,7 +18,7 @@ export class QualityWatch {
   }
 }
 
-/** Throws where there is no WebGL. Loaded apart from the words, which are there at once. */
+/** Loads the 3D view, separately from the texts. Throws without WebGL. */
 export async function loadPicture(canvas: HTMLCanvasElement, tone: Tone): Promise<{ picture: Picture; quality: QualityWatch }> {
   const [{ SceneView }, { initialQuality, QualityChooser }] = await Promise.all([import('../scene/scene_view'), import('../scene/quality')]);
   const asked = new URLSearchParams(location.search).get('quality');

@@ -1,4 +1,4 @@
-// Small drawings: signs and buttons, by constant markup.
+// Small drawings from constant markup: signs and buttons.
 import { drawing } from '../shared/dom';
 
 export const tickPicture = (): SVGElement => drawing('<svg viewBox="0 0 24 24" fill="none" stroke="#fff" stroke-width="4" stroke-linecap="round" stroke-linejoin="round" aria-hidden="true"><path d="M4 13l5.500 5.500L20 7"/></svg>');

@@ -1,4 +1,4 @@
-// Turns what the person presses into orders.
+// Turns presses of the person into orders.
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { Act, RunState } from '../protocol';
@@ -9,13 +9,13 @@ import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './take
 import { isPlaying } from './page_state';
 
 export class Presses {
-  private begins = false;  // a press of Start is on its way
+  private begins = false;  // a press of Start is under way
 
   constructor(
     private readonly connection: Connection, private readonly controls: Controls,
     private readonly memory: Memory, private readonly sound: Sound,
   ) {
-    // Whoever leaves while the camera starts has to press again.
+    // A person who leaves while the camera starts must press again.
     connection.on('leaving', () => { if (memory.framing) controls.stopWebcam(); });
   }
 
@@ -37,17 +37,17 @@ export class Presses {
     this.memory.notice = answer.reason;
   }
 
-  /** Pauses the exercise, which would go on by itself, for as long as the person looks at the praise. */
+  /** Pauses the exercise while the person reads the praise. */
   hold(): void { void this.connection.act(Act.Pause); }
   again(): void { void this.connection.act(Act.Restart); }
 
-  /** Rests between two parts of the exercise: what was done stays done. */
+  /** Rests between two parts of the exercise; finished parts are kept. */
   async restBetween(): Promise<void> {
     await this.connection.act(Act.Pause);
     this.memory.resting = 'between';
   }
 
-  /** Rests at any time: the device lets go gently. The page shows the rest before the program has answered. */
+  /** Rests at any time: the device is released gently. The page shows the rest before the program has answered. */
   async rest(): Promise<void> {
     const { connection, memory } = this;
     const starting = memory.press !== null;
@@ -71,7 +71,7 @@ export class Presses {
     this.memory.resting = 'no';
   }
 
-  /** Starts again after a rest, by this press alone: the order names the rest as its last ending (ADR 16). */
+  /** Starts again after a rest with this press alone: the order names the rest as its last ending (ADR 16). */
   private async endRest(): Promise<void> {
     const { connection, memory } = this;
     if (!memory.playedBeforeRest) {
@@ -90,19 +90,19 @@ export class Presses {
     this.controls.stopWebcam();
   }
 
-  /** Goes on after the picture was lost and is back. */
+  /** Continues after the picture was lost and is back. */
   seeAgain(): void {
     this.memory.unseen = 'no';
     void this.connection.act(Act.Resume);
   }
 
-  /** Starts the camera again after it was gone. It steers after the same step as the first time. */
+  /** Starts the camera again after a loss. It steers after the same step as the first time. */
   cameraAgain(): void {
     this.memory.way = 'webcam';
     this.start();
   }
 
-  /** Closes the camera; the person goes on by another way. */
+  /** Closes the camera; the person continues by another input method. */
   otherWay(): void { this.controls.stopWebcam(); }
 
   help(): void {
@@ -114,7 +114,7 @@ export class Presses {
     const { connection, memory } = this;
     const press = this.press();
     const camera = await openCamera(this.controls, memory.way);
-    // After a stop meanwhile, here or elsewhere, the person has to press again.
+    // After a stop in the meantime, here or elsewhere, the person must press again.
     if (!press.holds) return;
     if (!camera.accepted) { memory.notice = camera.reason; return; }
     const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs };
@@ -126,16 +126,16 @@ export class Presses {
       memory.isTheirs = false;
       memory.remember(connection.latestState);
     }
-    // Not by this person's own stop: they have to hear why nothing began.
+    // The reason is shown, except after this person's own stop.
     if (outcome.is === 'stopped' && !press.isCancelled) memory.notice = text('refusal.StopNotSeen');
-    // Another page plays: this one watches, and says so.
+    // Another page plays: this page watches and shows that.
     if (outcome.is === 'another plays') memory.wish = 'watch';
   }
 
-  /** A press on what is on the screen now. */
+  /** A press with the endings that are on the screen now. */
   private press(): Press { return new Press(this.connection, this.memory.endingsShown); }
 
-  /** Marks that orders are on their way: a run that stops to load a level is not shown as stopped. */
+  /** Marks that orders are under way: a run that stops to load a level is not shown as stopped. */
   private async busy<Result>(press: Press, orders: (press: Press) => Promise<Result>): Promise<Result> {
     this.memory.press = press;
     try {

@@ -1,4 +1,4 @@
-// What the page shows: picture, words over it, and the card that lies over both.
+// The page's display: picture, texts over it, and the card over both.
 import { targetsOf } from '../exercises';
 import type { GraspTargets, Play } from '../exercises/exercise';
 import type { WebcamView } from '../input/webcam';
@@ -9,12 +9,12 @@ import { answerPresses, showPressed } from '../shared/pressed';
 import { isRecorded } from '../shared/recorded';
 import { CameraView } from './camera_view';
 import { cueTowards, depthMarks, targetAndPalm, unit_px } from './cues';
-import { Cards, type Behind } from './cards';
+import { Cards, type CardContext } from './cards';
 import { Hints, type HintLevel } from './hints';
 import { Hud } from './hud';
 import type { Picture } from './picture';
 import { isFaded, isPlaying, type PageState } from './page_state';
-import { besideOf, playWords } from './words';
+import { palmOffsetOf, playWords } from './words';
 
 /** States in which the person does not move the hand. */
 const CARDS: ReadonlySet<PageState> = new Set<PageState>(['watching', 'welcome', 'loading', 'left', 'rest', 'success', 'framing', 'unseen']);
@@ -31,11 +31,11 @@ export class Screen {
   private readonly hints = new Hints();
   private hint: HintLevel = 0;
   private shown_ms = 0;
-  private shown = '';          // state and all that its dialog depends on
+  private shown = '';          // key of the state and of everything that its dialog depends on
   private givingBack = false;
   private targets: GraspTargets | null = null;
 
-  constructor(root: HTMLElement, play: HTMLElement, private readonly behind: Behind) {
+  constructor(root: HTMLElement, play: HTMLElement, private readonly behind: CardContext) {
     const { presses } = behind;
     this.hud = new Hud(root, {
       help: () => presses.help(), rest: () => this.rest(), stop: () => presses.stop(), play: () => presses.start(),
@@ -50,7 +50,7 @@ export class Screen {
     this.cards.show('welcome');
   }
 
-  /** Takes the picture; null where it cannot be drawn: the amount then stands by itself. */
+  /** Sets the picture; null where it cannot be drawn: the amount then stands by itself. */
   setPicture(picture: Picture | null): void {
     this.picture = picture;
     this.blind = picture === null;
@@ -82,7 +82,7 @@ export class Screen {
   show(now: PageState, state: WorldStateT | null): void {
     this.enter(now);
     this.hud.alarm(this.behind.connection.stopUnconfirmed);
-    if (state) this.tell(now, state);
+    if (state) this.writeWords(now, state);
   }
 
   private enter(now: PageState): void {
@@ -94,7 +94,7 @@ export class Screen {
       now === 'rest' && this.cards.restState,
     ].join();
     this.cards.showAttempts(attempts);
-    // After a stop the controls are given back, so that the next to start may command.
+    // After a stop the controls are given back, so that the next person to start may command.
     if (now === 'stopped' && connection.controls.heldByYou && !this.givingBack) void this.giveBack();
     if (key === this.shown) return;
     this.shown = key;
@@ -123,18 +123,18 @@ export class Screen {
     this.givingBack = false;
   }
 
-  // ---- the words over the picture
+  // ---- the texts over the picture
 
-  /** Instruction, card, meter, amount, cues. */
-  private tell(now: PageState, state: WorldStateT): void {
+  /** Updates instruction, card, meter, amount and cues. */
+  private writeWords(now: PageState, state: WorldStateT): void {
     const { play } = this.behind.memory;
     const own = play !== null && play.panel === null;
-    // The labels are read before anything is written: afterwards the browser would compute the layout again.
+    // The labels are read before anything is written: otherwise the browser would compute the layout again.
     const labels = own ? this.picture?.labels() : undefined;
     this.hint = this.hintNow(now, state);
-    const said = this.words(now, state);
-    this.hud.say(...said);
-    this.speak(now, said);
+    const words = this.words(now, state);
+    this.hud.writeInstruction(...words);
+    this.speak(now, words);
     this.hud.record(isRecorded(this.behind.connection.scene, state));
     const panel = PANEL.has(now) ? play?.panel ?? null : null;
     this.hud.panel.show(panel, state, performance.now());
@@ -145,13 +145,13 @@ export class Screen {
     else if (this.blind) this.hud.place({ x_px: 0, y_px: 0 }, null);
   }
 
-  /** Speaks the words that are on the screen. */
+  /** Speaks the text on the screen. */
   private speak(now: PageState, [title, more]: [string, string]): void {
     const spoken: Partial<Record<PageState, [string, string]>> = {
       stopped: [text('stopped.title'), text('stopped.what')], lost: [text('lost.title'), text('lost.what')], rest: [text('rest.title'), ''],
       welcome: ['', ''], success: [text('success.title'), now === 'success' ? [title, this.effort()].filter(Boolean).join(' ') : ''],
     };
-    this.cards.speech.tell(...(spoken[now] ?? [title, more]), performance.now());
+    this.cards.speech.onInstruction(...(spoken[now] ?? [title, more]), performance.now());
   }
 
   private effort(): string {
@@ -159,7 +159,7 @@ export class Screen {
     return (latestState && memory.play?.praise(latestState, memory.ownGrip)?.effort) ?? '';
   }
 
-  /** The hint that is due; with the last one the hand shows what to do. */
+  /** The current hint; with the last one the hand shows the task. */
   private hintNow(now: PageState, state: WorldStateT): HintLevel {
     const { controls, memory } = this.behind;
     const now_ms = performance.now(), dt_s = Math.min(0.25, (now_ms - this.shown_ms) / 1000);
@@ -185,12 +185,12 @@ export class Screen {
     const { title, more } = playWords(play, state, {
       now, help: memory.help, hint: this.hint, oneButton: memory.way !== 'webcam' && !memory.hardware,
       onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0, letGo: controls.letGoWords, inVain: controls.holdWords,
-      beside: scene && this.targets && besideOf(this.targets, scene.rightHand, state, memory.palmLink),
+      beside: scene && this.targets && palmOffsetOf(this.targets, scene.rightHand, state, memory.palmLink),
     });
     return [title, more];
   }
 
-  /** The words while somebody else plays; the virtual patient's steps have the same words as a person's. */
+  /** The text while somebody else plays; the virtual patient's steps have the same text as a person's. */
   private watchingWords(play: Play | null, state: WorldStateT): [string, string] {
     const { connection: { controls }, memory: { notice } } = this.behind;
     const renders = state.runState === RunState.Rendering;

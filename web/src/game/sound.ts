@@ -1,4 +1,4 @@
-// Gentle sounds, made here: a trickle while something flows, bells for what is reached or done, and music once a person
+// Generated sounds: a trickle while something flows, bells for reached and finished goals, and music once a person
 // turns it on.
 import type { Bells, Chime, FlowSound } from '../exercises/exercise';
 import { store, stored } from '../shared/i18n';
@@ -8,7 +8,7 @@ const STORED = 'wholehand.sound';
 const STORED_MUSIC = 'wholehand.music';
 const VOLUME = 0.16;
 
-/** How loud the music is: off, and three steps 6 dB apart. */
+/** Volumes of the music: off, and three steps 6 dB apart. */
 export const MUSIC_VOLUMES = ['off', 'soft', 'medium', 'loud'] as const;
 export type MusicVolume = typeof MUSIC_VOLUMES[number];
 const MUSIC_GAIN: Readonly<Record<MusicVolume, number>> = { off: 0, soft: 0.03, medium: 0.06, loud: 0.12 };
@@ -17,7 +17,7 @@ const CHIMES: Readonly<Record<Exclude<Chime, Bells>, Bells>> = {
   line: { tones_hz: [880], apart_s: 0.12 }, step: { tones_hz: [659, 880], apart_s: 0.16 }, done: { tones_hz: [523, 659, 784], apart_s: 0.18 },
 };
 
-/** Of what flows: its pitch at the lowest level and at the highest [Hz], how narrow its band is, and how loud it is. */
+/** For each flow sound: its pitch at the lowest and the highest level [Hz], the narrowness of its band, and its volume. */
 const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high_hz: number; readonly narrow: number; readonly loud: number }>> = {
   stream: { low_hz: 500, high_hz: 1400, narrow: 1.2, loud: 0.8 },
   air: { low_hz: 140, high_hz: 420, narrow: 0.6, loud: 1 },
@@ -25,13 +25,13 @@ const FLOWS: Readonly<Record<FlowSound, { readonly low_hz: number; readonly high
   slide: { low_hz: 190, high_hz: 520, narrow: 0.9, loud: 0.9 },
 };
 
-/** A stream that gets thinner than this, 0 .. 1, ends in drops: when each falls, and how loud it is. */
+/** A stream whose rate falls below this, 0 .. 1, ends in drops: the time of each, and its volume. */
 const ENDS = 0.04;
 const DROPS = [{ after_s: 0.17, loud: 0.12 }, { after_s: 0.37, loud: 0.08 }, { after_s: 0.72, loud: 0.05 }] as const;
-/** A drop's pitch rises while it is heard [Hz, s]. */
+/** The pitch of a drop rises from the first to the second value while it sounds [Hz, s]. */
 const DROP_HZ = [620, 1240] as const;
 const DROP_S = 0.07;
-/** Air that comes back: the middle of its noise, how far and how often that swings [Hz], and how loud it is. */
+/** The sound of returning air: centre of its noise band, amplitude and frequency of its swing [Hz], and volume. */
 const GURGLE = { middle_hz: 260, swing_hz: 110, often_hz: 9, loud: 0.5 } as const;
 
 export class Sound {
@@ -45,7 +45,7 @@ export class Sound {
   private air: GainNode | null = null;
   private rate = 0;
 
-  /** Begins the sound. To be called from a gesture of the person: browsers allow no sound before one. */
+  /** Starts the audio. Call it from a gesture of the person: browsers allow no sound before one. */
   unlock(): void {
     if (this.context || typeof AudioContext === 'undefined') return;
     try {
@@ -58,7 +58,7 @@ export class Sound {
       this.air = makeGurgle(this.context, noise, this.master);
       this.makeMusic(this.context);
     } catch {
-      this.context = null;   // no audio device: the game is complete without
+      this.context = null;   // without an audio device the game continues silently
     }
   }
 
@@ -79,7 +79,7 @@ export class Sound {
     if (volume === 'off') this.music.stop(); else this.music.play();
   }
 
-  /** While something flows, 0 .. 1; the pitch rises with the level of what it fills, 0 .. 1. */
+  /** The sound of a flow of this rate, 0 .. 1; the pitch rises with the fill level, 0 .. 1. */
   flow(rate: number, level: number, sound: FlowSound = 'stream'): void {
     if (!this.context || !this.trickle) return;
     const now = this.context.currentTime, { low_hz, high_hz, narrow, loud } = FLOWS[sound];
@@ -90,7 +90,7 @@ export class Sound {
     this.rate = rate;
   }
 
-  /** While air comes back into what is squeezed, 0 .. 1. */
+  /** The sound of air that returns into the squeezed container, 0 .. 1. */
   gurgle(rate: number): void {
     if (this.context && this.air) this.air.gain.setTargetAtTime(Math.min(1, rate) * GURGLE.loud, this.context.currentTime, 0.06);
   }
@@ -112,7 +112,7 @@ export class Sound {
     });
   }
 
-  /** The music has its own volume, and a low-pass, so that words and bells stand out. */
+  /** The music has its own volume and a low-pass filter, so that speech and bells stand out. */
   private makeMusic(context: AudioContext): void {
     const dull = context.createBiquadFilter();
     dull.type = 'lowpass';
@@ -141,7 +141,7 @@ export class Sound {
   }
 }
 
-/** Two seconds of noise, round and round. */
+/** Two seconds of noise in a loop. */
 function makeNoise(context: AudioContext): AudioBufferSourceNode {
   const noise = context.createBuffer(1, 2 * context.sampleRate, context.sampleRate);
   const samples = noise.getChannelData(0);
@@ -157,7 +157,7 @@ function makeNoise(context: AudioContext): AudioBufferSourceNode {
   return source;
 }
 
-/** A band of the noise that makes it a stream, air or a tone; silent at first. */
+/** A band-pass of the noise for a stream, air or a tone; silent at first. */
 function makeBand(context: AudioContext, noise: AudioNode, to: AudioNode): { gain: GainNode; filter: BiquadFilterNode } {
   const filter = context.createBiquadFilter();
   filter.type = 'bandpass';
@@ -169,7 +169,7 @@ function makeBand(context: AudioContext, noise: AudioNode, to: AudioNode): { gai
   return { gain, filter };
 }
 
-/** A band that swings to and fro: bubbles. */
+/** A band-pass that swings: bubbles. */
 function makeGurgle(context: AudioContext, noise: AudioNode, to: AudioNode): GainNode {
   const { gain, filter } = makeBand(context, noise, to), swing = context.createOscillator(), far = context.createGain();
   filter.frequency.value = GURGLE.middle_hz;

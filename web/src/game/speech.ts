@@ -1,13 +1,13 @@
-// Spoken instructions, by the browser's own voices: only those of this machine, as nothing is asked of any other server.
+// Spoken instructions by the browser's voices. Only local voices are used, so that nothing is sent to a server.
 import { language, store, stored, type Language } from '../shared/i18n';
 
 const STORED = 'wholehand.speech';
-/** Words are spoken after they have stood for this long [ms]; shorter ones would be over before they are heard. */
+/** Text is spoken after it was shown for this long [ms]; shorter texts would be outdated before they are heard. */
 const STEADY_MS = 500;
-/** Rate of the voice; 1 is the browser's usual one. */
+/** Rate of the voice; 1 is the browser's default. */
 const RATE = 0.9;
 
-/** A voice of the language on this machine: the one of the person's country first. */
+/** A local voice of the language, preferably of the person's country. */
 export function voiceOf(voices: readonly SpeechSynthesisVoice[], wanted: Language, wishes: readonly string[]): SpeechSynthesisVoice | null {
   const ours = voices.filter(({ lang, localService }) => localService && lang.slice(0, 2).toLowerCase() === wanted);
   const wish = wishes.find((one) => one.slice(0, 2).toLowerCase() === wanted)?.toLowerCase();
@@ -15,7 +15,7 @@ export function voiceOf(voices: readonly SpeechSynthesisVoice[], wanted: Languag
   return same ?? ours.find((voice) => voice.default) ?? ours[0] ?? null;
 }
 
-/** Decides which words are spoken: those that are new and have stood for long enough. */
+/** Decides which text is spoken: text that is new and was shown for STEADY_MS. */
 export class Announcer {
   private title = '';
   private more = '';
@@ -23,7 +23,7 @@ export class Announcer {
   private saidMore = '';
   private since_ms = 0;
 
-  /** @return what to say now; '' nothing */
+  /** @return the text to speak now; '' none */
   look(title: string, more: string, now_ms: number): string {
     if (title !== this.title || more !== this.more) {
       [this.title, this.more, this.since_ms] = [title, more, now_ms];
@@ -34,7 +34,7 @@ export class Announcer {
     return words;
   }
 
-  /** Forgets what was spoken, so that the words on the screen are spoken again. */
+  /** Forgets the spoken text, so that the text on the screen is spoken again. */
   forget(): void { this.saidTitle = this.saidMore = ''; }
 }
 
@@ -43,7 +43,7 @@ export class Speech {
   private readonly announcer = new Announcer();
   private readonly synthesis: SpeechSynthesis | undefined = typeof speechSynthesis === 'undefined' ? undefined : speechSynthesis;
 
-  /** @param onVoices called when the browser has found its voices: some do so late */
+  /** @param onVoices called when the browser has found its voices, which may be late */
   constructor(onVoices: () => void) { this.synthesis?.addEventListener?.('voiceschanged', onVoices); }
 
   get hasVoice(): boolean { return this.voice() !== null; }
@@ -55,19 +55,19 @@ export class Speech {
     if (!this.on) this.synthesis?.cancel();
   }
 
-  /** Takes the words on the screen, and speaks what is new of them once they have stood. */
-  tell(title: string, more: string, now_ms: number): void {
+  /** Updates the text on the screen, and speaks what is new in it. */
+  onInstruction(title: string, more: string, now_ms: number): void {
     if (!this.on) return;
     const words = this.announcer.look(title, more, now_ms);
-    if (words) this.say(words);
+    if (words) this.speak(words);
   }
 
   private voice(): SpeechSynthesisVoice | null {
     return voiceOf(this.synthesis?.getVoices() ?? [], language(), navigator.languages);
   }
 
-  /** Speaks at once: words that are still being spoken are out of date. */
-  private say(words: string): void {
+  /** Speaks at once and cancels earlier speech. */
+  private speak(words: string): void {
     const voice = this.voice();
     if (!voice || !this.synthesis) return;
     const utterance = new SpeechSynthesisUtterance(words);

@@ -1,4 +1,4 @@
-// Takes a person from watching to playing: the orders in their sequence, and the reason where one is refused.
+// The change from watching to playing: the orders in their sequence, and the reason of a refusal.
 import { FIRST } from '../exercises';
 import type { Play } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
@@ -11,37 +11,37 @@ import { hasHardware } from '../shared/hardware';
 import { isFaded } from './page_state';
 
 export interface Wishes {
-  readonly way: string;      // of playing
+  readonly way: string;      // the input method
   readonly level: number;
-  readonly fresh: boolean;   // a person who comes new begins anew
+  readonly fresh: boolean;   // a new person begins from the start
 }
 
-/** What the page knows. It is asked again after every order, because orders change it. */
-export interface Known { readonly play: Play | null; readonly hardware: boolean }
+/** Facts that are read again after every order, because orders change them. */
+export interface PlayContext { readonly play: Play | null; readonly hardware: boolean }
 
 export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string };
 
 const EVERY_MS = 25;
 const TRIES = 80;
 const TRIES_AFTER_REFUSAL = 20;
-/** A press takes the controls so often at most, where they are lost before the person plays. */
+/** A press takes the controls at most this often if they are lost before the person plays. */
 const TAKES = 3;
 
 const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS); });
 
-/** Waits until the program's states say so, for two seconds at most. */
+/** Waits until `so` is true, for two seconds at most. */
 async function until(so: () => boolean, most = TRIES): Promise<void> {
   for (let tries = 0; tries < most && !so(); tries++) await wait();
 }
 
 /**
- * A press of a person. It holds until they press Stop, or anything stops. Orders of it that are not sent by then
- * are not sent any more, and the program refuses those that are on their way.
+ * A press of a person. It holds until they press Stop, or anything stops. Its orders that are not sent by then
+ * are dropped, and the program refuses those that are under way.
  */
 export class Press {
   private cancelled = false;
 
-  /** `seen`: the newest ending, of those that the program counts, that the person was shown. */
+  /** @param seen the newest ending of the program that was shown to the person */
   constructor(private readonly connection: Connection, readonly seen: number) {}
 
   cancel(): void { this.cancelled = true; }
@@ -49,8 +49,8 @@ export class Press {
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
-/** Loads that level, or the first exercise where one is on that shows nothing; nothing when it is there already. */
-async function matchLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
+/** Loads a level; or the first exercise if the present one cannot be shown. It does nothing if the level is loaded. */
+async function matchLevel(connection: Connection, known: () => PlayContext, level: number): Promise<Answer> {
   const { scene } = connection;
   const shown = known().play !== null;
   if (!scene || (shown && scene.level === level)) return { accepted: true, reason: '' };
@@ -59,8 +59,8 @@ async function matchLevel(connection: Connection, known: () => Known, level: num
   return answer;
 }
 
-/** The person at this screen moves the hand. On a real device that is the person's own hand. */
-async function steer(connection: Connection, known: () => Known): Promise<Answer> {
+/** Lets the person at this screen move the hand. On a real device that is the person's own hand. */
+async function steer(connection: Connection, known: () => PlayContext): Promise<Answer> {
   if (known().hardware) return { accepted: true, reason: '' };
   const answer = await connection.steer(Steering.Person);
   if (answer.accepted) await until(() => {
@@ -70,13 +70,13 @@ async function steer(connection: Connection, known: () => Known): Promise<Answer
   return answer;
 }
 
-/** Another level for a person who plays: loading gives the hand back to the virtual patient. */
-export async function changeLevel(connection: Connection, known: () => Known, press: Press, level: number): Promise<Answer> {
+/** Changes the level of a person who plays: loading gives the hand back to the virtual patient, so it is taken again. */
+export async function changeLevel(connection: Connection, known: () => PlayContext, press: Press, level: number): Promise<Answer> {
   const loaded = await matchLevel(connection, known, level);
   return loaded.accepted && press.holds ? steer(connection, known) : loaded;
 }
 
-/** Where the hand is, but open: what the virtual patient held is let go of. The program makes it a gentle move. */
+/** The present posture with open fingers: it releases what the virtual patient held. The program moves there gently. */
 export function openedHand(axes: readonly { readonly name: string }[], q: readonly number[]): number[] {
   return axes.map(({ name }, i) => (isHandAxis(name) ? postureOf(name, 0) : q[i] ?? 0));
 }
@@ -90,16 +90,16 @@ export async function openCamera(controls: Controls, way: string): Promise<Answe
   return { accepted: ok, reason };
 }
 
-/** Whether what the program does last is a rest, which the client that rested may end. */
+/** Whether the program is in a rest, which the client that requested it may end. */
 const restsNow = ({ latestState: state }: Connection): boolean => state?.runState === RunState.Stopped && state.rested;
 
-/** A therapist who is there starts it, and chooses what is played. */
+/** Whether a therapist is present, who then starts the run and chooses the exercise. */
 function waitsForTherapist(connection: Connection): boolean {
   return connection.controls.led && connection.latestState?.runState !== RunState.Rendering && !restsNow(connection);
 }
 
-/** From watching to playing. After a stop the controls are given back: the next to start may command. */
-export async function takeOver(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
+/** Changes from watching to playing. After a stop the controls are given back: the next person to start may command. */
+export async function takeOver(connection: Connection, known: () => PlayContext, press: Press, wishes: Wishes): Promise<Outcome> {
   if (waitsForTherapist(connection)) return { is: 'refused', reason: text('welcome.led') };
   let outcome: Outcome, unheard: boolean, takes = 0;
   do {
@@ -108,22 +108,22 @@ export async function takeOver(connection: Connection, known: () => Known, press
     const had = connection.controls.heldByYou;
     outcome = await takeHand(connection, known, press, wishes);
     if (press.holds && outcome.is === 'playing') return outcome;
-    // A busy machine: the program did not hear the page while it drew its first pictures. The person has pressed, and waits.
+    // On a busy machine the program may lose the page while it draws its first pictures. Then the controls are taken again.
     unheard = had && !connection.controls.heldByYou && !connection.controls.held;
   } while (unheard && outcome.is === 'refused' && press.holds && ++takes < TAKES);
-  // A page that does not play keeps no other page from it.
+  // A page that does not play must not block another one.
   await connection.releaseControls();
   return press.holds ? outcome : { is: 'stopped' };
 }
 
-/** With the controls: loads, starts and steers, each only while the press holds. */
-async function takeHand(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
+/** Loads, starts and steers while holding the controls, each only while the press holds. */
+async function takeHand(connection: Connection, known: () => PlayContext, press: Press, wishes: Wishes): Promise<Outcome> {
   const loaded = connection.controls.led ? { accepted: true, reason: '' } : await matchLevel(connection, known, wishes.level);
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
   if (!press.holds) return { is: 'stopped' };
   if (connection.latestState?.runState === RunState.Disarmed || restsNow(connection)) {
     const armed = await connection.arm(press.seen);
-    // Somebody who has just left may have armed it: the next states say so, and that is as good.
+    // A page that has just been left may have armed it: the next states show it, and that is sufficient.
     const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
     await until(() => rendering() || !press.holds, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
     if (!press.holds) return { is: 'stopped' };
@@ -136,7 +136,7 @@ async function takeHand(connection: Connection, known: () => Known, press: Press
   return { is: 'playing' };
 }
 
-async function begin(connection: Connection, known: () => Known, wishes: Wishes): Promise<void> {
+async function begin(connection: Connection, known: () => PlayContext, wishes: Wishes): Promise<void> {
   const { scene, latestState } = connection;
   if (scene && latestState && !known().hardware) await connection.aim(openedHand(scene.axes.map(({ name }) => ({ name: String(name) })), latestState.qM));
   const { play } = known();
@@ -147,16 +147,16 @@ async function begin(connection: Connection, known: () => Known, wishes: Wishes)
 }
 
 /**
- * Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. The controls
- * are held until it has begun: what their holder asked for begins nothing once they are given back. Where it runs
- * already, the orders are sent in one go: a page that draws for a second between two of them would lose the controls.
+ * Lets the program play if nothing renders and nobody commands; opening the page is sufficient for that. The controls
+ * are held until it has begun: after they are given back, their holder's orders have no effect. If it runs already, the
+ * orders are sent at once: a page that draws for a second between two of them would lose the controls.
  */
-export async function letProgramPlay(connection: Connection, known: () => Known, press: Press): Promise<void> {
+export async function letProgramPlay(connection: Connection, known: () => PlayContext, press: Press): Promise<void> {
   const { latestState: state, controls } = connection;
   const disarmed = (state?.runState === RunState.Disarmed && !controls.led) || restsNow(connection);
   const renders = state?.runState === RunState.Rendering && !hasHardware(state);
   const faded = renders && isFaded(state);
-  // By a player who has left. The program refuses to end a therapist's pause.
+  // The pause was set by a player who has left. The program refuses to end a therapist's pause.
   const paused = renders && (known().play?.isPaused(state) ?? false);
   if ((!disarmed && !faded && !paused) || controls.held) return;
   const answers = [connection.takeControls()];

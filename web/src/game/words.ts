@@ -1,4 +1,4 @@
-// What the strip says in the play: what the exercise asks for, and the hint that is due.
+// The text of the strip during play: the exercise's instruction, and the current hint.
 import type { GraspTargets, Play, Prompt } from '../exercises/exercise';
 import { GRIP_FROM_PALM } from '../input/perceiver';
 import type { Help } from '../input/wish';
@@ -8,13 +8,13 @@ import type { HintLevel } from './hints';
 import { targetAndPalm } from './cues';
 import type { PageState } from './page_state';
 
-/** The palm's place relative to where it would hold the target [m, world]. */
-export interface Beside {
-  /** How far it still is, away from the person. */
+/** The palm's offset from the place where it would hold the target [m, world]. */
+export interface PalmOffset {
+  /** Remaining distance away from the person. */
   readonly ahead_m: number;
-  /** To the left of the target, as seen by the person; negative: to its right. */
+  /** Offset to the left of the target, as seen by the person; negative: to its right. */
   readonly left_m: number;
-  /** The side of a target on which this hand goes in: +1 its right (a right hand), -1 its left. */
+  /** The side of a target on which this hand enters: +1 its right (a right hand), -1 its left. */
   readonly goesIn: 1 | -1;
 }
 
@@ -25,7 +25,7 @@ const AT_M = 0.012;
 /** Stretched fingers pass beside a target's axis between these distances [m], on the side of the hand. */
 const LANE_M = [-0.004, 0.035] as const;
 
-export function besideOf(targets: GraspTargets, right: boolean, state: WorldStateT, palmLink: number): Beside | null {
+export function palmOffsetOf(targets: GraspTargets, right: boolean, state: WorldStateT, palmLink: number): PalmOffset | null {
   const both = targetAndPalm(targets, state, palmLink);
   if (!both) return null;
   const { target, palm } = both;
@@ -33,52 +33,52 @@ export function besideOf(targets: GraspTargets, right: boolean, state: WorldStat
   return { ahead_m: target.x - palm.x - GRIP_FROM_PALM.x, left_m: palm.y + goesIn * GRIP_FROM_PALM.y - target.y, goesIn };
 }
 
-/** Which way to go next, for a person without help. */
-export function wayTo({ ahead_m, left_m, goesIn }: Beside): TextKey {
+/** The next direction of movement, for a person without help. */
+export function wayTo({ ahead_m, left_m, goesIn }: PalmOffset): TextKey {
   const aside_m = -goesIn * left_m;
   const there = ahead_m <= AT_M;
   const inLane = aside_m >= LANE_M[0] && aside_m <= (there ? AT_M : LANE_M[1]);
   if (inLane) return 'hint.forward';
-  // In the row the hand would meet the target's side.
+  // Inside the row the hand would hit the target's side.
   if (ahead_m < IN_ROW_M && aside_m < -AT_M) return 'hint.back';
   return (aside_m < LANE_M[0]) === (goesIn > 0) ? 'hint.right' : 'hint.left';
 }
 
-/** What a hint says beside the instruction. */
+/** The text of a hint beside the instruction. */
 function hintOf(now: PageState, help: Help): TextKey {
   if (now === 'reach') return help === 'full' ? 'hint.press' : 'hint.forward';
   if (now === 'squeeze') return help === 'full' ? 'hint.again' : 'hint.hold';
   return now === 'letgo' || now === 'ease' ? 'hint.open' : 'hint.back';
 }
 
-export interface Asked {
+export interface PlayWordsInput {
   readonly now: PageState;
   readonly help: Help;
   readonly hint: HintLevel;
   readonly oneButton: boolean;    // plays with a press, not with a camera or a robot
   readonly onItsWay: boolean;
   readonly outOfReach: boolean;
-  readonly closing: boolean;      // the hand is asked to close, by a press that is held or one before
+  readonly closing: boolean;      // the hand is asked to close, by a held or an earlier press
   readonly letGo?: string;        // how the person ends a squeeze
-  readonly inVain?: string;       // after a tap that did nothing: how to squeeze
-  readonly beside: Beside | null;
+  readonly inVain?: string;       // how to squeeze, after a tap that had no effect
+  readonly beside: PalmOffset | null;
 }
 
-/** Title and sentence, one thing at a time. */
-export function playWords(play: Play, state: WorldStateT, asked: Asked): Prompt {
+/** Title and sentence, one instruction at a time. */
+export function playWords(play: Play, state: WorldStateT, asked: PlayWordsInput): Prompt {
   const { now, help, hint, oneButton, onItsWay, outOfReach, closing, letGo, beside } = asked;
-  const said = play.prompt(state, outOfReach);
-  const hinted = (more: TextKey): Prompt => ({ ...said, more: text(more) });
-  if (now === 'free' && asked.inVain) return { ...said, more: asked.inVain };
-  if (outOfReach || now === 'free') return said;
+  const prompt = play.prompt(state, outOfReach);
+  const hinted = (more: TextKey): Prompt => ({ ...prompt, more: text(more) });
+  if (now === 'free' && asked.inVain) return { ...prompt, more: asked.inVain };
+  if (outOfReach || now === 'free') return prompt;
   if (onItsWay) return hinted('game.onItsWay');
-  if (said.urgent) return said;
+  if (prompt.urgent) return prompt;
   if (hint === 3) return hinted('hint.shows');
   if (now === 'reach' && help === 'none' && beside) return hinted(wayTo(beside));
-  // A person who is asked to close the hand would press again, and so end what the first press began.
+  // A person who is asked to close the hand would press again, and so end the action of the first press.
   if (now === 'squeeze' && help === 'full' && (closing || oneButton)) return hinted(closing ? 'game.closing' : 'hint.again');
   if ((now === 'hold' || now === 'ease' || now === 'letgo') && help === 'full' && closing && oneButton) return hinted('game.letsGo');
-  if ((now === 'letgo' || (now === 'ease' && hint > 0)) && closing && letGo) return { ...said, more: letGo };
+  if ((now === 'letgo' || (now === 'ease' && hint > 0)) && closing && letGo) return { ...prompt, more: letGo };
   if (hint > 0) return hinted(hintOf(now, help));
-  return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : said;
+  return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : prompt;
 }

@@ -1,4 +1,4 @@
-// Distance fields: of the colliders, of the skin around those of one link, and the shading's weights.
+// Distance fields of the colliders and of the skin around those of one link, and the weights of the shading.
 //
 //   skin = clamp(smooth union of the skin's capsules, hard union of the colliders ± SKIN_REACH_M)
 //
@@ -8,17 +8,17 @@ import { SKIN_REACH_M, type HandCapsule } from './shape';
 
 /** Width of the fillet between capsules of one link [m]. */
 const FILLET_M = 5e-3;
-/** Rounding where the reach ends the fillet [m]. */
+/** Rounding radius where SKIN_REACH_M limits the fillet [m]. */
 const CLAMP_M = 0.3e-3;
 
-/** Minimum with a parabola of width k round the corner; equal to the minimum from |a - b| = k on. */
+/** Minimum with a parabola of width k around the corner; equal to the minimum for |a - b| >= k. */
 export function smoothMin(a: number, b: number, k: number): number {
   const h = Math.max(k - Math.abs(a - b), 0) / k;
   return Math.min(a, b) - h * h * k * 0.25;
 }
 const smoothMax = (a: number, b: number, k: number): number => -smoothMin(-a, -b, k);
 
-/** Share of the way from a to b of the point of the axis nearest to (x, y, z), 0 .. 1. */
+/** Position along the capsule's axis from a to b that is nearest to (x, y, z), 0 .. 1. */
 function along(c: HandCapsule, x: number, y: number, z: number): number {
   const bx = c.b[0] - c.a[0], by = c.b[1] - c.a[1], bz = c.b[2] - c.a[2];
   const squared = bx * bx + by * by + bz * bz;
@@ -39,7 +39,7 @@ export function capsuleDistance(c: HandCapsule, x: number, y: number, z: number)
   return axisDistance(c, along(c, x, y, z), x, y, z) - c.radius;
 }
 
-/** To the skin's own capsule, whose radius changes evenly along the axis [m]. */
+/** Signed distance to the skin's own capsule, whose radius changes linearly along the axis [m]. */
 export function skinCapsuleDistance(c: HandCapsule, x: number, y: number, z: number): number {
   const h = along(c, x, y, z);
   return axisDistance(c, h, x, y, z) - (c.skinA + (c.skinB - c.skinA) * h);
@@ -52,7 +52,7 @@ export function colliderField(capsules: readonly HandCapsule[], x: number, y: nu
   return nearest;
 }
 
-/** The skin around the capsules of one link: zero on it, negative inside [m]. */
+/** The skin field around the capsules of one link: zero on the skin, negative inside [m]. */
 export function skinField(capsules: readonly HandCapsule[], x: number, y: number, z: number): number {
   let soft = Infinity, hard = Infinity;
   for (const c of capsules) {
@@ -65,10 +65,10 @@ export function skinField(capsules: readonly HandCapsule[], x: number, y: number
 }
 
 /**
- * What a capsule adds to the shading at a point: its outward direction, weighted by exp(-d / width).
- * The direction of the sum over capsules is the normal that light sees: softer than the geometry,
- * so that it looks like skin while the geometry stays where the colliders are.
- * Adds x, y, z and the weight itself to `sum`.
+ * Adds a capsule's share of the shading at a point: its outward direction, weighted by exp(-d / width).
+ * The direction of the sum over capsules is the normal for the light: smoother than the geometry,
+ * so that the surface looks like skin while the geometry stays at the colliders.
+ * x, y, z and the weight itself are added to `sum`.
  */
 export function addShading(sum: Float64Array, c: HandCapsule, x: number, y: number, z: number): void {
   const h = along(c, x, y, z);

@@ -1,4 +1,4 @@
-// The hand in the picture: skin, nails, sleeve, and the colliders themselves when asked for.
+// The hand in the picture: skin, nails, sleeve, and optionally the colliders.
 
 import {
   BufferAttribute, BufferGeometry, CapsuleGeometry, Color, Group, Mesh, MeshBasicMaterial, MeshDepthMaterial,
@@ -12,15 +12,15 @@ import { fingertips, nailGeometry } from './nails';
 import type { HandShape } from './shape';
 import { MAX_GLOWS, makeSkin, poseSkin, setTone, skinUniforms, type SkinDetail, type SkinUniforms } from './skin_shader';
 import type { SkinMesh } from './skin_mesh';
-import { cuffGeometry, sleeveGeometry, type Weave } from './sleeve';
+import { cuffGeometry, sleeveGeometry, type ClothResolution } from './sleeve';
 import { toneOf } from './tones';
 import { POSE_STRIDE } from './vector';
 
 /** Grid spacing of the skin [m]. */
 export const SKIN_STEP_M: Readonly<Record<Quality, number>> = { high: 1.5e-3, low: 3.0e-3 };
 const DETAIL: Readonly<Record<Quality, SkinDetail>> = { high: 'fine', low: 'plain' };
-const WEAVE: Readonly<Record<Quality, Weave>> = { high: { around: 64, row_m: 0.007 }, low: { around: 24, row_m: 0.03 } };
-/** Radius of the wrist's middle capsule in the median hand [m]: the cuff fits it. */
+const WEAVE: Readonly<Record<Quality, ClothResolution>> = { high: { around: 64, row_m: 0.007 }, low: { around: 24, row_m: 0.03 } };
+/** Radius of the wrist's middle capsule in the median hand [m]; the cuff is sized for it. */
 const MEDIAN_WRIST_M = 0.014;
 const PART_COLOR: Readonly<Record<HandPart, string>> = {
   [HandPart.Palm]: '#CBBFAE', [HandPart.Index]: '#F6C636', [HandPart.Middle]: '#3B6FD1',
@@ -37,7 +37,7 @@ function skinGeometry(mesh: SkinMesh): BufferGeometry {
     return new BufferAttribute(out, 4);
   };
   geometry.setAttribute('position', new BufferAttribute(mesh.positions, 3));
-  // three.js shades flat what has no normals; the shader puts its own in their place.
+  // three.js shades geometry without normals flat; the shader replaces these.
   geometry.setAttribute('normal', new BufferAttribute(new Float32Array(n * 3), 3));
   geometry.setAttribute('skinShading', new BufferAttribute(mesh.shading, 4));
   geometry.setAttribute('skinLink', new BufferAttribute(Float32Array.from(mesh.links), 1));
@@ -50,10 +50,10 @@ function skinGeometry(mesh: SkinMesh): BufferGeometry {
 
 export class HandView {
   readonly root = new Group();
-  /** Where the hand is, for other shaders too. */
+  /** Poses of the hand, for other shaders too. */
   readonly uniforms: SkinUniforms;
   private readonly skin: Mesh;
-  private readonly veil: Mesh;          // of a ghost: what is behind its own surface is not drawn
+  private readonly veil: Mesh;          // depth prepass of a ghost: surfaces behind its own front are not drawn
   private readonly links = new Map<number, Group>();
   private readonly colliders: Mesh[] = [];
   private readonly cloth: { mesh: Mesh; color: string }[] = [];
@@ -61,7 +61,7 @@ export class HandView {
   private readonly ghost: Material;
   private readonly nail: Material & { color: Color };
 
-  /** @param mesh of that shape, at SKIN_STEP_M */
+  /** @param mesh the skin of `shape`, at SKIN_STEP_M */
   constructor(private readonly shape: HandShape, mesh: SkinMesh, private readonly quality: Quality) {
     this.uniforms = skinUniforms(shape);
     this.solid = makeSkin(surface(quality, { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 }), shape, this.uniforms, DETAIL[quality]);
@@ -73,7 +73,7 @@ export class HandView {
     this.skin.castShadow = this.skin.receiveShadow = true;
     this.veil = new Mesh(geometry, makeSkin(new MeshBasicMaterial({ colorWrite: false }), shape, this.uniforms, 'place'));
     this.veil.renderOrder = -1;
-    // Vertices are in the frames of their links: three.js cannot know where the whole is.
+    // Vertices are in the frames of their links, so three.js cannot compute the bounds.
     this.skin.frustumCulled = this.veil.frustumCulled = false;
     this.root.matrixAutoUpdate = false;
     this.root.matrix.copy(programFrame());
@@ -93,7 +93,7 @@ export class HandView {
     }
   }
 
-  /** Warm spots on the skin. @param spots program's frame */
+  /** Tints the skin around contacts. @param spots in the program's frame */
   tint(spots: readonly { point: { x: number; y: number; z: number }; radius_m: number }[]): void {
     for (let i = 0; i < MAX_GLOWS; i++) {
       const s = spots[i];

@@ -1,4 +1,4 @@
-// The skin of one link as triangles: naive surface nets over a grid, then on to the field itself.
+// The skin of one link as triangles: naive surface nets over a grid, then projection onto the field's zero set.
 
 import { capsuleDistance, colliderField, skinField } from './field';
 import type { HandCapsule } from './shape';
@@ -8,10 +8,10 @@ export interface LinkMesh {
   readonly triangles: Uint32Array;    // outward by the right-hand rule
 }
 
-/** Cells are looked at in cubes of this many; those that no surface crosses cost one distance. */
+/** Cells are evaluated in cubes of this many per side; a cube without surface costs one distance. */
 const BLOCK = 4;
 const NEWTON_STEPS = 4;
-/** Capsules further from a point than the nearest by this have no say in the field there [m]. */
+/** Capsules farther from a point than the nearest by this do not affect the field there [m]. */
 const FIELD_REACH_M = 8e-3;
 
 interface Grid {
@@ -53,7 +53,7 @@ function sampleBlock(grid: Grid, capsules: readonly HandCapsule[], I: number, J:
     for (let j = J; j <= J + BLOCK; j++)
       for (let i = I; i <= I + BLOCK; i++) {
         const index = (k * ny + j) * nx + i;
-        // A neighbouring block may have sampled its border; outside is what the grid began with.
+        // A neighbouring block may have sampled its border; the grid's initial value means outside.
         if (!apart) values[index] = skinField(near, origin[0] + i * step, origin[1] + j * step, origin[2] + k * step);
         else if (middle < 0 && values[index] === 1) values[index] = -1;
       }
@@ -66,7 +66,7 @@ function sample(grid: Grid, capsules: readonly HandCapsule[]): void {
       for (let I = 0; I < nx - 1; I += BLOCK) sampleBlock(grid, capsules, I, J, K);
 }
 
-/** A vertex for every cell that the surface crosses, at the mean of its edges' crossings. */
+/** Makes a vertex for every cell that the surface crosses, at the mean of its edges' crossings. */
 function placeVertices(grid: Grid): { positions: number[]; vertexOf: Int32Array } {
   const { origin, size: [nx, ny, nz], step, values } = grid;
   const edges = [0, 1, 0, 2, 0, 4, 1, 3, 1, 5, 2, 3, 2, 6, 3, 7, 4, 5, 4, 6, 5, 7, 6, 7];
@@ -97,7 +97,7 @@ function placeVertices(grid: Grid): { positions: number[]; vertexOf: Int32Array 
   return { positions, vertexOf };
 }
 
-/** Two triangles for every grid edge that the surface crosses, between the four cells round it. */
+/** Makes two triangles for every grid edge that the surface crosses, between the four cells around it. */
 function connect(grid: Grid, vertexOf: Int32Array): number[] {
   const { size: [nx, ny, nz], values } = grid, triangles: number[] = [];
   const stride = [1, nx, nx * ny];
@@ -117,7 +117,7 @@ function connect(grid: Grid, vertexOf: Int32Array): number[] {
   return triangles;
 }
 
-/** Newton's method along the gradient, until every vertex is on the field's zero set. */
+/** Moves every vertex to the field's zero set by Newton's method along the gradient. */
 function project(positions: Float32Array, capsules: readonly HandCapsule[], step: number): void {
   const e = 0.1e-3;
   for (let v = 0; v < positions.length; v += 3) {

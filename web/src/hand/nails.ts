@@ -6,14 +6,14 @@ import type { HandCapsule, HandShape } from './shape';
 import { palmarDirection } from './skin_mesh';
 import { add, cross, length, scale, sub, type Vec } from './vector';
 
-/** Over the skin, and under it at the nail's edge [m]; the skin itself may be 0.07 mm below its reach. */
+/** Height of the nail over the skin, and depth of its edge below it [m]; the skin may be up to 0.07 mm below its reach. */
 const OVER_M = 0.34e-3;
 const UNDER_M = -0.25e-3;
 const CELLS = 18;
 /** Half width and length, in radii of the fingertip. */
 const HALF_WIDTH = 0.83;
 const LENGTH = 1.62;
-/** How far its end lies beyond the centre of the tip, in radii. */
+/** Distance of the nail's end beyond the centre of the tip, in radii. */
 const BEYOND = 0.62;
 
 /** The last capsule of each digit. */
@@ -23,7 +23,7 @@ export function fingertips(shape: HandShape): HandCapsule[] {
   return [...last.values()];
 }
 
-/** From a square to a rounded one, -1 .. 1 each. */
+/** Maps a square to a rounded one, each coordinate -1 .. 1. */
 function squircle(a: number, b: number): [number, number] {
   const e = 3.4, even = Math.pow(Math.abs(a) ** e + Math.abs(b) ** e, 1 / e);
   const k = even > 0 ? Math.max(Math.abs(a), Math.abs(b)) / even : 1;

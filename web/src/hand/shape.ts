@@ -1,19 +1,19 @@
-// The hand as the program says it: capsules on links, and what the skin makes of them.
+// The hand as the program describes it: capsules on links, with the radii of the skin.
 
 import { HandPart, type SceneT } from '../protocol';
 import { POSE_STRIDE, length, sub, toWorld, type Vec } from './vector';
 
-/** How far the skin may leave the colliders, inwards or outwards [m]. */
+/** Largest distance between skin and colliders, inwards or outwards [m]. */
 export const SKIN_REACH_M = 0.42e-3;
-/** Fingertips narrow by this at their end [m]; less than SKIN_REACH_M. */
+/** Fingertips become narrower by this at their end [m]; less than SKIN_REACH_M. */
 const TIP_TAPER_M = 0.35e-3;
-/** Width of the shading's transition between capsules [m]: digits, and everything of the palm. */
+/** Width of the shading's transition between capsules [m]: for digits, and for the palm. */
 const SHADING_DIGIT_M = 4e-3;
 const SHADING_PALM_M = 9e-3;
-/** Ends of capsules closer than this are one joint [m]. */
+/** Ends of capsules closer than this belong to one joint [m]. */
 const SAME_POINT_M = 0.6e-3;
 
-/** A collider and, around the same axis, the skin's own radius at either end. */
+/** A collider, and the skin's radius at either end of the same axis. */
 export interface HandCapsule {
   readonly name: string;
   readonly part: HandPart;
@@ -32,9 +32,9 @@ export interface HandShape {
   readonly palmLink: number;
   /** Links that carry capsules, parents first. */
   readonly links: readonly number[];
-  /** Of each link that carries capsules: the digit it belongs to, Palm for the palm's own. */
+  /** For each link with capsules: the digit that it belongs to, or Palm. */
   readonly digitOfLink: ReadonlyMap<number, HandPart>;
-  /** Links whose skin runs into the palm's: first of every digit, and all that turn about its end. */
+  /** Links whose skin blends into the palm's: the first one of every digit, and all that rotate about its end. */
   readonly baseLinks: ReadonlySet<number>;
 }
 
@@ -59,7 +59,7 @@ function palmLinkOf(capsules: readonly HandCapsule[]): number {
   return [...count].sort((x, y) => y[1] - x[1])[0]?.[0] ?? 0;
 }
 
-/** Where two capsules of different links share an end, their skins meet at one radius. */
+/** Gives capsules of different links that share an end one common skin radius there. */
 function joinRadii(capsules: HandCapsule[], poses: ArrayLike<number>): void {
   const clamp = (value: number, c: HandCapsule) =>
     Math.min(c.radius + SKIN_REACH_M, Math.max(c.radius - SKIN_REACH_M, value));
@@ -82,7 +82,7 @@ function taperTips(capsules: HandCapsule[]): void {
 }
 
 /**
- * The hand of a scene. `poses` is any posture of it: it shows which capsules share a joint.
+ * Makes the hand of a scene. @param poses any posture; it shows which capsules share a joint
  */
 export function handShape(scene: Pick<SceneT, 'capsules' | 'rightHand'>, poses: ArrayLike<number>): HandShape {
   const capsules: HandCapsule[] = scene.capsules.map((c) => ({

@@ -1,13 +1,13 @@
-// Skins are made beside the page's thread: one takes a second, and the page goes on meanwhile.
+// Makes skins in a worker: one takes a second, and the page stays responsive.
 
 import type { HandShape } from './shape';
 import { skinMesh, type SkinMesh } from './skin_mesh';
 import { startSkinWorker } from './start_skin_worker';
 
-/** What skin_worker.ts is asked for; see skinMesh. */
+/** A request to skin_worker.ts; see skinMesh. */
 export interface SkinOrder { readonly shape: HandShape; readonly poses: ArrayLike<number>; readonly step: number }
 
-/** Skins made already, by hand and spacing: a new level or session brings the same hand again. */
+/** Finished skins by hand and spacing: a new level or session usually has the same hand. */
 const made = new Map<string, Promise<SkinMesh>>();
 const MOST_KEPT = 4;
 
@@ -26,7 +26,7 @@ function inWorker(order: SkinOrder): Promise<SkinMesh> {
   });
 }
 
-/** As skinMesh, beside the page's thread where there is another; the same again for the same hand. */
+/** The result of skinMesh, computed in a worker where possible; cached for the same hand. */
 export function madeSkin(shape: HandShape, poses: ArrayLike<number>, step: number): Promise<SkinMesh> {
   const key = JSON.stringify([shape.right, step, shape.capsules]);
   const mesh = made.get(key) ?? inWorker({ shape, poses, step }).catch(() => skinMesh(shape, poses, step));

@@ -1,6 +1,6 @@
 // The skin of a whole hand: one rigid, closed mesh per link, in one set of arrays. A vertex moves
-// with its link alone, so its distance to the colliders is the same in every posture; what changes
-// with posture is the shading, which looks at the capsules of neighbouring links too.
+// with its link alone, so its distance to the colliders is the same in every posture; only the
+// shading depends on the posture, because it also uses capsules of neighbouring links.
 
 import { HandPart } from '../protocol';
 import { addShading, skinCapsuleDistance } from './field';
@@ -9,27 +9,27 @@ import type { HandCapsule, HandShape } from './shape';
 import { inSpatialOrder } from './vertex_order';
 import { toLink, toWorld, type Vec } from './vector';
 
-/** Capsules of other links that a vertex's shading looks at. */
+/** Number of other links' capsules that a vertex's shading uses. */
 export const NEIGHBOURS = 8;
-/** In `neighbours`, where there is none. */
+/** Marks an unused entry of `neighbours`. */
 const NO_CAPSULE = 255;
 
 export interface SkinMesh {
   readonly positions: Float32Array;    // frame of the vertex's link [m]
-  readonly shading: Float32Array;      // four a vertex: what its own link adds, see addShading
+  readonly shading: Float32Array;      // four values a vertex: the share of its own link, see addShading
   readonly links: Uint8Array;          // index into HandShape.links
   readonly neighbours: Uint8Array;     // NEIGHBOURS a vertex: indices into HandShape.capsules
   readonly palmar: Float32Array;       // 1 on the palm's side, -1 on the back
   readonly triangles: Uint32Array;
 }
 
-/** Outward on the palm's side, in the frame of a link: dorsal is z, and ±y on the thumb. */
+/** Outward direction on the palm's side, in the frame of a link: dorsal is z, and ±y on the thumb. */
 export function palmarDirection(shape: HandShape, link: number): Vec {
   if (shape.digitOfLink.get(link) !== HandPart.Thumb) return [0, 0, -1];
   return shape.right ? [0, -1, 0] : [0, 1, 0];
 }
 
-/** Which capsules of other links may soften the shading of this vertex. */
+/** The capsules of other links that may smooth the shading of this vertex. */
 function candidates(shape: HandShape, link: number, own: HandCapsule): number[] {
   const digit = shape.digitOfLink.get(link), isBase = shape.baseLinks.has(link);
   const out: number[] = [];
@@ -37,8 +37,8 @@ function candidates(shape: HandShape, link: number, own: HandCapsule): number[] 
     if (c.link === link) return;
     const other = shape.digitOfLink.get(c.link);
     const sameDigit = other === digit && digit !== HandPart.Palm;
-    // Digits blend with the palm where they leave it, and never with each other; but the webs
-    // between the fingers are the palm's, on whichever phalanx they ride.
+    // Digits blend with the palm at their base, and never with each other; but the webs between the
+    // fingers belong to the palm, whatever phalanx they move with.
     const toPalm = isBase && c.part === HandPart.Palm;
     const fromPalm = (digit === HandPart.Palm || own.part === HandPart.Palm) && shape.baseLinks.has(c.link);
     if (sameDigit || toPalm || fromPalm) out.push(i);
@@ -46,7 +46,7 @@ function candidates(shape: HandShape, link: number, own: HandCapsule): number[] 
   return out;
 }
 
-/** The NEIGHBOURS nearest to a point of the world, of the capsules in `from`. */
+/** The NEIGHBOURS capsules of `from` that are nearest to a point of the world. */
 function nearest(shape: HandShape, poses: ArrayLike<number>, from: readonly number[], world: Vec): number[] {
   return from
     .map((i) => {
@@ -59,7 +59,7 @@ function nearest(shape: HandShape, poses: ArrayLike<number>, from: readonly numb
 }
 
 /**
- * @param poses any posture of the hand, preferably half closed: shows which parts are neighbours
+ * @param poses any posture of the hand, preferably half closed: it shows which parts are neighbours
  * @param step grid spacing [m]: 1.5e-3 looks smooth, 3.0e-3 is quick to draw
  */
 export function skinMesh(shape: HandShape, poses: ArrayLike<number>, step: number): SkinMesh {

@@ -1,4 +1,4 @@
-// The skin on the graphics card: each vertex rides on its link; its normal, folds and glow come from
+// The skin on the graphics card: each vertex moves with its link; its normal, folds and glow are computed from
 // the posed capsules around it. addShading() in field.ts is the same sum in TypeScript.
 
 import { Color, Vector3, Vector4, type IUniform, type Material } from 'three';
@@ -7,7 +7,7 @@ import type { HandShape } from './shape';
 import { NEIGHBOURS } from './skin_mesh';
 import { POSE_STRIDE, toWorld } from './vector';
 
-/** Contacts that tint the skin at once. */
+/** Maximum number of contacts that tint the skin at the same time. */
 export const MAX_GLOWS = 10;
 
 export interface SkinTone {
@@ -111,7 +111,7 @@ for (int i = 0; i < 4; i++) addShading(skinSum, skinNear1[i], skinPoint);
 vec3 objectNormal = normalize(skinSum.xyz);
 `;
 
-// Warmer in the folds, where the capsules' directions disagree; lighter on the palm's side.
+// Warmer where the capsules' directions differ (folds); lighter on the palm's side.
 const TINT = `
 float skinFold = smoothstep(0.12, 0.6, 1.0 - length(skinSum.xyz) / skinSum.w);
 vec3 skinColor = mix(toneBase, tonePalm, clamp(skinPalmar * 0.8 + 0.15, 0.0, 1.0) * 0.7);
@@ -123,15 +123,15 @@ for (int i = 0; i < ${MAX_GLOWS}; i++) {
 skinTint = skinColor;
 `;
 
-/** The shader's own words for the skin's place, for a test that asks the graphics card where it draws. */
+/** The shader source of the skin's position, for a test that reads positions back from the graphics card. */
 export function placeSource(shape: HandShape): { declarations: string; point: string } {
   return { declarations: declarations(shape), point: POINT };
 }
 
-/** What of the skin a material draws: its place alone (shadows), or shading by four or all neighbours. */
+/** The part of the skin that a material draws: its position only (shadows), or shading with four or all neighbours. */
 export type SkinDetail = 'place' | 'plain' | 'fine';
 
-/** Makes any of three.js's materials draw the skin. */
+/** Makes a three.js material draw the skin. */
 export function makeSkin<M extends Material>(material: M, shape: HandShape, uniforms: SkinUniforms, detail: SkinDetail): M {
   if (NEIGHBOURS !== 8) throw new Error('the shader reads eight neighbours');
   material.onBeforeCompile = (shader) => {

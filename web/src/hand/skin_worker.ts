@@ -1,4 +1,4 @@
-// Beside the page's thread: one skin, then it is done. See skin_maker.ts.
+// A worker that makes one skin and ends. See skin_maker.ts.
 
 import { skinMesh } from './skin_mesh';
 import type { SkinOrder } from './skin_maker';

@@ -1,4 +1,4 @@
-// The same for a page in one file: vite.one_file.config.ts takes this instead of start_skin_worker.ts.
+// The version for a page in one file: vite.one_file.config.ts uses it instead of start_skin_worker.ts.
 import SkinWorker from './skin_worker?worker&inline';
 
 export const startSkinWorker = (): Worker => new SkinWorker();

@@ -1,4 +1,4 @@
-// Skin, chosen by the person: warmer in the folds, lighter on the palm's side. One is a glove.
+// Skin tones that the person can choose: warmer in the folds, lighter on the palm's side. One is a glove.
 
 import type { SkinTone } from './skin_shader';
 
@@ -13,7 +13,7 @@ export const TONES: Readonly<Record<ToneName, SkinTone>> = {
   glove: { base: '#DCE5E6', palm: '#EDF2F2', fold: '#93A9AC', nail: '#DCE5E6' },
 };
 
-/** The tone of that name; honey for one that is not known. */
+/** A tone by its name; honey for an unknown name. */
 export function toneOf(name: string): SkinTone {
   return TONES[name as ToneName] ?? TONES.honey;
 }

@@ -1,4 +1,4 @@
-// Vectors of three numbers and rigid poses, for what is computed outside three.js and its objects.
+// Vectors of three numbers and rigid poses, for computations without three.js and its objects.
 
 export type Vec = readonly [number, number, number];
 
@@ -12,10 +12,10 @@ export const mix = (a: Vec, b: Vec, t: number): Vec =>
 export const cross = (a: Vec, b: Vec): Vec =>
   [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-/** Poses of many links in one array: position [m], then quaternion x, y, z, w, of each. */
+/** Poses of many links in one array: for each, position [m], then quaternion x, y, z, w. */
 export const POSE_STRIDE = 7;
 
-/** A point of link `link`, from the link's frame into the world. */
+/** Transforms a point from the frame of link `link` into the world. */
 export function toWorld(poses: ArrayLike<number>, link: number, p: Vec): Vec {
   const o = link * POSE_STRIDE;
   const qx = poses[o + 3], qy = poses[o + 4], qz = poses[o + 5], qw = poses[o + 6];
@@ -30,7 +30,7 @@ export function toWorld(poses: ArrayLike<number>, link: number, p: Vec): Vec {
   ];
 }
 
-/** A point of the world, into the frame of link `link`. */
+/** Transforms a point of the world into the frame of link `link`. */
 export function toLink(poses: ArrayLike<number>, link: number, p: Vec): Vec {
   const o = link * POSE_STRIDE;
   const turned = [0, 0, 0, -poses[o + 3], -poses[o + 4], -poses[o + 5], poses[o + 6]];

@@ -1,9 +1,9 @@
-// The order of triangles and vertices: neighbours in space one after the other, so that a vertex that
-// several triangles share is shaded once. Renderers remember only the last few.
+// Orders triangles and vertices so that spatial neighbours follow one another: then a vertex that several triangles
+// share is shaded once, since a renderer caches only the last few.
 
 import type { LinkMesh } from './mesher';
 
-/** Spreads ten bits so that two more fit between each. */
+/** Spreads ten bits so that two more fit between adjacent ones. */
 function spread(n: number): number {
   n = (n | (n << 16)) & 0x030000ff;
   n = (n | (n << 8)) & 0x0300f00f;
@@ -26,7 +26,7 @@ export function inSpatialOrder(mesh: LinkMesh, step: number): LinkMesh {
       const middle = (positions[3 * triangles[3 * t] + axis] + positions[3 * triangles[3 * t + 1] + axis] + positions[3 * triangles[3 * t + 2] + axis]) / 3;
       key |= spread(Math.min(1023, Math.floor((middle - low[axis]) / step))) << axis;
     }
-    keys[t] = (key >>> 0) * count + t;   // the index rides along: one sort of plain numbers
+    keys[t] = (key >>> 0) * count + t;   // the index is part of the key, so that plain numbers are sorted
   }
   keys.sort();
   const order = keys.map((key) => key % count);

@@ -1,4 +1,4 @@
-import { holdZone, isInPlace, useZone } from './carry';
+import { holdZone, isInPlace, useZone } from './carry_speed';
 import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
 import type { Limits } from './limits';
 import type { Perception } from './perceiver';
@@ -7,9 +7,9 @@ import { partOfAxis, placeOnAxis } from './axis_range';
 import { approach, clamp, closedEnd, FIRMEST, HOOKED, isHandAxis, postureOf, squeezeOfFingers } from './posture';
 import { nextSqueeze } from './squeeze';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
-import { Yielding } from './yielding';
+import { ObstacleResponse } from './obstacle_response';
 
-/** An axis of the device as far as aiming needs it. */
+/** An axis of the device, with the fields that aiming needs. */
 export interface AimAxis {
   name: string;
   lower: number;
@@ -17,15 +17,15 @@ export interface AimAxis {
 }
 
 export interface AimConfig {
-  /** Fastest move of the aim [m/s]: the virtual arm follows, and its limits are felt. */
+  /** Largest speed of the aim [m/s]: the virtual arm follows it, and its limits are felt. */
   speed_m_s: number;
-  /** Farthest that the aim may run ahead of the device [m]: bounds the force of the arm. */
+  /** Largest lead of the aim over the device [m]: it bounds the force of the arm. */
   leash_m: number;
-  /** Closing before anything is touched, and after [1/s]. */
+  /** Closing rates before the first contact, and after it [1/s]. */
   close_per_s: number;
   press_per_s: number;
   open_per_s: number;
-  /** Time constant of easing to the grip pose [s]. */
+  /** Time constant of moving to the grip pose [s]. */
   ease_s: number;
   help: Help;
 }
@@ -40,25 +40,25 @@ const DEFAULT_AIM: Readonly<AimConfig> = {
   help: 'some',
 };
 
-/** Fastest move that is asked of a hand axis [rad/s]. */
+/** Largest speed of the aim of a hand axis [rad/s]. */
 const FASTEST_RAD_S = 4;
 /** Speed at which a wedged hand draws back [m/s]. */
 const WEDGED_M_S = 0.18;
-/** A hand that opens is asked to be this much more open than it is [rad]. */
+/** The aim of an opening hand leads by this [rad]. */
 const OPENING_LEASH_RAD = 0.4;
 /** Longer times are divided into steps of this [s]. */
 const LONGEST_STEP_S = 0.02;
-/** A hand drawn back is this far from the end of x's range [m]. */
+/** Distance of a hand that is drawn back from the end of x's range [m]. */
 const BACK_M = 0.008;
-/** A target this little beyond the reach counts as reachable [m]. */
+/** A target this far beyond the reach still counts as reachable [m]. */
 const EDGE_M = 0.005;
 /** The thumb closes by this share while a target is carried: more would tip one that stands free. */
 const CARRYING_THUMB = 0.5;
-/** An open hand is at a target while it is this near to the grip [m]: with 300 N/m it presses with 1.5 N there. */
+/** An open hand counts as arrived within this distance of the grip [m]: with 300 N/m it presses with 1.5 N there. */
 const ARRIVED_M = 0.005;
 
-/** Where the hand is and is going. */
-interface Way {
+/** Present positions of hand and aim, and the goal. */
+interface HandPath {
   hand: Triple;
   aim: Triple;
   back_m: number;
@@ -66,32 +66,32 @@ interface Way {
   leaving: boolean;
 }
 
-/** The help, and at which target; `wanted`: the hand is meant to touch it. */
-interface Near extends Guide {
+/** The guidance, and its target. `wanted`: the hand is meant to touch it. */
+interface TargetGuide extends Guide {
   at?: number;
   wanted: boolean;
 }
 
-/** The person moves what is held along its joint; across it the hand stays at the grip. */
-function alongJoint(said: Guide, grip: Triple, away: Triple): Guide {
+/** Guidance along a joint: the person moves what is held along its joint; across it the hand stays at the grip. */
+function alongJoint(guidance: Guide, grip: Triple, away: Triple): Guide {
   const across = (key: 'y' | 'z'): number | undefined => (Math.abs(away[key]) > 0.5 * Math.hypot(away.x, away.y, away.z) ? undefined : grip[key]);
-  return { pace: 1, stretch: said.stretch, mayClose: true, y: across('y'), z: across('z') };
+  return { pace: 1, stretch: guidance.stretch, mayClose: true, y: across('y'), z: across('z') };
 }
 
 /**
- * Turns wishes into the aim, one position per device axis: where the person wants the hand to be. It is never
- * outside the axes' ranges, never faster than `speed_m_s`, never farther ahead than `leash_m`.
+ * Turns wishes into the aim: one intended position per device axis. The aim is never
+ * outside the axes' ranges, never faster than `speed_m_s`, and never leads by more than `leash_m`.
  */
 export class AimModel {
   readonly config: AimConfig;
-  /** How far the person's arm and fingers go. A limit that comes while the hand is beyond it brings the aim back gently. */
+  /** Range of the person's arm and fingers. If a new limit excludes the present position, the aim moves back gently. */
   limits: Limits = {};
   private q: number[] = [];
   private squeezePart = 0;
   private stretch = 0;
   private overruledParts: Partial<Triple> = {};
   private readonly pilot = new Pilot();
-  private readonly yielding = new Yielding();
+  private readonly obstacle = new ObstacleResponse();
   private waits = false;
   private tooFar = false;
   private thumbShare = 1;
@@ -109,54 +109,54 @@ export class AimModel {
     return this.q;
   }
 
-  /** How far the hand is asked to close, 0 .. 1. */
+  /** Degree to which the hand is asked to close, 0 .. 1. */
   get squeeze(): number {
     return Math.min(1, this.squeezePart);
   }
 
   /**
-   * Where the help took the hand in the last step instead of to the place that was asked for, as parts
-   * of the ranges: input by differences goes on from there.
+   * Places, as parts of the ranges, to which the help moved the hand in the last step instead of the
+   * requested ones: input by differences continues from there.
    */
   get overruled(): Readonly<Partial<Triple>> {
     return this.overruledParts;
   }
 
-  /** A squeeze is asked for, and the hand is on its way to the target first. */
+  /** A squeeze is requested, and the hand is still moving to the target. */
   get onItsWay(): boolean {
     return this.waits;
   }
 
-  /** The target that is asked for is out of reach. */
+  /** The current target is out of reach. */
   get outOfReach(): boolean {
     return this.tooFar;
   }
 
-  /** Takes over where the hand is, so that nothing jumps when a person begins to steer. */
+  /** Starts at the present position, so that nothing jumps when a person begins to steer. */
   begin(q: ArrayLike<number>): void {
     this.q = this.axes.map((axis, i) => clamp(q[i] ?? 0, axis.lower, axis.upper));
     const fingers = this.axes.findIndex((axis) => axis.name === 'finger_flexion');
     this.squeezePart = fingers < 0 ? 0 : squeezeOfFingers(this.q[fingers] ?? 0);
     this.pilot.begin();
-    this.yielding.reset();
+    this.obstacle.reset();
   }
 
-  /** The hand shows what to do; nobody has taken over yet. */
+  /** The hand demonstrates the task; nobody has taken over yet. */
   get showing(): boolean {
     return this.pilot.shows;
   }
 
-  /** Shows what to do next, once. */
+  /** Demonstrates the next action once. */
   show(): void {
     this.pilot.show();
   }
 
-  /** Ends what a tap began: nobody presses anything any more. What is carried is put back. */
+  /** Ends the action of a tap, because nobody presses any more. A carried target is put back. */
   release(): void {
     this.pilot.release();
   }
 
-  /** Opens the hand at once, where it is: nobody closes it any more. The program makes it a gentle move. */
+  /** Opens the hand at once at its place, because nobody closes it any more. The program moves it gently. */
   open(): void {
     this.pilot.drop();
     this.squeezePart = 0;
@@ -166,8 +166,8 @@ export class AimModel {
   }
 
   /**
-   * The aim `dt_s` later, however long that is, so that it does not depend on how often the page draws. What is
-   * seen stays the same meanwhile.
+   * The aim after `dt_s` of any length, independent of the page's frame rate. The perceived state
+   * is constant during this time.
    */
   advance(asked: Wish, seen: Perception, dt_s: number): readonly number[] {
     const steps = Math.max(1, Math.ceil(dt_s / LONGEST_STEP_S));
@@ -175,7 +175,7 @@ export class AimModel {
     return this.q;
   }
 
-  /** The aim `dt_s` later, at most a few hundredths of a second. */
+  /** The aim after `dt_s`, which is at most a few hundredths of a second. */
   step(asked: Wish, seen: Perception, dt_s: number): readonly number[] {
     const hand = this.triple((i) => seen.device[i] ?? 0);
     const aim = this.triple((i) => this.q[i] ?? 0);
@@ -183,7 +183,7 @@ export class AimModel {
     const sight = { ...seen, hand, aim, back_m, closed: this.squeezePart > 0.02, reachable: (grip: Triple) => this.reachable(grip) };
     const { wish, goal, leaving, outOfReach = false, carries = false, holds, pushes = false } = this.pilot.steer(asked, sight, this.config.help, dt_s);
     this.tooFar = outOfReach;
-    const help: Near = pushes ? { pace: 1, stretch: 1, mayClose: true, at: goal, wanted: true } : carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
+    const help: TargetGuide = pushes ? { pace: 1, stretch: 1, mayClose: true, at: goal, wanted: true } : carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = asksToSqueeze(wish.squeeze);
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
     const away = help.at === undefined || seen.onJoint ? undefined : seen.awayFromUse?.[help.at];
@@ -192,8 +192,8 @@ export class AimModel {
     this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
     this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, force, this.config, this.config.help !== 'none', away ? FIRMEST : 1, dt_s);
     this.stretch = (seen.onJoint && !seen.pushes ? HOOKED : 1) * help.stretch;
-    // On its way to the target an open hand is not meant to touch even that.
-    this.yielding.look(seen.touches, (wanted && !this.waits) || help.wanted ? help.at : undefined, dt_s);
+    // A hand on its way to the target must not touch even that.
+    this.obstacle.onState(seen.touches, (wanted && !this.waits) || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
       const next = isHandAxis(axis.name)
         ? this.handAxis(axis.name, wish, this.stretch, i, seen, dt_s)
@@ -216,9 +216,9 @@ export class AimModel {
     const posture = postureOf(name, part, stretch);
     const next = approach(now, posture, FASTEST_RAD_S * dt_s);
     if (this.squeezePart > 0) return next;
-    // A finger whose back is held by a target would be loaded like a spring, and snap when it comes free.
+    // A finger whose back is blocked by a target would be loaded like a spring, and snap when it is released.
     const device = seen.device[i] ?? now;
-    return clamp(next, device - this.yielding.handLeash(OPENING_LEASH_RAD), device + this.yielding.handLeash(FASTEST_RAD_S));
+    return clamp(next, device - this.obstacle.handLeash(OPENING_LEASH_RAD), device + this.obstacle.handLeash(FASTEST_RAD_S));
   }
 
   private armAxis(axis: AimAxis, wish: Wish, help: Guide, seen: Perception, i: number, dt_s: number): number {
@@ -237,9 +237,9 @@ export class AimModel {
       next = now + clamp((eased - now) * part, -step, step);
     }
     if (key === 'y' && help.channel) next = approach(now, clamp(next, ...help.channel), step);
-    if (key === 'x' && this.yielding.drawsBack) next = now - WEDGED_M_S * dt_s;
+    if (key === 'x' && this.obstacle.drawsBack) next = now - WEDGED_M_S * dt_s;
     const device = seen.device[i] ?? now;
-    const [below_m, above_m] = this.yielding.leash(key, this.config.leash_m);
+    const [below_m, above_m] = this.obstacle.leash(key, this.config.leash_m);
     return clamp(next, device - below_m, device + above_m);
   }
 
@@ -251,20 +251,20 @@ export class AimModel {
       const place = asked.place[key];
       if (!axis || place === undefined || (help[key] === undefined && wish.place[key] !== undefined)) continue;
       const part = partOfAxis(axis, this.q[i] ?? 0);
-      // Drawing back from the target is what the person decides, however slowly.
+      // Slow withdrawal from the target is the person's decision, so it is not overruled.
       if (key !== 'x' || place > part) parts[key] = part;
     }
     return parts;
   }
 
-  /** The help near the row; without help the fingers' stretch alone. */
-  private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: Way): Near {
-    // Straight fingers push from where the person brings them.
+  /** The guidance near the row; without help it only sets the fingers' stretch. */
+  private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: HandPath): TargetGuide {
+    // Straight fingers push from where the person moves them.
     if (seen.pushes && !leaving) return { pace: 1, stretch: 1, mayClose: true, at: seen.target, wanted: true };
     const own = ownGrip(seen.grips, hand.y, seen.beside);
     const front = nearestGrip(seen.grips, aim.y);
     if (own === undefined || front === undefined) return { pace: 1, stretch: 0, mayClose: true, wanted: false };
-    // Inside the row the lane is that of where the hand is; in front of it, of what it is before.
+    // Inside the row the hand's position determines the lane; in front of it, the target in front of the aim does.
     const inside = depthOf(hand.x, back_m, seen.grips[own]!) > INSIDE;
     const at = goal ?? (inside ? own : front);
     const grip = seen.grips[at]!;
@@ -272,15 +272,15 @@ export class AimModel {
       return { pace: 1, stretch: clamp(4 * depthOf(aim.x, back_m, grip), 0, 1), mayClose: true, at, wanted: false };
     }
     const asked = { x: this.asked('x', wish, aim.x), y: this.asked('y', wish, aim.y) };
-    // A cursor that stays near the target does not ask for another one.
+    // A cursor that stays near the target does not request another one.
     if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(aim.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
-    const said = guide({ aim, hand, back_m, grip, beside: seen.beside, onJoint: seen.onJoint }, asked, this.squeezePart > 0.02);
-    // An open hand is meant to touch the target once it is at the grip, not while something keeps it away.
+    const guidance = guide({ aim, hand, back_m, grip, beside: seen.beside, onJoint: seen.onJoint }, asked, this.squeezePart > 0.02);
+    // An open hand is meant to touch the target once it is at the grip, not while an obstacle blocks it.
     const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
-    const wanted = asked.x >= 0 && said.x !== undefined && (arrived || this.squeezePart > 0);
+    const wanted = asked.x >= 0 && guidance.x !== undefined && (arrived || this.squeezePart > 0);
     const led = seen.onJoint && this.squeezePart > 0.02 ? seen.awayFromUse?.[at] : undefined;
-    if (led) return { ...alongJoint(said, grip, led), at, wanted };
-    return { ...said, mayClose: goal === undefined ? said.mayClose : said.mayClose && said.channel !== undefined, at, wanted };
+    if (led) return { ...alongJoint(guidance, grip, led), at, wanted };
+    return { ...guidance, mayClose: goal === undefined ? guidance.mayClose : guidance.mayClose && guidance.channel !== undefined, at, wanted };
   }
 
   private asked(key: 'x' | 'y', wish: Wish, now: number): number {
@@ -303,7 +303,7 @@ export class AimModel {
   private reachable(grip: Triple): boolean {
     const y = this.axes.find((axis) => axis.name === 'y');
     const [lower, upper] = this.limits['y'] ?? [-Infinity, Infinity];
-    // The row comes to the very edge of what the arm reaches.
+    // The row extends to the edge of the arm's reach.
     return !y || (grip.y >= Math.max(y.lower, lower - EDGE_M) && grip.y <= Math.min(y.upper, upper + EDGE_M));
   }
 

@@ -12,7 +12,7 @@ import { en, type HelpLine, type InputTexts } from './i18n/en';
 import { fr } from './i18n/fr';
 import { Keys } from './keys';
 import { limitsOf } from './limits';
-import { Mouse, type Pointed } from './mouse';
+import { Mouse, type PointedPlace } from './mouse';
 import { Perceiver, type RowPoint } from './perceiver';
 import { clamp } from './posture';
 import { Touch } from './touch';
@@ -21,24 +21,24 @@ import { now_s, restingWish, WAYS, type Help, type InputWay, type Way, type Wish
 
 const TEXTS: Readonly<Record<Language, InputTexts>> = { en, de, fr };
 
-/** Aims go out this often at most [Hz]. */
+/** Largest rate of sent aims [Hz]. */
 const RATE_HZ = 60;
-/** From one look of a page that draws slowly to the next; who was away for longer was asleep [s]. */
+/** Longest time step between two looks of a slow page; a longer gap means that the page was suspended [s]. */
 const ASLEEP_S = 0.5;
-/** After a refusal the program is asked again this much later [s]. */
+/** A refused request is repeated after this time [s]. */
 const ASK_AGAIN_S = 1;
-/** An aim that moves faster than this [m/s or rad/s] moves; so long after it a person is still at it [s]. */
+/** An aim faster than this counts as moving [m/s or rad/s]; the person counts as active for this long after it [s]. */
 const MOVES = 0.01;
 const MOVING_S = 0.5;
-/** A press shorter than this is a tap; where taps do nothing, that is said for so long [s]. */
+/** A shorter press is a tap; where taps have no effect, a hint is shown for this long [s]. */
 const TAP_S = 0.6;
 const SAID_S = 6;
 
-/** What every aim says of the help in it. */
+/** The help that is reported with every aim. */
 const GIVEN: Readonly<Record<Help, HelpGiven>> = { full: HelpGiven.Full, some: HelpGiven.Some, none: HelpGiven.None };
 
 export interface ControlsOptions {
-  /** Language of what is said; the page's by default. */
+  /** Language of the texts; the page's by default. */
   language?: () => Language;
   aim?: Partial<AimConfig>;
 }
@@ -49,29 +49,29 @@ export interface HelpEntry {
   lines: readonly HelpLine[];
 }
 
-/** The parts of a scene that steering is built from. */
+/** A key of the scene's parts that steering is built from. */
 function steeredIn({ axes, exerciseJson, valueNames, bodies, capsules, rightHand, level }: SceneT): string {
   return JSON.stringify([axes, exerciseJson, valueNames, bodies, capsules, rightHand, level]);
 }
 
-/** The way that was used last; undefined while none has been. */
+/** The input method that was used last; undefined while none has been. */
 export function latestOf<W extends Pick<InputWay, 'claimed_s'>>(ways: readonly W[]): W | undefined {
   const used = ways.filter((way) => way.claimed_s > -Infinity);
   return used.reduce<W | undefined>((a, b) => (a && a.claimed_s >= b.claimed_s ? a : b), undefined);
 }
 
 /**
- * Everything by which a person at the screen steers the virtual patient, while this page has the
- * controls. The first touch of any of them asks the program to let the person steer; from then on the
- * aim goes out while rendering. Whatever takes the input away opens the hand.
+ * All input methods by which a person at the screen steers the virtual patient, while this page has the
+ * controls. The first use of any of them asks the program to let the person steer; from then on the
+ * aim is sent while rendering. The hand opens whenever the input is lost.
  */
 export class Controls {
-  /** Called with why a person may not steer, in the program's words; empty: it was granted. */
+  /** Called with the reason why a person may not steer, in the program's words; empty: it was granted. */
   onRefused: (reason: string) => void = () => {};
-  /** Called with the camera's picture and whether a hand is seen; undefined: the camera is off, and why, for the person. */
+  /** Called with the camera's picture and whether a hand is seen; undefined: the camera is off. `reason`: why, for the person. */
   onWebcam: (view: WebcamView | undefined, reason: string) => void = () => {};
 
-  /** Where in the row a point of the page is; null: it is not in the picture. Unset: there is no picture. */
+  /** Maps a point of the page to the row; null: outside the picture. Unset: there is no picture. */
   pointing: ((x_px: number, y_px: number) => RowPoint | null) | undefined;
 
   private readonly ways: readonly InputWay[];
@@ -86,7 +86,7 @@ export class Controls {
   private asked_s = -Infinity;
   private moved_s = -Infinity;
   private began = false;
-  /** The hand was taken over and not touched yet: it opens and draws back before anything else. */
+  /** The hand was taken over and there was no input yet: it opens and draws back first. */
   private handedOver = false;
   private revoked_s = -Infinity;
   private pressed_s: number | undefined;
@@ -113,37 +113,37 @@ export class Controls {
     if (connection.scene) this.onScene(connection.scene);
   }
 
-  /** Where the person wants the hand to be, one position per axis; undefined while nobody steers. */
+  /** The person's intended position of the hand, one value per axis; undefined while nobody steers. */
   get aim(): readonly number[] | undefined {
     return this.began ? this.model?.aim : undefined;
   }
 
-  /** How far the hand is asked to close, 0 .. 1. */
+  /** Degree to which the hand is asked to close, 0 .. 1. */
   get squeeze(): number {
     return this.began ? (this.model?.squeeze ?? 0) : 0;
   }
 
-  /** A squeeze is asked for, and the hand is on its way to the target first. */
+  /** A squeeze is requested, and the hand is still moving to the target. */
   get onItsWay(): boolean {
     return this.began && (this.model?.onItsWay ?? false);
   }
 
-  /** The target that is asked for is out of reach. */
+  /** The current target is out of reach. */
   get outOfReach(): boolean {
     return this.began && (this.model?.outOfReach ?? false);
   }
 
-  /** The aim moved a moment ago: something is being done. */
+  /** Whether the aim moved recently. */
   get moving(): boolean {
     return now_s() - this.moved_s < MOVING_S;
   }
 
-  /** The hand shows what to do next, once; a person who moves or presses takes over. */
+  /** Demonstrates the next action once; a person who moves or presses takes over. */
   show(): void {
     this.model?.show();
   }
 
-  /** How much of reaching, gripping and letting go is done for the person. */
+  /** The degree of help with reaching, gripping and letting go. */
   get help(): Help {
     return this.helped;
   }
@@ -154,18 +154,18 @@ export class Controls {
     this.model?.release();
   }
 
-  /** With full help a press reaches, squeezes and lets go, where the exercise says what may be grasped. */
+  /** Whether a press reaches, squeezes and lets go: with full help, in an exercise with grasp targets. */
   private get pressIsEnough(): boolean {
     return this.helped === 'full' && (this.perceiver?.hasTargets ?? false);
   }
 
-  /** Reports which way is in use whenever it changes; undefined: none any more. */
+  /** Calls back whenever the input method changes; undefined: none any more. */
   onMode(callback: (way: Way | undefined) => void): () => void {
     this.modeListeners.add(callback);
     return () => { this.modeListeners.delete(callback); };
   }
 
-  /** What to press and what it does, in the language of the page. @param easy what one press does with full help */
+  /** The keys of each input method and their effects, in the page's language. @param easy the effect of one press with full help */
   helpEntries(easy: { readonly press: string; readonly point: string } | undefined): HelpEntry[] {
     const texts = this.texts();
     return WAYS.map((way) => {
@@ -175,17 +175,17 @@ export class Controls {
     });
   }
 
-  /** How the person lets go, by the way that is used; empty: nothing is used. */
+  /** How the person lets go with the present input method; empty: none is used. */
   get letGoWords(): string {
     return this.current ? this.texts().letGo[this.current.way] : '';
   }
 
-  /** How to squeeze, after a tap with full help where it does nothing, because the exercise names no targets; else empty. */
+  /** How to squeeze, after a tap with full help that had no effect because the exercise names no targets; else empty. */
   get holdWords(): string {
     return this.current && now_s() - this.tapped_s < SAID_S ? this.texts().hold[this.current.way] : '';
   }
 
-  /** Begins to listen. Whose hand it is already opens it and draws it back; nothing else is sent before the person does something. */
+  /** Begins to listen. A hand that this person already steers opens and draws back; nothing else is sent before the person acts. */
   enable(): void {
     if (this.timer !== undefined) return;
     for (const way of this.ways) way.enable();
@@ -195,7 +195,7 @@ export class Controls {
     this.timer = setInterval(() => this.step(), 1000 / RATE_HZ);
   }
 
-  /** Stops listening; the hand opens where it was last aimed, and an open camera stays open. */
+  /** Stops listening; the hand opens at its last aim, and an open camera stays open. */
   disable(): void {
     if (this.timer === undefined) return;
     clearInterval(this.timer);
@@ -206,7 +206,7 @@ export class Controls {
     this.use(undefined);
   }
 
-  /** Opens the camera, and waits for a hand in its frame; the reason why not is for the person, '' where they wanted it no more. */
+  /** Opens the camera, and waits for a hand in its frame. The reason of a failure is for the person; '' if they cancelled it. */
   async startWebcam(): Promise<{ ok: boolean; reason: string }> {
     const problem = await this.webcam.start();
     return { ok: problem === '', reason: this.reasonOf(problem) };
@@ -216,7 +216,7 @@ export class Controls {
     this.webcam.stop();
   }
 
-  /** What to say of the camera while it is on. */
+  /** Texts for the camera while it is on. */
   cameraTexts(): InputTexts['camera'] {
     return this.texts().camera;
   }
@@ -230,7 +230,7 @@ export class Controls {
   }
 
   private onScene(scene: SceneT): void {
-    // A profile that is saved, or a recording that begins, tells the same scene anew: the hand goes on.
+    // A saved profile or a new recording sends the same scene again: steering continues.
     const steered = steeredIn(scene);
     if (steered === this.steered) return;
     this.steered = steered;
@@ -240,7 +240,7 @@ export class Controls {
     this.began = false;
   }
 
-  /** Where the hand (or its aim) is along an axis, -1 .. 1. */
+  /** Position of the hand (or its aim) along an axis, -1 .. 1. */
   private part(name: string): number {
     const i = this.connection.scene?.axes.findIndex((axis) => axis.name === name) ?? -1;
     const axis = this.connection.scene?.axes[i];
@@ -249,7 +249,7 @@ export class Controls {
     return partOfAxis(axis, q);
   }
 
-  /** What was held is not held any more, and a hand that this page closed opens: nobody is there to let go of it. */
+  /** Ends every held input, and opens a hand that this page closed, since nobody is there to let go. */
   private letGo(): void {
     for (const way of this.ways) way.yield();
     const { connection, model } = this;
@@ -260,11 +260,11 @@ export class Controls {
     this.began = false;
   }
 
-  /** In another window nobody can end what a tap began. */
+  /** In another window nobody can end the action of a tap. */
   private readonly release = (): void => { this.model?.release(); };
 
-  /** What is drawn at a point of the page; undefined where the picture or the hand is not known. */
-  private pointed(x_px: number, y_px: number): Pointed | undefined {
+  /** The place of the row at a point of the page; undefined where the picture or the hand is unknown. */
+  private pointed(x_px: number, y_px: number): PointedPlace | undefined {
     const at = this.pointing?.(x_px, y_px);
     const { perceiver, connection: { scene, latestState: state } } = this;
     const palm = at && state ? perceiver?.palmAt(state, at) : undefined;
@@ -286,13 +286,13 @@ export class Controls {
 
   private step(): void {
     const now = now_s();
-    // A page that was asleep must not jump when it wakes; one that draws slowly steers as fast as any.
+    // The step is limited, so that a suspended page does not jump; a slow page steers as fast as any.
     const dt_s = Math.min(now - this.last_s, ASLEEP_S);
     this.last_s = now;
     this.pad.poll();
     const { current: before } = this;
     this.use(latestOf(this.ways));
-    // A camera that is unplugged, a pad that is gone: what it held is let go of.
+    // An unplugged camera or a removed gamepad ends what it held.
     if (before && !this.current) this.letGo();
     const { connection, model, perceiver, current } = this;
     const state = connection.latestState;
@@ -300,7 +300,7 @@ export class Controls {
     if (!model || !perceiver || !state || connection.status !== 'open' || hasHardware(state)) return;
     const isHanded = this.handedOver && state.steering === Steering.Person && connection.controls.heldByYou;
     if (!current && !model.showing && !isHanded) return;
-    // Steering that was taken away (somebody wants to watch) is only asked for with a new touch.
+    // Steering that was taken away (somebody wants to watch) is requested again only by new input.
     if (this.began && state.steering !== Steering.Person) this.revoked_s = now;
     if (state.runState !== RunState.Rendering || state.steering !== Steering.Person) this.began = false;
     if (state.runState !== RunState.Rendering || !this.maySteer(now, state.steering)) return;
@@ -312,7 +312,7 @@ export class Controls {
     if (connection.scene) model.limits = limitsOf(connection.scene, state);
     const aimed = [...model.aim], wish = current?.wish(now) ?? restingWish();
     this.lookForTaps(wish, now);
-    model.advance(wish, perceiver.see(state), dt_s);
+    model.advance(wish, perceiver.onState(state), dt_s);
     if (model.aim.some((q, i) => Math.abs(q - aimed[i]!) > MOVES * dt_s)) this.moved_s = now;
     current?.overruled?.(model.overruled);
     void connection.aim([...model.aim], GIVEN[this.helped]);
@@ -326,7 +326,7 @@ export class Controls {
     }
   }
 
-  /** Asks for steering where it is missing, now and then. The controls are taken by a press only. */
+  /** Requests steering where it is missing, at intervals. The controls are taken only by a press. */
   private maySteer(now: number, steering: Steering): boolean {
     const mine = this.connection.controls.heldByYou;
     if (!mine) return false;

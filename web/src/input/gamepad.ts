@@ -2,19 +2,19 @@ import { clamp } from './posture';
 import type { InputWay, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
-/** Sticks at rest are rarely at zero. */
+/** Dead zone of sticks, which are rarely at zero at rest. */
 const DEAD_ZONE = 0.15;
 const SPEED_M_S = 0.15;
 
-/** Standard mapping: sticks left x, left y, right x, right y (down positive); 6, 7: triggers. */
+/** Reading of a gamepad. Standard mapping: sticks left x, left y, right x, right y (down positive); 6, 7: triggers. */
 export interface PadReading {
-  /** "standard", or the axes and buttons mean anything. */
+  /** "standard"; with any other value the meaning of axes and buttons is unknown. */
   readonly mapping: string;
   axes: readonly number[];
   buttons: readonly { readonly value: number; readonly pressed: boolean }[];
 }
 
-/** A stick's deflection without its dead zone, -1 .. 1, finer near the middle. */
+/** A stick's deflection without its dead zone, -1 .. 1, with finer resolution near the middle. */
 export function stick(value: number | undefined): number {
   const size = Math.abs(value ?? 0);
   if (!(size > DEAD_ZONE)) return 0;
@@ -22,7 +22,7 @@ export function stick(value: number | undefined): number {
   return Math.sign(value ?? 0) * part * part;
 }
 
-/** What a game pad asks for; undefined while nothing on it is moved, or nobody knows what its axes are. */
+/** The wish of a gamepad; undefined while it is at rest, or if its mapping is unknown. */
 export function wishOfPad(pad: PadReading): Wish | undefined {
   if (pad.mapping !== 'standard') return undefined;
   const trigger = Math.max(pad.buttons[6]?.value ?? 0, pad.buttons[7]?.value ?? 0);
@@ -37,10 +37,10 @@ export function wishOfPad(pad: PadReading): Wish | undefined {
   return { ...restingWish(), velocity, squeeze: held ? true : trigger };
 }
 
-/** A smaller change is noise; in parts of what is possible. */
+/** A smaller change is noise; relative to the full range. */
 const CHANGE = 0.05;
 
-/** Speeds and squeeze of a wish, each in parts of what is possible. */
+/** Speeds and squeeze of a wish, each relative to its full range. */
 function partsOf(wish: Wish | undefined): readonly number[] {
   if (!wish) return [0, 0, 0, 0];
   const { velocity: { x, y, z }, squeeze } = wish;
@@ -48,14 +48,14 @@ function partsOf(wish: Wish | undefined): readonly number[] {
 }
 
 /**
- * Finds the pads that a person plays with. A pad counts once it was seen at rest, so that a worn stick steers
- * nothing. It claims the steering when it changes, so that a stuck one keeps nobody out.
+ * Finds the gamepads in use. A pad counts once it was seen at rest, so that a worn stick cannot
+ * steer. It claims the steering only when it changes, so that a stuck one does not block other input.
  */
 export class PadWatch {
   private readonly rested = new Set<number>();
   private claimed = partsOf(undefined);
 
-  /** What pads ask for now, and whether a person has just moved one. */
+  /** The present wish of the pads, and whether a person has just moved one. */
   look(pads: readonly (PadReading & { readonly index: number } | null)[]): { wish: Wish | undefined; claims: boolean } {
     let wish: Wish | undefined;
     for (const pad of pads) {
@@ -70,14 +70,14 @@ export class PadWatch {
     return { wish, claims: changed && wish !== undefined };
   }
 
-  /** Every pad has to be seen at rest again. */
+  /** Requires every pad to be seen at rest again. */
   forget(): void {
     this.rested.clear();
     this.claimed = partsOf(undefined);
   }
 }
 
-/** Left stick moves, right stick lifts and lowers, a trigger squeezes as far as it is pulled. */
+/** A gamepad: the left stick moves, the right stick lifts and lowers, a trigger squeezes as far as it is pulled. */
 export class GamepadWay implements InputWay {
   readonly way = 'gamepad';
   private enabled = false;
@@ -87,7 +87,7 @@ export class GamepadWay implements InputWay {
 
   enable(): void {
     this.enabled = true;
-    // A page that is not in front goes on getting a pad's last reading.
+    // A page in the background keeps receiving a pad's last reading.
     addEventListener('blur', this.letGo);
   }
 
@@ -98,10 +98,10 @@ export class GamepadWay implements InputWay {
     this.claimed_s = -Infinity;
   }
 
-  // A button that stays held on a pad has to be let go of before it counts again.
+  // A button that stays held must be released before it counts again.
   yield(): void { this.letGo(); }
 
-  /** Reads the pads: browsers do not report when a stick moves. */
+  /** Reads the pads: browsers send no events when a stick moves. */
   poll(): void {
     if (!this.enabled) return;
     const { wish, claims } = this.watch.look((navigator.getGamepads?.() ?? []).map((pad) => (pad?.connected ? pad : null)));

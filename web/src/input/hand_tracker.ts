@@ -1,22 +1,22 @@
 import type { Landmark } from './landmarks';
 
-/** What the page sends to tracker_worker.ts, and what that sends to the page. */
+/** Messages from the page to tracker_worker.ts, and back. */
 export type ToTracker = { readonly is: 'load'; readonly folder: string } | { readonly is: 'look'; readonly picture: ImageBitmap };
 export type FromTracker =
   | { readonly is: 'ready' }
   | { readonly is: 'looked'; readonly image: Landmark[]; readonly world: Landmark[] }
   | { readonly is: 'failed'; readonly why: string };
 
-/** The landmarks of the hand in a picture; none where no hand is seen. */
-export interface Looked { readonly image: readonly Landmark[]; readonly world: readonly Landmark[] }
+/** The landmarks of the hand in a picture; empty where no hand is seen. */
+export interface TrackedHand { readonly image: readonly Landmark[]; readonly world: readonly Landmark[] }
 
-/** The program and its models come with the page: nothing is asked of any other server. */
+/** The tracker and its models are served with the page: no other server is asked. */
 const FOLDER = '/mediapipe/';
-/** A slow machine loads and warms up for half a minute; a picture takes it a second [ms]. */
+/** Time limit for loading and the first picture [ms]: a slow machine needs half a minute, and a second per picture. */
 const LOADS_MS = 120_000;
 const LOOKS_MS = 20_000;
 
-/** Finds a hand in pictures, in a thread of its own: loaded with the first camera, gone with close(). */
+/** Finds a hand in pictures, in a worker: it is loaded with the first camera, and ended by close(). */
 export class HandTracker {
   private readonly worker = new Worker(new URL('./tracker_worker.ts', import.meta.url));
   private settle: ((message: FromTracker) => void) | undefined;
@@ -26,13 +26,13 @@ export class HandTracker {
     this.worker.onerror = ({ message }) => this.settle?.({ is: 'failed', why: message });
   }
 
-  /** Rejects where it cannot be loaded, or the machine has no WebGL. Afterwards the first picture is as fast as any. */
+  /** Rejects if the tracker cannot be loaded, or without WebGL. Afterwards the first picture is as fast as any. */
   async load(): Promise<void> {
     await this.ask({ is: 'load', folder: FOLDER }, LOADS_MS);
   }
 
-  /** One at a time. Takes the picture away. Rejects where the tracker is gone. */
-  async look(picture: ImageBitmap): Promise<Looked> {
+  /** Processes one picture at a time, and takes ownership of it. Rejects after close(). */
+  async look(picture: ImageBitmap): Promise<TrackedHand> {
     const answer = await this.ask({ is: 'look', picture }, LOOKS_MS, [picture]);
     return answer.is === 'looked' ? answer : { image: [], world: [] };
   }

@@ -1,12 +1,12 @@
 import type { InputWay, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
-/** Speed of the aim while a key is held [m/s]; the aim itself is limited further. */
+/** Speed of the aim while a key is held [m/s]; the aim model limits it further. */
 const SPEED_M_S = 0.12;
 
 type Move = 'away' | 'near' | 'left' | 'right' | 'up' | 'down' | 'squeeze';
 
-/** By `KeyboardEvent.code`: the place on the keyboard counts, not the letter printed there. */
+/** Moves by `KeyboardEvent.code`: the position on the keyboard counts, not the printed letter. */
 const KEYS: Readonly<Record<string, Move>> = {
   ArrowUp: 'away', KeyW: 'away',
   ArrowDown: 'near', KeyS: 'near',
@@ -17,14 +17,14 @@ const KEYS: Readonly<Record<string, Move>> = {
   Space: 'squeeze',
 };
 
-/** True where a key belongs to what has the focus: typing, sliders, pressing a button. */
+/** Whether the focused element uses a key: for typing, sliders, or pressing a button. */
 function keyBelongsTo(target: EventTarget | null, code: string): boolean {
   if (!(target instanceof Element)) return false;
   if (target.closest('input, select, textarea, [contenteditable], [role=slider]')) return true;
   return code === 'Space' && target.closest('button, a, summary, [role=button], [role=tab]') !== null;
 }
 
-/** What the held keys ask for. */
+/** The wish of the held keys. */
 export function wishOfMoves(held: ReadonlySet<Move>): Wish {
   const one = (plus: Move, minus: Move): number =>
     SPEED_M_S * (Number(held.has(plus)) - Number(held.has(minus)));
@@ -35,11 +35,11 @@ export function wishOfMoves(held: ReadonlySet<Move>): Wish {
   };
 }
 
-/** Arrows or WASD move, R and F (or Page up and down) lift and lower, Space squeezes while held. */
+/** The keyboard: arrows or WASD move, R and F (or Page up and down) lift and lower, Space squeezes while held. */
 export class Keys implements InputWay {
   readonly way = 'keys';
   private readonly held = new Map<string, Move>();
-  /** Space came down since the last look: a tap between two looks of a slow page is one, too. */
+  /** Space was pressed since the last look, so that a short tap on a slow page counts. */
   private tapped = false;
   claimed_s = -Infinity;
 
@@ -82,7 +82,7 @@ export class Keys implements InputWay {
     this.held.delete(event.code);
   };
 
-  // Keys that are let go in another window never say so.
+  // A key that is released in another window sends no event here.
   private readonly letGo = (): void => {
     this.held.clear();
     this.tapped = false;

@@ -7,12 +7,12 @@ export interface Landmark {
   z: number;
 }
 
-/** What a picture of a hand says, in the picture's own terms. */
+/** Measures of a hand in a picture, in the picture's coordinates. */
 export interface HandReading {
   /** Middle of the palm in the picture, 0 .. 1, x to the picture's right, y down. */
   palmX: number;
   palmY: number;
-  /** Length of the palm in parts of the picture's height: larger is nearer to the camera. */
+  /** Length of the palm relative to the picture's height: larger is nearer to the camera. */
   palmSize: number;
   /** Mean over four fingers of the sum of the three joint angles [rad]: about 0 flat, 4 a fist. */
   fingers_rad: number;
@@ -62,29 +62,29 @@ export function readHand(
   };
 }
 
-/** A relaxed open hand and a firm fist, as cameras see them [rad]. */
+/** Typical measures of a relaxed open hand and of a firm fist in a camera's picture [rad]. */
 const OPEN_RAD = 0.9;
 const FIST_RAD = 3.4;
 const THUMB_OPEN_RAD = 0.25;
 const THUMB_BENT_RAD = 1.2;
 
-/** How far the fingers are closed, 0 .. 1. */
+/** Degree to which the fingers are closed, 0 .. 1. */
 export function curl(reading: HandReading): number {
   return clamp((reading.fingers_rad - OPEN_RAD) / (FIST_RAD - OPEN_RAD), 0, 1);
 }
 
-/** How far the thumb is bent, 0 .. 1. */
+/** Degree to which the thumb is bent, 0 .. 1. */
 export function thumbCurl(reading: HandReading): number {
   return clamp((reading.thumb_rad - THUMB_OPEN_RAD) / (THUMB_BENT_RAD - THUMB_OPEN_RAD), 0, 1);
 }
 
-/** The part of the picture in which the hand plays: its edges are the ends of the workspace. */
+/** The part of the picture that corresponds to the workspace. */
 const PLAY_PART = 0.6;
 
 /**
- * Where the hand is in the workspace, each -1 .. 1: x away from the person, y left, z up. The
- * camera faces the person: a hand that goes to the person's left goes to the picture's right, and
- * one that goes away from the person comes nearer to the camera and grows from `restSize`.
+ * Position of the hand in the workspace, each -1 .. 1: x away from the person, y left, z up. The
+ * camera faces the person: a hand that moves to the person's left moves to the picture's right, and
+ * one that moves away from the person comes nearer to the camera and grows from `restSize`.
  */
 export function place(reading: HandReading, restSize: number): { x: number; y: number; z: number } {
   const nearer = restSize > 0 ? Math.log(reading.palmSize / restSize) : 0;

@@ -1,11 +1,11 @@
 import type { SceneT, WorldStateT } from '../protocol';
 
-/** What an axis of the device may be asked for, by its name [m or rad]. */
+/** Allowed range of an axis of the device, by its name [m or rad]. */
 export type Limits = Readonly<Record<string, readonly [lower: number, upper: number]>>;
 
 interface Bound { axis: string; upper: boolean; of: (value: number) => number }
 
-/** Live parameters that say how far a person's arm and fingers go (docs/profiles.md). */
+/** Live parameters that limit a person's arm and fingers (docs/profiles.md). */
 const BOUNDS: Readonly<Record<string, Bound>> = {
   reach_left_m: { axis: 'y', upper: true, of: (v) => v },
   reach_right_m: { axis: 'y', upper: false, of: (v) => -v },
@@ -14,7 +14,7 @@ const BOUNDS: Readonly<Record<string, Bound>> = {
   fingers_close_rad: { axis: 'finger_flexion', upper: true, of: (v) => v },
 };
 
-/** The limits that hold now; without an entry for an axis that the exercise does not limit. */
+/** The present limits; without an entry for an axis that the exercise does not limit. */
 export function limitsOf(scene: SceneT, state: WorldStateT): Limits {
   const limits: Record<string, [number, number]> = {};
   scene.parameters.forEach(({ name }, i) => {

@@ -4,18 +4,18 @@ import { now_s, restingWish } from './wish';
 
 /** The part of the picture's width and height that covers the whole workspace. */
 const PLAY_PART = 0.7;
-/** A cursor that crosses the picture by chance is not a wish to play [px of travel]. */
+/** A shorter movement of the cursor does not start steering [px of travel]. */
 const FIRST_TRAVEL_PX = 24;
 const TRAVEL_FROM_ANOTHER_WAY_PX = 240;
-/** How far one notch of a wheel (100 px of scrolling) goes, in parts of half the depth. */
+/** Movement per notch of a wheel (100 px of scrolling), relative to half the depth. */
 const DEPTH_PER_NOTCH = 0.12;
 
-/** After any of these nobody holds the button for sure. */
+/** After any of these events the button may have been released. */
 const ENDS = ['pointerup', 'pointercancel', 'lostpointercapture', 'contextmenu', 'blur'] as const;
-/** Of these, what a person does to end a press; after the others nobody wants it. */
+/** Events of these that a person causes to end a press; after the others the press is cancelled. */
 const LETS_GO = new Set<string>(['pointerup', 'lostpointercapture']);
 
-/** y (left) and z (up), each -1 .. 1, of a point in the picture. */
+/** y (left) and z (up), each -1 .. 1, at a point in the picture. */
 export function placeOfPointer(
   x_px: number, y_px: number, box: { left: number; top: number; width: number; height: number },
 ): { y: number; z: number } {
@@ -27,37 +27,37 @@ export function placeOfPointer(
   };
 }
 
-/** Depth -1 .. 1 after scrolling; pages and lines count as the pixels they stand for. */
+/** Depth -1 .. 1 after scrolling; pages and lines are converted to pixels. */
 export function depthAfterWheel(depth: number, delta: number, deltaMode: number): number {
   const pixels = delta * (deltaMode === 0 ? 1 : deltaMode === 1 ? 33 : 400);
   return clamp(depth - (pixels / 100) * DEPTH_PER_NOTCH, -1, 1);
 }
 
-/** What a point of the picture stands for: a place along y and z, -1 .. 1, and the target that is there. */
-export interface Pointed {
+/** The place at a point of the picture, along y and z, -1 .. 1, and the target there. */
+export interface PointedPlace {
   y: number;
   z: number;
   target?: number;
 }
 
-/** The cursor is the hand's place in the picture; the wheel goes away and near; a button squeezes. */
+/** The mouse: the cursor sets the hand's place in the picture, the wheel its depth; a button squeezes. */
 export class Mouse implements InputWay {
   readonly way = 'mouse';
   claimed_s = -Infinity;
   private place: Partial<Triple> = {};
   private pointed: number | undefined;
   private squeeze = false;
-  /** The button came down since the last look: a click between two looks of a slow page is one, too. */
+  /** The button was pressed since the last look, so that a short click on a slow page counts. */
   private clicked = false;
   private stillToGo_px = FIRST_TRAVEL_PX;
   private last: { x_px: number; y_px: number } | undefined;
 
-  /** `depthNow` says where the hand is along x, -1 .. 1, when the wheel is first turned. */
+  /** @param depthNow returns the hand's position along x, -1 .. 1, when the wheel is first turned */
   constructor(
     private readonly element: HTMLElement,
     private readonly depthNow: () => number,
-    /** What is drawn at a point of the page; undefined: nobody knows, and the picture's own middle counts. */
-    private readonly pointedAt: (x_px: number, y_px: number) => Pointed | undefined = () => undefined,
+    /** The place at a point of the page; undefined: unknown, then positions relative to the picture's middle are used. */
+    private readonly pointedAt: (x_px: number, y_px: number) => PointedPlace | undefined = () => undefined,
   ) {}
 
   enable(): void {
@@ -90,14 +90,14 @@ export class Mouse implements InputWay {
     return { ...restingWish(), place: this.place, pointed: this.pointed, squeeze };
   }
 
-  /** The cursor is a place; only the wheel adds up. */
+  /** The cursor is an absolute place; only the wheel accumulates. */
   overruled({ x }: Readonly<Partial<Triple>>): void {
     if (x !== undefined && this.place.x !== undefined) this.place = { ...this.place, x };
   }
 
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse') return;
-    // A button that was released without an event: over a menu, in another window.
+    // The button was released without an event: over a menu, in another window.
     if ((event.buttons & 1) === 0) this.squeeze = false;
     const { last } = this;
     this.last = { x_px: event.clientX, y_px: event.clientY };

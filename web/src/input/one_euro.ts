@@ -1,11 +1,11 @@
 /**
  * One-euro filter (Casiez, Roussel, Vogel, CHI 2012): a first-order low-pass whose cut-off rises
- * with speed, so that a hand at rest is still and a moving hand is not late.
+ * with speed, so that a resting hand does not tremble and a moving hand has little delay.
  */
 export interface OneEuroConfig {
   /** Cut-off at rest [Hz]. */
   minCutoff_hz: number;
-  /** How much the cut-off rises with speed [Hz per unit/s]. */
+  /** Rise of the cut-off with speed [Hz per unit/s]. */
   beta: number;
   /** Cut-off of the speed estimate [Hz]. */
   speedCutoff_hz: number;

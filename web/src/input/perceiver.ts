@@ -3,58 +3,58 @@ import type { GraspTargets, Position } from '../exercises/exercise';
 import { ExerciseValues } from '../exercises/values';
 import { HandPart, type SceneT, type WorldStateT } from '../protocol';
 import type { Triple } from './wish';
-import type { Touch } from './yielding';
+import type { HandContact } from './obstacle_response';
 
 /**
- * Axis of a grasped upright cylinder from the base of a right palm in a handshake [m]; the grasp the
- * physics holds. A left hand takes the mirror image in y.
+ * Offset of a grasped upright cylinder's axis from the base of a right palm in a handshake posture [m]; the grasp that the
+ * simulation holds. A left hand has the mirror image in y.
  */
 export const GRIP_FROM_PALM: Readonly<Triple> = { x: 0.049, y: 0.041, z: 0.004 };
 
-/** A place in the plane in which the row of targets stands [m, world: y left, z up]. */
+/** A point in the plane of the row of targets [m, world: y left, z up]. */
 export interface RowPoint { y_m: number; z_m: number }
 
-/** What the program says of the hand, as far as aiming looks at it. */
+/** The parts of the program's state that aiming uses. */
 export interface Perception {
   /** Device coordinates, in the order of the axes. */
   device: ArrayLike<number>;
   /** Grip pose of every target [m, device coordinates]. */
   grips: readonly Triple[];
-  /** How far each target that is carried is from where it is squeezed [m]; undefined: it is squeezed where it is. */
+  /** Vector from each carried target to the place where it is squeezed [m]; undefined: it is squeezed where it is. */
   awayFromUse?: readonly (Triple | undefined)[];
-  /** Targets are on joints: one is led to its use while it is held, and never lifted. */
+  /** The targets are on joints: one is moved along its joint while it is held, and never lifted. */
   onJoint?: boolean;
-  /** The target that is asked for is pushed with straight fingers: where to. */
+  /** Direction in which the current target is pushed with straight fingers. */
   pushes?: Triple;
-  /** There is more to do once it was let go of. */
+  /** Another action follows after the release. */
   goesOn?: boolean;
-  /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
+  /** The side of the hand on which a target is gripped: +1 left (a right hand), -1 right. */
   beside: number;
-  /** Summed normal force on the grasped target and the zone in which it is held well [N]. */
+  /** Summed normal force on the grasped target, and the range in which it is held well [N]. */
   squeeze_n: number;
   squeezeLow_n: number;
   squeezeHigh_n: number;
-  /** The target that is asked for, an index of `grips`; -1: none. */
+  /** The current target, an index of `grips`; -1: none. */
   target: number;
-  /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
+  /** The hand must hold nothing now: the step is finished, the row moves, or the task is done. */
   letGo: boolean;
-  /** What is held is to be eased, and squeezed again after it. */
+  /** The grip must be eased, and squeezed again later. */
   easesOff?: boolean;
-  /** What presses on the hand. */
-  touches: readonly Touch[];
+  /** Contacts on the hand. */
+  touches: readonly HandContact[];
 }
 
-/** A cursor this far sideways from a target's axis is on it [m]. */
+/** A cursor points at a target within this lateral distance of its axis [m]. */
 const POINTED_M = 0.055;
 
-/** Where a grip of a body is in the world [m]; undefined: the program does not report the body. */
+/** Position of a body's grip in the world [m]; undefined: the program does not report the body. */
 function gripOf(body: WorldStateT['bodies'][number] | undefined, at_m: Position): Triple | undefined {
   const p = body?.positionM, q = body?.orientationXyzw;
   if (!p || !q) return undefined;
   return new Vector3(at_m.x, at_m.y, at_m.z).applyQuaternion(new Quaternion(q.x, q.y, q.z, q.w)).add(p);
 }
 
-/** Finds in every state what aiming looks at. Made once for a scene. */
+/** Extracts a Perception from every state. It is made once for a scene. */
 export class Perceiver {
   private readonly axes: Record<keyof Triple, number>;
   private readonly values: ExerciseValues;
@@ -66,16 +66,16 @@ export class Perceiver {
     this.axes = { x: axis('x'), y: axis('y'), z: axis('z') };
     this.values = new ExerciseValues(scene.valueNames);
     this.side = scene.rightHand ? 1 : -1;
-    // The link that carries the palm: every axis of the base moves it.
+    // The link of the palm: every axis of the base moves it.
     this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
   }
 
-  /** Whether the exercise says what may be grasped. */
+  /** Whether the exercise has grasp targets. */
   get hasTargets(): boolean {
     return this.targets.grips.length > 0;
   }
 
-  see(state: WorldStateT): Perception {
+  onState(state: WorldStateT): Perception {
     const { targets, values } = this;
     const zone = targets.zone?.(state) ?? { low_n: values.get(state, 'squeeze_low_n'), high_n: values.get(state, 'squeeze_high_n') };
     return {
@@ -105,7 +105,7 @@ export class Perceiver {
     return nearest >= 0 && off_m[nearest]! <= POINTED_M ? nearest : undefined;
   }
 
-  /** Device coordinates at which what the palm grips would be at a place of the row [m, world]. */
+  /** Device coordinates at which the palm's grip would be at a place of the row [m, world]. */
   palmAt(state: WorldStateT, { y_m, z_m }: RowPoint): { y: number; z: number } | undefined {
     const palm = state.links[this.palmLink]?.positionM;
     if (!palm) return undefined;
@@ -123,7 +123,7 @@ export class Perceiver {
       const met = this.targets.met?.(state, i), at = gripOf(state.bodies[body], met?.at_m ?? at_m);
       if (!at) return [];
       if (met) return [{ x: at.x + met.base_m.x, y: at.y + met.base_m.y, z: at.z + met.base_m.z }];
-      // The palm's place in the world against the avatar's coordinates: wherever the device stands.
+      // The offset between the palm's world position and the avatar's coordinates, wherever the device stands.
       const device = (key: keyof Triple, fromPalm: number): number =>
         at[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
       return [{

@@ -1,88 +1,88 @@
-import { Carry, isInPlace } from './carry';
+import { CarryControl, isInPlace } from './carry_speed';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { ROUND } from './posture';
 import { Push } from './push';
 import { Trigger } from './trigger';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
-/** What the pilot looks at in a moment. Grips are device coordinates. */
-export interface Sight {
-  /** Where the hand is [m]: lanes are chosen from here, not from where it is aimed. */
+/** The input of the pilot at one moment. Grips are device coordinates. */
+export interface PilotInput {
+  /** Position of the hand [m]; lanes are chosen from here, not from the aim. */
   hand: Triple;
-  /** Where it is aimed [m]. */
+  /** Position of the aim [m]. */
   aim: Triple;
-  /** x of the hand drawn back [m]. */
+  /** x of a hand that is drawn back [m]. */
   back_m: number;
   grips: readonly Triple[];
-  /** How far each target that is carried is from where it is squeezed [m]. */
+  /** Vector from each carried target to the place where it is squeezed [m]. */
   awayFromUse?: readonly (Triple | undefined)[];
-  /** Targets are on joints: one is led to its use while it is held, and never lifted. */
+  /** The targets are on joints: one is moved along its joint while it is held, and never lifted. */
   onJoint?: boolean;
-  /** The target that is asked for is pushed with straight fingers: where to. */
+  /** Direction in which the current target is pushed with straight fingers. */
   pushes?: Triple;
-  /** There is more to do once it was let go of. */
+  /** Another action follows after the release. */
   goesOn?: boolean;
   squeeze_n: number;
   squeezeLow_n: number;
-  /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
+  /** The side of the hand on which a target is gripped: +1 left (a right hand), -1 right. */
   beside: number;
-  /** The target that is asked for, an index of `grips`; -1: none. */
+  /** The current target, an index of `grips`; -1: none. */
   target: number;
-  /** Which of `grips` the hand can come to. */
+  /** Whether the hand can reach a grip. */
   reachable: (grip: Triple) => boolean;
-  /** The hand is closed: it leaves when it has opened. */
+  /** The hand is closed: it leaves only after it has opened. */
   closed: boolean;
-  /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
+  /** The hand must hold nothing now: the step is finished, the row moves, or the task is done. */
   letGo: boolean;
-  /** What is held is to be eased, and squeezed again after it. */
+  /** The grip must be eased, and squeezed again later. */
   easesOff?: boolean;
 }
 
-/** What the hand is to do now, as if a person had pressed keys for it. */
+/** The next movement of the hand, as a wish like that of pressed keys. */
 export interface Course {
   wish: Wish;
-  /** The target that is meant, an index of the grips; undefined: none. */
+  /** The chosen target, an index of the grips; undefined: none. */
   goal?: number;
-  /** The hand is on its way out of the row by itself. */
+  /** The hand leaves the row by itself. */
   leaving: boolean;
-  /** The target that is asked for is out of reach. */
+  /** The chosen target is out of reach. */
   outOfReach?: boolean;
-  /** The target is carried: it is where the hand is. It is only held, or squeezed. */
+  /** The target is carried with the hand. `holds`: it is only held, not squeezed. */
   carries?: boolean;
   holds?: boolean;
-  /** It is pushed: the hand stays open, with straight fingers. */
+  /** The target is pushed: the hand stays open, with straight fingers. */
   pushes?: boolean;
 }
 
-/** Speed at which the hand is taken along [m/s]. */
+/** Speed at which the hand is moved [m/s]. */
 const SPEED_M_S = 0.16;
 /** A cursor that stays on a target for this long asks for it [s]. */
 const DWELL_S = 0.8;
-/** Nearer than this to its lane the hand may go in [m]. */
+/** The hand may enter within this distance of its lane [m]. */
 const LANE_M = 0.012;
-/** A hand this far sideways from a target's lane is near it [m]. */
+/** A hand within this lateral distance of a target's lane is near it [m]. */
 const NEAR_M = 0.045;
 const NEAR_HANDLE_M = 0.11;
-/** A hand that closes is no farther from the grip than this, away from the person [m]. */
+/** A closing hand is at most this far from the grip, away from the person [m]. */
 const AT_GRIP_M = 0.03;
-/** Drawn back, to within this [m]. */
+/** Tolerance for a hand that is drawn back [m]. */
 const BACK_AT_M = 0.004;
-/** How fast a target on a joint is led, and how soon the hand slows down [m/s, 1/s]. */
+/** Speed of a target on a joint, and rate at which the hand slows down near its goal [m/s, 1/s]. */
 const LED_M_S = 0.06;
 const SLOWS_PER_S = 3;
 
-/** What is held is squeezed well, or eased for a moment. */
-const isWell = ({ squeeze_n, squeezeLow_n, easesOff }: Sight): boolean => easesOff === true || (squeezeLow_n > 0 && squeeze_n >= squeezeLow_n);
+/** Whether the grip force is in its range, or is eased for a moment. */
+const isWell = ({ squeeze_n, squeezeLow_n, easesOff }: PilotInput): boolean => easesOff === true || (squeezeLow_n > 0 && squeeze_n >= squeezeLow_n);
 
-/** Whether help keeps the force of a squeeze. With some help it does where the person does not say how far. */
+/** Whether help regulates the force of a squeeze. With some help it does unless the person controls the degree. */
 function keepsForce(squeeze: Wish['squeeze'], help: Help): boolean {
   return help === 'full' ? asksToSqueeze(squeeze) : help === 'some' && squeeze === true;
 }
 
 /**
- * "This target" is one intent. The pilot turns it into moves: out of the row where the hand is in
- * another lane, sideways in front of it, in, round the target, and out again. With full help it does all
- * of that, with some the last bit once a squeeze is asked for, with none nothing.
+ * Turns the intent "this target" into moves: out of the row if the hand is in
+ * another lane, sideways in front of it, in, around the target, and out again. With full help it does all
+ * of that; with some help, the last part once a squeeze is requested; without help, nothing.
  */
 export class Pilot {
   private readonly trigger = new Trigger();
@@ -90,16 +90,16 @@ export class Pilot {
   private leaving = false;
   private cursor: number | undefined;
   private cursor_s = 0;
-  /** A target that the cursor was left on when its work was done: it is not asked for again by itself. */
+  /** A target that the cursor still points at when its task is done; it is not requested again by itself. */
   private stale: number | undefined;
   private tooFar = false;
   private over = false;
   private showing = false;
   private squeezed = false;
-  /** It lets go in the middle of a task, for the same press. */
+  /** It lets go in the middle of a task, and squeezes again for the same press. */
   private resumes = false;
   private push: Push | undefined;
-  private carry: { readonly target: number; readonly carry: Carry } | undefined;
+  private carry: { readonly target: number; readonly carry: CarryControl } | undefined;
 
   /** A hand that is handed over opens and draws back, whatever it holds. */
   begin(): void {
@@ -107,7 +107,7 @@ export class Pilot {
     this.leaving = true;
   }
 
-  /** Shows what to do next, once: goes to the target, or leaves. A person who moves or presses takes over. */
+  /** Demonstrates the next action once: goes to the target, or leaves. A person who moves or presses takes over. */
   show(): void {
     this.showing = true;
   }
@@ -116,13 +116,13 @@ export class Pilot {
     return this.showing || this.leaving;
   }
 
-  /** Nobody asks for anything any more, and what is carried falls. */
+  /** Cancels every request; a carried target falls. */
   drop(): void {
     this.release();
     this.carry = undefined;
   }
 
-  /** Nobody asks for anything any more; what is carried is put back. */
+  /** Cancels every request; a carried target is put back. */
   release(): void {
     this.trigger.release();
     this.meant = this.cursor = this.stale = undefined;
@@ -131,7 +131,7 @@ export class Pilot {
     this.cursor_s = 0;
   }
 
-  steer(asked: Wish, sight: Sight, set: Help, dt_s: number): Course {
+  steer(asked: Wish, sight: PilotInput, set: Help, dt_s: number): Course {
     const help = this.showing ? 'full' : set;
     const own = ownGrip(sight.grips, sight.hand.y, sight.beside);
     if (own === undefined) return { wish: asked, leaving: false };
@@ -164,27 +164,27 @@ export class Pilot {
     const away = this.meant === undefined ? undefined : sight.awayFromUse?.[this.meant], takes = help === 'full' && away !== undefined && sight.closed && asksToSqueeze(wish.squeeze);
     if (takes && sight.onJoint) return this.lead(wish, away);
     if (takes && this.meant !== undefined) {
-      this.carry = { target: this.meant, carry: new Carry() };
+      this.carry = { target: this.meant, carry: new CarryControl() };
     }
     if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
     return this.meant === undefined ? this.alone(wish, own, inside) : this.reach(wish, sight, own, inside, this.meant);
   }
 
-  /** What is pushed is met with straight fingers. */
-  private pushOn(wish: Wish, { hand, aim, grips, back_m, awayFromUse }: Sight, toward: Triple, goal: number): Course {
+  /** Pushes a target with straight fingers. */
+  private pushOn(wish: Wish, { hand, aim, grips, back_m, awayFromUse }: PilotInput, toward: Triple, goal: number): Course {
     this.push ??= new Push();
     const velocity = this.push.step({ hand, aim, grip: grips[goal]!, back_m, toward, away: awayFromUse?.[goal] });
     return { wish: { ...wish, place: {}, velocity, squeeze: false }, goal, leaving: false, pushes: true };
   }
 
-  /** What is held goes the way of its joint. */
+  /** Moves a held target along its joint. */
   private lead(wish: Wish, { x, y, z }: Triple): Course {
     const speed = Math.min(SLOWS_PER_S, LED_M_S / Math.max(Math.hypot(x, y, z), 1e-6));
     return { wish: { ...wish, place: {}, velocity: { x: speed * x, y: speed * y, z: speed * z } }, goal: this.meant, leaving: false, carries: true };
   }
 
-  /** What is carried is put back before the hand lets go of it. Undefined: it is no longer carried. */
-  private carryOn({ target, carry }: { readonly target: number; readonly carry: Carry }, asked: Wish, sight: Sight, dt_s: number): Course | undefined {
+  /** Puts a carried target back before the hand lets go of it. Undefined: it is no longer carried. */
+  private carryOn({ target, carry }: { readonly target: number; readonly carry: CarryControl }, asked: Wish, sight: PilotInput, dt_s: number): Course | undefined {
     this.over = sight.letGo;
     const away = sight.awayFromUse?.[target];
     const wants = this.trigger.step(asked.squeeze, { taps: true, closed: sight.closed, well: away !== undefined && isInPlace(away) && isWell(sight) }, dt_s);
@@ -195,7 +195,7 @@ export class Pilot {
     return undefined;
   }
 
-  /** Enough is in: what is held is let go of, and the hand leaves. */
+  /** Lets go of a target whose step is finished, and leaves. */
   private finish(asked: Wish, inside: boolean): void {
     this.trigger.finish();
     this.meant = undefined;
@@ -209,8 +209,8 @@ export class Pilot {
     if (pointed !== this.stale) this.stale = undefined;
   }
 
-  /** Which target is meant now. A person who moves the hand with keys decides it by hand. */
-  private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
+  /** Chooses the target. A person who moves the hand with keys chooses by the hand's position. */
+  private choose(wish: Wish, sight: PilotInput, own: number, help: Help): void {
     const { x, y, z } = wish.velocity;
     const squeezes = asksToSqueeze(wish.squeeze);
     const before = this.squeezed;
@@ -225,7 +225,7 @@ export class Pilot {
       this.leaving = true;
     } else if (this.showing && this.meant === undefined && sight.target >= 0) this.meant = sight.target;
     const pointed = this.stale === undefined ? this.cursor : undefined;
-    // A press asks for what the task asks for, wherever the cursor is: help that does everything does the right thing.
+    // A press requests the task's current target, wherever the cursor is, since full help does the right action.
     const asked = sight.target >= 0 ? sight.target : pointed ?? own;
     const wanted = squeezes ? asked : pointed ?? asked;
     this.tooFar = help === 'full' && squeezes && !sight.reachable(sight.grips[wanted]!);
@@ -239,13 +239,13 @@ export class Pilot {
     if (this.meant !== undefined) this.leaving = false;
   }
 
-  /** Out of the row if the hand is at another target, in front of the one that is meant, and in. */
-  private reach(wish: Wish, sight: Sight, own: number, inside: boolean, goal: number): Course {
+  /** Moves out of the row if the hand is at another target, then in front of the chosen one, and in. */
+  private reach(wish: Wish, sight: PilotInput, own: number, inside: boolean, goal: number): Course {
     const move = (velocity: Partial<Triple>, more: Partial<Wish> = {}): Course => (
       { wish: { ...wish, place: {}, velocity: { x: 0, y: 0, z: 0, ...velocity }, ...more }, goal, leaving: false });
     const grip = sight.grips[goal];
     if (!grip) return { wish, leaving: false };
-    // A fist that goes in jams between two targets: it opens first.
+    // A fist that moves in would jam between two targets: it opens first.
     if (sight.closed && own === goal && Math.abs(sight.hand.x - grip.x) > AT_GRIP_M) return move({}, { squeeze: false });
     if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
     const aside_m = laneOf(grip, sight.beside, sight.onJoint) - sight.aim.y;
@@ -253,14 +253,14 @@ export class Pilot {
     return move({ y: Math.sign(aside_m) * Math.min(SPEED_M_S, 6 * Math.abs(aside_m)) });
   }
 
-  /** Inside the row a cursor on another target asks for the way out: sideways the hand would meet a target's side. */
+  /** Inside the row a cursor on another target moves the hand out: sideways it would hit a target's side. */
   private alone(wish: Wish, own: number, inside: boolean): Course {
     if (!inside || wish.place.y === undefined) return { wish, leaving: false };
     if (wish.pointed !== undefined && wish.pointed !== own) return { wish: { ...wish, velocity: { x: -SPEED_M_S, y: 0, z: 0 }, place: {} }, leaving: false };
     return { wish: { ...wish, place: wish.place.x === undefined ? {} : { x: wish.place.x } }, leaving: false };
   }
 
-  private leave(wish: Wish, { hand, aim, back_m, closed }: Sight): Course {
+  private leave(wish: Wish, { hand, aim, back_m, closed }: PilotInput): Course {
     this.push = undefined;
     if (hand.x <= back_m + BACK_AT_M || aim.x <= back_m) this.leaving = false;
     return { wish: { ...wish, velocity: { x: closed ? 0 : -SPEED_M_S, y: 0, z: 0 }, place: {}, squeeze: false }, leaving: true };

@@ -1,24 +1,24 @@
 import type { Triple } from './wish';
 
-/** How fast the hand goes to what it pushes, and pushes [m/s]; how soon it slows down [1/s]. */
+/** Speeds of the hand towards the object, and while pushing [m/s]; rate at which it slows down near its goal [1/s]. */
 const GOES_M_S = 0.16;
 const PUSHES_M_S = 0.05;
 const SLOWS_PER_S = 3;
-/** So far before the point straight fingers are clear of the thing [m]. */
+/** Distance before the contact point at which straight fingers are clear of the object [m]. */
 const CLEAR_M = 0.05;
-/** There, to within this [m]. */
+/** Position tolerance [m]. */
 const THERE_M = 0.008;
 
-export interface Pushed {
-  /** Where the hand is and is aimed, and where its fingertips would be at the point [m, device coordinates]. */
+export interface PushInput {
+  /** Positions of hand and aim, and of the hand with its fingertips at the contact point [m, device coordinates]. */
   readonly hand: Triple;
   readonly aim: Triple;
   readonly grip: Triple;
-  /** x of the hand drawn back. */
+  /** x of a hand that is drawn back. */
   readonly back_m: number;
-  /** Unit vector along which the fingers meet it. */
+  /** Unit vector of the pushing direction. */
   readonly toward: Triple;
-  /** From the point to where it is to be [m]; undefined: it is pushed on. */
+  /** Vector from the contact point to its goal [m]; undefined: it is pushed without a goal. */
   readonly away: Triple | undefined;
 }
 
@@ -30,12 +30,12 @@ const plus = (a: Triple, b: Triple): Triple => minus(a, times(b, -1));
 const dot = (a: Triple, b: Triple): number => a.x * b.x + a.y * b.y + a.z * b.z;
 const length = (a: Triple): number => Math.sqrt(dot(a, a));
 
-/** Pushes a thing with straight fingers: aside of it drawn back, clear before it, and on until it is where it is to be. */
+/** Pushes an object with straight fingers: moves beside it while drawn back, then clear in front of it, and pushes it to its goal. */
 export class Push {
   private phase: Phase = 'align';
 
   /** Velocity of the arm [m/s]. */
-  step(seen: Pushed): Triple {
+  step(seen: PushInput): Triple {
     const { hand, aim, grip, back_m, toward, away } = seen;
     const clear = minus(grip, times(toward, CLEAR_M));
     if (this.phase === 'align') {
@@ -49,7 +49,7 @@ export class Push {
     }
     const off = minus(grip, aim), left_m = dot(off, toward);
     if (left_m > 0) return plus(times(toward, PUSHES_M_S), times(minus(off, times(toward, left_m)), SLOWS_PER_S));
-    // Friction and the softness of the arm hold the thing back: the aim goes on until it is there.
+    // Friction and the arm's compliance hold the object back: the aim continues until it arrives.
     const way = away ?? times(toward, 1), far_m = length(way);
     return times(way, Math.min(SLOWS_PER_S, PUSHES_M_S / Math.max(far_m, 1e-6)));
   }

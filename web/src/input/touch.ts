@@ -2,9 +2,9 @@ import { clamp } from './posture';
 import type { InputWay, Triple, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
-/** A finger that crosses this part of the picture's smaller side moves the hand through its range. */
+/** A drag across this part of the picture's smaller side moves the hand through its range. */
 const PLAY_PART = 0.6;
-/** A finger that moved less than this has not moved [px]. */
+/** A finger that moved less than this counts as still [px]. */
 const STILL_PX = 14;
 /** Speed while "higher" or "lower" is held [m/s]. */
 const LIFT_M_S = 0.08;
@@ -15,15 +15,15 @@ export interface TouchWords {
   lower: string;
 }
 
-/** Where the hand is asked to go, in parts of the ranges along x and y, -1 .. 1. */
+/** Requested place of the hand, relative to the ranges along x and y, -1 .. 1. */
 export interface DraggedPlace {
   x: number;
   y: number;
 }
 
 /**
- * A finger that drags the hand: what counts is how far it goes, not where it is. Where the help takes
- * the hand elsewhere meanwhile, the finger drags it on from there, and is never led back by its own past.
+ * A finger that drags the hand: its displacement counts, not its position. If the help moves
+ * the hand meanwhile, the finger drags it on from there, independent of its own past.
  */
 export class Drag {
   private at_px: { x: number; y: number };
@@ -36,7 +36,7 @@ export class Drag {
     return this.asked;
   }
 
-  /** The finger went to (x, y) [px] on a picture whose smaller side is `side_px`. */
+  /** The finger moved to (x, y) [px] in a picture whose smaller side is `side_px`. */
   moveTo(x_px: number, y_px: number, side_px: number): void {
     const whole_px = (side_px * PLAY_PART) / 2;
     this.asked = {
@@ -52,36 +52,36 @@ export class Drag {
 }
 
 /**
- * One finger drags the hand: sideways, and up for away. A second finger or the large button
- * squeezes; two small buttons lift and lower. The buttons appear with the first touch, where they are needed.
+ * Touch: one finger drags the hand sideways, and upwards for away. A second finger or the large button
+ * squeezes; two small buttons lift and lower. The buttons appear with the first touch.
  */
 export class Touch implements InputWay {
   readonly way = 'touch';
   claimed_s = -Infinity;
-  /** Stays when the finger is lifted: the hand waits where it was asked to go. */
+  /** Kept when the finger is lifted: the hand waits at the requested place. */
   private drag: Drag | undefined;
   private dragging = false;
-  /** Pen or touch: of the pointer that drags. */
+  /** Type of the dragging pointer: pen or touch. */
   private kind = '';
   private readonly others = new Set<number>();
-  /** The finger that came down last has not moved: it presses what it is on. */
+  /** Position of the last finger while it has not moved; it presses what is under it. */
   private still: { x_px: number; y_px: number } | undefined;
-  /** Something was pressed since the last look: a tap between two looks of a slow page is one, too. */
+  /** Something was pressed since the last look, so that a short tap on a slow page counts. */
   private tapped = false;
   private pointed: number | undefined;
   private held = new Set<string>();
   private buttons: HTMLElement | undefined;
 
-  /** `placeNow` says where the hand is, -1 .. 1 along x and y, when a finger comes down. */
+  /** @param placeNow returns the hand's position, -1 .. 1 along x and y, when a finger comes down */
   constructor(
     private readonly element: HTMLElement,
     private readonly placeNow: () => DraggedPlace,
     private readonly words: () => TouchWords,
-    /** The target that is drawn at a point of the page. */
+    /** The target at a point of the page. */
     private readonly targetAt: (x_px: number, y_px: number) => number | undefined = () => undefined,
-    /** Whether a finger that stays where it came down presses; else it only drags. */
+    /** Whether a still finger presses; else it only drags. */
     private readonly presses: () => boolean = () => false,
-    /** Whether there is anything to do for the buttons: they cover a part of the picture. */
+    /** Whether the buttons are needed: they cover a part of the picture. */
     private readonly needsButtons: () => boolean = () => true,
   ) {}
 
@@ -91,7 +91,7 @@ export class Touch implements InputWay {
     addEventListener('pointerup', this.up);
     addEventListener('pointercancel', this.up);
     addEventListener('blur', this.letGo);
-    // Without this the browser scrolls and zooms instead.
+    // Without this the browser would scroll and zoom instead.
     this.element.style.touchAction = 'none';
   }
 
@@ -120,7 +120,7 @@ export class Touch implements InputWay {
       ...restingWish(),
       velocity: { x: 0, y: 0, z: LIFT_M_S * lift },
       place: this.still || tapped ? {} : this.drag?.place ?? {},
-      // A finger that stays asks for a target; where it drags the hand, that is what is meant.
+      // A still finger requests a target; while it drags the hand, the target of the drag counts.
       pointed: this.pointed,
       squeeze: this.others.size > 0 || this.held.has('squeeze') || this.still !== undefined || tapped,
     };
@@ -135,7 +135,7 @@ export class Touch implements InputWay {
     this.claimed_s = now_s();
     if (this.needsButtons()) this.showButtons();
     else this.removeButtons();
-    // The first of its kind: whatever went on before it has ended without an event.
+    // The first pointer of its type: an earlier one has ended without an event.
     if (event.isPrimary && event.pointerType === this.kind) this.letGo();
     if (this.dragging) {
       // A hand that rests beside a pen does not squeeze, nor does a pen beside a finger.
@@ -155,9 +155,9 @@ export class Touch implements InputWay {
   };
 
   private readonly move = (event: PointerEvent): void => {
-    // A pen that hovers touches nothing.
+    // A hovering pen does not touch.
     if (event.pointerType === 'mouse' || event.buttons === 0) return;
-    // A finger that was down before playing began drags from where it is now.
+    // A finger that was down before playing began drags from its present position.
     if (!this.dragging && !this.others.has(event.pointerId)) this.down(event);
     if (!this.dragging || event.pointerId !== this.drag?.pointerId) return;
     this.claimed_s = now_s();

@@ -1,25 +1,25 @@
-/** A press shorter than this stays on until the next one [s]. */
+/** A shorter press is a tap, which stays on until the next press [s]. */
 const TAP_S = 0.6;
-/** A press so soon after the last one is a tremor, or impatience: it asks for nothing new [s]. */
+/** A press this soon after the last one is a tremor or impatience, and is ignored [s]. */
 const AGAIN_S = 0.4;
-/** Of a squeeze that is reported as a part: from here on it counts as pressed. */
+/** An analog squeeze above this counts as pressed. */
 const PRESSED = 0.3;
 
-/** What a press meets. */
-export interface Pressed {
-  /** A tap is as good as holding. */
+/** The situation at a press. */
+export interface TriggerInput {
+  /** Taps count like holding. */
   readonly taps: boolean;
-  /** The hand has begun to close: what is let go of before has only asked for it. */
+  /** The hand has begun to close: an earlier release only requests closing. */
   readonly closed: boolean;
-  /** It asks for what is being done: a tap more ends nothing. */
+  /** The press repeats the current request: another tap does not end it. */
   readonly same?: boolean;
-  /** It is squeezed well: no press that meets this ends it, not even one that is held. */
+  /** The squeeze is in its range: a press during this does not end it, even if it is held. */
   readonly well?: boolean;
 }
 
 /**
- * One button. Held, it squeezes for as long as it is held; where taps count, a tap squeezes until the next
- * one. What has done its work is let go of, and asks for nothing until it is pressed anew.
+ * One button. It squeezes while it is held; where taps count, a tap squeezes until the next
+ * one. After the action is finished it must be pressed again.
  */
 export class Trigger {
   private down = false;
@@ -30,14 +30,14 @@ export class Trigger {
   private ends = false;
   private met = false;
 
-  /** @param asked what the way of playing says: pressed or not, or how far */
-  step(asked: boolean | number, { taps, closed, same = false, well = false }: Pressed, dt_s: number): boolean | number {
+  /** @param asked state of the input method: pressed or not, or the degree */
+  step(asked: boolean | number, { taps, closed, same = false, well = false }: TriggerInput, dt_s: number): boolean | number {
     const down = typeof asked === 'number' ? asked > PRESSED : asked;
     if (!down) this.up_s += dt_s;
     this.met = well || (this.met && this.down);
     if (down && !this.down) {
       this.held_s = 0;
-      // Who presses squeezes, and who lets go lets go: it ends what a tap before it began.
+      // A press squeezes and a release lets go, so this press ends an earlier tap's squeeze.
       this.ends = this.latched && !same && !well && this.up_s > AGAIN_S;
       this.latched &&= !this.ends;
     } else if (down) {
@@ -53,12 +53,12 @@ export class Trigger {
     return this.latched || asked;
   }
 
-  /** The press that was on goes on, as if a tap had come. */
+  /** Continues the last press as if by a tap. */
   resume(): void {
     this.latched = true;
   }
 
-  /** The work is done: the press that is on, or held, means nothing more. */
+  /** The action is finished: the present press has no further effect. */
   finish(): void {
     this.latched = false;
     this.spent = this.down;

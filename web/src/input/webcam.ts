@@ -1,38 +1,38 @@
-import { HandTracker, type Looked } from './hand_tracker';
+import { HandTracker, type TrackedHand } from './hand_tracker';
 import type { HandReading } from './landmarks';
 import { curl, place, readHand, thumbCurl } from './landmarks';
 import { OneEuroFilter } from './one_euro';
 import type { InputWay, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
-/** Why there is no hand tracking, as a key of the texts; empty: there is. `cancelled`: the person wants it no more. */
+/** Why hand tracking is unavailable, as a key of the texts; empty: it works. `cancelled`: the person cancelled it. */
 export type WebcamProblem = '' | 'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended' | 'cancelled';
 
-/** The steps from the browser's question to the play. Nothing steers before `play`. */
+/** The steps from the browser's permission to play. Nothing steers before `play`. */
 export type WebcamStep = 'ask' | 'load' | 'frame' | 'play';
 
 export interface WebcamView {
-  /** The picture, mirrored, for the person to see; undefined while the browser asks for the camera. */
+  /** The mirrored picture for the person; undefined while the browser asks for permission. */
   video: HTMLVideoElement | undefined;
   step: WebcamStep;
   /** true while a hand is seen. */
   seen: boolean;
-  /** How much longer the hand has to be kept in the frame before it steers [s]. */
+  /** Remaining time for which the hand must be kept in the frame before it steers [s]. */
   left_s: number;
 }
 
-/** After this long without a hand the person is informed, and the hand opens [s]; a slow tracker gets so many pictures' time. */
+/** After this time without a hand the person is informed, and the hand opens [s]; for a slow tracker, the time of this many pictures. */
 const LOST_S = 0.7;
 const LOST_LOOKS = 3;
 const SLOWEST_LOOK_S = 0.7;
-/** A hand is seen for this long before it steers [s]. */
+/** A hand must be seen for this long before it steers [s]. */
 export const FRAME_S = 10;
-/** Longest time that one look counts for [s]: between two looks nothing was seen. */
+/** Longest time that one picture counts for [s]: between two pictures nothing was seen. */
 const LONGEST_LOOK_S = 1;
 
 const SMOOTHING = { minCutoff_hz: 1.2, beta: 2.5, speedCutoff_hz: 1 };
 
-/** What a browser's refusal of the camera means. */
+/** The reason of a browser's error for the camera. */
 export function problemOf(error: unknown): WebcamProblem {
   const name = error instanceof Error ? error.name : '';
   if (name === 'NotAllowedError' || name === 'SecurityError') return 'refused';
@@ -40,7 +40,7 @@ export function problemOf(error: unknown): WebcamProblem {
   return 'busy';
 }
 
-/** Whether a camera goes on giving pictures. */
+/** Detects whether a camera still delivers pictures. */
 export class PictureWatch {
   private shown_s = -1;
 
@@ -52,12 +52,12 @@ export class PictureWatch {
   }
 }
 
-/** Places and curls of a tracked hand, smoothed. Knows neither camera nor tracker. */
+/** Smoothed position and flexion of a tracked hand. It is independent of camera and tracker. */
 export class HandFollower {
   private restSize = 0;
   private readonly filters = new Map<string, OneEuroFilter>();
 
-  /** The hand's distance now becomes the middle of the depth. */
+  /** Sets the hand's present distance as the middle of the depth. */
   recentre(): void {
     this.restSize = 0;
     this.filters.clear();
@@ -80,7 +80,7 @@ export class HandFollower {
   }
 }
 
-/** "Keep your hand in the frame": counts while a hand is seen, and stands still while none is. */
+/** The step "Keep your hand in the frame": its time advances while a hand is seen. */
 export class FrameStep {
   private seen_s = 0;
 
@@ -93,10 +93,10 @@ export class FrameStep {
   }
 }
 
-/** What finds a hand in pictures: HandTracker, but for tests. */
+/** A hand tracker: HandTracker, or a substitute in tests. */
 export type Tracker = Pick<HandTracker, 'load' | 'look' | 'close'>;
 
-/** The person's own hand before a camera. The picture never leaves this page. */
+/** The person's own hand in front of a camera. The picture never leaves this page. */
 export class Webcam implements InputWay {
   readonly way = 'webcam';
   claimed_s = -Infinity;
@@ -113,9 +113,9 @@ export class Webcam implements InputWay {
   private starting: Promise<WebcamProblem> | undefined;
   private settle: ((problem: WebcamProblem) => void) | undefined;
   private enabled = false;
-  private round = 0;           // counts start() and stop(): what an earlier one was waiting for is dropped
+  private round = 0;           // counts start() and stop(); results of an earlier start are dropped
 
-  /** `onView`: what there is to see, often; undefined: the camera is off, for that reason. */
+  /** @param onView called often with the picture; undefined: the camera is off, with the reason */
   constructor(
     private readonly onView: (view: WebcamView | undefined, problem: WebcamProblem) => void,
     private readonly makeTracker: () => Tracker = () => new HandTracker(),
@@ -136,12 +136,12 @@ export class Webcam implements InputWay {
   }
 
   wish(now: number): Wish {
-    return this.sees(now) && this.latest ? this.latest : restingWish();
+    return this.seesHand(now) && this.latest ? this.latest : restingWish();
   }
 
   /**
-   * Opens the camera, loads the tracker, and waits until a hand was in the frame for FRAME_S; says in a word why not.
-   * Two presses are one start.
+   * Opens the camera, loads the tracker, and waits until a hand was in the frame for FRAME_S; returns the reason of a failure.
+   * Two presses count as one start.
    */
   start(): Promise<WebcamProblem> {
     if (this.step === 'play') return Promise.resolve('');
@@ -155,7 +155,7 @@ export class Webcam implements InputWay {
     this.end('cancelled');
   }
 
-  /** Closes the camera, in whatever step it is. */
+  /** Closes the camera, in any step. */
   private end(problem: WebcamProblem): void {
     this.round += 1;
     this.step = 'off';
@@ -183,7 +183,7 @@ export class Webcam implements InputWay {
       const stream = await devices.getUserMedia({ video: { width: 640, height: 480, facingMode: 'user' }, audio: false });
       if (round !== this.round) { stream.getTracks().forEach((track) => track.stop()); return; }
       this.stream = stream;
-      // The camera is unplugged or taken away.
+      // The camera was unplugged or taken away.
       for (const track of stream.getTracks()) track.addEventListener('ended', () => { if (round === this.round) this.end('ended'); });
       const video = await mirrorOf(stream);
       if (round !== this.round) return;
@@ -202,20 +202,20 @@ export class Webcam implements InputWay {
 
   private show(step: WebcamStep): void {
     this.step = step;
-    this.onView({ video: this.video, step, seen: this.sees(now_s()), left_s: this.frame.left_s }, '');
+    this.onView({ video: this.video, step, seen: this.seesHand(now_s()), left_s: this.frame.left_s }, '');
   }
 
-  private sees(now: number): boolean {
+  private seesHand(now: number): boolean {
     return now - this.lastSeen_s < Math.max(LOST_S, LOST_LOOKS * Math.min(this.look_s, SLOWEST_LOOK_S));
   }
 
-  // One picture after another. The tracker has a thread of its own, but few machines have many: it rests between.
+  // Processes one picture after another, with pauses: the tracker has its own thread, but few machines have many cores.
   private async run(tracker: Tracker, round: number): Promise<void> {
     let before_s = now_s();
     while (round === this.round && this.video) {
       const began_s = now_s();
       try {
-        // The last picture of a camera that has stopped says nothing of the hand now.
+        // The last picture of a stopped camera does not show the present hand.
         if (this.pictures.isNew(this.video)) {
           const looked = await tracker.look(await createImageBitmap(this.video));
           if (round !== this.round) return;
@@ -233,12 +233,12 @@ export class Webcam implements InputWay {
     }
   }
 
-  private take({ image, world }: Looked, time_s: number): void {
+  private take({ image, world }: TrackedHand, time_s: number): void {
     const aspect = (this.video?.videoWidth ?? 4) / Math.max(1, this.video?.videoHeight ?? 3);
     const reading = readHand(image, world.length > 0 ? world : image, aspect);
     if (!reading) return;
     this.lastSeen_s = time_s;
-    // Where the hand is at the end of the step is the middle of the depth.
+    // The hand's distance at the end of the step becomes the middle of the depth.
     if (this.step === 'frame') this.follower.recentre();
     this.latest = this.follower.follow(reading, time_s);
     if (this.enabled && this.step === 'play') this.claimed_s = time_s;
@@ -246,7 +246,7 @@ export class Webcam implements InputWay {
 
   private count(): void {
     if (this.step === 'frame') {
-      this.frame.look(this.sees(now_s()), this.look_s);
+      this.frame.look(this.seesHand(now_s()), this.look_s);
       if (this.frame.left_s === 0) {
         this.step = 'play';
         this.finish('');
@@ -256,7 +256,7 @@ export class Webcam implements InputWay {
   }
 }
 
-/** The camera's picture as in a mirror. */
+/** The camera's picture, mirrored. */
 async function mirrorOf(stream: MediaStream): Promise<HTMLVideoElement> {
   const video = document.createElement('video');
   video.muted = true;

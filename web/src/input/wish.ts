@@ -1,10 +1,10 @@
-/** What a way of playing asks for at one moment. All ways speak this, and only this. */
+/** The request of an input method at one moment: the only interface between input methods and aiming. */
 
 export type Way = 'keys' | 'mouse' | 'touch' | 'gamepad' | 'webcam';
 
 export const WAYS: readonly Way[] = ['keys', 'mouse', 'touch', 'gamepad', 'webcam'];
 
-/** How much the page does for a person: reaching, gripping and letting go, the last bit of it, or nothing. */
+/** Degree of help: with reaching, gripping and letting go; with the last part of it; or none. */
 export type Help = 'full' | 'some' | 'none';
 
 export const HELPS: readonly Help[] = ['full', 'some', 'none'];
@@ -17,38 +17,38 @@ export interface Triple {
 }
 
 export interface Wish {
-  /** How fast the aim is to move [m/s]; 0 where nothing is asked. */
+  /** Requested velocity of the aim [m/s]; 0: none. */
   velocity: Triple;
-  /** Where the aim is to go, as a part of each axis's range, -1 .. 1; undefined: stay. */
+  /** Requested place of the aim, relative to each axis's range, -1 .. 1; undefined: stay. */
   place: Partial<Triple>;
-  /** true: close more and more while held; a number 0 .. 1: close this far. */
+  /** true: close further while held; a number 0 .. 1: close to this degree. */
   squeeze: boolean | number;
-  /** The target that the cursor is on, in the order of the grips; undefined: none, or no cursor. */
+  /** The target under the cursor, an index of the grips; undefined: none, or no cursor. */
   pointed?: number;
-  /** Thumb flexion on its own, 0 .. 1 (webcam); undefined: it goes with the squeeze. */
+  /** Thumb flexion of its own, 0 .. 1 (webcam); undefined: it follows the squeeze. */
   thumb?: number;
 }
 
-/** Whether a squeeze is asked for. A camera's noise is not. */
+/** Whether a squeeze is requested; noise of a camera does not count. */
 export const asksToSqueeze = (squeeze: Wish['squeeze']): boolean => typeof squeeze === 'number' ? squeeze > 0.05 : squeeze;
 
 export function restingWish(): Wish {
   return { velocity: { x: 0, y: 0, z: 0 }, place: {}, squeeze: false };
 }
 
-/** A way of playing: it listens while enabled, and says what is asked. */
+/** An input method: it listens while enabled, and returns its wish. */
 export interface InputWay {
   readonly way: Way;
-  /** When the person last used it on purpose [s, performance.now() / 1000]; -Infinity: never. */
+  /** Time of the person's last deliberate use [s, performance.now() / 1000]; -Infinity: never. */
   readonly claimed_s: number;
   enable(): void;
   disable(): void;
-  /** Another way is used now: what was asked here is no longer meant. */
+  /** Another input method is used now: cancels the requests of this one. */
   yield(): void;
   wish(now_s: number): Wish;
   /**
-   * The help took the hand elsewhere, to these parts of the ranges. Ways that add up differences go on
-   * from there; a cursor, which is a place, does not care.
+   * The help moved the hand to these parts of the ranges. Methods that accumulate differences continue
+   * from there; a cursor is an absolute place, and ignores this.
    */
   overruled?(places: Readonly<Partial<Triple>>): void;
 }

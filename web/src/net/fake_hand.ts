@@ -1,4 +1,4 @@
-// The kinematics of the shipped hand, for the stand-in program: joints, links, capsules in the world.
+// The kinematics of the shipped hand for the stand-in program: joints, links, capsules in the world.
 import hand from './fake_hand.json';
 
 export type Triple = readonly [number, number, number];

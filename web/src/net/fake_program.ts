@@ -1,16 +1,16 @@
-// A stand-in for the program inside the page, for development and tests: the same bytes over a line that goes
-// nowhere. Options, all in the address beside ?fake:
-//   level=2       which level            at=pour     plays on until that stage, at once
-//   held          another client commands          lost=8    the line breaks after 8 s, and comes back 5 s later
-//   version=9     speaks another schema version    hardware  a device that is not simulated
-//   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
+// A stand-in for the program inside the page, for development and tests: the same bytes without a network connection.
+// Options, all in the address beside ?fake:
+//     level=2       which level            at=pour     plays at once until that stage
+//     held          another client commands          lost=8    the connection breaks after 8 s for 5 s
+//     version=9     uses another schema version      hardware  a device that is not simulated
+//     fault=12      sets that bit of Scene.fault_names after a second, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
   Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, ReleaseReason, LoadExercise, Message, MessageT, Order,
   ParameterGroup, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
   WelcomeT, WorldStateT,
 } from '../protocol';
-import type { Line } from './line';
+import type { SocketConnection } from './socket_connection';
 import { BAR_FILE } from '../exercises/cocktail_bar/bar';
 import { AXES, FakeBar, LEVEL_NAMES } from '../exercises/cocktail_bar/fake_bar';
 import { describeBar, EVENT_NAMES, fillBar, playTo } from '../exercises/cocktail_bar/fake_messages';
@@ -65,39 +65,39 @@ export class FakeProgram {
     for (let k = 0; k < 60 * further_s; k++) this.bar.advance(1 / 60, true, true);
   }
 
-  /** A new line to it; several may be open at once. */
-  line(): Line {
+  /** Opens a new connection to it; several may be open at once. */
+  connect(): SocketConnection {
     if (performance.now() > this.breaksAt_ms && performance.now() < this.breaksAt_ms + 5000) throw new Error('not there');
-    const line: Line & { timer?: ReturnType<typeof setInterval> } = {
+    const socket: SocketConnection & { timer?: ReturnType<typeof setInterval> } = {
       binaryType: 'arraybuffer', onopen: null, onmessage: null, onclose: null,
-      send: (data) => { setTimeout(() => this.hear(line, data), 1); },
-      close: () => { clearInterval(line.timer); },
+      send: (data) => { setTimeout(() => this.receive(socket, data), 1); },
+      close: () => { clearInterval(socket.timer); },
     };
     setTimeout(() => {
-      line.onopen?.({} as Event);
-      this.say(line, Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 1, true, '0.3.0 (stand-in)'));
-      this.say(line, Payload.Controls, new ControlsT(false, this.options.has('held')));
-      this.say(line, Payload.Scene, this.scene());
+      socket.onopen?.({} as Event);
+      this.send(socket, Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 1, true, '0.3.0 (stand-in)'));
+      this.send(socket, Payload.Controls, new ControlsT(false, this.options.has('held')));
+      this.send(socket, Payload.Scene, this.scene());
       let last_ms = performance.now();
-      line.timer = setInterval(() => {
+      socket.timer = setInterval(() => {
         const now_ms = performance.now();
         if (now_ms > this.breaksAt_ms && now_ms < this.breaksAt_ms + 5000) {
-          clearInterval(line.timer);
-          line.onclose?.({} as CloseEvent);
+          clearInterval(socket.timer);
+          socket.onclose?.({} as CloseEvent);
           return;
         }
         this.advance(Math.min(0.1, (now_ms - last_ms) / 1000));
         last_ms = now_ms;
-        this.say(line, Payload.WorldState, this.state());
+        this.send(socket, Payload.WorldState, this.state());
         const events = this.bar.takeEvents();
         if (events.length > 0)
-          this.say(line, Payload.Events, new EventsT(events.map((e) => new EventT(BigInt(this.tick), EVENT_NAMES.indexOf(e.name), e.index, e.value))));
+          this.send(socket, Payload.Events, new EventsT(events.map((e) => new EventT(BigInt(this.tick), EVENT_NAMES.indexOf(e.name), e.index, e.value))));
       }, PERIOD_MS);
     }, 20);
-    return line;
+    return socket;
   }
 
-  /** The safety supervisor, as the loop's state has it. */
+  /** The state of the safety supervisor, derived from the loop's state. */
   private safetyState(): SafetyState {
     if (this.faulted) return SafetyState.Faulted;
     if (this.runState !== RunState.Rendering && this.authority === 0) return SafetyState.Disarmed;
@@ -111,7 +111,7 @@ export class FakeProgram {
     this.runState = RunState.Stopping;
   }
 
-  /** What happens in that time. */
+  /** Advances the simulation by this time [s]. */
   advance(dt: number): void {
     const bit = this.options.get('fault');
     if (bit !== null && this.session === 1 && !this.faulted && performance.now() - this.started_ms > 1000 * FAULT_AFTER_S) this.fail(Number(bit));
@@ -128,28 +128,28 @@ export class FakeProgram {
 
   private level(text: string | null): number { return Math.max(1, Math.min(LEVEL_NAMES.length, Number(text ?? 3) || 1)); }
 
-  private say(line: Line, kind: Payload, payload: unknown): void {
+  private send(socket: SocketConnection, kind: Payload, payload: unknown): void {
     const builder = new flatbuffers.Builder(4096);
     Message.finishMessageBuffer(builder, new MessageT(this.version, kind, payload as MessageT['payload']).pack(builder));
-    line.onmessage?.({ data: builder.asUint8Array().slice().buffer } as MessageEvent);
+    socket.onmessage?.({ data: builder.asUint8Array().slice().buffer } as MessageEvent);
   }
 
-  private hear(line: Line, data: Uint8Array<ArrayBuffer>): void {
+  private receive(socket: SocketConnection, data: Uint8Array<ArrayBuffer>): void {
     const message = Message.getRootAsMessage(new flatbuffers.ByteBuffer(data));
     if (message.payloadType() !== Payload.Command) return;
     const command = message.payload(new Command()) as Command;
-    const refusal = this.obey(line, command);
-    this.say(line, Payload.Reply, new ReplyT(command.id(), refusal === Refusal.None, Refusal[refusal], refusal));
+    const refusal = this.apply(socket, command);
+    this.send(socket, Payload.Reply, new ReplyT(command.id(), refusal === Refusal.None, Refusal[refusal], refusal));
   }
 
-  private obey(line: Line, command: Command): Refusal {
+  private apply(socket: SocketConnection, command: Command): Refusal {
     const kind = command.orderType();
     const held = this.options.has('held');
     if (kind === Order.EmergencyStop) return this.halt(EMERGENCY_STOP);
     if (kind === Order.TakeControls) {
       if (held) return Refusal.ControlsHeld;
       this.heldByClient = true;
-      this.say(line, Payload.Controls, new ControlsT(true, true));
+      this.send(socket, Payload.Controls, new ControlsT(true, true));
       return Refusal.None;
     }
     if (!this.heldByClient && kind !== Order.Stop && kind !== Order.Rest) return Refusal.NotHolder;
@@ -157,7 +157,7 @@ export class FakeProgram {
       case Order.ReleaseControls:
         this.heldByClient = false;
         this.steering = Steering.VirtualPatient;
-        this.say(line, Payload.Controls, new ControlsT(false, false));
+        this.send(socket, Payload.Controls, new ControlsT(false, false));
         return Refusal.None;
       case Order.Arm:
         if ((command.order(new Arm()) as Arm).endingsSeen() !== this.endings) return Refusal.StopNotSeen;
@@ -167,7 +167,7 @@ export class FakeProgram {
         this.faulted = false;
         this.session += 1;
         this.bar.restart();
-        this.say(line, Payload.Scene, this.scene());
+        this.send(socket, Payload.Scene, this.scene());
         return Refusal.None;
       case Order.Stop: return this.halt();
       case Order.Rest: {
@@ -190,7 +190,7 @@ export class FakeProgram {
         if (level > LEVEL_NAMES.length) return Refusal.CannotLoad;
         if (order.exercise() && order.exercise() !== BAR_FILE) return Refusal.UnknownExercise;
         this.bar = new FakeBar(level);
-        this.say(line, Payload.Scene, this.scene());
+        this.send(socket, Payload.Scene, this.scene());
         return Refusal.None;
       }
       case Order.Action: {

@@ -1,16 +1,16 @@
 // A stand-in for the program's recordings, for development (/replay?fake&recording=NAME) and tests: the same bytes as
 // /api/recordings/NAME/replay/... Options, all in the address beside ?fake:
-//   length=60     how long [s]              gap        200 ticks are missing at a third of it
-//   damaged       its last tenth cannot be read         written    it grows by a second with every look
-//   nopicture     without a scene           newer      refused, as of a newer version
-//   gone=5        the program is away for 5 s, from 5 s after the start
-//   title=...     what it is called; a recording "unknown" there is none of
+//     length=60     duration [s]              gap        200 ticks are missing at a third of it
+//     damaged       its last tenth cannot be read         written    it grows by a second with every request
+//     nopicture     without a scene           newer      refused, as one of a newer version
+//     gone=5        the program is absent for 5 s, from 5 s after the start
+//     title=...     its title; a recording "unknown" does not exist
 import * as flatbuffers from 'flatbuffers';
 import { Message, MessageT, Payload, SCHEMA_VERSION, type GameBodiesT, type SceneT, type WorldStateT } from '../protocol';
 import { FakeProgram } from './fake_program';
 
 const PERIOD_S = 1e-3;
-/** States are made at this rate, for so long; then they come again. */
+/** States are made at this rate for a limited time; then they repeat. */
 const MADE_HZ = 20;
 const MADE_S = 24;
 const GAP_TICKS = 200;
@@ -23,9 +23,9 @@ export interface FakeChannel { readonly name: string; readonly axis: number; rea
 
 export class FakeRecordings {
   readonly scene: SceneT;
-  /** Answers that were given, by their address. */
+  /** The answered addresses. */
   readonly asked: string[] = [];
-  /** Bodies of a game: from which row on they are there. */
+  /** Bodies of a game, with the row from which each list holds. */
   bodies: readonly { readonly row: number; readonly reported: GameBodiesT }[] = [];
   private readonly made: WorldStateT[] = [];
   private ticks: number;
@@ -42,7 +42,7 @@ export class FakeRecordings {
     this.ticks = Math.round(length_s / PERIOD_S);
   }
 
-  /** Rows of the file: without the ticks that are missing. */
+  /** Number of rows in the file, without the missing ticks. */
   get rows(): number { return this.ticks - (this.options.has('gap') ? GAP_TICKS : 0); }
 
   async answer(address: string): Promise<Response> {
@@ -123,7 +123,7 @@ export class FakeRecordings {
     return joined(messages.map((message) => ({ head: [message.length], message })));
   }
 
-  /** A few rows of every column stand for all. */
+  /** The values of each column come from a few of its rows. */
   private series(from_s: number, to_s: number, columns: number): ArrayBuffer {
     const channels = this.channels();
     const values = new Float32Array(2 * columns * channels.length).fill(NaN);
@@ -169,7 +169,7 @@ export class FakeRecordings {
   }
 }
 
-/** Messages, each after its head of four bytes a number. */
+/** Concatenates messages, each after a header of numbers with four bytes each. */
 function joined(parts: readonly { readonly head: readonly number[]; readonly message: Uint8Array }[]): Uint8Array<ArrayBuffer> {
   const bytes = new Uint8Array(parts.reduce((sum, { head, message }) => sum + 4 * head.length + message.length, 0));
   let at = 0;
@@ -184,7 +184,7 @@ function joined(parts: readonly { readonly head: readonly number[]; readonly mes
   return bytes;
 }
 
-/** Length, header padded to four bytes, values. */
+/** Length, header padded to four bytes, then the values. */
 export function framed(header: object, values: Float32Array): ArrayBuffer {
   const text = new TextEncoder().encode(JSON.stringify(header));
   const length = Math.ceil(text.length / 4) * 4;

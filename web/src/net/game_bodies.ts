@@ -1,19 +1,19 @@
-// Bodies that a game has put into the world, gathered from what the program says of them.
+// The list of bodies that a game has put into the world, assembled from the program's messages.
 import { SlotState, Whereabouts, type GameBodiesT, type PoseT, type RegisteredBodyT, type ShapeT } from '../protocol';
 
 /** A body of a game. Its pose is WorldState.bodies[slot + number of Scene.bodies], or `pose`. */
 export interface GameBodyShown {
-  /** Of a body without a slot: its number, from 1000 on. */
+  /** For a body without a slot: its number, from 1000 on. */
   readonly slot: number;
   readonly generation: number;
-  /** Overlaps something and touches nothing yet. */
+  /** The body overlaps something and does not collide yet. */
   readonly ghost: boolean;
   readonly shapes: readonly ShapeT[];
-  /** Where a body without a slot stands. */
+  /** Pose of a body without a slot. */
   readonly pose?: PoseT;
 }
 
-/** Keeps the shapes of the bodies that are in the world: a message brings those that are new. */
+/** Keeps the shapes of the bodies in the world: a message contains only new shapes. */
 export class GameBodyList {
   bodies: readonly GameBodyShown[] = [];
   private shapes = new Map<number, readonly ShapeT[]>();
@@ -35,13 +35,13 @@ export class GameBodyList {
     const inSlots = message.bodies.map(({ slot, generation, shapes: id, state }) =>
       ({ slot, generation, ghost: state === SlotState.Ghost, shapes: shapesOf(id) }));
     const taken = new Set(inSlots.map(({ slot }) => slot));
-    // On its way into a slot, a body stands where it was.
+    // A body on its way into a slot is shown at its earlier pose.
     const outside = [...this.registered.values()].map(({ number, slot, generation, shapes: id, pose }) =>
       ({ inSlot: taken.has(slot), body: { slot: number, generation, ghost: false, shapes: shapesOf(id), pose: pose ?? undefined } }));
     this.bodies = [...inSlots, ...outside.filter(({ inSlot }) => !inSlot).map(({ body }) => body)];
   }
 
-  /** Another connection: the program reports all of them anew. */
+  /** Clears the list for a new connection: the program reports all bodies again. */
   clear(): void {
     this.bodies = [];
     this.shapes.clear();

@@ -1,46 +1,46 @@
-// Keeps whether this page has the controls, when it must beat, and why it lost the controls.
+// Tracks whether this page holds the controls, whether it must send heartbeats, and why it lost the controls.
 import { Role } from '../protocol';
 
-/** Why this page lost the controls, which it did not give back: the person left it, the program did not hear it, or a therapist took them. */
+/** Why this page lost the controls without giving them back: the person left the page, the program did not hear it, or a therapist took them. */
 export type Loss = '' | 'left' | 'unheard' | 'taken';
 
-/** Who has the controls, and the role of this page. */
+/** The holder of the controls, and the role of this page. */
 export interface Hands {
   readonly heldByYou: boolean;
   readonly held: boolean;
-  /** The role that the program granted; Unsaid from one that knows no roles. */
+  /** The role that the program granted; Unspecified from a program without roles. */
   readonly role: Role;
   readonly holder: Role;
   /** A therapist's page is open. */
   readonly led: boolean;
 }
 
-const NOBODY: Hands = { heldByYou: false, held: false, role: Role.Unsaid, holder: Role.Unsaid, led: false };
+const NOBODY: Hands = { heldByYou: false, held: false, role: Role.Unspecified, holder: Role.Unspecified, led: false };
 
-export class Holding {
+export class ControlHolding {
   hands: Hands = NOBODY;
-  /** Why the controls were lost, until they are taken anew. */
+  /** Why the controls were lost, until they are taken again. */
   loss: Loss = '';
   /** The person has left the page. */
   away = false;
   private taking = 0;        // orders without an answer yet
-  private giving = false;    // the controls are being given back, at the person's wish
-  private wanted = false;    // the last order asked for the controls, and did not give them back
-  private beating = false;   // as last set on the line
+  private giving = false;    // the controls are being given back at the person's wish
+  private wanted = false;    // the last order requested the controls instead of giving them back
+  private heartbeatOn = false;   // as last set on the connection
 
-  /** @param keep begins the beats that say that the page is there, or ends them */
-  constructor(private readonly keep: (beats: boolean) => void) {}
+  /** @param keep begins or ends the heartbeats that show that the page is alive */
+  constructor(private readonly keep: (needsHeartbeat: boolean) => void) {}
 
-  get beats(): boolean { return !this.away && (this.hands.heldByYou || this.taking > 0); }
+  get needsHeartbeat(): boolean { return !this.away && (this.hands.heldByYou || this.taking > 0); }
 
-  /** The page asks for the controls. Beats begin before the answer can be read: a busy page would lose them at once. */
-  asks(): void {
+  /** The page requests the controls. Heartbeats begin before the answer can be read: a busy page would lose the controls at once. */
+  requestControls(): void {
     this.taking += 1;
     this.wanted = true;
-    this.tellLine();
+    this.updateHeartbeat();
   }
 
-  answered(accepted: boolean): void {
+  onAnswer(accepted: boolean): void {
     this.taking -= 1;
     if (accepted) {
       this.loss = '';
@@ -49,10 +49,10 @@ export class Holding {
         this.set({ ...this.hands, heldByYou: true, held: true });
       }
     }
-    this.tellLine();
+    this.updateHeartbeat();
   }
 
-  gives(): void {
+  giveBack(): void {
     this.giving = true;
     this.wanted = false;
   }
@@ -62,7 +62,7 @@ export class Holding {
     this.update({ ...this.hands, heldByYou: false }, rendering);
   }
 
-  /** The program says who has the controls. */
+  /** Applies the program's report of who holds the controls. */
   update(hands: Hands, rendering: boolean): void {
     const lost = this.hands.heldByYou && !hands.heldByYou && !this.giving;
     // A stop takes the controls from a player; that is not reported as a loss.
@@ -71,25 +71,25 @@ export class Holding {
     else if (lost && (rendering || hands.role !== Role.Player)) this.loss = 'unheard';
     this.set(hands);
     this.giving &&= hands.heldByYou;
-    this.tellLine();
+    this.updateHeartbeat();
   }
 
-  /** Takes note that rendering has ended: what looked like silence was the stop that took the controls from a player. */
-  ended(): void {
+  /** Records that rendering has ended: the apparent silence was the stop that took the controls from a player. */
+  onStop(): void {
     if (this.loss === 'unheard' && this.hands.role === Role.Player) this.loss = '';
   }
 
-  /** Forgets the controls: there is no connection any more. */
-  lineGone(): void {
+  /** Forgets the controls after the connection was lost. */
+  onConnectionLost(): void {
     this.hands = NOBODY;
-    this.giving = this.beating = false;
+    this.giving = this.heartbeatOn = false;
   }
 
   private set(hands: Hands): void { this.hands = this.away ? { ...hands, heldByYou: false } : hands; }
 
-  private tellLine(): void {
-    if (this.beats === this.beating) return;
-    this.beating = this.beats;
-    this.keep(this.beating);
+  private updateHeartbeat(): void {
+    if (this.needsHeartbeat === this.heartbeatOn) return;
+    this.heartbeatOn = this.needsHeartbeat;
+    this.keep(this.heartbeatOn);
   }
 }

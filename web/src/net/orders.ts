@@ -19,7 +19,7 @@ const ORDER_OF = new Map<unknown, Order>([
   [AnswerT, Order.Answer], [HoldToMoveT, Order.HoldToMove],
 ]);
 
-/** Bytes of a command, as the program reads them. */
+/** The bytes of a command, as the program reads them. */
 export function encodeCommand(id: number, order: AnyOrder): Uint8Array<ArrayBuffer> {
   const kind = ORDER_OF.get(order.constructor) ?? Order.NONE;
   const builder = new flatbuffers.Builder(256);
@@ -28,32 +28,32 @@ export function encodeCommand(id: number, order: AnyOrder): Uint8Array<ArrayBuff
   return builder.asUint8Array().slice();
 }
 
-/** The orders that a page may give, but for those of the controls. */
+/** The orders that a page may send, except those of the controls. */
 export abstract class Orders {
   /** Sends an order; never rejects. */
   abstract order(order: AnyOrder): Promise<Answer>;
 
-  /** `endingsSeen`: what `endings` was when the person was shown what they pressed on. */
+  /** @param endingsSeen the value of `endings` when the pressed button was shown */
   arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
   stop(): Promise<Answer> { return this.order(new StopT()); }
   /** A gentle stop that the same page may end by arming again. */
   rest(): Promise<Answer> { return this.order(new RestT()); }
-  /** Empty names and level 0 leave that part as it is. */
+  /** Empty names and level 0 leave that part unchanged. */
   loadExercise(exercise: string, level: number, hand: string): Promise<Answer> {
     return this.order(new LoadExerciseT(exercise, level, hand));
   }
-  /** Saves what is loaded and set now as a patient's profile; opens a saved one while nothing is armed. */
+  /** Saves the loaded and set values as a patient's profile; opens a saved one while nothing is armed. */
   saveProfile(name: string): Promise<Answer> { return this.order(new SaveProfileT(name)); }
   loadProfile(name: string): Promise<Answer> { return this.order(new LoadProfileT(name)); }
-  /** Sets how much the game does for the player; Unsaid: the player chooses. */
+  /** Sets how much the game helps the player; Unspecified: the player chooses. */
   setHelp(help: Help): Promise<Answer> { return this.order(new SetHelpT(help)); }
   setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
-  /** Where the person wants to be, one value per axis of the scene [m or rad]. `by`: how much of it the page does for them. */
-  aim(q: number[], by = Help.Unsaid): Promise<Answer> { return this.order(new AimT(q, by)); }
+  /** The posture that the person intends, one value per axis of the scene [m or rad]. @param by how much of it the page does for them */
+  aim(q: number[], by = Help.Unspecified): Promise<Answer> { return this.order(new AimT(q, by)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
   /** Answers a question of a commissioning, by its number. */
   answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
-  /** Reports whether the button is held without which a commissioning moves nothing. */
+  /** Reports whether the hold button is held; a commissioning moves nothing without it. */
   holdToMove(press: number, held: boolean): Promise<Answer> { return this.order(new HoldToMoveT(press, held)); }
 }

@@ -1,15 +1,15 @@
-/** `reason`: for the person, in the page's language; empty when accepted. */
+/** `reason` is for the person, in the page's language; empty when accepted. */
 export interface Answer { readonly accepted: boolean; readonly reason: string }
 
-interface Waiting { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
+interface PendingAnswer { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
 
-/** Orders that the program has not answered yet, by their numbers. */
+/** Orders without an answer of the program yet, by their numbers. */
 export class PendingAnswers {
-  private readonly waiting = new Map<number, Waiting>();
+  private readonly waiting = new Map<number, PendingAnswer>();
 
   /** @param otherwise the answer after `within_ms` without one */
   wait(id: number, within_ms: number, otherwise: Answer): Promise<Answer> {
-    this.settle(id, otherwise);  // sent again
+    this.settle(id, otherwise);  // an order that is sent again replaces the earlier one
     return new Promise((settle) => {
       const timer = setTimeout(() => this.settle(id, otherwise), within_ms);
       this.waiting.set(id, { settle, timer });

@@ -1,12 +1,12 @@
-// Reads the program's bytes as a message. FlatBuffers has no verifier in this language: a WebSocket brings whole
-// messages, and the program verifies its own. Whatever the bytes are, reading ends and throws nothing.
+// Reads the program's bytes as a message. FlatBuffers has no verifier in this language: a WebSocket delivers complete
+// messages, and the program verifies its own. For any bytes, reading ends and throws nothing.
 import {
   Commissioning, Controls, Events, GameBodies, Message, Payload, Reply, Scene, SCHEMA_VERSION, Welcome, WorldState,
   type CommissioningT, type ControlsT, type EventT, type GameBodiesT, type ReplyT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { BoundedBuffer } from './bounded_buffer';
 
-export type Incoming =
+export type ReceivedMessage =
   | { readonly is: 'state'; readonly value: WorldStateT } | { readonly is: 'scene'; readonly value: SceneT }
   | { readonly is: 'events'; readonly value: readonly EventT[] } | { readonly is: 'welcome'; readonly value: WelcomeT }
   | { readonly is: 'controls'; readonly value: ControlsT } | { readonly is: 'commissioning'; readonly value: CommissioningT }
@@ -15,7 +15,7 @@ export type Incoming =
   | { readonly is: 'foreign'; readonly version: number }
   | { readonly is: 'unreadable' };
 
-export function readMessage(data: unknown): Incoming {
+export function readMessage(data: unknown): ReceivedMessage {
   try {
     const buffer = new BoundedBuffer(new Uint8Array(data as ArrayBuffer));
     if (!Message.bufferHasIdentifier(buffer)) return { is: 'unreadable' };
@@ -26,7 +26,7 @@ export function readMessage(data: unknown): Incoming {
   }
 }
 
-function unpacked(message: Message): Incoming {
+function unpacked(message: Message): ReceivedMessage {
   const unpack = <Table extends { unpack(): unknown }>(table: Table): ReturnType<Table['unpack']> =>
     (message.payload(table as never) as Table).unpack() as ReturnType<Table['unpack']>;
   switch (message.payloadType()) {

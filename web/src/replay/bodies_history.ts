@@ -1,4 +1,4 @@
-// Bodies of a game in a recording: which of them are there at a row.
+// The bodies of a game in a recording, row by row.
 import { GameBodyList, type GameBodyShown } from '../net/game_bodies';
 import { cutMessages, readGameBodies } from './messages';
 import { Problem } from './problem';
@@ -9,7 +9,7 @@ const HEAD_BYTES = 8;
 const NONE: readonly GameBodyShown[] = [];
 
 export class BodiesHistory {
-  /** @param changes by ascending row */
+  /** @param changes sorted by row */
   constructor(private readonly changes: readonly Change[] = []) {}
 
   /** Reads the answer of .../replay/bodies. */
@@ -26,7 +26,7 @@ export class BodiesHistory {
     return new BodiesHistory(changes);
   }
 
-  /** Bodies in the world at a row. The same array for the same bodies. */
+  /** Bodies in the world at a row. The same bodies give the same array. */
   at(row: number): readonly GameBodyShown[] {
     let [low, high] = [0, this.changes.length];
     while (low < high) {

@@ -1,4 +1,4 @@
-/** Keeps what was used last, up to a size. */
+/** A cache of the most recently used values, up to a total size. */
 export class BoundedCache<Value> {
   private readonly kept = new Map<string, { value: Value; size: number }>();
   private total = 0;
@@ -13,7 +13,7 @@ export class BoundedCache<Value> {
     return this.kept.has(key);
   }
 
-  /** Looks at it without using it. */
+  /** Returns a value without marking it as used. */
   peek(key: string): Value | undefined {
     return this.kept.get(key)?.value;
   }

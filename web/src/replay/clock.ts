@@ -1,10 +1,10 @@
 import type { TimeTick, Span } from '../console/plot_source';
 import { niceStep, ticksIn } from '../console/scale';
 
-/** Steps of time that people read easily beyond a second [s]. */
+/** Steps of a time axis beyond a second that people read easily [s]. */
 const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
 
-/** 83.4567 s with three decimals: 1:23.457. */
+/** Formats a time: 83.4567 s with three decimals is 1:23.457. */
 export function clockTime(time_s: number, decimals: number): string {
   if (!Number.isFinite(time_s)) return '–';
   const unit = 10 ** decimals;
@@ -17,7 +17,7 @@ export function clockTime(time_s: number, decimals: number): string {
   return `${time_s < 0 && all > 0 ? '−' : ''}${text}${decimals > 0 ? `.${String(part).padStart(decimals, '0')}` : ''}`;
 }
 
-/** Named times of a window, at most `most` of them. */
+/** Labelled times of a window, at most `most` of them. */
 export function clockTicks({ from_s, to_s }: Span, most: number): TimeTick[] {
   const span_s = Math.max(1e-6, to_s - from_s);
   const step_s = span_s / most <= 0.5 ? niceStep(span_s, most) : STEPS_S.find((step) => span_s / step <= most) ?? niceStep(span_s, most);

@@ -10,28 +10,28 @@ import { factsPanel } from './facts_panel';
 import { texts } from './i18n';
 import { MomentsPanel } from './moments_panel';
 import { ReplayPlots, type PlotMaker } from './plots';
-import { Settling } from './settling';
+import { RedrawTimer } from './redraw_needed';
 import type { ReplaySide } from './side';
 
 export interface ColumnHands extends PlotHands {
   look(look: HandLook): void;
-  /** Another axis or value was chosen: all columns show it. */
+  /** Called when another axis or value was chosen: all columns show it. */
   choice(): void;
 }
 
-/** All that is shown of one recording. */
+/** All panels of one recording. */
 export class Column {
   readonly view: ScenePanel;
   readonly plots: ReplayPlots;
   readonly exercise: ExercisePanelView;
   readonly facts: HTMLElement;
   readonly moments: MomentsPanel;
-  private readonly settling = new Settling();
+  private readonly redraw = new RedrawTimer();
   private picture: PacedView | undefined;
   private drawnBodies: readonly GameBodyShown[] | undefined;
 
   constructor(readonly side: ReplaySide, maker: PlotMaker, look: HandLook, hands: ColumnHands) {
-    this.view = new ScenePanel(side, look, (chosen) => { hands.look(chosen); this.settling.begin(performance.now()); });
+    this.view = new ScenePanel(side, look, (chosen) => { hands.look(chosen); this.redraw.begin(performance.now()); });
     this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
     this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
     this.facts = factsPanel(side.about, side.about.ticks_missing, side.scene);
@@ -45,7 +45,7 @@ export class Column {
     else this.view.element.hidden = true;
   }
 
-  /** The window, or what is known of it, is another one. */
+  /** Draws after the window, or the known data in it, has changed. */
   drawWindow(window: Span): void {
     this.side.look(window);
     this.plots.draw();
@@ -53,18 +53,18 @@ export class Column {
     this.moments.show(window);
   }
 
-  /** Another state is shown. */
+  /** Draws after another state was chosen. */
   drawState(now_ms: number, playing: boolean): void {
-    this.settling.begin(now_ms);
+    this.redraw.begin(now_ms);
     const { bodies } = this.side;
     if (bodies !== this.drawnBodies) this.picture?.setBodies(bodies);
     this.drawnBodies = bodies;
     this.view.draw(!playing);
   }
 
-  /** Contacts fade in, the hand is still being made: pictures go on for a moment. @param whole all of it can be drawn */
+  /** Continues to draw for a moment while contacts fade in and the hand is still being made. @param whole everything can be drawn */
   settle(now_ms: number, whole: boolean): void {
-    if (this.settling.isDue(now_ms, whole)) this.view.draw();
+    if (this.redraw.isDue(now_ms, whole)) this.view.draw();
   }
 
   refresh(): void {
@@ -79,7 +79,7 @@ export class Column {
   }
 }
 
-/** The columns of a page, one beside the other or a single one with its panels at its side. */
+/** The columns of a page side by side; a single column has its panels at its side. */
 export function arranged(columns: readonly Column[]): HTMLElement {
   const [only] = columns;
   if (columns.length === 1) {
@@ -91,11 +91,11 @@ export function arranged(columns: readonly Column[]): HTMLElement {
     const letter = i === 0 ? t.a : t.b;
     const called = sessionWords({ ...side.about, name: side.about.name || side.source.name });
     return h('div', { class: 'col' }, h('h2', { class: 'called' }, h('b', {}, letter), h('bdi', { title: called }, called)),
-      view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots at the same height
+      view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots of both columns at the same height
   }));
 }
 
-/** What a person may do in a plot. */
+/** Help on the input that a plot accepts. */
 function hint(): HTMLElement {
   return h('p', { class: 'hint' }, texts().plots.hint);
 }

@@ -1,15 +1,15 @@
-// In what two recordings differ, so that not all of one can be compared with the other. No elements.
-import type { About } from './about';
+// Differences between two recordings that make some of their values incomparable. No elements.
+import type { RecordingInfo } from './about';
 
 export type Difference = 'patient' | 'hand' | 'device' | 'exercise';
 
-/** An exercise of another level is another one. */
-export function differencesBetween(a: About, b: About): Difference[] {
+/** The same exercise at another level counts as another exercise. */
+export function differencesBetween(a: RecordingInfo, b: RecordingInfo): Difference[] {
   return (['patient', 'hand', 'device', 'exercise'] as const).filter((key) => a[key] !== b[key]
     || (key === 'exercise' && a.level !== b.level) || (key === 'patient' && a.profile !== b.profile));
 }
 
-/** Names of the axes that only one of two recordings has. */
+/** Names of the axes that only one of the two recordings has. */
 export function axesOfOne(a: readonly { readonly name: unknown }[], b: readonly { readonly name: unknown }[]): string[] {
   const [in_a, in_b] = [a, b].map((axes) => new Set(axes.map(({ name }) => String(name))));
   return [...new Set([...in_a, ...in_b])].filter((name) => !in_a.has(name) || !in_b.has(name));

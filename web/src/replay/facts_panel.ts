@@ -3,22 +3,22 @@ import { exerciseWords, personWords } from '../console/title_words';
 import { duration, grouped } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill, language } from '../shared/i18n';
-import type { About } from './about';
+import type { RecordingInfo } from './about';
 import { labelOf } from '../exercises/panel';
 import type { SceneT } from '../protocol';
 import { texts } from './i18n';
 
-/** When a recording was made, as people of the language write it, of 24 hours; as it stands where it is no date. */
+/** The date of a recording in the language's format with 24 hours; text that is no date is returned unchanged. */
 export function dateWords(created_utc: string, locale: string): string {
   const made = new Date(created_utc);
   return Number.isNaN(made.getTime()) ? created_utc : made.toLocaleString(locale === 'en' ? 'en-GB' : locale, { dateStyle: 'medium', timeStyle: 'short' });
 }
 
-/** What a file says of itself is of any language and direction. */
+/** Texts of a file may be of any language and direction. */
 const isolated = (text: string): HTMLElement => h('bdi', { title: text }, text);
 
-/** What was recorded, and what came of it. */
-export function factsPanel(about: About, missing: number, scene: SceneT | null): HTMLElement {
+/** Facts of the recording and its results. */
+export function factsPanel(about: RecordingInfo, missing: number, scene: SceneT | null): HTMLElement {
   const { facts: t } = texts();
   const c = consoleTexts();
   const exercise = about.exercise === '' ? t.noExercise : exerciseWords(about.exercise, about.level);

@@ -1,4 +1,4 @@
-import { h, say } from '../console/dom';
+import { h, setText } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import { icon } from '../console/icons';
 import { sessionWords } from '../console/title_words';
@@ -8,7 +8,7 @@ import { dateWords } from './facts_panel';
 import { texts } from './i18n';
 import type { ReplaySide } from './side';
 
-/** Which recordings are shown, how much of them has been read, and how the page looks. */
+/** The names of the recordings, the loaded share, and buttons for language and colours. */
 export class Header {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -26,7 +26,7 @@ export class Header {
 
   refresh(): void {
     const share = Math.min(...this.sides.map(({ series }) => series.progress));
-    say(this.progress, share < 1 ? fill(this.t.loading, { percent: Math.floor(100 * share) }) : '');
+    setText(this.progress, share < 1 ? fill(this.t.loading, { percent: Math.floor(100 * share) }) : '');
   }
 
   private who({ about }: ReplaySide, name: string): HTMLElement {
@@ -38,7 +38,7 @@ export class Header {
   }
 }
 
-/** Language, colours, and tables where there are plots that have them. */
+/** Buttons for language and colours, and for tables where there are plots that have them. */
 export function headerButtons(rebuild: () => void, withTables = true): DocumentFragment {
   const t = consoleTexts();
   const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },

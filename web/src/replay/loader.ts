@@ -1,9 +1,9 @@
 import { asProblem, type Problem } from './problem';
 
-/** What did not come is asked for again after this time [ms]. */
+/** A failed request is repeated after this time [ms]. */
 const AGAIN_MS = 1000;
 
-/** Loads what is wanted, the most wanted first and a few at a time. What the program cannot give is not asked for again. */
+/** Loads the wanted keys, the most important first and a few at a time. Keys that the program refused are not requested again. */
 export class Loader<Value> {
   private wanted: readonly string[] = [];
   private readonly underWay = new Set<string>();
@@ -12,26 +12,26 @@ export class Loader<Value> {
   private closed = false;
 
   /**
-   * @param take gets what came
-   * @param tell gets why something did not come; undefined: the program answers again
+   * @param take receives a loaded value
+   * @param report receives the reason of a failure; undefined: the program answers again
    */
   constructor(
     private readonly load: (key: string) => Promise<Value>, private readonly take: (key: string, value: Value) => void,
-    private readonly tell: (problem: Problem | undefined) => void, private readonly atOnce = 2,
+    private readonly report: (problem: Problem | undefined) => void, private readonly atOnce = 2,
   ) {}
 
-  /** Nothing is under way or waits. */
+  /** No request is under way or waits. */
   get idle(): boolean {
     return this.underWay.size === 0 && this.open().length === 0;
   }
 
-  /** @param keys that are not here yet; replaces what was wanted before */
+  /** @param keys keys that are not loaded yet; they replace the earlier ones */
   want(keys: readonly string[]): void {
     this.wanted = keys;
     this.begin();
   }
 
-  /** Asks at once for what failed. */
+  /** Repeats failed requests at once. */
   retry(): void {
     clearTimeout(this.timer);
     this.timer = undefined;
@@ -59,7 +59,7 @@ export class Loader<Value> {
       const value = await this.load(key);
       if (this.closed) return;
       this.wanted = this.wanted.filter((other) => other !== key);
-      this.tell(undefined);
+      this.report(undefined);
       this.take(key, value);
     } catch (thrown) {
       this.failed(key, asProblem(thrown));
@@ -73,6 +73,6 @@ export class Loader<Value> {
     if (this.closed) return;
     if (!problem.passes) this.refused.add(key);
     else this.timer ??= setTimeout(() => { this.timer = undefined; this.begin(); }, AGAIN_MS);
-    this.tell(problem);
+    this.report(problem);
   }
 }

@@ -6,7 +6,7 @@ import { startTheme } from '../console/theme';
 import { takeToken } from '../net/open_connection';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
-import { openSides } from './opened';
+import { openRecordings } from './open_recordings';
 import { openingPage } from './opening';
 import { ReplayPage, type ReplayNow } from './page';
 import { Problem } from './problem';
@@ -24,7 +24,7 @@ const token = takeToken();
 const asked = new URLSearchParams(location.search);
 const names = ['recording', 'beside'].map((key) => asked.get(key) ?? '').filter((name, i) => i === 0 || name !== '');
 const root = document.querySelector<HTMLElement>('#app')!;
-/** After so long a program that did not answer is asked again [ms]. */
+/** A program that did not answer is asked again after this time [ms]. */
 const AGAIN_MS = 2000;
 let again: ReturnType<typeof setTimeout> | undefined;
 let page: ReplayPage | undefined;
@@ -36,7 +36,7 @@ function showOpening(): void {
   root.replaceChildren(...openingPage(shown.name, shown.problem, () => void open()));
 }
 
-/** The program's answers; with ?fake, in development builds, those of a stand-in within the page. */
+/** The program's HTTP interface; with ?fake, in development builds, a stand-in within the page. */
 async function answers(): Promise<Fetch | undefined> {
   if (!import.meta.env.DEV || !asked.has('fake')) return undefined;
   const { FakeRecordings } = await import('../net/fake_recordings');
@@ -51,11 +51,11 @@ async function open(): Promise<void> {
   if (names[0] === '') return;
   const get = await answers();
   if (asked.has('report')) return openReport(new RecordingSource(names[0], token, get));
-  const { sides, failed } = await openSides(names.map((name) => new RecordingSource(name, token, get)));
+  const { sides, failed } = await openRecordings(names.map((name) => new RecordingSource(name, token, get)));
   if (sides.length === 0) {
     shown = failed[0];
     showOpening();
-    // A program that is busy, or starts again, is waited for.
+    // The page waits for a program that is busy or restarts.
     if (failed[0].problem.passes) again = setTimeout(() => void open(), AGAIN_MS);
     return;
   }
@@ -63,7 +63,7 @@ async function open(): Promise<void> {
   await page.loadViews();
 }
 
-/** Its own page takes the place of this one. What is wrong with the recording, the program's answer says there. */
+/** Replaces this page by the report. The program's answer there describes faults of the recording. */
 async function openReport(source: RecordingSource): Promise<void> {
   report = new ReportOpening(root, source, (address) => fetch(address).then(() => true, () => false));
   if (await report.open((address) => location.replace(address))) return;

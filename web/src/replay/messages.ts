@@ -12,7 +12,7 @@ function open(bytes: Uint8Array, wanted: Payload): Message {
   return message;
 }
 
-/** Runs what reads a message; bytes that are none make a Problem and nothing else. */
+/** Runs a reader; unreadable bytes throw a Problem and nothing else. */
 function reading<T>(read: () => T): T {
   try {
     return read();
@@ -33,12 +33,12 @@ export function readGameBodies(bytes: Uint8Array): GameBodiesT {
   return reading(() => (open(bytes, Payload.GameBodies).payload(new GameBodies()) as GameBodies).unpack());
 }
 
-/** Only its time, without reading all of it. */
+/** The time of a state, without reading the whole message. */
 export function timeOfState(bytes: Uint8Array): number {
   return reading(() => (open(bytes, Payload.WorldState).payload(new WorldState()) as WorldState).timeS());
 }
 
-/** Cuts an answer into its messages. Each follows a head, whose last four bytes are the message's length. */
+/** Splits an answer into its messages. Each follows a header whose last four bytes are the message's length. */
 export function cutMessages(buffer: ArrayBuffer, headBytes: number): { at: number; message: Uint8Array }[] {
   const view = new DataView(buffer);
   const messages: { at: number; message: Uint8Array }[] = [];
@@ -52,7 +52,7 @@ export function cutMessages(buffer: ArrayBuffer, headBytes: number): { at: numbe
   return messages;
 }
 
-/** Messages in the answer of .../replay/states; they are read when they are shown. */
+/** Messages of the answer of .../replay/states; they are parsed when they are shown. */
 export function splitStates(buffer: ArrayBuffer): Uint8Array[] {
   return cutMessages(buffer, 4).map(({ message }) => message);
 }

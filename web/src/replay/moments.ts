@@ -8,19 +8,19 @@ import { faultWord, fill } from '../shared/i18n';
 import type { ReplayTexts } from './i18n';
 import type { Gap, MarkKind, ReplayEvent, ReplayMark, SeriesPiece } from './series_piece';
 
-/** More than these of a recording are not kept. */
+/** At most this many moments of a recording are kept. */
 const MOST = 50_000;
 
 export type MomentKind = MarkKind | 'event' | 'gap';
 
-/** Something that happened in a recording, as the file states it. */
+/** A moment of a recording: an event, a mark or a gap, as the file states it. */
 export interface Moment { readonly time_s: number; readonly kind: MomentKind; readonly event?: ReplayEvent; readonly mark?: ReplayMark; readonly gap?: Gap }
 
 const BAD: readonly MomentKind[] = ['stop', 'emergency_stop', 'fault', 'controls_lost', 'gap'];
 
 export const isBad = (moment: Pick<Moment, 'kind'>): boolean => BAD.includes(moment.kind);
 
-/** Everything that happened, from all pieces that came; a piece may come twice, at two levels. */
+/** All moments from all loaded pieces; a piece may come twice, at two levels. */
 export class Moments {
   list: readonly Moment[] = [];
   gaps: readonly Gap[] = [];
@@ -41,7 +41,7 @@ export class Moments {
     return this.list.filter(({ time_s }) => time_s >= from_s && time_s <= to_s);
   }
 
-  /** The moment after or before a time; undefined where there is none. */
+  /** The next moment after (way 1) or before (way -1) a time; undefined where there is none. */
   beside(time_s: number, way: 1 | -1): Moment | undefined {
     const apart_s = 1e-6;
     return way > 0 ? this.list.find((moment) => moment.time_s > time_s + apart_s) : this.list.filter((moment) => moment.time_s < time_s - apart_s).at(-1);
@@ -55,7 +55,7 @@ export class Moments {
   }
 }
 
-/** Which of these moments, in order of time, was the last one at a time; undefined: none was yet. */
+/** Index of the last of these sorted moments at a time; undefined: none was yet. */
 export function lastAt(moments: readonly Pick<Moment, 'time_s'>[], time_s: number): number | undefined {
   const apart_s = 1e-6;
   let [low, high] = [0, moments.length];
@@ -67,21 +67,21 @@ export function lastAt(moments: readonly Pick<Moment, 'time_s'>[], time_s: numbe
   return low === 0 ? undefined : low - 1;
 }
 
-/** The first of at most so many rows out of `count` that are shown: as before while one of them is meant, else around it. */
+/** The first of at most `most` shown rows out of `count`: unchanged while `meant` is among them, else so that `meant` is in the middle. */
 export function rowsAround(count: number, meant: number | undefined, most: number, first: number): number {
   const last = Math.max(0, count - most);
   const here = meant ?? 0;
   return here >= first && here < first + most ? Math.min(first, last) : Math.min(last, Math.max(0, here - Math.floor(most / 2)));
 }
 
-/** What a file calls its things, as far as words are made of it. */
+/** Names in a file that are turned into words. */
 export interface Names {
   readonly eventNames: readonly string[];
   /** The exercise's own words for an event; empty where it has none. */
   ownWords(type: number): string;
 }
 
-/** A moment in the person's language. */
+/** A moment in words of the page's language. */
 export function wordsOf(moment: Moment, names: Names, t: ReplayTexts, ofConsole: ConsoleTexts): string {
   const { event, mark, gap } = moment;
   if (gap) return fill(t.moments.gap, { n: grouped(gap.ticks) });
@@ -95,7 +95,7 @@ export function wordsOf(moment: Moment, names: Names, t: ReplayTexts, ofConsole:
   return [kind, [why, axis].filter((word) => word !== '').join(', ')].filter((word) => word !== '').join(': ');
 }
 
-/** As an upright line in the plots. */
+/** A moment as a vertical line in the plots. */
 export function plotMark(moment: Moment, names: Names, t: ReplayTexts, ofConsole: ConsoleTexts): Mark {
   const sign = moment.event ? phaseSign(names.eventNames[moment.event.type] ?? '') ?? '' : t.moments.short[moment.kind] ?? moment.kind;
   return { time_s: moment.time_s, label: sign, meaning: wordsOf(moment, names, t, ofConsole), bad: isBad(moment) };

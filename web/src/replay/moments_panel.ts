@@ -1,4 +1,4 @@
-import { h, say, setClass } from '../console/dom';
+import { h, setText, setClass } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import type { Span } from '../console/plot_source';
 import { fill } from '../shared/i18n';
@@ -7,10 +7,10 @@ import { texts } from './i18n';
 import { isBad, lastAt, rowsAround, wordsOf, type Moment } from './moments';
 import type { ReplaySide } from './side';
 
-/** Rows that are shown at once. */
+/** Number of rows that are shown at once. */
 const MOST = 200;
 
-/** What happened in the window, in words; each line leads there. The last one before the play head is marked and in sight. */
+/** The moments of the window in words; a line moves the play head to its moment. The last one before the play head is marked and visible. */
 export class MomentsPanel {
   readonly element: HTMLElement;
   private readonly t = texts().moments;
@@ -25,19 +25,19 @@ export class MomentsPanel {
     this.element = h('section', { class: 'panel', 'aria-label': this.t.title }, h('div', { class: 'hd' }, h('h2', {}, this.t.title)), this.words, this.list);
   }
 
-  /** @param window of the page's time */
+  /** @param window in the page's time */
   show(window: Span): void {
     const { side, t } = this;
     const found = side.moments.within({ from_s: window.from_s - side.shift_s, to_s: window.to_s - side.shift_s });
     const before = this.found;
     if (before && before.length === found.length && before.every((moment, i) => moment === found[i])) return;
     this.found = found;
-    say(this.words, found.length === 0 ? t.none : found.length > MOST ? fill(t.more, { n: MOST, m: found.length }) : '');
+    setText(this.words, found.length === 0 ? t.none : found.length > MOST ? fill(t.more, { n: MOST, m: found.length }) : '');
     this.words.hidden = found.length > 0 && found.length <= MOST;
     this.fillRows(rowsAround(found.length, lastAt(found, this.time_s), MOST, 0));
   }
 
-  /** @param time_s of the page */
+  /** @param time_s in the page's time */
   placeHead(time_s: number): void {
     this.time_s = time_s - this.side.shift_s;
     const found = this.found ?? [];
@@ -63,11 +63,11 @@ export class MomentsPanel {
     this.marked = now;
     const row = now === undefined ? undefined : this.list.children[now - this.first] as HTMLElement | undefined;
     row?.querySelector('button')?.setAttribute('aria-current', 'time');
-    // Where somebody reads or chooses, nothing moves away under the hand.
+    // The list does not scroll while somebody reads or chooses in it.
     if (row && !this.list.matches(':hover, :focus-within')) this.bringIntoSight(row);
   }
 
-  /** Scrolls the list, and nothing around it. */
+  /** Scrolls the list, without scrolling the page. */
   private bringIntoSight(row: HTMLElement): void {
     const top = row.offsetTop - this.list.offsetTop;
     const { scrollTop, clientHeight } = this.list;

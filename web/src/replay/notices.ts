@@ -5,16 +5,16 @@ import { texts as consoleTexts } from '../console/i18n';
 import { clockTime } from './clock';
 import { axesOfOne, differencesBetween } from './differences';
 import { texts } from './i18n';
-import type { Failed } from './opened';
+import type { OpenFailure } from './open_recordings';
 import type { ReplaySide } from './side';
 
-/** What a person must know of a recording that is shown: it grows, it has holes, a part of it cannot be had. */
+/** Notices about the shown recordings: one grows, has gaps, or has a part that cannot be read. */
 export class ReplayNotices {
   readonly element = h('div', { class: 'notices replay-notices' });
   private shown = '';
 
-  /** @param failed recordings that were asked for and are not shown */
-  constructor(private readonly sides: readonly ReplaySide[], private readonly failed: readonly Failed[], private readonly readOn: (side: ReplaySide) => void) {}
+  /** @param failed requested recordings that cannot be shown */
+  constructor(private readonly sides: readonly ReplaySide[], private readonly failed: readonly OpenFailure[], private readonly readOn: (side: ReplaySide) => void) {}
 
   refresh(): void {
     const [first] = this.sides;
@@ -22,7 +22,7 @@ export class ReplayNotices {
     const key = JSON.stringify(lines);
     if (key === this.shown) return;
     this.shown = key;
-    // Each recording's lines stand over it.
+    // Each recording's notices stand above it.
     this.element.replaceChildren(...lines.map((own, i) => h('div', {}, ...own.map((line) => this.notice(line, i)))));
   }
 
@@ -38,13 +38,13 @@ export class ReplayNotices {
 
 interface Line { readonly kind: string; readonly text: string; readonly act?: 'retry' | 'read-on' | 'reload' }
 
-/** Of a recording that is not shown beside those that are. */
-export function lineOfFailed({ name, problem }: Failed): Line {
+/** The notice for a recording that cannot be shown beside the others. */
+export function lineOfFailed({ name, problem }: OpenFailure): Line {
   const why = [texts().problems[problem.kind], problem.text].filter((words) => words !== '').join(' ');
   return { kind: 'bad', text: fill(texts().notices.failed, { name, why }), act: 'reload' };
 }
 
-/** In what the second recording cannot be compared with the first. */
+/** Notices on what cannot be compared between the second recording and the first. */
 export function linesOfSecond(first: Pick<ReplaySide, 'about' | 'scene'>, second: Pick<ReplaySide, 'about' | 'scene'>): Line[] {
   const { notices: t, facts } = texts();
   const names = consoleTexts().axesLong;

@@ -4,7 +4,7 @@ import { headerButtons } from './header';
 import { texts } from './i18n';
 import type { Problem } from './problem';
 
-/** What stands there before a recording is open, or instead of it. */
+/** The page before a recording is open, or if it cannot be opened. */
 export function openingPage(name: string, problem: Problem | 'none' | undefined, again: () => void): HTMLElement[] {
   const t = texts();
   document.title = t.brand;

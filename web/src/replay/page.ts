@@ -8,7 +8,7 @@ import { arranged, Column } from './column';
 import { Header } from './header';
 import { texts } from './i18n';
 import { ReplayNotices } from './notices';
-import type { Failed } from './opened';
+import type { OpenFailure } from './open_recordings';
 import { PlotMaker, type PlotChoice } from './plots';
 import { Player } from './player';
 import { asProblem } from './problem';
@@ -17,24 +17,24 @@ import { TimeLine } from './time_line';
 import { answerKey, Transport, type TransportHands } from './transport';
 import { Zoom } from './zoom';
 
-/** Words and numbers change this often while it plays: faster cannot be read [ms]. */
+/** Texts and numbers change this often during playback: a faster rate is unreadable [ms]. */
 const REFRESH_MS = 150;
-/** A window is never shorter than so many ticks. */
+/** A window has at least this many ticks. */
 const LEAST_TICKS = 20;
 const TENTH_S = 0.1;
 
-/** How long a look at another time took to be answered, for tests and curious people. */
+/** The state of the page, for tests and debugging. */
 export interface ReplayNow {
   time_s: number; playing: boolean; window: Span;
   rows: (number | undefined)[]; wanted: number[]; exact: boolean;
-  /** Of the latest looks with their exact states at hand: from the order to the picture [ms]. */
+  /** The latest seeks whose exact states were loaded: time from the order to the picture [ms]. */
   scrub_ms: number[];
   loaded: number; quality: string;
-  /** Of a game, in each recording at this time. */
+  /** Number of a game's bodies, in each recording at this time. */
   bodies: number[];
 }
 
-/** One recording, or two beside each other, at one time. */
+/** One recording, or two side by side, at a common time. */
 export class ReplayPage implements TransportHands {
   private readonly player: Player;
   private readonly zoom: Zoom;
@@ -47,25 +47,25 @@ export class ReplayPage implements TransportHands {
   private views: (PacedView | undefined)[] = [];
   private viewsTried = false;
   private look: HandLook = 'skin';
-  private stale = true;         // the window, or what is known of it
+  private stale = true;         // the window, or the known data in it, has changed
   private last_ms: number | undefined;
   private refreshed_ms = -Infinity;
   private ordered_ms: number | undefined;
   private readonly scrub_ms: number[] = [];
 
-  /** @param failed recordings that were to be shown beside them, and cannot be */
-  constructor(private readonly root: HTMLElement, private readonly sides: readonly ReplaySide[], private readonly failed: readonly Failed[]) {
+  /** @param failed recordings that were requested and cannot be shown */
+  constructor(private readonly root: HTMLElement, private readonly sides: readonly ReplaySide[], private readonly failed: readonly OpenFailure[]) {
     const [first, second] = sides;
-    // The one beside begins when the first one does.
+    // The second recording is shifted so that it begins when the first one does.
     if (second) second.shift_s = first.about.from_s - second.about.from_s;
     this.player = new Player(this.span());
     this.zoom = new Zoom(this.span(), LEAST_TICKS * first.about.period_s);
-    // In a report's file the sheets may be shown instead.
+    // A report's file may show its sheets instead of this page; then keys are ignored.
     addEventListener('keydown', (event) => { if (root.getClientRects().length > 0) answerKey(event, Math.round(TENTH_S / first.about.period_s), this); });
     this.build();
   }
 
-  /** Builds every part anew, in the language and colours of now. */
+  /** Builds every part again, in the current language and colours. */
   build(): void {
     this.close();
     const { sides } = this;
@@ -87,7 +87,7 @@ export class ReplayPage implements TransportHands {
     this.refreshed_ms = -Infinity;
   }
 
-  /** Builds the pictures; without WebGL the page says so and goes on. */
+  /** Loads the 3D views; without WebGL the page shows a text instead. */
   async loadViews(): Promise<void> {
     for (const [i, side] of this.sides.entries()) {
       if (!side.hasScene) continue;
@@ -108,13 +108,13 @@ export class ReplayPage implements TransportHands {
     const { player, zoom, sides, scrub_ms } = this;
     return {
       time_s: player.time_s, playing: player.playing, window: zoom.window, rows: sides.map(({ shown }) => shown), wanted: sides.map(({ wanted }) => wanted),
-      // An order that no picture has followed yet is not answered.
+      // A seek that no picture has followed yet is not exact.
       exact: this.exact && this.ordered_ms === undefined, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
       bodies: sides.map(({ bodies }) => bodies.length),
     };
   }
 
-  /** One picture of the page. */
+  /** Draws one frame of the page. */
   frame(now_ms: number): void {
     const { player, zoom } = this;
     player.advance(this.last_ms === undefined ? 0 : (now_ms - this.last_ms) / 1000);
@@ -136,7 +136,7 @@ export class ReplayPage implements TransportHands {
   end(): void { this.seek(this.span().to_s); }
   all(): void { this.show(this.span()); }
 
-  /** Shows a moment, and stands still there. */
+  /** Seeks to a moment and pauses there. */
   goTo(time_s: number): void {
     this.player.playing = false;
     this.seek(time_s);
@@ -174,7 +174,7 @@ export class ReplayPage implements TransportHands {
     this.line?.close();
   }
 
-  /** From the first tick of any recording to the last one. */
+  /** The span from the first tick of any recording to the last one. */
   private span(): Span {
     const spans = this.sides.map(({ span }) => span);
     return { from_s: Math.min(...spans.map(({ from_s }) => from_s)), to_s: Math.max(...spans.map(({ to_s }) => to_s)) };
@@ -242,7 +242,7 @@ export class ReplayPage implements TransportHands {
     this.header?.refresh();
   }
 
-  /** The file may have grown since it was opened. */
+  /** Reads the description again: the file may have grown since it was opened. */
   private async readOn(side: ReplaySide): Promise<void> {
     try {
       side.grow(await side.source.about());

@@ -2,7 +2,7 @@ import type { Span } from '../console/plot_source';
 
 export const SPEEDS = [0.1, 0.5, 1, 2] as const;
 
-/** Where in the recording we are, and whether it plays. */
+/** The time in the recording, and whether it plays. */
 export class Player {
   time_s: number;
   playing = false;
@@ -26,13 +26,13 @@ export class Player {
     if (Number.isFinite(time_s)) this.time_s = Math.min(this.span.to_s, Math.max(this.span.from_s, time_s));
   }
 
-  /** At the end, playing begins anew. */
+  /** Starts or pauses; at the end, playback starts from the beginning. */
   toggle(): void {
     if (!this.playing && this.atEnd) this.seek(this.span.from_s);
     this.playing = !this.playing;
   }
 
-  /** @param dt_s that went by on the wall; a page that slept does not leap */
+  /** @param dt_s elapsed real time; it is limited, so that a suspended page does not jump */
   advance(dt_s: number): void {
     if (!this.playing) return;
     this.seek(this.time_s + Math.min(Math.max(0, dt_s), 0.25) * this.speed);

@@ -4,7 +4,7 @@ import { texts as consoleTexts, type ConsoleTexts } from '../console/i18n';
 import { PlotPanel } from '../console/plot_panel';
 import { coordinateSpec, lookOf, plotSpecs, type PlotSpec, type SeriesSpec } from '../console/plot_specs';
 import { axisChoice, legend } from '../console/plots_panel';
-import { shownUnits } from '../console/history';
+import { displayUnits } from '../console/history';
 import { readTheme } from '../console/theme';
 import type { PlotHands } from '../console/time_plot';
 import type { AxisT } from '../protocol';
@@ -17,22 +17,22 @@ import type { ReplaySide } from './side';
 const DASHED = [7, 5];
 const DOTTED = [2, 3];
 
-/** Which axis and which value of the exercise are looked at. */
+/** The chosen axis and exercise value. */
 export interface PlotChoice { axis: string; value: string }
 
-/** The axes of all recordings, those of the first one first; by name each once. */
+/** The axes of all recordings, those of the first one first, each name once. */
 export function allAxes(sides: readonly ReplaySide[]): AxisT[] {
   const seen = new Map<string, AxisT>();
   for (const { scene } of sides) for (const axis of scene.axes) if (!seen.has(String(axis.name))) seen.set(String(axis.name), axis);
   return [...seen.values()];
 }
 
-/** Names of the exercise's values, of all recordings. */
+/** Names of the exercise values of all recordings. */
 function allValues(sides: readonly ReplaySide[]): string[] {
   return [...new Set(sides.flatMap(({ scene }) => scene.valueNames.map(String)))];
 }
 
-/** Says what all plots of a page are, once for all recordings: they have the same ones in the same order. */
+/** Specifies the plots of a page, the same ones in the same order for all recordings. */
 export class PlotMaker {
   readonly axes: readonly AxisT[];
   readonly values: readonly string[];
@@ -50,7 +50,7 @@ export class PlotMaker {
     if (!this.values.includes(chosen.value)) chosen.value = this.values.find((name) => /squeeze_n|force/.test(name)) ?? this.values[0] ?? '';
   }
 
-  /** @param c the words of the console's plots */
+  /** @param c texts of the console's plots */
   specs(c: ConsoleTexts): PlotSpec[] {
     const { t, axes } = this;
     const columns = this.sides[0].history;
@@ -70,19 +70,19 @@ export class PlotMaker {
     return specs;
   }
 
-  /** Where the person wants to be joins what device and avatar do. */
+  /** The coordinate plot of the console with the intended position added. */
   private coordinate(axis: number, c: ConsoleTexts): PlotSpec {
     const spec = coordinateSpec({ axes: [...this.axes] }, this.sides[0].history, axis, c);
     const name = String(this.axes[axis].name);
     return { ...spec, series: [...spec.series, this.series({ of: 'intention', name }, this.t.plots.intention, '--ax-z', DOTTED, 0)] };
   }
 
-  /** What is sent, and what of it comes from the exercise and from damping. */
+  /** The sent effort with its parts from the exercise and from damping. */
   private parts(axis: number, c: ConsoleTexts): PlotSpec {
     const { t } = this;
     const name = String(this.axes[axis].name);
     const [color] = lookOf(this.axes[axis]);
-    const unit = shownUnits(this.axes[axis]).effortUnit;
+    const unit = displayUnits(this.axes[axis]).effortUnit;
     const series = (of: PerAxis, words: string, look: string, dash: readonly number[]): SeriesSpec =>
       this.series({ of, name }, words, look, dash, unit === 'Nm' ? 2 : 1);
     return {
@@ -101,7 +101,7 @@ export class ReplayPlots {
   readonly element = h('div', { class: 'plots' });
   private plots: PlotPanel[] = [];
 
-  /** @param onChoice is called when another axis or value was chosen */
+  /** @param onChoice called when another axis or value was chosen */
   constructor(private readonly side: ReplaySide, private readonly maker: PlotMaker, private readonly hands: PlotHands, private readonly onChoice: () => void) {
     this.build();
   }
@@ -124,7 +124,7 @@ export class ReplayPlots {
     for (const plot of this.plots) plot.draw();
   }
 
-  /** The numbers beside the names. */
+  /** Updates the numbers beside the names. */
   refresh(): void {
     const inTables = document.body.classList.contains('tables');
     for (const plot of this.plots) plot.refresh(inTables);
@@ -163,7 +163,7 @@ export class ReplayPlots {
   }
 }
 
-/** A value as the exercise's panel calls it, else by its name. */
+/** The name of a value in the exercise's panel, else its raw name. */
 function valueWords(side: ReplaySide, name: string): string {
   return labelOf(side.scene, name) || asWords(name);
 }

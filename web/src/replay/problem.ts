@@ -1,18 +1,18 @@
-/** Why something of a recording cannot be had. */
+/** Why something of a recording is unavailable. */
 export type ProblemKind =
-  | 'unknown'      // no recording of that name
-  | 'denied'       // the program wants another token
-  | 'unreadable'   // the program says why: newer, damaged, foreign
+  | 'unknown'      // no recording has that name
+  | 'denied'       // the program requires another token
+  | 'unreadable'   // the program gives the reason: newer, damaged, foreign
   | 'gone'         // the program does not answer
-  | 'nonsense';    // it answers something else than the contract says
+  | 'nonsense';    // the answer violates the contract
 
 export class Problem extends Error {
-  /** @param text of the program, in English; empty where it said nothing */
+  /** @param text the program's reason, in English; empty where it gave none */
   constructor(readonly kind: ProblemKind, readonly text = '') {
     super(`${kind}: ${text}`);
   }
 
-  /** Asking again may help. */
+  /** Whether a later attempt may succeed. */
   get passes(): boolean {
     return this.kind === 'gone';
   }

@@ -1,5 +1,5 @@
 import type { SceneT } from '../protocol';
-import { readAbout, type About } from './about';
+import { readAbout, type RecordingInfo } from './about';
 import { BodiesHistory } from './bodies_history';
 import { readScene, splitStates } from './messages';
 import { Problem } from './problem';
@@ -9,12 +9,12 @@ import { SeriesStore } from './series_store';
 import type { Series, Source, States } from './source';
 import { StateStore } from './state_store';
 
-/** A program that does not answer within this time is gone; its own readers have 60 s [ms]. */
+/** A request without an answer within this time has failed [ms]; the program's own readers have 60 s. */
 const PATIENCE_MS = 90_000;
 
 export type Fetch = (address: string, init?: { signal?: AbortSignal }) => Promise<Response>;
 
-/** Asks the program for what is in one recording. Every failure is a Problem. */
+/** Requests the data of one recording from the program. Every failure is a Problem. */
 export class RecordingSource implements Source {
   constructor(readonly name: string, private readonly token: string, private readonly get: Fetch = (address, init) => fetch(address, init)) {}
 
@@ -22,12 +22,12 @@ export class RecordingSource implements Source {
     return reportUrl(this.name, this.token);
   }
 
-  /** Where the report itself is, once it is made. */
+  /** The address of the report itself, once it is made. */
   get madeUrl(): string {
     return recordingUrl(this.name, true, this.token);
   }
 
-  async about(): Promise<About> {
+  async about(): Promise<RecordingInfo> {
     const answer = await this.ask('about');
     return readAbout(await this.body(answer.json() as Promise<unknown>));
   }
@@ -40,15 +40,15 @@ export class RecordingSource implements Source {
     return BodiesHistory.read(await this.bytes('bodies'));
   }
 
-  states(about: About, changed: () => void, tell: (problem: Problem | undefined) => void): States {
-    return new StateStore(this, about.ticks, changed, tell);
+  states(about: RecordingInfo, changed: () => void, report: (problem: Problem | undefined) => void): States {
+    return new StateStore(this, about.ticks, changed, report);
   }
 
-  series(about: About, came: (piece: SeriesPiece) => void, tell: (problem: Problem | undefined) => void): Series {
-    return new SeriesStore(this, about, came, tell);
+  series(about: RecordingInfo, came: (piece: SeriesPiece) => void, report: (problem: Problem | undefined) => void): Series {
+    return new SeriesStore(this, about, came, report);
   }
 
-  /** Messages of the rows first, first + step, ...; fewer where the file ends. */
+  /** Messages of the rows first, first + step, ...; fewer at the end of the file. */
   async readStates(first: number, count: number, step: number): Promise<Uint8Array[]> {
     return splitStates(await this.bytes('states', { tick: first, count, step }));
   }
@@ -84,7 +84,7 @@ export class RecordingSource implements Source {
     try {
       return await coming;
     } catch (thrown) {
-      // Half an answer: the program went away. Whole but not JSON: it is another program.
+      // A truncated answer means that the program went away. A complete answer that is not JSON comes from another program.
       throw thrown instanceof SyntaxError ? new Problem('nonsense', 'no JSON') : new Problem('gone');
     }
   }
@@ -94,6 +94,6 @@ async function errorText(answer: Response): Promise<string> {
   try {
     const said = JSON.parse(await answer.text()) as { error?: unknown };
     if (typeof said.error === 'string') return said.error;
-  } catch { /* the status says enough */ }
+  } catch { /* the status describes the failure well enough */ }
   return `HTTP ${answer.status}`;
 }

@@ -1,5 +1,5 @@
-// While the program makes a report: what it is of, and that it goes on. An hour's takes half a minute.
-import { h, say } from '../console/dom';
+// The page while the program makes a report, which takes half a minute for a recording of one hour.
+import { h, setText } from '../console/dom';
 import { icon } from '../console/icons';
 import { fill } from '../shared/i18n';
 import { factsPanel } from './facts_panel';
@@ -13,17 +13,17 @@ export class ReportOpening {
   private readonly begun_ms = performance.now();
   private built: (() => void) | undefined;
 
-  /** @param source of the recording @param get fetches a page, and reports whether it came */
+  /** @param source the recording @param get fetches a page, and reports whether it came */
   constructor(private readonly root: HTMLElement, private readonly source: RecordingSource, private readonly get: (address: string) => Promise<boolean>) {}
 
-  /** Shows what is known at once, and the report once it is there. False: the program does not answer. */
+  /** Shows the known facts at once, and the report once it is there. False: the program does not answer. */
   async open(show: (address: string) => void): Promise<boolean> {
     this.build();
     const seconds = setInterval(() => this.count(), 1000);
     void this.source.about().then((about) => {
       this.built = () => { this.facts.replaceChildren(factsPanel({ ...about, result: [] }, about.ticks_missing, null)); };
       this.built();
-    }, () => {});   // the report itself says what is wrong with the file
+    }, () => {});   // the report itself describes faults of the file
     try {
       const came = await this.get(this.source.madeUrl);
       if (came) show(this.source.madeUrl);
@@ -44,6 +44,6 @@ export class ReportOpening {
   }
 
   private count(): void {
-    say(this.words, fill(texts().making, { s: Math.floor((performance.now() - this.begun_ms) / 1000) }));
+    setText(this.words, fill(texts().making, { s: Math.floor((performance.now() - this.begun_ms) / 1000) }));
   }
 }

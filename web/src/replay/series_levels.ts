@@ -1,17 +1,17 @@
 import type { Span } from '../console/plot_source';
 
-/** Columns of a piece, where that is not longer than a request may be. */
+/** Number of columns in a piece, unless its span would exceed LONGEST_S. */
 const COLUMNS = 512;
 /** Longest span of one request [s]. */
 export const LONGEST_S = 60;
-/** A piece has at least so many columns. */
+/** A piece has at least this many columns. */
 const FEWEST = 8;
 
-/** A span of a recording at one width of columns, as one request brings it. */
+/** A span of a recording at one column width, loaded by one request. */
 export interface Slot extends Span { readonly key: string; readonly level: number; readonly columns: number }
 
 /**
- * Cuts a recording into pieces of columns that are 1, 2, 4, ... periods wide. Edges lie between two ticks, so that
+ * Divides a recording into pieces of columns that are 1, 2, 4, ... periods wide. Edges lie between two ticks, so that
  * each tick falls into the same column whatever the rounding.
  */
 export class SeriesLevels {
@@ -21,13 +21,13 @@ export class SeriesLevels {
     this.to_s = to_s;
   }
 
-  /** The level whose columns are no wider than a window's share. */
+  /** The level whose columns are at most as wide as `span_s / columns`. */
   levelFor(span_s: number, columns: number): number {
     const widest = Math.floor(Math.log2(LONGEST_S / FEWEST / this.period_s));
     return Math.max(0, Math.min(widest, Math.floor(Math.log2(span_s / columns / this.period_s) + 1e-9)));
   }
 
-  /** The level of the whole recording. */
+  /** The level for the whole recording. */
   overview(columns: number): number {
     return this.levelFor(Math.max(this.period_s, this.to_s - this.from_s), columns);
   }
@@ -36,7 +36,7 @@ export class SeriesLevels {
     return this.period_s * 2 ** level;
   }
 
-  /** The slots of a level that a span touches, in order. */
+  /** The slots of a level that a span overlaps, in order. */
   slots(level: number, { from_s, to_s }: Span): Slot[] {
     const width_s = this.width_s(level);
     const columns = Math.min(COLUMNS, Math.floor(LONGEST_S / width_s));
@@ -45,7 +45,7 @@ export class SeriesLevels {
     const slots: Slot[] = [];
     for (let i = Math.max(0, Math.floor((from_s - origin_s) / (columns * width_s) + 1e-9)); i < last; i += 1) {
       const begin_s = origin_s + i * columns * width_s;
-      // No further than the recording goes.
+      // The last slot ends with the recording.
       const filled = Math.min(columns, Math.ceil((this.to_s - begin_s) / width_s - 1e-9));
       if (filled >= 1) slots.push({ key: `${level}:${i}`, level, columns: filled, from_s: begin_s, to_s: begin_s + filled * width_s });
     }

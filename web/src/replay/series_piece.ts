@@ -2,7 +2,7 @@ import type { Span } from '../console/plot_source';
 import { Problem } from './problem';
 
 export interface ReplayEvent { readonly time_s: number; readonly type: number; readonly index: number; readonly value: number }
-/** Ticks that are missing, up to the first one that is there again. */
+/** A gap: missing ticks, up to the first existing one. */
 export interface Gap extends Span { readonly ticks: number }
 export type MarkKind = 'stop' | 'emergency_stop' | 'fault' | 'controls_lost' | 'armed' | 'neutral';
 export interface ReplayMark { readonly time_s: number; readonly kind: MarkKind; readonly text: string; readonly axis: string }
@@ -10,16 +10,16 @@ export interface ReplayMark { readonly time_s: number; readonly kind: MarkKind; 
 /** Smallest and largest values of every channel in the columns of a span of time. */
 export interface SeriesPiece extends Span {
   readonly columns: number;
-  /** Key of channelKey() to low and high. */
+  /** Low and high values by the key of channelKey(). */
   readonly channels: ReadonlyMap<string, { readonly low: Float32Array; readonly high: Float32Array }>;
   readonly events: readonly ReplayEvent[];
   readonly gaps: readonly Gap[];
-  /** What is there and cannot be read. */
+  /** Spans that exist in the file and cannot be read. */
   readonly unreadable: readonly Span[];
   /** Row of the first tick at or after its begin. */
   readonly first_tick: number;
   readonly marks: readonly ReplayMark[];
-  /** There was more than the program sends at once. */
+  /** The program had more entries than it sends at once. */
   readonly truncated: boolean;
   readonly bytes: number;
 }
@@ -28,8 +28,8 @@ export const channelKey = (name: string, axis = 0): string => `${name}/${axis}`;
 
 const KINDS: readonly string[] = ['stop', 'emergency_stop', 'fault', 'controls_lost', 'armed', 'neutral'];
 
-type Said = Readonly<Record<string, unknown>>;
-const list = (value: unknown): Said[] => (Array.isArray(value) ? value.filter((entry): entry is Said => typeof entry === 'object' && entry !== null) : []);
+type JsonFields = Readonly<Record<string, unknown>>;
+const list = (value: unknown): JsonFields[] => (Array.isArray(value) ? value.filter((entry): entry is JsonFields => typeof entry === 'object' && entry !== null) : []);
 const number = (value: unknown): number => (typeof value === 'number' ? value : NaN);
 
 /** Reads the answer of .../replay/series. */
@@ -62,15 +62,15 @@ export function readPiece(buffer: ArrayBuffer): SeriesPiece {
   };
 }
 
-function parse(text: string): Said {
+function parse(text: string): JsonFields {
   try {
-    return JSON.parse(text) as Said;
+    return JSON.parse(text) as JsonFields;
   } catch {
     throw new Problem('nonsense', 'series: the header is no JSON');
   }
 }
 
-/** Without a copy where the machine and the place of the bytes allow it. */
+/** Reads floats without a copy where byte order and alignment allow it. */
 function floats(buffer: ArrayBuffer, start: number, count: number): Float32Array {
   const littleEndian = new Uint8Array(new Uint16Array([1]).buffer)[0] === 1;
   if (littleEndian && start % 4 === 0) return new Float32Array(buffer, start, count);

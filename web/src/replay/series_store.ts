@@ -1,5 +1,5 @@
 import type { Span } from '../console/plot_source';
-import type { About } from './about';
+import type { RecordingInfo } from './about';
 import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
 import type { Problem } from './problem';
@@ -8,15 +8,15 @@ import type { Series } from './source';
 import { SeriesLevels, type Slot } from './series_levels';
 import type { SeriesPiece } from './series_piece';
 
-/** Of the pieces that are kept beside those of the whole recording [bytes]. */
+/** Total size of the cached pieces in addition to those of the whole recording [bytes]. */
 const MOST_BYTES = 48e6;
-/** Columns of the whole recording: the time line is about so many pixels wide. */
+/** Number of columns for the whole recording: about the width of the time line in pixels. */
 const OVERVIEW = 800;
 
-/** Part of a piece that is drawn: these columns of it. */
+/** The drawn part of a piece: columns `from` to `to`. */
 export interface Run { readonly piece: SeriesPiece; readonly from: number; readonly to: number; readonly width_s: number }
 
-/** Series of a recording: the whole of it coarsely, and what is looked at finely, piece by piece as it comes. */
+/** Series of a recording: the whole of it coarsely, and the visible window finely, piece by piece as it loads. */
 export class SeriesStore implements Series {
   readonly levels: SeriesLevels;
   private readonly overviewLevel: number;
@@ -27,10 +27,10 @@ export class SeriesStore implements Series {
   private looked: readonly Slot[] = [];
   private whole: Span;
 
-  /** @param came is called with every piece; `coarse` of the whole recording's */
+  /** @param came called with every piece; `coarse`: it belongs to the whole recording's */
   constructor(
-    private readonly source: Pick<RecordingSource, 'readSeries'>, about: Pick<About, 'from_s' | 'to_s' | 'period_s'>,
-    came: (piece: SeriesPiece, coarse: boolean) => void, tell: (problem: Problem | undefined) => void,
+    private readonly source: Pick<RecordingSource, 'readSeries'>, about: Pick<RecordingInfo, 'from_s' | 'to_s' | 'period_s'>,
+    came: (piece: SeriesPiece, coarse: boolean) => void, report: (problem: Problem | undefined) => void,
   ) {
     this.whole = { from_s: about.from_s, to_s: about.to_s };
     this.levels = new SeriesLevels(about.from_s, about.to_s, about.period_s);
@@ -42,41 +42,41 @@ export class SeriesStore implements Series {
     }, (key, { piece, end_s }) => {
       const slot = this.slots.get(key)!;
       this.slots.delete(key);
-      // It ended with the file, which has grown meanwhile: it is asked for again.
+      // The piece ended with the file, which has grown meanwhile: it is requested again.
       if (end_s < this.whole.to_s && piece.to_s >= end_s - 1e-9) return this.order();
       if (slot.level === this.overviewLevel) this.coarse.set(key, piece);
       else this.fine.put(key, piece, piece.bytes);
       came(piece, slot.level === this.overviewLevel);
       this.order();
-    }, tell);
+    }, report);
     this.order();
   }
 
-  /** Share of the whole recording that has come. */
+  /** Share of the whole recording that is loaded. */
   get progress(): number {
     const slots = this.overviewSlots();
     return slots.length === 0 ? 1 : slots.filter(({ key }) => this.coarse.has(key)).length / slots.length;
   }
 
-  /** Spans of the whole recording that have not come yet. */
+  /** Spans of the whole recording that are not loaded yet. */
   missing(): Span[] {
     return this.overviewSlots().filter(({ key }) => !this.coarse.has(key));
   }
 
-  /** What of the whole recording has come, in order of time. */
+  /** Loaded pieces of the whole recording, in order of time. */
   overview(): SeriesPiece[] {
     return this.overviewSlots().map(({ key }) => this.coarse.get(key)).filter((piece) => piece !== undefined);
   }
 
-  /** A window is looked at in so many columns. */
+  /** Requests a window in this many columns. */
   look(window: Span, columns: number): void {
-    // Never coarser than the whole, which comes anyway: no tick is read twice.
+    // The level is never coarser than the overview's, which is loaded anyway: no tick is read twice.
     const level = Math.min(this.overviewLevel, this.levels.levelFor(window.to_s - window.from_s, columns));
     this.looked = this.levels.slots(level, window);
     this.order();
   }
 
-  /** What is known of the window that is looked at; where the fine is not there yet, the coarse. */
+  /** The loaded data of the window: fine pieces, and coarse ones where these are missing. */
   runs(): Run[] {
     return this.looked.flatMap((slot) => {
       const piece = this.piece(slot.key);
@@ -84,7 +84,7 @@ export class SeriesStore implements Series {
     });
   }
 
-  /** The file has grown to this time: what ended with it is read again. */
+  /** Extends the recording to this time: pieces that ended with the file are read again. */
   grow(to_s: number): void {
     const old = this.whole.to_s;
     const ends = (piece: SeriesPiece): boolean => piece.to_s >= old - 1e-9;
@@ -112,7 +112,7 @@ export class SeriesStore implements Series {
     return this.coarse.get(key) ?? this.fine.peek(key);
   }
 
-  /** What is looked at comes before the whole. */
+  /** Requests the pieces of the window before those of the whole. */
   private order(): void {
     for (const { key } of this.looked) this.fine.use(key);
     const missing = [...this.looked, ...this.overviewSlots()].filter(({ key }) => !this.piece(key));
@@ -125,7 +125,7 @@ export class SeriesStore implements Series {
     return this.levels.slots(this.overviewLevel, slot).flatMap(({ key, from_s }) => {
       const piece = this.coarse.get(key);
       if (!piece) return [];
-      // Columns whose middle lies in the slot: none is drawn twice.
+      // Columns whose middle lies in the slot, so that none is drawn twice.
       const from = Math.max(0, Math.ceil((slot.from_s - from_s) / width_s - 0.5));
       const to = Math.min(piece.columns, Math.ceil((slot.to_s - from_s) / width_s - 0.5));
       return to > from ? [{ piece, from, to, width_s }] : [];

@@ -1,28 +1,28 @@
-import { extremesOf, type Kept, type PlotSource, type Span, type TimeTick } from '../console/plot_source';
+import { extremesOf, type StoredSeries, type PlotSource, type Span, type TimeTick } from '../console/plot_source';
 import type { SceneT, WorldStateT } from '../protocol';
 import { channelOf, keptColumn, type Channel, type ColumnList } from './channels';
 import { clockTicks } from './clock';
 import { WindowSamples } from './window_samples';
 
-/** Times that an axis of time names at most. */
+/** Largest number of labels on a time axis. */
 const TICKS = 7;
 
-/** A window of a recording as plots draw it. Its times are those of the page: the recording's, shifted. */
+/** A window of a recording as a source of plots. Its times are shifted to those of the page. */
 export class SeriesView implements PlotSource {
   readonly live = false;
   window: Span = { from_s: 0, to_s: 1 };
   state: WorldStateT | null = null;
-  /** The same window of the recording beside it: both have the same range. */
+  /** The same window of the recording beside it: both use the same range. */
   fellow: SeriesView | undefined;
   private readonly channels = new Map<number, Channel | undefined>();
   private samples = new WindowSamples([], [], 1);
   private shifted = new Float64Array(0);
   private within: readonly [number, number] = [0, 0];
 
-  /** @param axes of the plots, by name; @param scene of this recording */
+  /** @param axes names of the plots' axes @param scene the scene of this recording */
   constructor(private readonly list: ColumnList, private readonly axes: readonly string[], private readonly scene: Pick<SceneT, 'axes' | 'valueNames'>) {}
 
-  /** What is known of the window now. @param shift_s from the recording's time to that of the page and the window */
+  /** Sets the loaded samples of the window. @param shift_s from the recording's time to that of the page and the window */
   take(window: Span, samples: WindowSamples, shift_s: number): void {
     this.window = window;
     this.samples = samples;
@@ -58,7 +58,7 @@ export class SeriesView implements PlotSource {
     return this.list.numberOf({ of: 'alpha' });
   }
 
-  column(kept: Kept, axis: number): number {
+  column(kept: StoredSeries, axis: number): number {
     return this.list.numberOf(keptColumn(kept, this.axes[axis]));
   }
 

@@ -5,7 +5,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import type { GameBodyShown } from '../net/game_bodies';
 import { AxisT, SceneT, type WorldStateT } from '../protocol';
 import { ExercisePanel } from '../exercises/panel';
-import type { About } from './about';
+import type { RecordingInfo } from './about';
 import { BodiesHistory } from './bodies_history';
 import { ColumnList } from './channels';
 import { texts } from './i18n';
@@ -18,23 +18,23 @@ import { stepFor } from './state_store';
 import { TimeMap } from './time_map';
 import { WindowSamples } from './window_samples';
 
-/** Columns of a plot: about as many as it is wide. */
+/** Number of columns of a plot: about its width in pixels. */
 const COLUMNS = 500;
-/** Pictures a second while it plays [Hz]. */
+/** Pictures per second during playback [Hz]. */
 const PICTURES_HZ = 60;
-/** Rows between two states at most: the program reads every chunk of the file that a block touches. */
+/** Largest step of rows between two states: the program reads every chunk of the file that a block overlaps. */
 const COARSEST = 64;
-/** Steps of looking for a time among rows. */
+/** Maximum number of iterations to find the row of a time. */
 const CORRECTIONS = 5;
 
-/** One recording that is shown: what is known of it, and the moment that is looked at. */
+/** One shown recording: its loaded data, and the state at the current time. */
 export class ReplaySide implements PlotsModel {
-  about: About;
-  /** Of the file; where it has none, names as far as the file states them. */
+  about: RecordingInfo;
+  /** The scene of the file; without one, names and axes as the file states them. */
   scene: SceneT;
   readonly hasScene: boolean;
   state: WorldStateT | null = null;
-  /** Of a game, at the row that is shown. */
+  /** Bodies of a game at the shown row. */
   bodies: readonly GameBodyShown[] = [];
   history: SeriesView;
   readonly marks: { list: readonly Mark[] } = { list: [] };
@@ -42,32 +42,32 @@ export class ReplaySide implements PlotsModel {
   readonly map: TimeMap;
   readonly states: States;
   readonly series: Series;
-  /** Row that is shown, and that which is asked for. */
+  /** The shown row, and the requested one. */
   shown: number | undefined;
   wanted = 0;
-  /** From the recording's time to the page's [s]. */
+  /** Offset from the recording's time to the page's [s]. */
   shift_s = 0;
-  /** The program is gone, or a part cannot be read. */
+  /** The program does not answer, or a part cannot be read. */
   problem: Problem | undefined;
-  /** Something came: what is drawn is no longer all that is known. */
+  /** New data came that is not drawn yet. */
   fresh = true;
   private panel: ExercisePanel | null;
   private bodiesAt = new BodiesHistory();
 
-  private constructor(readonly source: Source, about: About, scene: SceneT | undefined) {
+  private constructor(readonly source: Source, about: RecordingInfo, scene: SceneT | undefined) {
     this.about = about;
     this.hasScene = scene !== undefined;
     this.scene = scene ?? sceneOf(about);
     this.panel = ExercisePanel.of(this.scene);
     this.map = new TimeMap(about, about.ticks);
     this.history = new SeriesView(new ColumnList(), [], this.scene);
-    const tell = (problem: Problem | undefined): void => this.tell(problem);
-    this.states = source.states(about, () => { this.fresh = true; }, tell);
-    this.series = source.series(about, (piece) => this.take(piece), tell);
+    const report = (problem: Problem | undefined): void => this.report(problem);
+    this.states = source.states(about, () => { this.fresh = true; }, report);
+    this.series = source.series(about, (piece) => this.take(piece), report);
     void this.loadBodies();
   }
 
-  /** Opens a recording; throws a Problem where nothing of it can be shown. */
+  /** Opens a recording; throws a Problem if nothing of it can be shown. */
   static async open(source: Source): Promise<ReplaySide> {
     const about = await source.about();
     let scene: SceneT | undefined;
@@ -81,7 +81,7 @@ export class ReplaySide implements PlotsModel {
     return new ReplaySide(source, about, scene);
   }
 
-  /** First to last tick, of the page's time. */
+  /** First to last tick, in the page's time. */
   get span(): Span {
     const { from_s, to_s, period_s } = this.about;
     return { from_s: from_s + this.shift_s, to_s: Math.max(from_s, to_s - period_s) + this.shift_s };
@@ -101,13 +101,13 @@ export class ReplaySide implements PlotsModel {
     return index < 0 ? undefined : this.state?.parameters[index];
   }
 
-  /** The plots are made for these axes. */
+  /** Sets the axes that the plots are made for. */
   setColumns(list: ColumnList, axes: readonly string[]): void {
     this.history = new SeriesView(list, axes, this.scene);
     this.history.state = this.state;
   }
 
-  /** A window of the page's time is looked at. */
+  /** Requests the series of a window in the page's time. */
   look(window: Span): void {
     const { shift_s, about } = this;
     const own = { from_s: window.from_s - shift_s, to_s: window.to_s - shift_s };
@@ -119,14 +119,14 @@ export class ReplaySide implements PlotsModel {
     });
   }
 
-  /** The row at a time of the page; undefined: this recording has nothing there. */
+  /** The row at a time of the page; undefined: this recording has no data there. */
   rowAt(time_s: number): number | undefined {
     const own_s = time_s - this.shift_s;
     const { from_s, to_s, period_s, ticks } = this.about;
     return ticks === 0 || own_s < from_s - period_s / 2 || own_s > to_s - period_s / 2 ? undefined : this.map.rowAt(own_s);
   }
 
-  /** Asks for what is needed at a time, and shows the nearest that is known. True when another state is shown. */
+  /** Requests the states for a time, and shows the nearest loaded one. True when another state is shown. */
   seek(time_s: number, window: Span, playing: boolean, speed: number): boolean {
     const mapped = this.rowAt(time_s);
     if (mapped === undefined) return false;
@@ -140,12 +140,12 @@ export class ReplaySide implements PlotsModel {
     return this.show(nearest);
   }
 
-  /** Time of a row on the page's clock, from its state where that is known. */
+  /** Time of a row on the page's clock, from its state if that is loaded. */
   timeOf(row: number): number {
     return (this.states.time_s(row) ?? this.map.timeAt(row)) + this.shift_s;
   }
 
-  /** States that are known say where the map is wrong. */
+  /** Corrects a row of the time map by the times of loaded states. */
   private corrected(row: number, own_s: number): number {
     let best = row;
     let off_s = Infinity;
@@ -158,8 +158,8 @@ export class ReplaySide implements PlotsModel {
     return off_s === Infinity ? row : best;
   }
 
-  /** The file is read on: it was still being written. */
-  grow(about: About): void {
+  /** Takes the new length of a file that is still being written. */
+  grow(about: RecordingInfo): void {
     this.about = { ...about, picture: this.about.picture, no_picture_because: this.about.no_picture_because };
     this.map.grow(about.ticks);
     this.states.grow(about.ticks);
@@ -182,7 +182,7 @@ export class ReplaySide implements PlotsModel {
     try {
       this.state = this.states.state(row) ?? this.state;
     } catch (thrown) {
-      this.tell(asProblem(thrown));
+      this.report(asProblem(thrown));
       return false;
     }
     this.shown = row;
@@ -191,16 +191,16 @@ export class ReplaySide implements PlotsModel {
     return true;
   }
 
-  /** The picture can do without them. */
+  /** Loads the game's bodies; the picture is usable without them. */
   private async loadBodies(): Promise<void> {
     if (!this.hasScene || this.scene.budget === null) return;
     try {
       this.bodiesAt = await this.source.bodies();
     } catch (thrown) {
-      this.tell(asProblem(thrown));
+      this.report(asProblem(thrown));
       return;
     }
-    this.shown = undefined;   // shown again, with them
+    this.shown = undefined;   // the row is shown again with the bodies
     this.fresh = true;
   }
 
@@ -211,16 +211,16 @@ export class ReplaySide implements PlotsModel {
     this.fresh = true;
   }
 
-  private tell(problem: Problem | undefined): void {
-    // A part that cannot be read stays unreadable though others come.
+  private report(problem: Problem | undefined): void {
+    // A part that cannot be read stays reported even if other parts load.
     if (problem === undefined && this.problem?.kind !== 'gone') return;
     this.problem = problem;
     this.fresh = true;
   }
 }
 
-/** What plots need of a scene, from what is known of the file. */
-export function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
+/** A scene with the fields that plots need, from the description of the file. */
+export function sceneOf({ axes, value_names, event_names, period_s }: RecordingInfo): SceneT {
   const scene = new SceneT();
   scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));
   scene.valueNames = [...value_names];

@@ -1,41 +1,41 @@
 import type { SceneT, WorldStateT } from '../protocol';
 import type { Span } from '../console/plot_source';
-import type { About } from './about';
+import type { RecordingInfo } from './about';
 import type { BodiesHistory } from './bodies_history';
 import type { Problem } from './problem';
 import type { SeriesPiece } from './series_piece';
 import type { Run } from './series_store';
 
-/** The states of a recording, as far as they are known. */
+/** The loaded states of a recording. */
 export interface States {
-  /** A person looks for this row; `step` rows lie between two states around it. */
+  /** Requests states around a row that a person chose, with a step of `step` rows. */
   wantAround(row: number, step: number): void;
-  /** The rows from this one on are played. */
+  /** Requests states from a row on, for playback. */
   wantFrom(row: number, step: number): void;
-  /** The row of a state that there is, instead of any row: this one, or the nearest. */
+  /** The nearest row that has a state. */
   existing(row: number): number;
-  /** So many states on, or back. */
+  /** The row that is `states` states after this one (before, if negative). */
   stepped(row: number, states: number): number;
-  /** The known row that is nearest to this one; undefined: none is known yet. */
+  /** The loaded row nearest to this one; undefined: none is loaded yet. */
   nearest(row: number): number | undefined;
-  /** Time of a known row. */
+  /** Time of a loaded row. */
   time_s(row: number): number | undefined;
-  /** The state of a known row; throws a Problem where it cannot be read. */
+  /** The state of a loaded row; throws a Problem if it cannot be read. */
   state(row: number): WorldStateT | undefined;
   grow(ticks: number): void;
   retry(): void;
   close(): void;
 }
 
-/** The series of a recording, as far as they are known. */
+/** The loaded series of a recording. */
 export interface Series {
-  /** Share of the whole recording that has come. */
+  /** Share of the whole recording that is loaded. */
   readonly progress: number;
-  /** A window is looked at in so many columns. */
+  /** Requests a window in this many columns. */
   look(window: Span, columns: number): void;
-  /** What is known of that window. */
+  /** The loaded data of that window. */
   runs(): Run[];
-  /** What of the whole recording has come, in order of time, and what has not. */
+  /** The loaded pieces of the whole recording in order of time, and the missing spans. */
   overview(): SeriesPiece[];
   missing(): Span[];
   grow(to_s: number): void;
@@ -43,19 +43,19 @@ export interface Series {
   close(): void;
 }
 
-type Tell = (problem: Problem | undefined) => void;
+type ReportProblem = (problem: Problem | undefined) => void;
 
-/** Where a page has a recording from: a program, or its own file. Every failure is a Problem. */
+/** The origin of a recording: a program, or the page's own file. Every failure is a Problem. */
 export interface Source {
   readonly name: string;
-  /** Of the report of this recording. */
+  /** Address of this recording's report. */
   readonly reportUrl: string;
-  about(): Promise<About>;
+  about(): Promise<RecordingInfo>;
   scene(): Promise<SceneT>;
   /** Bodies that a game put into the scene. */
   bodies(): Promise<BodiesHistory>;
-  /** @param changed is called when states came */
-  states(about: About, changed: () => void, tell: Tell): States;
-  /** @param came is called with every piece */
-  series(about: About, came: (piece: SeriesPiece) => void, tell: Tell): Series;
+  /** @param changed called when states came */
+  states(about: RecordingInfo, changed: () => void, report: ReportProblem): States;
+  /** @param came called with every piece */
+  series(about: RecordingInfo, came: (piece: SeriesPiece) => void, report: ReportProblem): Series;
 }

@@ -1,20 +1,20 @@
 import type { WorldStateT } from '../protocol';
 import { readState, timeOfState } from './messages';
 
-/** States that are kept as messages: each is read when it is asked for, the last one once. */
+/** States stored as messages. A message is parsed when its state is requested; the last parsed state is kept. */
 export abstract class StateMessages {
   private read: { row: number; state: WorldStateT } | undefined;
 
-  /** Of a known row. */
+  /** The message of a loaded row. */
   protected abstract messageOf(row: number): Uint8Array | undefined;
 
-  /** Time of a row, as its state gives it; undefined where that is not known. */
+  /** Time of a row from its state; undefined where the state is not loaded. */
   time_s(row: number): number | undefined {
     const message = this.messageOf(row);
     return message && timeOfState(message);
   }
 
-  /** The state of a known row; throws a Problem where its message cannot be read. */
+  /** The state of a loaded row; throws a Problem if its message cannot be read. */
   state(row: number): WorldStateT | undefined {
     if (this.read?.row === row) return this.read.state;
     const message = this.messageOf(row);

@@ -5,29 +5,29 @@ import type { RecordingSource } from './recording_source';
 import type { States } from './source';
 import { StateMessages } from './state_messages';
 
-/** Rows that one request brings. */
+/** Number of rows in one request. */
 export const BLOCK = 64;
-/** Of the messages that are kept [bytes]. */
+/** Total size of the cached messages [bytes]. */
 const MOST_BYTES = 48e6;
-/** Two blocks are asked for ahead of what is played. */
+/** Blocks that are requested during playback: the present one and two ahead. */
 const AHEAD = [0, 1, 2];
 
 interface Block { readonly first: number; readonly step: number; readonly messages: readonly Uint8Array[] }
 
 const keyOf = (step: number, index: number): string => `${step}:${index}`;
 
-/** The step for so many rows between two states that are shown: 1, 4, 16, ... */
+/** The step between requested states for `rows` rows between two shown ones: 1, 4, 16, ... */
 export function stepFor(rows: number): number {
   return 4 ** Math.max(0, Math.floor(Math.log(Math.max(1, rows) * 1.000001) / Math.log(4)));
 }
 
-/** States of a recording: blocks of rows as they are wanted, the last used kept. */
+/** States of a recording: blocks of rows, loaded on demand; the last used ones are kept. */
 export class StateStore extends StateMessages implements States {
   private readonly blocks = new BoundedCache<Block>(MOST_BYTES);
   private readonly loader: Loader<{ readonly messages: Uint8Array[]; readonly ticks: number }>;
 
-  /** @param changed is called when states came */
-  constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
+  /** @param changed called when states came */
+  constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, report: (problem: Problem | undefined) => void) {
     super();
     this.loader = new Loader(async (key) => {
       const [step, index] = key.split(':').map(Number);
@@ -35,14 +35,14 @@ export class StateStore extends StateMessages implements States {
       return { messages: await this.source.readStates(index * BLOCK * step, this.rowsIn(step, index), step), ticks: asked };
     }, (key, { messages, ticks: asked }) => {
       const [step, index] = key.split(':').map(Number);
-      // It ended with the file, which has grown meanwhile: it is asked for again.
+      // The block ended with the file, which has grown meanwhile: it is requested again.
       if (messages.length < BLOCK && asked < this.ticks) return changed();
       this.blocks.put(key, { first: index * BLOCK * step, step, messages }, messages.reduce((sum, { length }) => sum + length, 200));
       changed();
-    }, tell);
+    }, report);
   }
 
-  /** The file has grown: blocks that ended with it are read again. */
+  /** Extends the file: blocks that ended with it are read again. */
   grow(ticks: number): void {
     for (const [key, { value }] of [...this.blocks.entries()]) {
       if (value.messages.length < BLOCK) this.blocks.drop(key);
@@ -50,13 +50,13 @@ export class StateStore extends StateMessages implements States {
     this.ticks = ticks;
   }
 
-  /** A person looks for this row: it and its neighbours, then what lies around it at a coarser step. */
+  /** Requests the row that a person chose and its neighbours, then those around it at a coarser step. */
   wantAround(row: number, step: number): void {
     const exact = Math.floor(row / BLOCK);
     this.want([keyOf(1, exact), keyOf(step, Math.floor(row / BLOCK / step)), keyOf(1, exact + 1), keyOf(1, exact - 1)]);
   }
 
-  /** The rows from this one on are played. */
+  /** Requests the rows from this one on, for playback. */
   wantFrom(row: number, step: number): void {
     const index = Math.floor(row / BLOCK / step);
     this.want(AHEAD.map((ahead) => keyOf(step, index + ahead)));
@@ -70,7 +70,7 @@ export class StateStore extends StateMessages implements States {
     return row + states;
   }
 
-  /** The known row that is nearest to this one; undefined: none is known yet. */
+  /** The loaded row nearest to this one; undefined: none is loaded yet. */
   nearest(row: number): number | undefined {
     if (this.blocks.peek(keyOf(1, Math.floor(row / BLOCK)))?.messages[row % BLOCK]) return row;
     let found: number | undefined;

@@ -8,18 +8,18 @@ import { channelKey, type SeriesPiece } from './series_piece';
 import type { ReplaySide } from './side';
 
 const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
-/** Of a lane: marks above, the contact force below them [px]. */
+/** A lane has marks above, and the contact force below them [px]. */
 const MARKS_PX = 14;
 const LANE_PX = 44;
-/** Times below the lanes [px]. */
+/** Height of the times below the lanes [px]. */
 const TIMES_PX = 18;
 const TICK_EVERY_PX = 90;
-/** Least force that fills a lane [N]. */
+/** A lane shows at least this force at full height [N]. */
 const LEAST_FULL_N = 2;
-/** Share of the columns with contact that fit into a lane. */
+/** Share of the columns with contact whose force fits into a lane. */
 const FITS = 0.8;
 
-/** What a person does at the time line. */
+/** Callbacks for input on the time line. */
 export interface TimeLineHands {
   seek(time_s: number): void;
   zoom(window: Span): void;
@@ -27,10 +27,10 @@ export interface TimeLineHands {
 
 type Pull = 'head' | 'from' | 'to';
 
-/** The whole of all recordings, a lane each: contact force, marks, what is missing; with the window and the play head. */
+/** The whole of all recordings, one lane each: contact force, marks and gaps, with the window and the play head. */
 export class TimeLine {
   readonly element: HTMLElement;
-  /** Takes the keys: the page says which do what. */
+  /** The focusable element; the page defines the keys. */
   readonly slider: HTMLElement;
   private readonly canvas = h('canvas', { 'aria-hidden': 'true' });
   private readonly head = h('i', { class: 'head' });
@@ -55,7 +55,7 @@ export class TimeLine {
     this.resized.observe(this.slider);
   }
 
-  /** A person pulls at it. */
+  /** Whether a person drags on it. */
   get pulled(): boolean {
     return this.pull !== undefined;
   }
@@ -153,7 +153,7 @@ export class TimeLine {
 
   private drawForce(context: CanvasRenderingContext2D, pieces: readonly SeriesPiece[], x: (time_s: number) => number, floor: number, high: number): void {
     const forces = pieces.map((piece) => ({ piece, force: piece.channels.get(channelKey('contact_force_n'))?.high }));
-    // A bump must not hide the grasps: most of them fit.
+    // The scale fits most grasps: a single impact must not flatten them.
     const all = forces.flatMap(({ force }) => [...(force ?? [])]).filter((value) => value > 0).sort((a, b) => a - b);
     const most = Math.max(LEAST_FULL_N, all[Math.floor(FITS * (all.length - 1))] ?? 0);
     for (const { piece, force } of forces) {
@@ -172,7 +172,7 @@ export class TimeLine {
     for (const moment of side.moments.list) {
       const at = x(moment.time_s);
       const bad = isBad(moment);
-      // Events nearer than a pixel are one; what is bad is always drawn.
+      // Events closer than a pixel are drawn once; faults are always drawn.
       if (!bad && at - last < 1) continue;
       last = at;
       context.fillStyle = bad ? theme.bad : theme.ink2;
@@ -189,7 +189,7 @@ export class TimeLine {
   }
 }
 
-/** Slanted lines: distinguished by more than colour. */
+/** Hatched area: distinguishable by more than colour. */
 function hatch(context: CanvasRenderingContext2D, color: string, from: number, to: number, top: number, height: number): void {
   if (!(to > from)) return;
   context.save();

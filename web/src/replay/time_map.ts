@@ -1,33 +1,33 @@
-import type { About } from './about';
+import type { RecordingInfo } from './about';
 import type { Gap } from './series_piece';
 
-/** A row of the file that is known to be the first one at or after a time. */
+/** A row that is known to be the first one at or after a time. */
 interface Anchor { readonly row: number; readonly from_s: number }
 
-/** Rounding of times in files and messages, in ticks. */
+/** Tolerance for rounded times in files and messages, in ticks. */
 const CLOSE = 1e-3;
 
 /**
- * Which row of the file lies at which time: evenly from the nearest place that is known, but for the ticks that are
- * missing. Ticks of a loop that was late are passed over without being missing: there it is right at every place
- * that the series reported, and near in between; the states say the rest.
+ * Maps times to rows of the file: evenly from the nearest known row, except for missing ticks. A late loop skips ticks
+ * that are not listed as missing: then the map is exact at every row that the series reported, approximate in between,
+ * and corrected by the states.
  */
 export class TimeMap {
   private gaps: readonly Gap[] = [];
   private anchors: readonly Anchor[];
   private readonly period_s: number;
 
-  constructor(about: Pick<About, 'from_s' | 'period_s'>, private ticks: number) {
+  constructor(about: Pick<RecordingInfo, 'from_s' | 'period_s'>, private ticks: number) {
     this.period_s = about.period_s;
     this.anchors = [{ row: 0, from_s: about.from_s - about.period_s / 2 }];
   }
 
-  /** @param gaps in order of time; each ends with the first row after it */
+  /** @param gaps in order of time; each ends at the first row after it */
   setGaps(gaps: readonly Gap[]): void {
     this.gaps = gaps;
   }
 
-  /** The first row at or after a time, which lies between two ticks. */
+  /** Adds the first row at or after a time that lies between two ticks. */
   addAnchor(row: number, from_s: number): void {
     if (!Number.isInteger(row) || row <= 0 || row >= this.ticks || this.anchors.some((anchor) => anchor.row === row)) return;
     this.anchors = [...this.anchors, { row, from_s }].sort((a, b) => a.from_s - b.from_s);
@@ -37,7 +37,7 @@ export class TimeMap {
     this.ticks = ticks;
   }
 
-  /** The row at a time; in a gap the last one before it. */
+  /** The row at a time; in a gap the last row before it. */
   rowAt(time_s: number): number {
     const anchor = this.anchors.filter(({ from_s }) => from_s <= time_s).at(-1) ?? this.anchors[0];
     const next = this.anchors[this.anchors.indexOf(anchor) + 1]?.row ?? this.ticks;
@@ -56,12 +56,12 @@ export class TimeMap {
     return time_s;
   }
 
-  /** Time of the first tick that is missing. */
+  /** Time of the first missing tick. */
   private beginOf({ to_s, ticks }: Gap): number {
     return to_s - ticks * this.period_s;
   }
 
-  /** Ticks between two times that are missing. */
+  /** Number of missing ticks between two times. */
   private missing(from_s: number, to_s: number, gaps = this.gaps): number {
     return gaps.reduce((sum, gap) => {
       const begin_s = this.beginOf(gap);

@@ -1,4 +1,4 @@
-import { choice, h, say, setAttribute } from '../console/dom';
+import { choice, h, setText, setAttribute } from '../console/dom';
 import { icon, type IconName } from '../console/icons';
 import type { Span } from '../console/plot_source';
 import { fill } from '../shared/i18n';
@@ -6,21 +6,21 @@ import { clockTime } from './clock';
 import { texts } from './i18n';
 import { SPEEDS } from './player';
 
-/** What the buttons below the time line, and the keys, ask for. */
+/** Callbacks of the buttons below the time line and of the keys. */
 export interface TransportHands {
   toggle(): void;
   step(ticks: number): void;
   home(): void;
   end(): void;
-  /** To the next mark, or the one before. */
+  /** Moves to the next mark, or the one before. */
   mark(way: 1 | -1): void;
   speed(speed: number): void;
-  /** A factor below 1 shows less. */
+  /** Zooms; a factor below 1 shows less. */
   scale(factor: number): void;
   all(): void;
 }
 
-/** Play and pause, steps, speed, zoom, and where we are. */
+/** Buttons for playback, steps, speed and zoom, and the current position. */
 export class Transport {
   readonly element: HTMLElement;
   private readonly t = texts().transport;
@@ -49,12 +49,12 @@ export class Transport {
     this.speeds.choose(String(speed));
   }
 
-  /** @param exact the picture is that of this very tick */
+  /** @param exact the picture shows exactly this tick */
   show(time_s: number, row: string, exact: boolean, playing: boolean, window: Span): void {
     const { t } = this;
-    say(this.time, clockTime(time_s, 3));
-    say(this.tick, exact || playing ? row : `${row}, ${t.near}`);
-    say(this.window, fill(t.window, { a: clockTime(window.from_s, 1), b: clockTime(window.to_s, 1) }));
+    setText(this.time, clockTime(time_s, 3));
+    setText(this.tick, exact || playing ? row : `${row}, ${t.near}`);
+    setText(this.window, fill(t.window, { a: clockTime(window.from_s, 1), b: clockTime(window.to_s, 1) }));
     if (this.shownPlaying === playing) return;
     this.shownPlaying = playing;
     this.play.replaceChildren(icon(playing ? 'pause' : 'play'), playing ? t.pause : t.play, h('kbd', {}, t.space));
@@ -62,17 +62,17 @@ export class Transport {
   }
 }
 
-/** Keys that mean something to what has the focus are left to it. */
+/** Keys that the focused element uses are not handled by the page. */
 function taken({ target, key }: KeyboardEvent): boolean {
   if (!(target instanceof Element)) return false;
   if (target.closest('input, select, textarea') !== null) return true;
   if (key === ' ' || key === 'Enter') return target.closest('button, a, summary') !== null;
-  // These scroll what scrolls; at the time line they move in time.
+  // Arrow keys scroll; at the time line they move in time.
   if (key === 'ArrowUp' || key === 'ArrowDown') return target.closest('[role=slider]') === null;
   return (key.startsWith('Page') || key === 'Home' || key === 'End') && target.closest('.scrolls, main.beside') !== null;
 }
 
-/** What a key asks for; undefined: nothing. */
+/** The action of a key; undefined: none. */
 export function keyOrder(event: Pick<KeyboardEvent, 'key' | 'shiftKey'>, tenth: number, hands: TransportHands): (() => void) | undefined {
   switch (event.key) {
     case ' ': return () => hands.toggle();
@@ -89,7 +89,7 @@ export function keyOrder(event: Pick<KeyboardEvent, 'key' | 'shiftKey'>, tenth: 
   }
 }
 
-/** @param tenth ticks in a tenth of a second, at present */
+/** @param tenth number of ticks in a tenth of a second, at the present time */
 export function answerKey(event: KeyboardEvent, tenth: number, hands: TransportHands): void {
   if (event.ctrlKey || event.altKey || event.metaKey || taken(event)) return;
   const order = keyOrder(event, tenth, hands);

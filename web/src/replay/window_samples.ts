@@ -1,16 +1,16 @@
 import type { Gap, SeriesPiece } from './series_piece';
 import type { Run } from './series_store';
 
-/** Where a sample of the window comes from; without a piece nothing is known there. */
+/** The origin of a sample of the window; without a piece its value is unknown. */
 interface Place { readonly piece: SeriesPiece | undefined; readonly column: number; readonly high: boolean }
 
-/** The samples of a window, put together from pieces: low and high of every column that has ticks, a hole where ticks are missing. */
+/** The samples of a window, assembled from pieces: low and high of every column that has ticks, an unknown value where ticks are missing. */
 export class WindowSamples {
   readonly times: Float64Array;
   private readonly places: readonly Place[];
   private readonly made = new Map<string, Float64Array>();
 
-  /** @param period_s columns of one period have one tick, and one sample */
+  /** @param period_s a column of one period has one tick, and gives one sample */
   constructor(runs: readonly Run[], gaps: readonly Gap[], period_s: number) {
     const samples: { time_s: number; place: Place }[] = [];
     let end_s = -Infinity;
@@ -28,20 +28,20 @@ export class WindowSamples {
     }
     const first_s = samples[0]?.time_s ?? Infinity;
     for (const gap of gaps) if (gap.to_s > first_s && gap.from_s < end_s) hole((gap.from_s + gap.to_s) / 2);
-    // Stable: low stays before high.
+    // The sort is stable: low stays before high.
     samples.sort((a, b) => a.time_s - b.time_s);
     this.times = Float64Array.from(samples, ({ time_s }) => time_s);
     this.places = samples.map(({ place }) => place);
   }
 
-  /** Values of a channel, times a factor; NaN where nothing is known. */
+  /** Values of a channel times a factor; NaN where they are unknown. */
   values(channel: string, factor: number): Float64Array {
     const key = `${channel} ${factor}`;
     let values = this.made.get(key);
     if (values) return values;
     values = Float64Array.from(this.places, ({ piece, column, high }) => {
       const found = piece?.channels.get(channel);
-      // A negative factor would change which is the low one; both are drawn either way.
+      // A negative factor exchanges low and high; both are drawn either way.
       return found ? (high ? found.high : found.low)[column] * factor : NaN;
     });
     this.made.set(key, values);

@@ -1,6 +1,6 @@
 import type { Span } from '../console/plot_source';
 
-/** The part of the recording that plots show: never outside of it, never shorter than a few ticks. */
+/** The window that plots show: inside the recording, and never shorter than a few ticks. */
 export class Zoom {
   window: Span;
 
@@ -12,7 +12,7 @@ export class Zoom {
     return this.window.from_s <= this.whole.from_s && this.window.to_s >= this.whole.to_s ? 'all' : 'part';
   }
 
-  /** The recording has grown; who saw all of it goes on doing so. */
+  /** Sets the span of a recording that has grown; a window that showed all of it shows the new whole. */
   setWhole(whole: Span): void {
     const all = this.shows === 'all';
     this.whole = whole;
@@ -28,7 +28,7 @@ export class Zoom {
     this.window = { from_s: begin_s, to_s: begin_s + span_s };
   }
 
-  /** Shows `factor` times as much; a time keeps its place. */
+  /** Shows `factor` times as much; a time keeps its position. */
   scale(time_s: number, factor: number): void {
     const { from_s, to_s } = this.window;
     this.set({ from_s: time_s + (from_s - time_s) * factor, to_s: time_s + (to_s - time_s) * factor });
@@ -38,7 +38,7 @@ export class Zoom {
     this.set(this.whole);
   }
 
-  /** Brings a time into the window, which then begins shortly before it. */
+  /** Moves the window if a time is outside; the window then begins shortly before it. */
   follow(time_s: number): boolean {
     const { from_s, to_s } = this.window;
     if (time_s >= from_s && time_s <= to_s) return false;

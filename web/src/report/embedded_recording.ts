@@ -1,7 +1,7 @@
-// Serves the recording that the page carries to the viewer. Nothing is loaded later, and nothing is finer.
+// Gives the viewer the recording inside the page. Nothing is loaded later, and no finer data exist.
 import type { Span } from '../console/plot_source';
 import type { SceneT } from '../protocol';
-import type { About } from '../replay/about';
+import type { RecordingInfo } from '../replay/about';
 import type { BodiesHistory } from '../replay/bodies_history';
 import { Problem } from '../replay/problem';
 import type { SeriesPiece } from '../replay/series_piece';
@@ -10,9 +10,9 @@ import type { Series, Source, States } from '../replay/source';
 import { StateMessages } from '../replay/state_messages';
 import type { ReportData } from './report_data';
 
-/** States at some rows of the recording. */
+/** The states at some rows of the recording. */
 export class EmbeddedStates extends StateMessages implements States {
-  /** @param rows ascending, one for each message */
+  /** @param rows sorted, one for each message */
   constructor(private readonly rows: readonly number[], private readonly messages: readonly Uint8Array[]) {
     super();
   }
@@ -37,7 +37,7 @@ export class EmbeddedStates extends StateMessages implements States {
   retry(): void {}
   close(): void {}
 
-  /** Of the nearest row. */
+  /** Index of the row nearest to this one. */
   private indexOf(row: number): number {
     let [low, high] = [0, this.rows.length - 1];
     while (low < high) {
@@ -54,7 +54,7 @@ export class EmbeddedStates extends StateMessages implements States {
   }
 }
 
-/** One piece, of the whole recording. */
+/** One piece with the whole recording. */
 class EmbeddedSeries implements Series {
   readonly progress = 1;
   private readonly whole: Run;
@@ -81,7 +81,7 @@ export class EmbeddedRecording implements Source {
     return this.data.about.name;
   }
 
-  async about(): Promise<About> {
+  async about(): Promise<RecordingInfo> {
     return this.data.about;
   }
 
@@ -98,7 +98,7 @@ export class EmbeddedRecording implements Source {
     return new EmbeddedStates(this.data.rows, this.data.states);
   }
 
-  series(_about: About, came: (piece: SeriesPiece) => void): Series {
+  series(_about: RecordingInfo, came: (piece: SeriesPiece) => void): Series {
     queueMicrotask(() => came(this.data.series));
     return new EmbeddedSeries(this.data.series);
   }

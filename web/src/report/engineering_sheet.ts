@@ -1,5 +1,5 @@
 import { fixed, grouped } from '../shared/format';
-import { shownUnits } from '../console/history';
+import { displayUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { isArm, lookOf } from '../console/plot_specs';
 import type { AxisT } from '../protocol';
@@ -13,7 +13,7 @@ import { footer, header, table, timeName, timesOfSheet, isolated, type SheetCont
 
 const MOST_FAULTS = 4;
 
-/** Page 2: what was sent and measured, and how the loop went. */
+/** Page 2: sent and measured values, and the timing of the loop. */
 export function engineeringSheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
@@ -33,22 +33,22 @@ function seriesCharts({ data, scene, samples, marks, bands, look }: SheetContext
   const add = (title: string, unit: string, height_px: number, axes: readonly Axis[], lineOf: (axis: Axis) => ChartLine, holds?: readonly [number, number]): void => {
     if (axes.length > 0) charts.push(chart({ ...shared, title, unit, height_px, lines: axes.map(lineOf), holds }));
   };
-  const line = (of: string, factor: (axis: AxisT) => number, says: (axis: AxisT) => string = () => '') => ({ axis, i }: Axis): ChartLine => {
+  const line = (of: string, factor: (axis: AxisT) => number, suffix: (axis: AxisT) => string = () => '') => ({ axis, i }: Axis): ChartLine => {
     const [color, dash] = lookOf(axis);
     return {
-      name: `${consoleTexts().axes[String(axis.name)] ?? String(axis.name)}${says(axis)}`, color: `var(${color})`, dash: dash.length > 0 ? dash : undefined,
+      name: `${consoleTexts().axes[String(axis.name)] ?? String(axis.name)}${suffix(axis)}`, color: `var(${color})`, dash: dash.length > 0 ? dash : undefined,
       values: samples.values(channelKey(of, i), factor(axis)),
     };
   };
-  // Torques without a lever are drawn in 0.1 Nm, so that they can be seen beside forces.
-  const effort = line('sent', (axis) => shownUnits(axis).effort * (shownUnits(axis).effortUnit === 'Nm' ? 10 : 1), (axis) => (shownUnits(axis).effortUnit === 'Nm' ? ' (0.1 Nm)' : ''));
-  const place = line('q_m', (axis) => shownUnits(axis).coordinate);
+  // Torques without a lever arm are drawn in 0.1 Nm, so that they are visible beside forces.
+  const effort = line('sent', (axis) => displayUnits(axis).effort * (displayUnits(axis).effortUnit === 'Nm' ? 10 : 1), (axis) => (displayUnits(axis).effortUnit === 'Nm' ? ' (0.1 Nm)' : ''));
+  const place = line('q_m', (axis) => displayUnits(axis).coordinate);
   const [arm, hand] = [all.filter(({ axis }) => isArm(axis)), all.filter(({ axis }) => !isArm(axis))];
   add(t.effortHand, 'N', 84, hand, effort, [-1, 1]);
   add(t.effortArm, 'N', 68, arm, effort, [-1, 1]);
   add(t.phi, '', 42, hand.length > 0 ? hand : all, line('phi', () => 1), [0, 1]);
-  add(t.handPosition, '°', 56, hand.filter(({ axis }) => shownUnits(axis).coordinateUnit !== 'mm'), place);
-  add(t.armPosition, 'mm', 56, arm.filter(({ axis }) => shownUnits(axis).coordinateUnit === 'mm'), place);
+  add(t.handPosition, '°', 56, hand.filter(({ axis }) => displayUnits(axis).coordinateUnit !== 'mm'), place);
+  add(t.armPosition, 'mm', 56, arm.filter(({ axis }) => displayUnits(axis).coordinateUnit === 'mm'), place);
   charts.push(chart({ ...shared, title: t.contact, unit: 'N', height_px: 36, lines: [{ name: '', color: '#1E1A17', values: samples.values(channelKey('contact_force_n'), 1) }], holds: [0, 1], nameOfX: timeName }));
   return charts;
 }
@@ -88,7 +88,7 @@ function settings({ data: { about, engineering: e }, scene }: SheetContext): HTM
   const c = consoleTexts();
   const gains = [e.settings.paper ? t.paper : '', e.settings.uncertified ? t.uncertified : t.accepted].filter(Boolean).join(', ');
   const limits = scene.axes.map((axis) => {
-    const { effort, effortUnit } = shownUnits(axis);
+    const { effort, effortUnit } = displayUnits(axis);
     return `${c.axes[String(axis.name)] ?? String(axis.name)} ${Number((axis.effortLimit * effort).toFixed(2))} ${effortUnit}`;
   }).join('; ');
   const rows: [string, string][] = [

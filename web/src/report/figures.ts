@@ -1,4 +1,4 @@
-// What a session came to, in numbers that can be compared with those of the session before. No elements.
+// Figures of a session that can be compared with those of the session before. No elements.
 import { fixed, grouped } from '../shared/format';
 import { REPORTS } from '../exercises/info';
 import { differencesBetween, type Difference } from '../replay/differences';
@@ -14,19 +14,19 @@ export interface Figure {
   readonly shown: string;
   readonly unit: string;
   readonly words: string;
-  /** What is better; where it is undefined, neither is. */
+  /** The better direction; undefined if there is none. */
   readonly better?: 'more' | 'less';
-  /** What it measures: how the exercise went, or the grip of the hand. */
+  /** The measured subject: the exercise, or the grip of the hand. */
   readonly of: 'exercise' | 'grip';
 }
 
-/** What has to be the same in two sessions for a figure to be compared. */
+/** Properties that must be equal in two sessions for a figure to be compared. */
 const NEEDED: Readonly<Record<Figure['of'], readonly Difference[]>> = { exercise: ['exercise'], grip: ['hand', 'device'] };
 
-/** Of the results that exercises name. */
+/** The better direction of results, by their names. */
 const BETTER: Readonly<Record<string, 'more' | 'less'>> = { score: 'more', bands_done: 'more', ...Object.assign({}, ...REPORTS.map(({ better }) => better)) };
 
-/** What the person did; what anybody else moved is in none of them. */
+/** Figures of the person's own actions; movements by others are excluded. */
 export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[] {
   const t = texts().tiles;
   const { therapy: { sums, results, reaches, grips } } = data;
@@ -57,20 +57,20 @@ export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[]
   return out;
 }
 
-export interface Compared { readonly before: Figure; readonly became: 'better' | 'worse' | 'other' | 'same' }
+export interface FigureComparison { readonly before: Figure; readonly became: 'better' | 'worse' | 'other' | 'same' }
 
-/** A figure beside that of the session before; undefined where that one has none, or what it measures was another. What is shown alike is the same. */
-export function comparedWith(now: Figure, figures: readonly Figure[], differences: readonly Difference[]): Compared | undefined {
+/** A figure beside that of the session before; undefined if that one has none, or measured something else. Figures with equal text are equal. */
+export function comparedWith(now: Figure, figures: readonly Figure[], differences: readonly Difference[]): FigureComparison | undefined {
   const before = figures.find(({ key }) => key === now.key);
   if (!before || NEEDED[now.of].some((needed) => differences.includes(needed))) return undefined;
   if (before.shown === now.shown) return { before, became: 'same' };
-  // Nobody is better than somebody else.
+  // Different patients are not compared.
   if (!now.better || differences.includes('patient')) return { before, became: 'other' };
   return { before, became: now.value > before.value === (now.better === 'more') ? 'better' : 'worse' };
 }
 
-/** A session and the one before: what differs, and which figures have nothing beside them. */
-export interface Comparison { readonly differences: readonly Difference[]; readonly figures: readonly (Figure & { readonly compared?: Compared })[] }
+/** A comparison with the session before: the differences, and the figures with their comparable counterparts. */
+export interface Comparison { readonly differences: readonly Difference[]; readonly figures: readonly (Figure & { readonly compared?: FigureComparison })[] }
 
 export function compareWithBefore(data: ReportData): Comparison {
   const { before } = data;

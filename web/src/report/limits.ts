@@ -1,7 +1,7 @@
 // Values that hold until the next change.
 import type { Change } from './report_data';
 
-/** Each time of a change twice: before it and after. */
+/** The time of each change twice: for the value before it and after. */
 export function stepTimes(limits: readonly (readonly Change[])[], end_s: number): number[] {
   const times = [...new Set(limits.flatMap((changes) => changes.map(([time_s]) => time_s)))].sort((a, b) => a - b);
   return [...times.flatMap((time_s, i) => (i === 0 ? [time_s] : [time_s, time_s])), Math.max(end_s, times.at(-1) ?? end_s)];

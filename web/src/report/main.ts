@@ -26,7 +26,7 @@ declare global {
   interface Window { wholehandReplay: ReplayNow | null }
 }
 
-/** "#replay=12.5": the viewer, at a moment. */
+/** "#replay=12.5" opens the viewer at a time. */
 const REPLAY = /^#replay(?:=([\d.]+))?/;
 
 const root = document.querySelector<HTMLElement>('#report')!;
@@ -50,7 +50,7 @@ function problemPanel(): HTMLElement {
     why === '' ? null : h('p', {}, t.says), why === '' ? null : h('pre', { lang: 'en', dir: 'ltr' }, why));
 }
 
-/** Builds the sheets anew, in the language of now. */
+/** Builds the sheets again, in the current language. */
 function build(): void {
   const t = texts();
   document.title = data ? fill(t.title, { name: sessionWords(data.about, ExercisePanel.of(data.scene ?? null)?.title).slice(0, 200) }) : t.report;
@@ -62,7 +62,7 @@ function build(): void {
   root.replaceChildren(topBar(), h('main', {}, h('p', { class: 'hint' }, t.charts.click), therapySheet(context), engineeringSheet(context)));
 }
 
-/** The sheets, or the viewer. */
+/** Shows the sheets, or the viewer. */
 async function show(): Promise<void> {
   const wanted = data ? REPLAY.exec(location.hash) : null;
   document.body.dataset.view = wanted ? 'replay' : 'sheets';
@@ -107,5 +107,5 @@ answerPresses(document);
 onLanguage(() => { build(); page?.build(); });
 addEventListener('hashchange', () => void show());
 build();
-// Not awaited: the bundle of one file goes on below, with what open() needs.
+// Not awaited: the rest of the single-file bundle, which open() needs, runs afterwards.
 void open();

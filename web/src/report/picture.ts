@@ -7,19 +7,19 @@ import { texts } from './i18n';
 import { Mover, type ReportData } from './report_data';
 import { shortTime } from './sheet';
 
-/** The hand is still being made, and the glow of a contact fades in: pictures go on for so long after it is whole [ms]. */
+/** Drawing continues for this long after the hand is complete, while the glow of a contact fades in [ms]. */
 const SETTLES_MS = 700;
-/** Without a whole hand by then, what there is is kept [ms]. */
+/** After this time the picture is taken even if the hand is incomplete [ms]. */
 const PATIENCE_MS = 60_000;
 
-/** Which state is shown: that of the strongest contact, or the last one. */
+/** The state to show: that of the strongest contact, or the last one. */
 function shownState({ states, therapy: { strongest } }: Pick<ReportData, 'states' | 'therapy'>): number {
   if (!(strongest.force_n > 0)) return states.length - 1;
   const off = (i: number): number => Math.abs(timeOfState(states[i]!) - strongest.time_s);
   return states.reduce((best, _, i) => (off(best) <= off(i) ? best : i), 0);
 }
 
-/** The hand at its strongest moment, as a picture that can be printed. */
+/** The hand at the moment of the strongest contact, as a printable picture. */
 export function pictureFrame(data: ReportData): HTMLElement {
   const t = texts().picture;
   const words = h('figcaption', { role: 'status' }, t.drawing);
@@ -50,7 +50,7 @@ export function pictureFrame(data: ReportData): HTMLElement {
 
 let made: Promise<HTMLImageElement> | undefined;
 
-/** Once for a page: another language has the same picture. */
+/** Makes the picture once for a page; it does not depend on the language. */
 async function pictureOf(data: ReportData, at: number, place: HTMLElement): Promise<HTMLImageElement> {
   made ??= draw(data, at, place);
   return (await made).cloneNode() as HTMLImageElement;
@@ -75,7 +75,7 @@ async function draw(data: ReportData, at: number, place: HTMLElement): Promise<H
       if (now_ms - whole_ms > SETTLES_MS || now_ms - begun_ms > PATIENCE_MS) break;
       await new Promise((next) => setTimeout(next, 50));
     }
-    // In the same turn as it was drawn: later the browser may have cleared it.
+    // The canvas is read in the turn in which it was drawn: later the browser may have cleared it.
     const image = h('img', { src: view.canvas.toDataURL('image/png') });
     return image;
   } finally {

@@ -24,13 +24,13 @@ export const isolated = (text: string): HTMLElement => h('bdi', { title: text },
 
 export interface SheetContext {
   readonly data: ReportData;
-  /** Of the file; where it has none, names as far as the file states them. */
+  /** The scene of the file; without one, names as far as the file states them. */
   readonly scene: SceneT;
   readonly samples: WindowSamples;
   readonly marks: readonly ChartMark[];
-  /** Touches, and over them what is not known: ticks that are missing or cannot be read. */
+  /** Bands for touches, and above them for unknown data: missing or unreadable ticks. */
   readonly bands: readonly ChartBand[];
-  /** A moment is to be looked at. */
+  /** Called to show a moment in the viewer. */
   readonly look: (time_s: number) => void;
 }
 
@@ -54,20 +54,20 @@ export function sheetContext(data: ReportData, scene: SceneT, look: (time_s: num
   };
 }
 
-/** A body as people call it. */
+/** The display name of a body. */
 export function bodyWords(name: string, scene: SceneT | undefined): string {
   return infoOf(scene).bodyName(name) ?? asWords(name);
 }
 
 export const shortTime = (time_s: number): string => clockTime(time_s, 1);
 
-/** An axis of time, named as far as its steps need. */
+/** A label of a time axis, with the decimals that its steps need. */
 export const timeName = (x: number): string => clockTime(x, Number.isInteger(x) ? 0 : Number.isInteger(Number((10 * x).toFixed(6))) ? 1 : 2);
 
-/** Of every chart of a sheet. */
+/** Labelled times of every chart of a sheet. */
 export const timesOfSheet = ({ series }: Pick<ReportData, 'series'>): number[] => timeNumbers(series.from_s, series.to_s, MOST_TIMES_NAMED);
 
-/** What the signs among these marks mean; empty where there is none. */
+/** The meanings of the signs among these marks; empty if there are none. */
 export function signWords(marks: readonly Pick<ChartMark, 'label'>[]): string {
   const { m1, m2 } = consoleTexts().legend;
   const legends = [m1, m2, ...Object.values(OWN_SIGNS).map((sign) => sign.legend())].filter((words) => marks.some(({ label }) => label !== '' && words.startsWith(label)));
@@ -93,7 +93,7 @@ export function footer(data: ReportData, page: number): HTMLElement {
     h('span', {}, t.notDiagnosis), h('span', {}, fill(t.pageOf, { n: page, m: 2 })));
 }
 
-/** A table: its heads, then rows; the first column is text. */
+/** A table with heads and rows; the first column is text. */
 export function table(heads: readonly string[], rows: readonly (readonly (string | Node)[])[]): HTMLElement {
   return h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, head)))),
     h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, cell))))));

@@ -1,5 +1,5 @@
 import { duration, fixed, grouped } from '../shared/format';
-import { shownUnits } from '../console/history';
+import { displayUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOf } from '../console/plot_specs';
 import { sessionWords } from '../console/title_words';
@@ -9,17 +9,17 @@ import { faultWord, fill, language } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from '../charts/chart';
-import { compareWithBefore, type Compared, type Comparison } from './figures';
+import { compareWithBefore, type FigureComparison, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
 import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
 import { GivenHelp, Mover } from './report_data';
-import { recordedOf, sharePercent, whatHappened, whoseWords } from './therapy';
+import { recordedOf, sharePercent, marksByKind, whoseWords } from './therapy';
 
 const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 
-/** Page 1: what the person did, and what befell them. */
+/** Page 1: the person's actions, and stops and faults. */
 export function therapySheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
@@ -35,8 +35,8 @@ export function therapySheet(context: SheetContext): HTMLElement {
 
 const tile = (figure: string, unit: string, words: string, before?: HTMLElement): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, isolated(words)), before ?? null);
 
-/** What it was in the session before, and whether this is better. */
-function beforeLine({ before: { shown, unit }, became }: Compared): HTMLElement {
+/** The figure in the session before, and whether the present one is better. */
+function beforeLine({ before: { shown, unit }, became }: FigureComparison): HTMLElement {
   const t = texts().before;
   return h('em', { 'data-became': became }, `${fill(t.was, { x: `${shown} ${unit}`.trim() })}${became === 'better' ? `, ${t.better}` : ''}`);
 }
@@ -54,7 +54,7 @@ function tiles({ data, scene }: SheetContext, { figures }: Comparison): HTMLElem
   return h('section', { class: 'tiles' }, ...out.slice(0, MOST_TILES + 1));
 }
 
-/** Who moved the hand for how long, what is in no figure for it, and by which rule. */
+/** Times by mover of the hand, movements that are excluded from figures, and the rule of attribution. */
 function whoMoved({ data: { therapy: { moved, sums, reaches, grips, touches_not_persons }, about } }: SheetContext): HTMLElement {
   const t = texts().whose;
   const all = moved.by.reduce((sum, periods) => sum + periods, 0);
@@ -72,7 +72,7 @@ function whoMoved({ data: { therapy: { moved, sums, reaches, grips, touches_not_
     apart.length > 0 ? `${fill(t.notCounted, { what: apart.join('; ') })} ` : '', t.rule);
 }
 
-/** With which session this one is compared, what was different in it, and what is not compared. */
+/** The session that this one is compared with, the differences, and the figures that are not compared. */
 function sessionBefore({ data: { before } }: SheetContext, { differences, figures }: Comparison): HTMLElement | null {
   if (!before) return null;
   const t = texts();
@@ -84,23 +84,23 @@ function sessionBefore({ data: { before } }: SheetContext, { differences, figure
 }
 
 function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {
-  const shown = axes.map((axis, i) => ({ axis, effort: (efforts[i] ?? NaN) * shownUnits(axis).effort, limit: axis.effortLimit * shownUnits(axis).effort }))
-    .filter(({ axis, effort }) => shownUnits(axis).effortUnit === 'N' && Number.isFinite(effort));
+  const shown = axes.map((axis, i) => ({ axis, effort: (efforts[i] ?? NaN) * displayUnits(axis).effort, limit: axis.effortLimit * displayUnits(axis).effort }))
+    .filter(({ axis, effort }) => displayUnits(axis).effortUnit === 'N' && Number.isFinite(effort));
   if (shown.length === 0) return undefined;
-  // Nearest to its own limit: each axis has one.
+  // The axis nearest to its own limit.
   const most = shown.reduce((a, b) => (b.effort / b.limit > a.effort / a.limit ? b : a));
   const name = String(most.axis.name);
   return tile(fixed(most.effort, 1), `N ${fill(texts().tiles.of, { n: Number(most.limit.toFixed(1)) })}`, fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
 }
 
-/** Every kind is listed, also where nothing of it happened. */
+/** A table of all kinds of incidents, including those that did not occur. */
 function happened({ data }: SheetContext): HTMLElement {
   const t = texts();
   const { about, series, engineering } = data;
-  // A plain stop is how a session ends; nobody need be alarmed.
+  // A plain stop is the usual end of a session, so it is not highlighted.
   const row = (kind: string, count: number, what: string): HTMLElement => h('tr', { class: count > 0 && kind !== 'stop' ? 'bad' : undefined, 'data-kind': kind },
     h('td', {}, t.happened[kind as keyof typeof t.happened]), h('td', {}, count > 0 ? isolated(what) : t.none));
-  const rows = whatHappened(series).map(({ kind, marks }) => row(kind, marks.length, timesOf(marks.map(({ time_s, text, axis }) => {
+  const rows = marksByKind(series).map(({ kind, marks }) => row(kind, marks.length, timesOf(marks.map(({ time_s, text, axis }) => {
     const why = [text.split(', ').filter(Boolean).map(faultWord).join(', '), consoleTexts().axesLong[axis] ?? axis].filter(Boolean).join(', ');
     return kind === 'fault' && why !== '' ? `${shortTime(time_s)} (${why})` : shortTime(time_s);
   }))));
@@ -123,7 +123,7 @@ function timesOf(times: readonly string[]): string {
   return fill(t.at, { times: times.length > MOST_TIMES ? fill(t.more, { times: first, n: times.length - MOST_TIMES }) : first });
 }
 
-/** What was done, part by part, where the exercise has parts. */
+/** Tables of the finished parts, if the exercise has parts. */
 function partTables({ data }: SheetContext): HTMLElement[] {
   return REPORTS.flatMap((report) => report.table(recordedOf(data), shortTime, whoseWords) ?? []).map(({ title, none, head, rows }) => {
     const shown = rows.slice(0, MOST_ROWS).map(([name, ...figures]) => [isolated(name), ...figures]);
@@ -132,7 +132,7 @@ function partTables({ data }: SheetContext): HTMLElement[] {
   });
 }
 
-/** The force of the grip with what was asked for, where the exercise knows it; else all contact forces. */
+/** The grip force with its goal range, if the exercise defines one; else all contact forces. */
 function gripChart({ data, samples, marks, bands, look }: SheetContext): HTMLElement[] {
   const t = texts().charts;
   const of = (name: string): ArrayLike<number> | undefined => {
@@ -143,20 +143,20 @@ function gripChart({ data, samples, marks, bands, look }: SheetContext): HTMLEle
   const contact = chart({ ...shared, title: t.contact, height_px: 60, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
   const grip = of('squeeze_n');
   if (!grip) return [contact];
-  // The exercise's panel names the values that bound what was asked for.
+  // The exercise's panel names the values that bound the goal range.
   const asks = data.scene?.panel?.values.find(({ name }) => name === 'squeeze_n');
   const [low, high] = [of(String(asks?.goalLower ?? '')), of(String(asks?.goalUpper ?? ''))];
-  // Where nothing is asked for both are zero.
+  // Both bounds are zero where there is no goal.
   const asked = (values: ArrayLike<number>): number[] => Array.from(values, (value, i) => (high && high[i] > 0 ? value : NaN));
   const goal = low && high ? [asked(low), asked(high)] : [];
   const goals = goal.map((values, i): ChartLine => ({ name: i === 0 ? t.goal : '', color: '#0B6B58', dash: [4, 3], width: 1, values }));
   return [chart({ ...shared, title: t.grip, height_px: 100, lines: [{ name: '', color: '#8A5A00', width: 1.6, values: grip }, ...goals], goal: goals.length === 2 ? [1, 2] : undefined, holds: [0, 1] }), contact];
 }
 
-/** The limits of each axis over time; what changes together is one line. */
+/** The limits of each axis over time; limits that change together are one line. */
 function limitsChart({ data, scene, marks, look }: SheetContext): HTMLElement | null {
   const { from_s, to_s } = data.series;
-  const axes = scene.axes.map((axis, i) => ({ axis, changes: data.therapy.limits[i] ?? [], ...shownUnits(axis) })).filter(({ changes }) => changes.length > 0);
+  const axes = scene.axes.map((axis, i) => ({ axis, changes: data.therapy.limits[i] ?? [], ...displayUnits(axis) })).filter(({ changes }) => changes.length > 0);
   if (axes.length === 0) return null;
   const x = stepTimes(axes.map(({ changes }) => changes), to_s);
   const lines = new Map<string, { names: string[]; line: ChartLine }>();

@@ -1,5 +1,5 @@
-// The room as one picture. Camera and room stand still, so software rendering need not draw wall and
-// counter again for every frame: they are drawn once and copied.
+// The room as one picture. Camera and room do not move, so that software rendering draws wall and counter once
+// and copies them for every frame.
 
 import {
   FramebufferTexture, GLSL3, Mesh, NearestFilter, PlaneGeometry, RGBFormat, ShaderMaterial, Vector2, type Camera, type Object3D,
@@ -24,7 +24,7 @@ export class Backdrop {
     this.mesh.visible = false;
   }
 
-  /** Draws the room, keeps the picture, and hides the room itself. */
+  /** Draws the room, stores the picture, and hides the room. */
   take(renderer: WebGLRenderer, scene: Scene, camera: Camera, room: Object3D, light: Object3D): void {
     const shown = scene.children.filter((child) => child.visible && child !== light);
     for (const child of shown) child.visible = false;
@@ -33,7 +33,7 @@ export class Backdrop {
     const size = renderer.getDrawingBufferSize(new Vector2());
     this.texture?.dispose();
     this.texture = new FramebufferTexture(size.x, size.y);
-    this.texture.format = RGBFormat;   // as the picture itself, which has no alpha
+    this.texture.format = RGBFormat;   // the format of the canvas, which has no alpha
     this.texture.internalFormat = 'RGB8';
     this.texture.minFilter = this.texture.magFilter = NearestFilter;
     renderer.copyFramebufferToTexture(this.texture);

@@ -1,9 +1,9 @@
-// Places the camera. It stands still, so that seen and felt directions agree.
+// Places the camera. It does not move, so that seen and felt directions agree.
 //
 // The camera stands beside the hand, on the thumb's side of its palm, and somewhat above, where thumb,
-// fingers and what is grasped are seen at once; a left hand has the mirror image. It is level, and turned
-// only part of the way back; the rest is a shift of the picture in its plane, as architects photograph
-// houses. So verticals stand upright, the row of things to grasp is nearly level and of one size, and the
+// fingers and the grasped object are visible together; a left hand has the mirror image. It is level, and turned
+// only part of the way back; the rest is a shift of the picture in its plane, as in architectural
+// photography. So verticals stay vertical, the row of targets is nearly level and of one size, and the
 // hand's left and right are the picture's.
 
 import { PerspectiveCamera, Vector3 } from 'three';
@@ -16,32 +16,32 @@ const WIDTH_PX = 1280;
 const HEIGHT_PX = 800;
 const FIELD_RAD = 24.5 * Math.PI / 180;
 const FOCAL_PX = HEIGHT_PX / 2 / Math.tan(FIELD_RAD / 2);
-/** Where the designed picture has the point that is looked at; in the game right of the card. */
+/** The position of the view's centre in the designed picture; in the game it is to the right of the card. */
 const LOOK_PX = { game: { x: 762, y: 400 }, console: { x: 640, y: 400 } };
-/** Margin between things and the edge of the free part [designed px]. */
+/** Margin between objects and the edge of the free part [designed px]. */
 const MARGIN_PX = 14;
 
-/** Direction of the camera as seen from the point that it looks at: sideways and up. */
+/** Direction of the camera as seen from the view's centre: sideways and up. */
 const AZIMUTH_RAD = -26 * Math.PI / 180;
 const ELEVATION_RAD = 14 * Math.PI / 180;
-/** How far it turns back. All of it would make the row slope, nothing of it would tilt what stands upright. The room turns with it: the counter's far edge is the picture's horizon. */
+/** The camera's turn. A full turn would make the row slope, no turn would tilt verticals. The room turns with it: the counter's far edge is the picture's horizon. */
 const YAW_RAD = -17 * Math.PI / 180;
 /** Distance of the camera from the row [m]. */
 const DEPTH_M = 1.12;
-/** The point that is looked at: over the counter, and beside the device's middle, where grasps are [m]. */
+/** The view's centre: over the counter, and beside the device's middle, where grasps happen [m]. */
 const LOOK_HEIGHT_M = 0.177;
 const LOOK_ASIDE_M = 0.03;
 
-/** The hand's side, and where the row stands over the counter's top, three.js's frame [m]. */
+/** The hand's side, the height of the counter's top, and the position of the row, in three.js's frame [m]. */
 export interface CameraPlace { readonly right: boolean; readonly counter_y: number; readonly row_z: number }
 
-/** Where the row stands when no exercise says so [m]. */
+/** The place if no exercise defines one [m]. */
 export const DEFAULT_PLACE: CameraPlace = { right: true, counter_y: -0.253, row_z: -0.119 };
 
-/** Turn of the camera, and of the room behind the row, about the upright [rad]. */
+/** Turn of the camera, and of the room behind the row, about the vertical [rad]. */
 export function turnOf(right: boolean): number { return right ? YAW_RAD : -YAW_RAD; }
 
-interface Free { readonly x: number; readonly y: number; readonly width: number; readonly height: number; readonly scale: number }
+interface FreeArea { readonly x: number; readonly y: number; readonly width: number; readonly height: number; readonly scale: number }
 
 /** Least size of 1u, and of 1t on upright screens [px]. */
 const LEAST_U_PX = 0.65;
@@ -56,14 +56,14 @@ export function unitOf(width: number, height: number): number {
   return isUpright(width, height) ? scaleOf(width, height) : Math.max(LEAST_U_PX, scaleOf(width, height));
 }
 
-/** 1t of game.css where the page is zoomed by `zoom`; undefined: it is not [px]. */
+/** 1t of game.css where the page is zoomed by `zoom`; undefined: it is not zoomed [px]. */
 export function zoomedTextOf(width: number, height: number, zoom: number): number | undefined {
   const scale_px = scaleOf(width, height), grown = textZoom(scale_px, zoom, isUpright(width, height));
   return grown === 1 ? undefined : Math.max(unitOf(width, height), grown * scale_px);
 }
 
-/** Part of the picture that no card covers (game.css), and its size against the designed one's [px]. */
-function freeOf(view: View, width: number, height: number, text_px: number | undefined): Free {
+/** Part of the picture that no card covers (game.css), and its scale relative to the designed one [px]. */
+function freeOf(view: View, width: number, height: number, text_px: number | undefined): FreeArea {
   if (view === 'console') return { x: 0, y: 0, width, height, scale: Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
   const upright = isUpright(width, height), u = unitOf(width, height), zoomed = text_px !== undefined;
   const strip = zoomed ? 92 * text_px + 82 : upright ? Math.max(190 * u, 112 * Math.max(u, LEAST_T_PX) + 78) : Math.max(104 * u, 80);
@@ -72,8 +72,8 @@ function freeOf(view: View, width: number, height: number, text_px: number | und
   return { ...free, scale: Math.min(free.width / (WIDTH_PX - 336), free.height / (HEIGHT_PX - 104)) };
 }
 
-/** Where the designed picture has what is looked at, in this one. */
-function lookIn(view: View, free: Free): { x: number; y: number } {
+/** Position of the view's centre in this picture. */
+function lookIn(view: View, free: FreeArea): { x: number; y: number } {
   const designed = freeOf(view, WIDTH_PX, HEIGHT_PX, undefined), at = LOOK_PX[view];
   return {
     x: free.x + free.width / 2 + (at.x - designed.x - designed.width / 2) * free.scale,
@@ -81,7 +81,7 @@ function lookIn(view: View, free: Free): { x: number; y: number } {
   };
 }
 
-/** Shift that brings a range into [from, to], as far as it fits. */
+/** Shift that moves a range into [from, to], as far as it fits. */
 function into(low: number, high: number, from: number, to: number): number {
   return high - low > to - from ? (from + to - low - high) / 2 : Math.max(0, from - low) - Math.max(0, high - to);
 }
@@ -103,7 +103,7 @@ export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPla
   const focal = all.length === 0 ? FOCAL_PX * free.scale
     : Math.min(FOCAL_PX * free.scale, room.x / (Math.max(...xs) - Math.min(...xs)), room.y / (Math.max(...ys) - Math.min(...ys)));
   const middle = flat(look), wanted = lookIn(view, free);
-  const shift = { x: wanted.x - focal * middle.x, y: wanted.y - focal * middle.y };   // where the camera's own axis is drawn
+  const shift = { x: wanted.x - focal * middle.x, y: wanted.y - focal * middle.y };   // position of the camera's own axis in the picture
   if (all.length > 0) {
     shift.x += into(shift.x + focal * Math.min(...xs), shift.x + focal * Math.max(...xs), free.x + margin, free.x + margin + room.x);
     shift.y += into(shift.y + focal * Math.min(...ys), shift.y + focal * Math.max(...ys), free.y + margin, free.y + margin + room.y);
@@ -117,8 +117,8 @@ export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPla
 }
 
 /**
- * What of the row's plane is seen at a point of the picture, the program's world (y left, z up) [m].
- * @param across, @param down as parts of the picture, 0 .. 1; null beside it
+ * The point of the row's plane at a point of the picture, in the program's world (y left, z up) [m].
+ * @param across, @param down as parts of the picture, 0 .. 1; null: no point there
  */
 export function pointInRow(camera: PerspectiveCamera, row_z: number, across: number, down: number): { y_m: number; z_m: number } | null {
   if (!(across >= 0 && across <= 1 && down >= 0 && down <= 1)) return null;

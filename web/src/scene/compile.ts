@@ -1,5 +1,5 @@
-// Compiles the graphics card's programs beside the page's work. Compiling may take seconds, and drawing with a program
-// that is not compiled yet would hold up the page.
+// Compiles shader programs without blocking the page. Compiling may take seconds, and drawing with a program
+// that is not compiled yet would block.
 
 import type { Camera, Object3D, Scene, WebGLRenderer } from 'three';
 
@@ -7,7 +7,7 @@ const EVERY_MS = 10;
 
 const later = (wait_ms: number): Promise<void> => new Promise((go) => { setTimeout(go, wait_ms); });
 
-/** Resolves when the card has done all its orders so far. */
+/** Resolves when the graphics card has finished all commands so far. */
 async function cardIsDone(gl: WebGL2RenderingContext): Promise<void> {
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   if (!fence) return;
@@ -17,17 +17,17 @@ async function cardIsDone(gl: WebGL2RenderingContext): Promise<void> {
   gl.deleteSync(fence);
 }
 
-/** Makes what `object` needs in the light of `scene`; resolves when it can be drawn at once. */
+/** Prepares what `object` needs in the light of `scene`; resolves when it can be drawn at once. */
 export async function compiled(renderer: WebGLRenderer, object: Object3D, camera: Camera, scene: Scene): Promise<void> {
-  await later(0);   // what was built until now was work enough at once
+  await later(0);   // building was enough work for one turn
   if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(object, camera, scene);
   else {
     renderer.compile(object, camera, scene);
     await cardIsDone(renderer.getContext() as WebGL2RenderingContext);
   }
-  // What a program asks for is read back from the card: one program at a time.
+  // Reading a program's uniforms back blocks: one program at a time.
   for (const program of [...renderer.info.programs ?? []]) {
-    if (program.program === undefined) continue;   // freed meanwhile
+    if (program.program === undefined) continue;   // freed in the meantime
     program.getUniforms();
     program.getAttributes();
     await later(0);

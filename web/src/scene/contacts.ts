@@ -1,16 +1,16 @@
-// Draws a glow for each capsule and body that touch; its size follows the force.
+// Draws a glow for each touching pair of capsule and body; its size follows the force.
 
 import { Group, Sprite, SpriteMaterial, Vector3, type Camera, type Texture } from 'three';
 import type { ContactPointT } from '../protocol';
 import { toThree } from './frames';
 import { glowTexture } from './textures';
 
-/** Low-pass of the force that is shown, so that a contact that comes and goes does not flicker [Hz]. */
+/** Cut-off of the low-pass for the shown force, so that an intermittent contact does not flicker [Hz]. */
 const FOLLOW_HZ = 5;
 const DIAMETER_M = 0.019;
 const DIAMETER_PER_N = 0.0066;
 const LARGEST_M = 0.06;
-/** Weaker ones are not shown [N]. */
+/** Weaker contacts are not shown [N]. */
 const WEAKEST_N = 0.05;
 /** Radius of the warm tint on the skin [m], and per newton. */
 const TINT_M = 0.009;
@@ -19,11 +19,11 @@ const MOST = 10;
 
 export interface Contact { readonly x: number; readonly y: number; readonly z: number; readonly force_n: number }
 
-interface Shown { point: Vector3; push: Vector3; target_n: number; force_n: number }
+interface DisplayedContact { point: Vector3; push: Vector3; target_n: number; force_n: number }
 
-/** Forces at the same capsule and body added up, at their mean point, low-passed. Program's frame. */
+/** Forces at the same capsule and body, summed, at their mean point, low-passed. In the program's frame. */
 export class ContactFilter {
-  private readonly shown = new Map<string, Shown>();
+  private readonly shown = new Map<string, DisplayedContact>();
 
   take(contacts: readonly ContactPointT[]): void {
     for (const s of this.shown.values()) s.target_n = 0;
@@ -55,8 +55,8 @@ export class ContactFilter {
     }
   }
 
-  /** The strongest first. */
-  strongest(): readonly Shown[] {
+  /** The contacts, the strongest first. */
+  strongest(): readonly DisplayedContact[] {
     return [...this.shown.values()].filter((s) => s.force_n >= WEAKEST_N).sort((a, b) => b.force_n - a.force_n).slice(0, MOST);
   }
 }
@@ -79,7 +79,7 @@ export class ContactGlow {
 
   take(contacts: readonly ContactPointT[]): void { this.filter.take(contacts); }
 
-  /** @returns what tints the skin: program's frame, radius of each tint [m] */
+  /** @returns the tints of the skin: program's frame, radius of each [m] */
   update(camera: Camera, dt_s: number): { point: Vector3; radius_m: number }[] {
     this.filter.advance(dt_s);
     const list = this.filter.strongest();

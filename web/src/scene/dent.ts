@@ -1,19 +1,19 @@
-// Squeezed plastic yields to the skin: where a finger is inside a soft thing, its wall goes in
-// as far as the finger does. So the hand is never seen sunk into what it holds. What lost its content stays in.
+// Squeezed plastic deforms around the skin: where a finger is inside a soft object, its wall moves in as far as the
+// finger does. So the hand never appears inside the object. A wall that lost its content keeps part of the dent.
 
 import { Vector3, type BufferGeometry, type Object3D } from 'three';
 import type { SkinUniforms } from '../hand/skin_shader';
 import { toThree } from './frames';
 
-/** A capsule of the skin in the thing's own frame, y along its axis [m]. */
-export interface Pressing { readonly a: Vector3; readonly b: Vector3; readonly radiusA: number; readonly radiusB: number }
+/** A capsule of the skin in the object's frame, y along its axis [m]. */
+export interface PressingCapsule { readonly a: Vector3; readonly b: Vector3; readonly radiusA: number; readonly radiusB: number }
 
 /** Vertices nearer to the axis than this share of the radius belong to the ends and stay. */
 const WALL_SHARE = 0.95;
 const STEPS = 3;
 
-/** How deep a point is in the nearest of them; 0 outside [m]. */
-export function depthIn(list: readonly Pressing[], x: number, y: number, z: number): number {
+/** Depth of a point in the nearest of the capsules; 0 outside [m]. */
+export function depthIn(list: readonly PressingCapsule[], x: number, y: number, z: number): number {
   let depth = 0;
   for (const { a, b, radiusA, radiusB } of list) {
     const ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, px = x - a.x, py = y - a.y, pz = z - a.z;
@@ -24,14 +24,14 @@ export function depthIn(list: readonly Pressing[], x: number, y: number, z: numb
   return depth;
 }
 
-/** The hand's capsules that reach into a cylinder round the object's y axis. */
-export function pressingOn(object: Object3D, skin: SkinUniforms, radius_m: number): Pressing[] {
+/** The hand's capsules that reach into a cylinder around the object's y axis. */
+export function pressingOn(object: Object3D, skin: SkinUniforms, radius_m: number): PressingCapsule[] {
   object.updateMatrixWorld();
-  const inverse = object.matrixWorld.clone().invert(), out: Pressing[] = [];
+  const inverse = object.matrixWorld.clone().invert(), out: PressingCapsule[] = [];
   skin.capsuleA.value.forEach((a, i) => {
     const b = skin.capsuleB.value[i];
     const p = { a: toThree(a).applyMatrix4(inverse), b: toThree(b).applyMatrix4(inverse), radiusA: Math.abs(a.w), radiusB: b.w };
-    // Nearest that the segment comes to the axis: quick, and never too far.
+    // Lower bound of the segment's distance to the axis: fast, and never too large.
     const dx = p.b.x - p.a.x, dz = p.b.z - p.a.z, h = Math.min(1, Math.max(0, -(p.a.x * dx + p.a.z * dz) / Math.max(dx * dx + dz * dz, 1e-12)));
     if (Math.hypot(p.a.x + dx * h, p.a.z + dz * h) < radius_m + Math.max(p.radiusA, p.radiusB)) out.push(p);
   });
@@ -40,9 +40,9 @@ export function pressingOn(object: Object3D, skin: SkinUniforms, radius_m: numbe
 
 export class Dent {
   private readonly rest: Float32Array;
-  /** Of each vertex: its radius, as a part of that at rest. */
+  /** For each vertex: its radius relative to that at rest. */
   private readonly parts: Float32Array;
-  /** Of each vertex: 0 at the wall's ends, 1 in its middle. */
+  /** For each vertex: 0 at the wall's ends, 1 in its middle. */
   private readonly middle: Float32Array;
   private dented = false;
 
@@ -58,10 +58,10 @@ export class Dent {
   private isWall(v: number): boolean { return Math.hypot(this.rest[3 * v], this.rest[3 * v + 2]) > WALL_SHARE * this.radius_m; }
 
   /**
-   * @param keeps how much of the dent stays where nothing presses any more, 0 .. 1
-   * @param waist how much narrower the whole wall is in its middle, 0 .. 1
+   * @param keeps share of the dent that stays where nothing presses any more, 0 .. 1
+   * @param waist relative narrowing of the whole wall in its middle, 0 .. 1
    */
-  update(list: readonly Pressing[], keeps = 0, waist = 0): void {
+  update(list: readonly PressingCapsule[], keeps = 0, waist = 0): void {
     if (list.length === 0 && !this.dented && waist === 0) return;
     this.dented = false;
     const at = this.geometry.attributes.position, to = at.array, { rest, parts } = this;

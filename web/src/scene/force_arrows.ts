@@ -1,4 +1,4 @@
-// Draws each force on the hand as an arrow from its point, in its direction, with a length by its size. Program's frame.
+// Draws each force on the hand as an arrow from its contact point, with a length proportional to the force. Program's frame.
 
 import { ConeGeometry, CylinderGeometry, Group, InstancedMesh, Matrix4, Quaternion, Vector3, type BufferGeometry } from 'three';
 import type { ContactPointT } from '../protocol';
@@ -6,7 +6,7 @@ import { flat } from './materials';
 
 const COLOR = '#2457E6';
 const MOST = 32;
-/** Weaker ones are not shown [N]. */
+/** Weaker forces are not shown [N]. */
 const WEAKEST_N = 0.05;
 const LENGTH_PER_N = 0.015;
 const SHORTEST_M = 0.012;
@@ -15,7 +15,7 @@ const RADIUS_M = 0.0016;
 const HEAD_M = 0.009;
 const HEAD_RADIUS_M = 0.0042;
 
-/** Where an arrow begins, its direction and its length [m]. */
+/** Start, direction and length of an arrow [m]. */
 export interface Arrow { readonly from: Vector3; readonly along: Vector3; readonly length_m: number }
 
 /** The strongest forces as arrows. */
@@ -55,7 +55,7 @@ export class ForceArrows {
   }
 }
 
-/** Arrows are seen through the hand, which would hide them. */
+/** Arrows are drawn over the hand, which would hide them. */
 function instances(geometry: BufferGeometry): InstancedMesh {
   const mesh = new InstancedMesh(geometry, flat(COLOR, { depthTest: false, transparent: true, opacity: 0.9 }), MOST);
   mesh.renderOrder = 11;

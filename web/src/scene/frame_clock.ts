@@ -1,8 +1,8 @@
-// Measures the time from frame to frame, and the time of the page's own script in each.
+// Measures frame periods, and the script time of the page in each frame.
 
 /** Number of frames that are kept. */
 const WINDOW = 90;
-/** A gap longer than this is a time in which the page was hidden [ms]. */
+/** A longer gap means that the page was hidden [ms]. */
 const PAUSE_MS = 1000;
 
 function quantile(values: readonly number[], share: number): number {
@@ -16,7 +16,7 @@ export class FrameClock {
   private readonly script: number[] = [];
   private last_ms: number | undefined;
 
-  /** @param now_ms when this frame began; @param script_ms what it cost */
+  /** @param now_ms begin of this frame @param script_ms its script time */
   add(now_ms: number, script_ms: number): void {
     const gap = this.last_ms === undefined ? 0 : now_ms - this.last_ms;
     this.last_ms = now_ms;

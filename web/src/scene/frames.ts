@@ -5,19 +5,19 @@ import { Matrix4, Quaternion, Vector3 } from 'three';
 
 export interface Triple { readonly x: number; readonly y: number; readonly z: number }
 
-/** A point or a direction: (−y, z, −x). */
+/** Converts a point or a direction to three.js's frame: (−y, z, −x). */
 export function toThree(p: Triple, into = new Vector3()): Vector3 {
   return into.set(-p.y, p.z, -p.x);
 }
 
-/** A rotation: its axis turns like any direction, its angle stays. */
+/** Converts a rotation: its axis like a direction; its angle is unchanged. */
 export function quaternionToThree(q: Triple & { readonly w: number }, into = new Quaternion()): Quaternion {
   return into.set(-q.y, q.z, -q.x, q.w);
 }
 
 /**
- * The same as a matrix, for one group that holds everything of the program: inside it, positions and
- * quaternions are the program's own.
+ * The same conversion as a matrix, for a group with the program's objects: inside it, positions and
+ * quaternions are in the program's frame.
  */
 export function programFrame(): Matrix4 {
   return new Matrix4().makeBasis(new Vector3(0, 0, -1), new Vector3(-1, 0, 0), new Vector3(0, 1, 0));

@@ -9,16 +9,16 @@ import type { Quality } from './quality';
 const COLOR = '#3B6FD1';
 const GHOST_OPACITY = 0.4;
 
-interface Drawn { readonly body: GameBodyShown; readonly group: Group }
+interface BodyDrawing { readonly body: GameBodyShown; readonly group: Group }
 
 export class GameBodiesView {
-  /** Stands in the program's frame. */
+  /** This group is in the program's frame. */
   readonly root = new Group();
-  private readonly drawn = new Map<number, Drawn>();   // by slot or number
+  private readonly drawn = new Map<number, BodyDrawing>();   // by slot or number
 
   constructor(private readonly quality: Quality) {}
 
-  /** Takes all bodies; those that are the same stay as they are. */
+  /** Sets all bodies; unchanged bodies are not rebuilt. */
   take(bodies: readonly GameBodyShown[]): void {
     const wanted = new Map(bodies.map((body) => [body.slot, body]));
     for (const [slot, { body, group }] of this.drawn) {
@@ -32,11 +32,11 @@ export class GameBodiesView {
       if (this.drawn.has(slot)) continue;
       const group = makeBody(new BodyT('', false, COLOR, [...body.shapes]), this.quality);
       if (body.ghost) fade(group);
-      group.visible = false;   // until its pose comes
+      group.visible = false;   // hidden until its pose comes
       this.drawn.set(slot, { body, group });
       this.root.add(group);
     }
-    // One without a slot is where it is said to stand.
+    // A body without a slot is drawn at its reported pose.
     for (const body of bodies) {
       if (body.pose) put(this.drawn.get(body.slot)!.group, body.pose);
     }

@@ -22,7 +22,7 @@ export function surface(quality: Quality, finish: Finish): Material {
   return new MeshLambertMaterial(Object.fromEntries(Object.entries(plain).filter(([, value]) => value !== undefined)));
 }
 
-/** A surface that light does not change: signs, lines. */
+/** A surface without shading: signs, lines. */
 export function flat(color: string, more: ConstructorParameters<typeof MeshBasicMaterial>[0] = {}): MeshBasicMaterial {
   return new MeshBasicMaterial({ color: new Color(color), toneMapped: false, ...more });
 }

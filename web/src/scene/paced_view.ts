@@ -5,7 +5,7 @@ import { QualityChooser, initialQuality, type Quality } from './quality';
 
 export type HandLook = 'skin' | 'colliders';
 
-/** Pictures a second [Hz]. */
+/** Pictures per second [Hz]. */
 export const PICTURES_HZ: Readonly<Record<Quality, number>> = { high: 30, low: 12 };
 
 /** The picture beside plots: it is drawn less often than they are, in the quality that the machine can draw. */
@@ -22,18 +22,18 @@ export class PacedView {
     this.chooser = asked ? undefined : new QualityChooser(quality);
   }
 
-  /** Builds it. Fails where there is no WebGL. @param forces whether each contact's force is an arrow */
+  /** Builds the view. Fails without WebGL. @param forces each contact's force is drawn as an arrow */
   static async load({ forces = false } = {}): Promise<PacedView> {
     const asked = new URLSearchParams(location.search).get('quality');
     const quality: Quality = asked === 'high' || asked === 'low' ? asked : initialQuality();
-    // three.js is large and is loaded after the figures are shown.
+    // three.js is large and is loaded after the numbers are shown.
     const { SceneView } = await import('./scene_view');
     const canvas = document.createElement('canvas');
     canvas.setAttribute('aria-hidden', 'true');
     return new PacedView(new SceneView(canvas, { quality, tone: 'honey', view: 'console', forces }), canvas, quality, asked === quality);
   }
 
-  /** The quality; "none" until the whole picture can be drawn. */
+  /** The quality; "none" until the picture can be drawn completely. */
   get drawnIn(): Quality | 'none' {
     return this.scene.whole ? this.quality : 'none';
   }
@@ -65,7 +65,7 @@ export class PacedView {
     this.scene.setState(state);
     this.scene.render(now_ms);
     if (atOnce) return;
-    // Only pictures that are slower than this view's own pace are a sign of a slow machine.
+    // Only frames that are slower than this view's own pace indicate a slow machine.
     const late_ms = this.scene.stats().frame_ms - 1000 / PICTURES_HZ[this.quality];
     const quality = this.chooser?.choose({ frame_ms: late_ms }, now_ms) ?? this.quality;
     if (quality === this.quality) return;

@@ -1,4 +1,4 @@
-// Draws bodies by their shapes and colours, where no exercise draws them itself.
+// Draws bodies by their shapes and colours, where no exercise draws them.
 
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, Group, Mesh, SphereGeometry,
@@ -7,7 +7,7 @@ import { ShapeType, type BodyT, type ShapeT } from '../protocol';
 import { surface } from './materials';
 import type { Quality } from './quality';
 
-/** In the body's own frame, which is the program's: cylinders and capsules stand along z. */
+/** Geometry in the body's own frame, which is the program's: cylinders and capsules stand along z. */
 function geometryOf(shape: ShapeT): BufferGeometry {
   const upright = (g: BufferGeometry) => g.rotateX(Math.PI / 2);
   switch (shape.type) {
@@ -30,7 +30,7 @@ function geometryOf(shape: ShapeT): BufferGeometry {
   }
 }
 
-/** One group per body, to be placed in the program's frame. */
+/** One group per body, for a parent in the program's frame. */
 export function makeBody(body: BodyT, quality: Quality): Group {
   const root = new Group();
   const material = surface(quality, { color: new Color(String(body.color ?? '') || '#b9a98f'), roughness: 0.5, clearcoat: 0.3, clearcoatRoughness: 0.3 });

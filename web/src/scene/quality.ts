@@ -1,18 +1,18 @@
-// High or low: what the machine can draw. Low is plain materials, no shadows, no multisampling.
+// Drawing quality, high or low, by the machine's speed. Low has plain materials, no shadows, no multisampling.
 
 export type Quality = 'high' | 'low';
 
 export interface FrameStats { readonly frame_ms: number; readonly script_ms: number; readonly triangles: number }
 
-/** Longer frames in high quality ask for low [ms]; 24 frames a second. */
+/** Longer frames in high quality switch to low [ms]; 24 frames a second. */
 const TOO_SLOW_MS = 42;
-/** Frames have to be slow for this long [ms]: a page that has just opened, or a tab in the background, is slow for a moment. */
+/** Frames must be slow for this long [ms]: a page that has just opened, or a tab in the background, is slow for a moment. */
 const FOR_MS = 1500;
 
-/** Names of renderers that draw on the processor. */
+/** Names of software renderers. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** The quality to begin with, by the name of the machine's renderer. */
+/** The initial quality, by the name of the machine's renderer. */
 export function initialQuality(): Quality {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return 'low';
@@ -23,15 +23,15 @@ export function initialQuality(): Quality {
 }
 
 /**
- * Chooses low quality where the frame time asks for it, and never goes back by itself: a picture that changes
- * to and fro would be worse than a plain one.
+ * Chooses low quality if frames are slow, and never switches back by itself: alternating pictures would be worse
+ * than a plain one.
  */
 export class QualityChooser {
   private slowSince_ms: number | undefined;
 
   constructor(private quality: Quality) {}
 
-  /** @param now_ms of any clock that only goes forward */
+  /** @param now_ms of any monotonic clock */
   choose(stats: Pick<FrameStats, 'frame_ms'>, now_ms: number): Quality {
     if (this.quality === 'low') return 'low';
     if (stats.frame_ms <= TOO_SLOW_MS) this.slowSince_ms = undefined;

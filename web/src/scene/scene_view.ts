@@ -1,5 +1,5 @@
-// What the person sees: the room, the exercise's things, the hand. Fed with scenes and states as they
-// come from the program, drawn when the page says so.
+// The 3D view: room, the exercise's objects, hand. It receives scenes and states of the program, and is drawn when
+// the page calls render().
 
 import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { handShape, linkPoses } from '../hand/shape';
@@ -26,7 +26,7 @@ import { makeStage, ROOM, type Stage } from './stage';
 
 export interface SceneViewOptions {
   quality: Quality; tone: string; view: View;
-  /** Each contact's force is an arrow. */
+  /** Each contact's force is drawn as an arrow. */
   forces?: boolean;
 }
 
@@ -39,13 +39,13 @@ export interface Look {
 }
 
 export interface Pixel { x_px: number; y_px: number }
-/** Points of the canvas at which the page puts words. */
+/** Points of the canvas at which the page places texts. */
 export interface Labels {
-  goal: Pixel | null;     // where the goal of the present step is marked
-  target: Pixel | null;   // the grip of what is to be grasped
+  goal: Pixel | null;     // the mark of the current step's goal
+  target: Pixel | null;   // the grip of the current target
 }
 
-/** Most pixels of a picture in low quality; most pixels for each one of the page in high quality. */
+/** Largest number of pixels of a picture in low quality; largest pixel ratio in high quality. */
 const LOW_PIXELS = 450_000;
 const MOST_PIXELS = 2;
 /** Height of the rail in the empty room, before a scene has come [m]. */
@@ -65,13 +65,13 @@ export class SceneView {
   private exercise: ExerciseView | undefined;
   private marks: Marks | undefined;
   private place: CameraPlace = DEFAULT_PLACE;
-  private outline: Vector3[] = [];   // of what must be seen at once
+  private outline: Vector3[] = [];   // of the region that must be visible
   private stage: Stage | undefined;
   private backdrop: Backdrop | undefined;
   private hand: HandView | undefined;
   private handBegun = false;
-  private builds = 0;           // what was begun for an earlier one is dropped
-  private compiled = false;     // until then nothing is drawn: the page would wait for the graphics card's programs
+  private builds = 0;           // number of builds; results of an earlier one are dropped
+  private compiled = false;     // nothing is drawn before: the page would wait for the shader programs
   private bodies: (Group | undefined)[] = [];
   private ofGame: readonly GameBodyShown[] = [];
   private gameBodies: GameBodiesView | undefined;
@@ -85,7 +85,7 @@ export class SceneView {
     this.quality = options.quality;
     this.forces = options.forces ? new ForceArrows() : undefined;
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone };
-    // The picture is opaque, so the browser need not blend it with the page.
+    // The picture is opaque, so that the browser need not blend it with the page.
     const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
     if (!context) throw new Error('WebGL 2 is not there');
     this.renderer = new WebGLRenderer({ canvas, context });
@@ -95,7 +95,7 @@ export class SceneView {
     canvas.addEventListener('webglcontextrestored', () => this.resize());
   }
 
-  /** Takes a scene: hand, exercise, level. The hand is made when its first state comes. */
+  /** Sets a scene: hand, exercise, level. The hand is made when the first state comes. */
   setScene(scene: SceneT): void {
     const same = this.reported !== undefined && drawn(scene) === drawn(this.reported);
     this.reported = scene;
@@ -118,14 +118,14 @@ export class SceneView {
     this.stateScript_ms += performance.now() - start;
   }
 
-  /** Takes all bodies that a game has put into the world. */
+  /** Sets the bodies that a game has put into the world. */
   setBodies(bodies: readonly GameBodyShown[]): void {
     this.ofGame = bodies;
     this.gameBodies?.take(bodies);
     this.fresh = true;
   }
 
-  /** Takes what the page remembers of the exercise, and the program does not report. */
+  /** Sets the marks of the exercise that the page remembers and the program does not report. */
   setMarks(marks: Marks | undefined): void {
     this.marks = marks;
     if (marks) this.exercise?.mark?.(marks);
@@ -143,18 +143,18 @@ export class SceneView {
     this.build();
   }
 
-  /** What the graphics card keeps for this view. */
+  /** Objects of this view in the graphics card's memory. */
   get memory(): { geometries: number; textures: number } {
     const { geometries, textures } = this.renderer.info.memory;
     return { geometries, textures };
   }
 
-  /** Whether the whole picture is drawn. Room, things and hand are made beside the page's own work. */
+  /** Whether the picture is complete. Room, objects and hand are made in the background. */
   get whole(): boolean { return this.compiled && (this.hand !== undefined || !this.handBegun); }
 
-  /** @param now_ms of requestAnimationFrame */
+  /** @param now_ms time of requestAnimationFrame */
   render(now_ms: number): void {
-    if (!this.stage) this.build();   // no scene has come: the room alone
+    if (!this.stage) this.build();   // no scene has come: only the room
     if (!this.compiled) return;
     const start = performance.now();
     const dt_s = this.last_ms === undefined ? 0 : Math.min(0.25, Math.max(0, (now_ms - this.last_ms) / 1000));
@@ -176,17 +176,17 @@ export class SceneView {
     else this.renderer.clear();
   }
 
-  /** Where a point of the program's world is in the canvas. */
+  /** Position of a point of the program's world in the canvas. */
   project(world_m: Triple): Pixel { return this.pixel(toThree(world_m)); }
 
-  /** Where in the row's plane a point of the page is [m, the program's world]; null: beside the picture. */
+  /** The point in the row's plane at a point of the page [m, program's world]; null: outside the picture. */
   rowPoint(x_px: number, y_px: number): { y_m: number; z_m: number } | null {
     const box = this.canvas.getBoundingClientRect();
     return pointInRow(this.camera, this.place.row_z, (x_px - box.left) / box.width, (y_px - box.top) / box.height);
   }
 
   labels(): Labels {
-    if (this.fresh && this.state) this.update(this.state, 0);   // where things are, not where they were drawn last
+    if (this.fresh && this.state) this.update(this.state, 0);   // current poses, not those of the last drawing
     const anchors = this.exercise?.anchors(this.camera);
     return { goal: anchors?.goal ? this.pixel(anchors.goal) : null, target: anchors?.target ? this.pixel(anchors.target) : null };
   }
@@ -219,14 +219,14 @@ export class SceneView {
     this.compiled = this.handBegun = false;
   }
 
-  /** Builds everything but the hand, from the scene and in the present quality. */
+  /** Builds everything except the hand, from the scene and in the present quality. */
   private build(): void {
     this.clear();
     this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
     this.exercise = this.reported && viewOf(this.reported, this.quality);
-    // Where no exercise draws the scene, nothing stands there but what can be touched.
+    // If no exercise draws the scene, only tangible bodies are shown.
     const counter = !this.reported || this.exercise !== undefined;
-    this.canvas.classList.toggle('whole', !counter);   // its edges are not cut off (console.css)
+    this.canvas.classList.toggle('whole', !counter);   // console.css then does not cut off the edges
     this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.reported ? this.exercise?.rail_m : EMPTY_RAIL_M, setting: this.exercise?.setting });
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (this.exercise) this.scene.add(this.exercise.root);
@@ -248,7 +248,7 @@ export class SceneView {
     this.fresh = true;
   }
 
-  /** Places room and camera where the row stands. */
+  /** Places room and camera at the row. */
   private placeRow(): void {
     const placed = this.exercise?.placement(this.state);
     this.place = placed?.place ?? { ...DEFAULT_PLACE, right: this.reported?.rightHand ?? true };
@@ -316,7 +316,7 @@ export class SceneView {
   }
 }
 
-/** The parts of a scene that are drawn. A new session or a recording that begins changes none of them. */
+/** A key of the scene's drawn parts. A new session or recording changes none of them. */
 function drawn({ exerciseJson, valueNames, capsules, bodies, rightHand, linkNames }: SceneT): string {
   return JSON.stringify([exerciseJson, valueNames, capsules, bodies, rightHand, linkNames]);
 }

@@ -1,4 +1,4 @@
-// A small sign with words, lit when it names what is to be done now.
+// A small sign with text, highlighted when it names the current task.
 import { Mesh, PlaneGeometry, type Texture } from 'three';
 import { flat } from './materials';
 import { picture } from './textures';
@@ -37,7 +37,7 @@ export class Sign {
     this.root = new Mesh(new PlaneGeometry(width_m, width_m * HEIGHT_PX / WIDTH_PX), flat('#ffffff', { transparent: true }));
   }
 
-  /** Draws again only when something changed. @param words empty: no sign */
+  /** Redraws only when something changed. @param words empty: no sign */
   show(words: string, lit: boolean): void {
     this.root.visible = words !== '';
     const key = `${words} ${lit}`;

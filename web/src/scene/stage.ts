@@ -1,5 +1,5 @@
-// The room: counter, fluted wall, brass rail, light. Its own frame: y up from the counter's top, the
-// row over z = 0, the far side of the counter at +z.
+// The room: counter, fluted wall, brass rail, light. In its own frame y is up from the counter's top, the row is at
+// z = 0, and the person's side of the counter is at +z.
 
 import {
   BoxGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, InstancedMesh, Matrix4,
@@ -20,28 +20,28 @@ export interface Mood {
   readonly lamps: string | undefined;   // on the wall; undefined: none
   readonly sky: string;
   readonly ground: string;
-  readonly groundLow: string;           // in low quality, which has no light but this and the key
+  readonly groundLow: string;           // in low quality, which has only this light and the key light
 }
 
-/** What stands around the things, in the stage's frame. */
+/** The surroundings of the exercise, in the stage's frame. */
 export interface Setting {
   readonly mood: Mood;
-  /** The wall and all that belongs to it. It does not move. */
+  /** The wall with everything on it. It does not move. */
   wall(quality: Quality): Object3D;
-  /** Colour over the counter's wood; undefined: no counter. */
+  /** Tint of the counter's wood; undefined: no counter. */
   readonly counter: Color | undefined;
 }
 
 const EVENING: Mood = { key: '#fff0dc', rim: '#cfe6ea', lamps: '#ffd9a6', sky: '#fff3e2', ground: '#5a4334', groundLow: '#7a6354' };
 const WALL_Z = -0.62;
 const FLUTE = 0.05;
-/** Size of wall and counter, which reach beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
+/** Size of wall and counter, which extend beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
 const WIDTH = 8.4;
 const HEIGHT = 4.2;
 /** Size of the painted middle of the wall. */
 const PAINTED = { width_m: 4.2, height_m: 2.1 } as const;
 export const WALL = { width_m: WIDTH, height_m: HEIGHT, front_z: WALL_Z + FLUTE * 0.8 } as const;
-/** The counter's near edge, and how far its front goes down [m]. */
+/** The counter's near edge, and the height of its front [m]. */
 export const COUNTER = { edge_z: 0.232, front_m: 0.64 } as const;
 const RAIL_M = 0.01;
 
@@ -49,8 +49,8 @@ export interface Stage {
   readonly room: Group;                       // wall and counter
   readonly rail: Group;
   readonly light: Group;
-  readonly target: SpotLight | undefined;     // the soft spot on what is wanted
-  /** @param turn_rad of wall and counter about the upright, so that they face the picture */
+  readonly target: SpotLight | undefined;     // the soft spot light on the current target
+  /** @param turn_rad turn of wall and counter about the vertical, so that they face the camera */
   place(counter_y: number, row_z: number, turn_rad: number): void;
   dispose(): void;
 }
@@ -59,7 +59,7 @@ export function brass(quality: Quality) {
   return surface(quality, { color: new Color('#D0A869'), metalness: 1, roughness: 0.32, envMapIntensity: 1.5 });
 }
 
-/** What shiny things mirror: a wide warm window on the left, a low cool one on the right. */
+/** The environment that shiny objects reflect: a wide warm window on the left, a low cool one on the right. */
 function softbox(renderer: WebGLRenderer): WebGLRenderTarget {
   const studio = new Scene(), generator = new PMREMGenerator(renderer);
   const window = (color: string, light: number, at: [number, number, number], w: number, h: number) => {
@@ -99,7 +99,7 @@ function highLights(root: Group, mood: Mood): SpotLight {
   const rim = spot(mood.rim, 5, 0.6, 1, [1.1, 0.9, -0.35], [0.1, 0.25, 0.05]);
   const target = spot('#fff2d6', 2.6, 0.13, 0.9, [0, 1.05, 0.75], [0, 0.2, 0]);
   for (const light of [key, rim, target]) root.add(light, light.target);
-  for (const x of mood.lamps === undefined ? [] : [-0.42, 0.42]) {   // a calm pool of lamp light on the wall
+  for (const x of mood.lamps === undefined ? [] : [-0.42, 0.42]) {   // a soft pool of lamp light on the wall
     const lamp = spot(mood.lamps!, 5.5, 0.8, 1, [x, 1.0, -0.12], [x, 0.22, WALL_Z]);
     root.add(lamp, lamp.target);
   }
@@ -122,7 +122,7 @@ function flutedWall(): Mesh {
   return wall;
 }
 
-/** The same wall as a picture: flutes and the two pools of light. */
+/** The same wall as a texture: flutes and the two pools of light. */
 function paintedWall(): Mesh {
   const texture = picture(2048, 1024, (pen) => {
     const flute = 2048 / (PAINTED.width_m / FLUTE);
@@ -137,7 +137,7 @@ function paintedWall(): Mesh {
       pen.fillRect(0, 0, 2048, 1024);
     }
   });
-  // Beside the painting it is repeated, above it the flutes go on.
+  // The flutes are repeated beside the painting and continue above it.
   texture.wrapS = RepeatWrapping;
   const geometry = new PlaneGeometry(WIDTH, HEIGHT), uv = geometry.attributes.uv;
   for (let i = 0; i < uv.count; i++) uv.setXY(i, 0.5 + (uv.getX(i) - 0.5) * WIDTH / PAINTED.width_m, uv.getY(i) * HEIGHT / PAINTED.height_m);
@@ -150,7 +150,7 @@ const WOOD = new Color('#fff');
 
 function counter(quality: Quality, tint: Color): Group {
   const root = new Group(), wood = woodTexture();
-  wood.repeat.set(3.2, 0.9);   // as fine over its whole width
+  wood.repeat.set(3.2, 0.9);   // the grain's scale is constant over the whole width
   const low = quality === 'low';
   const top = new Mesh(new BoxGeometry(WIDTH, 0.045, 0.86), low
     ? new MeshBasicMaterial({ map: wood, color: new Color(1.9, 1.45, 1.05).multiply(tint) })
@@ -178,11 +178,11 @@ export interface Furniture {
   readonly counter: boolean;
   /** Height of the rail's underside over the counter's top [m]; undefined: no rail. */
   readonly rail_m: number | undefined;
-  /** The exercise's own setting, instead of the fluted wall and its counter. */
+  /** The exercise's setting, instead of the fluted wall and its counter. */
   readonly setting?: Setting;
 }
 
-/** The fluted wall. Without a counter it goes on below. */
+/** The fluted wall. Without a counter it continues downwards. */
 function plainWall(quality: Quality, hasCounter: boolean): Mesh {
   const wall = quality === 'high' ? flutedWall() : paintedWall();
   if (!hasCounter) wall.position.y -= HEIGHT / 2;
@@ -217,7 +217,7 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
     dispose() {
       mirrored?.dispose();
       scene.environment = null;
-      // The groups are taken out of the scene's tree, so they are disposed of here.
+      // The groups are removed from the scene's tree, so they are disposed of here.
       for (const group of all) disposeTree(group);
       scene.remove(...all);
     },

@@ -1,4 +1,4 @@
-// Pictures that materials wear: wood and the glow. Each is drawn once, on a canvas.
+// Textures of materials: wood and the glow. Each is drawn once, on a canvas.
 
 import { CanvasTexture, RepeatWrapping, SRGBColorSpace, type Texture } from 'three';
 
@@ -15,13 +15,13 @@ export function picture(width: number, height: number, draw: (pen: Pen) => void)
   return texture;
 }
 
-/** A gradient with its colours, each at its share of the way. */
+/** Adds colour stops to a gradient. */
 export function graded(gradient: CanvasGradient, stops: readonly (readonly [at: number, color: string])[]): CanvasGradient {
   for (const [at, color] of stops) gradient.addColorStop(at, color);
   return gradient;
 }
 
-/** Numbers that look random and are the same every time. */
+/** A deterministic pseudo-random generator. */
 export function numbers(seed: number): () => number {
   let state = seed;
   return () => (state = (state * 16807) % 2147483647) / 2147483647;

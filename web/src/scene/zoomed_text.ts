@@ -1,4 +1,4 @@
-// The size of text in a page that is zoomed, as the window is now.
+// The text size of a zoomed page, for the present window.
 import { browserZoom, isTouched } from '../shared/zoom';
 import { zoomedTextOf } from './camera';
 
@@ -7,7 +7,7 @@ export function zoomedText_px(): number | undefined {
   return isTouched() ? undefined : zoomedTextOf(innerWidth, innerHeight, browserZoom());
 }
 
-/** Gives game.css the size; `data-zoomed` lets everything else give way. */
+/** Sets the text size for game.css; `data-zoomed` makes everything else shrink. */
 export function growWithZoom({ style, dataset }: HTMLElement): void {
   const text_px = zoomedText_px();
   if (text_px === undefined) {

@@ -1,4 +1,4 @@
-// What both pages need to be usable without a mouse, without sight of colour, and without motion.
+// Helpers that make both pages usable without a mouse, without colour vision, and without motion.
 
 const FOCUSABLE = 'a[href], button:not(:disabled), input:not(:disabled), select:not(:disabled), textarea:not(:disabled), [tabindex]:not([tabindex="-1"])';
 
@@ -7,8 +7,8 @@ function focusable(root: ParentNode): HTMLElement[] {
 }
 
 /**
- * Keeps Tab within these parts of the page (a dialog, and what must stay reachable beside it, as Stop is).
- * Returns what ends it and gives the focus back.
+ * Keeps Tab within these parts of the page: a dialog and controls such as Stop that must stay reachable beside it.
+ * Returns a function that ends this and restores the focus.
  */
 export function trapFocus(parts: readonly HTMLElement[], first?: HTMLElement | null): () => void {
   const before = document.activeElement instanceof HTMLElement ? document.activeElement : null;
@@ -29,9 +29,9 @@ export function trapFocus(parts: readonly HTMLElement[], first?: HTMLElement | n
   };
 }
 
-/** Notes at the root element how the page was used last, "pointer" or "keys": a frame around the focus is drawn for keys. */
-export function tellHowUsed(page: Document): void {
-  const tell = (used: 'pointer' | 'keys') => () => { page.documentElement.dataset.used = used; };
-  page.addEventListener('pointerdown', tell('pointer'), true);
-  page.addEventListener('keydown', tell('keys'), true);
+/** Stores at the root element how the page was used last, "pointer" or "keys": the focus frame is drawn only for keys. */
+export function markInputMethod(page: Document): void {
+  const mark = (used: 'pointer' | 'keys') => () => { page.documentElement.dataset.used = used; };
+  page.addEventListener('pointerdown', mark('pointer'), true);
+  page.addEventListener('keydown', mark('keys'), true);
 }

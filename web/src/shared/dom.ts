@@ -1,7 +1,7 @@
 type Child = Node | string | null | undefined;
 type Attributes = Readonly<Record<string, string | number | boolean | ((event: Event) => void) | undefined>>;
 
-/** An element: "on…" attributes are listeners, true is an empty attribute, false and undefined none. */
+/** Makes an element. "on…" attributes are listeners, true makes an empty attribute, false and undefined none. */
 export function h<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag, attributes: Attributes = {}, ...children: Child[]): HTMLElementTagNameMap[Tag] {
   const element = document.createElement(tag);
@@ -14,14 +14,14 @@ export function h<Tag extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A drawing from constant markup. */
+/** An SVG element from constant markup. */
 export function drawing(markup: string): SVGElement {
   const holder = document.createElement('template');
   holder.innerHTML = markup.trim();
   return holder.content.firstElementChild as SVGElement;
 }
 
-/** Sets a text only when it is another one: a screen reader speaks what changes. */
+/** Sets a text only if it differs: a screen reader announces every change. */
 export function setText(element: Element, value: string): void {
   if (element.textContent !== value) element.textContent = value;
 }

@@ -1,16 +1,16 @@
-/** Numbers as a person reads them: a true minus sign, no minus zero, steady width. */
+/** Formats a number with a true minus sign, no minus zero, and fixed decimals. */
 export function fixed(value: number, decimals: number): string {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(decimals);
   return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace('-', '−');
 }
 
-/** 251840 as 251 840, with thin spaces, in every language the same. */
+/** Groups digits with thin spaces: 251840 becomes 251 840 in every language. */
 export function grouped(value: number | bigint): string {
   return String(value).replace(/\B(?=(\d{3})+(?!\d))/g, '\u202f');
 }
 
-/** 161 s as 2:41; over an hour 1:02:41. */
+/** Formats a duration: 161 s as 2:41, over an hour as 1:02:41. */
 export function duration(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds));
   const two = (n: number): string => String(n).padStart(2, '0');
@@ -26,7 +26,7 @@ export function bytes(count: number): string {
   return `${fixed(count / 1e9, 1)} GB`;
 }
 
-/** A name of the program, "adult-median-right" or "wall_ratio", as words. */
+/** Turns a name of the program, "adult-median-right" or "wall_ratio", into words. */
 export function asWords(name: string): string {
   const words = name.replace(/[-_]+/g, ' ').trim();
   return words.charAt(0).toUpperCase() + words.slice(1);

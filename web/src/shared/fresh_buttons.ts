@@ -1,25 +1,25 @@
-// Buttons that have just come are deaf: a press that was meant for what stood there before does nothing.
+// New buttons ignore presses for a moment: a press that was meant for the earlier buttons does nothing.
 
-/** What changes under a finger is not pressed on purpose within this time [ms]. */
+/** Presses within this time after a change of the buttons are ignored [ms]. */
 const DEAF_MS = 700;
 
-/** Where buttons change. `dataset.fresh` is there while they are deaf (tokens.css). */
-export type Changing = Pick<HTMLElement, 'addEventListener' | 'dataset'>;
+/** The part of an element that is used. `dataset.fresh` is set while its buttons ignore presses (tokens.css). */
+export type ButtonContainer = Pick<HTMLElement, 'addEventListener' | 'dataset'>;
 
-/** Swallows every press on a part of the page that begins before its buttons have been there for DEAF_MS. No stop is in such a part. */
+/** Ignores every press on a part of the page that begins less than DEAF_MS after its buttons appeared. No stop button is in such a part. */
 export class FreshButtons {
   private changed_ms = -Infinity;
-  private heard = true;   // the press under way began when the buttons were no longer new
+  private pressCounts = true;   // the current press began after DEAF_MS
 
-  /** @param tapped a key that is tapped in play, and so may be on its way down or up: `Space` squeezes */
-  constructor(private readonly part: Changing, private readonly tapped = '') {
+  /** @param tapped a key that is tapped in play and may still be down: `Space` squeezes */
+  constructor(private readonly part: ButtonContainer, private readonly tapped = '') {
     for (const press of ['pointerdown', 'keydown', 'keyup', 'click', 'submit']) part.addEventListener(press, (event) => this.take(event), true);
   }
 
-  /** Other buttons are there now. */
+  /** Call when other buttons were shown. */
   changed(): void {
     this.changed_ms = performance.now();
-    this.heard = false;
+    this.pressCounts = false;
     this.part.dataset.fresh = '';
     setTimeout(() => { if (!this.deaf) delete this.part.dataset.fresh; }, DEAF_MS);
   }
@@ -31,14 +31,14 @@ export class FreshButtons {
     const typed = (event.target as Partial<Element> | null)?.closest?.('input, select, textarea');
     if (event.type !== 'submit' && typed) return;
     if (event.type.startsWith('key') && code !== 'Enter' && code !== 'Space') return;
-    if (event.type === 'pointerdown' || (event.type === 'keydown' && !repeat)) this.heard = !this.deaf;
-    // A click without a count comes from a key, whose keydown was judged, or from a screen reader.
-    const counts = event.type === 'submit' || (event.type === 'click' && detail === 0) || this.heard;
+    if (event.type === 'pointerdown' || (event.type === 'keydown' && !repeat)) this.pressCounts = !this.deaf;
+    // A click without a count comes from a key, whose keydown was checked, or from a screen reader.
+    const counts = event.type === 'submit' || (event.type === 'click' && detail === 0) || this.pressCounts;
     if (!this.deaf && counts) return;
     event.preventDefault();
-    // What a key held down is let go of, whatever is new.
+    // A keyup is never stopped, so that held keys are released.
     if (event.type !== 'keyup') event.stopImmediatePropagation();
-    // Who goes on tapping it, or lets go of it only now, means what was there before.
+    // Tapping the key further, or releasing it only now, is meant for the earlier screen.
     if (code !== '' && code === this.tapped && !repeat) this.changed();
   }
 }

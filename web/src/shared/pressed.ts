@@ -1,4 +1,4 @@
-// A press is seen at once: before the program has answered, and whether or not it does.
+// A press is shown at once, before the program has answered, and even if it never does.
 const SHOWN_MS = 300;
 
 /** Shows a button as pressed for a moment. */
@@ -7,7 +7,7 @@ export function showPressed(button: Element): void {
   setTimeout(() => button.classList.remove('pressed'), SHOWN_MS);
 }
 
-/** Every button below, by pointer and by key. */
+/** Shows presses on every button below `root`, by pointer and by key. */
 export function answerPresses(root: Document): void {
   const answer = (event: Event): void => {
     const button = event.target instanceof Element ? event.target.closest('button') : null;

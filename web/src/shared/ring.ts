@@ -1,4 +1,4 @@
-/** The last `capacity` rows of `channels` numbers, oldest dropped first, without allocation while it fills. */
+/** A ring buffer with the last `capacity` rows of `channels` numbers; the oldest row is overwritten. It does not allocate after construction. */
 export class Ring {
   length = 0;
   private next = 0;
@@ -34,7 +34,7 @@ export class Ring {
   }
 }
 
-/** The value that a share of the samples does not exceed (nearest rank); NaN of none. */
+/** The smallest sample that is not exceeded by the given share of the samples (nearest rank); NaN without samples. */
 export function quantile(samples: ArrayLike<number>, share: number): number {
   const sorted = Float64Array.from(samples).sort();
   return sorted.length === 0 ? NaN : sorted[Math.min(sorted.length - 1, Math.max(0, Math.ceil(share * sorted.length) - 1))];

@@ -6,11 +6,11 @@ import { letProgram } from './program.mjs';
 import { replay, replayed, still, withQuery } from './replay_checks.mjs';
 
 const PLAYER = join(dirname(fileURLToPath(import.meta.url)), 'play_with_bodies.py');
-/** Beside the ball, which may have fallen out of the world. Each takes a few hundred pixels of a picture at least. */
+/** Bodies beside the ball, which may have fallen out of the world. Each covers at least a few hundred pixels of a picture. */
 const BODIES = 11;
 const PIXELS_OF_BODIES = 3000;
 
-/** A recording of a game that brings bodies, with the Python client that stands beside the program. */
+/** Records a game that adds bodies, played by the Python client that is shipped with the program. */
 async function recordedBodies(t) {
   const path = join(t.folder, 'bodies.h5');
   const program = await t.program('--no-rehearsal', '--exercise', 'game-scene', '--record', path);
@@ -19,11 +19,11 @@ async function recordedBodies(t) {
   return path;
 }
 
-/** Pixels of the picture in the colour of a game's bodies: blue, in light and in shade. */
+/** Number of pixels in the blue of a game's bodies, lit or shaded. */
 async function bluePixels(page) {
   const png = (await page.screenshot()).toString('base64');
   return page.evaluate(async (data) => {
-    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));   // a report may fetch nothing
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));   // a report may not use fetch()
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
     const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
     canvas.drawImage(image, 0, 0);
@@ -34,7 +34,7 @@ async function bluePixels(page) {
   }, png);
 }
 
-/** The moment in the middle of those with all bodies, by looking every tenth of a second. */
+/** The middle of the time with all bodies, found by seeking in steps of a tenth of a second. */
 async function drawnWithBodies(page) {
   await until('the whole picture', async () => (await replayed(page))?.quality === 'low');
   await page.keyboard.press('Home');
@@ -54,7 +54,7 @@ async function drawnWithBodies(page) {
   return { without, middle_s: times[Math.floor(times.length / 2)] };
 }
 
-/** Bodies of a game come, are drawn and go, in the replay and in a report. */
+/** Bodies of a game appear, are drawn and disappear, in the replay and in a report. */
 export async function bodiesAreReplayed(t) {
   const path = await recordedBodies(t);
   const page = await openPage(t.drawing, withQuery(await replay(t, path), { lang: 'en', theme: 'light', quality: 'low' }));

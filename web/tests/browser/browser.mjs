@@ -1,28 +1,28 @@
-// Debian's Chromium, with and without 3D, and what its pages say went wrong.
+// Debian's Chromium, with and without 3D, and detection of errors in its pages.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
-/** Longer than anything takes on a machine that works, however slow: what is not there by then hangs. No verdict. */
+/** A time limit for hangs, longer than any step takes on a slow machine. It is not a performance limit. */
 export const HANGS_MS = 180_000;
 
 const require = createRequire(import.meta.url);
 const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
-// Only 3D goes to the software renderer: pages and plots are drawn by the processor directly.
+// Only 3D uses the software renderer: the processor draws pages and plots directly.
 const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas'];
 
-// What is asked of the program by a page that has lost it: only where `cutOff` says so may these fail.
+// Requests of a page that has lost the program: they may fail only while `cutOff` is set.
 const CUT_OFF = ['/ws', '/api/recordings'];
-// Notices about drawing in software, no faults. Chromium prints WebGL's errors as warnings too.
+// Notices about software rendering, which are not faults. Chromium prints WebGL's errors as warnings too.
 const SOFTWARE_NOTICES = [/GPU stall due to ReadPixels/, /Automatic fallback to software WebGL/];
-// Our own words, in a browser that was opened without 3D.
+// The page's own warning in a browser without 3D.
 const WITHOUT_3D = /cannot be drawn here: Error: WebGL 2 is not there/;
 
 export async function openBrowser({ with3d = true, args = [] } = {}) {
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    headless: true, handleSIGINT: false, handleSIGTERM: false, handleSIGHUP: false,  // run.mjs ends, and all with it
+    headless: true, handleSIGINT: false, handleSIGTERM: false, handleSIGHUP: false,  // run.mjs handles signals and ends everything
     args: ['--no-sandbox', ...(with3d ? SOFTWARE_3D : ['--disable-3d-apis']), ...args],
   });
   browser.with3d = with3d;
@@ -40,7 +40,7 @@ export function pageUrl(programUrl, path, query = {}) {
 
 const pathOf = (url) => (/^\w+:\/\//.test(url) ? new URL(url).pathname : url);
 
-/** What a message of a page's console says went wrong, or null. `cutOff`: the page may have lost the program. */
+/** The fault in a message of a page's console, or null. `cutOff`: the page may have lost the program. */
 function faultOf(message, { with3d, cutOff }) {
   const text = message.text();
   if (/WebGL|\bGL_/.test(text) && ['warning', 'error'].includes(message.type())) {
@@ -48,21 +48,21 @@ function faultOf(message, { with3d, cutOff }) {
     return known ? null : text;
   }
   if (message.type() !== 'error') return null;
-  // Answers that refuse are counted as answers, with their address.
+  // HTTP refusals are counted as responses, with their address.
   if (text.startsWith('Failed to load resource: the server responded')) return null;
   const address = text.startsWith('Failed to load resource') ? message.location().url : text.match(/^WebSocket connection to '([^']+)'/)?.[1];
   if (address === undefined) return text;
   return cutOff && CUT_OFF.includes(pathOf(address)) ? null : `${text} (${address})`;
 }
 
-/** Ten frames a second, or five with 3D: what a page shows is wanted, not its smoothness, which takes two processors. */
+/** Reduces the frame rate to ten per second, or five with 3D: tests need the content, and smooth drawing takes two processors. */
 const drawsSeldom = (every_ms) => {
   const frame = window.requestAnimationFrame.bind(window);
   window.requestAnimationFrame = (run) => setTimeout(() => frame(run), every_ms);
   window.cancelAnimationFrame = clearTimeout;
 };
 
-/** A page that remembers its own errors, and what it was refused. `smooth`: it draws as often as it can. `init`: runs in it before everything else, one or several. */
+/** Opens a page that records its errors and refused requests. `smooth`: full frame rate. `init`: one or several scripts that run first. */
 export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, smooth = false, init = null, ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
   if (!smooth) await context.addInitScript(drawsSeldom, browser.with3d ? 200 : 100);
@@ -73,7 +73,7 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
   page.cutOff = cutOff;
   page.on('pageerror', (error) => page.faults.push(error.message));
   page.on('response', (answer) => {
-    // A page that lost its line for a moment on a busy machine asks why; 426 says that the program is there.
+    // A page that lost its connection for a moment on a busy machine asks for the reason; 426 shows that the program is there.
     const asked = answer.status() === 426 && pathOf(answer.url()) === '/ws';
     const excused = asked || (page.cutOff && CUT_OFF.includes(pathOf(answer.url())));
     if (answer.status() >= 400 && !excused) page.faults.push(`${answer.status()} ${answer.url()}`);
@@ -82,12 +82,12 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
     const fault = faultOf(message, { with3d: browser.with3d, cutOff: page.cutOff });
     if (fault !== null) page.faults.push(fault);
   });
-  // Not until everything is loaded: a page that draws in software keeps its own machine busy.
+  // The load event is not awaited: a page with software rendering keeps its machine busy.
   await page.goto(url, { waitUntil: 'commit' });
   return page;
 }
 
-/** A page that is a file, opened from the disk; and what it asks for. */
+/** A page in a file, opened from the disk, and its requests. */
 export async function openFile(browser, path, { state = 'shown', theme = 'light', ...more } = {}) {
   const page = await openPage(browser, 'about:blank', more);
   const asked = [];
@@ -97,24 +97,24 @@ export async function openFile(browser, path, { state = 'shown', theme = 'light'
   return { page, asked };
 }
 
-/** How many sheets of paper it is printed on. */
+/** The number of printed sheets. */
 export const sheetsOf = async (page) => ((await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? []).length;
 
-/** Fails with words. */
+/** Throws an error unless a condition holds. */
 export function expect(condition, words) {
   if (!condition) throw new Error(words);
 }
 
-/** The pages said of nothing that it went wrong. */
+/** Expects that no page reported a fault. */
 export const expectNoFaults = (...pages) => pages.forEach(({ faults }) => expect(faults.length === 0, faults.join('\n')));
 
-/** The page keeps nobody out. `all`: also what is no more than a nuisance. */
+/** Expects no serious accessibility fault. `all`: nor any minor one. */
 export async function expectAccessible(page, words = '', { all = false } = {}) {
   const faults = await accessibilityFaults(page, all);
   expect(faults.length === 0, `${words} ${faults.join('\n')}`);
 }
 
-/** At 200 %, of a screen of 1280 x 800: nothing is scrolled sideways, nothing is cut off, and the page keeps nobody out. */
+/** At 200 % on a screen of 1280 x 800: no horizontal scrolling, nothing cut off, and no serious accessibility fault. */
 export async function expectZoomable(page, words) {
   const before = page.viewportSize();
   await page.setViewportSize({ width: 640, height: 400 });
@@ -125,7 +125,7 @@ export async function expectZoomable(page, words) {
   await page.setViewportSize(before);
 }
 
-/** What is pressed or read, and stands beyond the window's sides or beyond what holds it and does not scroll. Runs in the page. */
+/** Controls and texts that extend beyond the window, or beyond a parent that does not scroll. Runs in the page. */
 function cutOff() {
   const beyond = (inner, outer) => inner.left < outer.left - 1 || inner.right > outer.right + 1;
   const hidden = (element) => ['hidden', 'clip'].includes(getComputedStyle(element).overflowX);
@@ -138,19 +138,19 @@ function cutOff() {
   }).map((element) => element.outerHTML.slice(0, 120));
 }
 
-/** In a window of 320 px, which is 1280 px zoomed four times, nothing is scrolled sideways (WCAG 2.2, SC 1.4.10). */
+/** In a window of 320 px, which is 1280 px zoomed to 400 %, nothing scrolls horizontally (WCAG 2.2, SC 1.4.10). */
 export async function expectNothingScrollsSideways(page, words) {
   const before = page.viewportSize();
   await page.setViewportSize({ width: 320, height: 640 });
-  // What is drawn by the size of its place follows a frame later.
+  // Content that adapts to its size follows one frame later.
   await until(`${words} as wide as a window of 320 px`, () => page.evaluate(() => document.documentElement.scrollWidth <= 320));
   await page.setViewportSize(before);
 }
 
-/** Faults that keep somebody out: serious and critical ones, by axe-core; or all. */
+/** Serious and critical accessibility faults by axe-core; or all. */
 async function accessibilityFaults(page, all) {
   await page.evaluate(AXE);
-  // What is still appearing is read half transparent.
+  // Content that is still fading in would be tested half transparent.
   await page.evaluate(() => { for (const a of document.getAnimations()) if (Number.isFinite(a.effect?.getComputedTiming().endTime)) a.finish(); });
   const { violations } = await page.evaluate(() => globalThis.axe.run({ resultTypes: ['violations'] }));
   return violations
@@ -158,7 +158,7 @@ async function accessibilityFaults(page, all) {
     .map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map(({ html }) => html.slice(0, 100)).join(' | ')})`);
 }
 
-/** Calls `look` until it gives something true, and gives that. */
+/** Calls `look` until it returns something true, and returns that. */
 export async function until(what, look, { within_ms = HANGS_MS, every_ms = 100 } = {}) {
   const end_ms = Date.now() + within_ms;
   for (;;) {

@@ -1,14 +1,14 @@
-// A camera that plays: Chromium's fake one, before which a drawn hand is held.
+// Playing with a camera: Chromium's fake one, which shows a drawn hand.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON } from './checks.mjs';
 
-/** Draws an open hand, its palm at the middle of a 640 × 480 picture, which hand tracking takes for one; gives a JPEG. */
+/** Draws an open hand with its palm at the middle of a 640 × 480 picture, which hand tracking recognizes; returns a JPEG. */
 async function pictureOfAHand() {
   const canvas = new OffscreenCanvas(640, 480), g = canvas.getContext('2d');
   const SIZE_PX = 100, at = (x, y) => [320 + SIZE_PX * x, 260 + SIZE_PX * y];
-  // From the knuckle to the tip, and how thick, in lengths of the palm; the last is the thumb.
+  // Fingers from the knuckle to the tip with their thickness, in lengths of the palm; the last is the thumb.
   const fingers = [[[-0.34, -0.1], [-0.52, -0.85], 0.17], [[-0.12, -0.2], [-0.17, -1.12], 0.19], [[0.11, -0.2], [0.14, -1.18], 0.19], [[0.33, -0.12], [0.47, -1], 0.19], [[0.35, 0.45], [0.92, -0.25], 0.21]];
   const line = (points, width_px, colour) => {
     g.strokeStyle = colour;
@@ -38,7 +38,7 @@ async function pictureOfAHand() {
   return [...new Uint8Array(await blob.arrayBuffer())];
 }
 
-/** A browser with a camera that shows the hand, over and over. */
+/** A browser with a camera that shows the hand in a loop. */
 async function browserWithCamera(t) {
   const jpeg = Buffer.from(await (await openPage(t.plain, 'about:blank')).evaluate(pictureOfAHand));
   const file = join(t.folder, 'hand.mjpeg');
@@ -53,20 +53,20 @@ async function startWithCamera(browser, url, options) {
   return page;
 }
 
-/** A camera that is refused, or not there, is said in words, and the game can still be begun. */
-export async function missingCameraIsSaid(t) {
+/** A refused or missing camera is reported, and the game can still be started. */
+export async function missingCameraIsReported(t) {
   const { url } = await t.watcher();
   const refusing = await t.browser({ with3d: false, args: ['--use-fake-device-for-media-stream'] });
-  const said = [];
+  const texts = [];
   for (const [browser, permissions, words] of [[refusing, [], /refused/], [t.plain, ['camera'], /No camera/]]) {
     const text = (await startWithCamera(browser, url, { permissions })).getByText(words).first();
     await text.waitFor();
-    said.push(await text.textContent());
+    texts.push(await text.textContent());
   }
-  return said.join(' ');
+  return texts.join(' ');
 }
 
-/** Chosen, kept in the frame, played with; taken away in the play; taken up again. */
+/** The camera is chosen, the hand kept in the frame, and played with; the camera is removed in play, and used again. */
 export async function cameraPlays(t) {
   const { url } = await t.watcher();
   const browser = await browserWithCamera(t);
@@ -80,7 +80,7 @@ export async function cameraPlays(t) {
   await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])');
   await page.waitForSelector('[data-testid=camera] video');
   await t.picture(page, 'camera-play');
-  // Taken away, as by a cable.
+  // Removal, as by a cable.
   await page.evaluate(() => { for (const track of document.querySelector('.camera video').srcObject.getTracks()) { track.stop(); track.dispatchEvent(new Event('ended')); } });
   await page.waitForSelector('text=/The camera has stopped/');
   await t.picture(page, 'camera-gone');

@@ -1,9 +1,9 @@
-// Pages of charts that the program writes, opened as the files that they are: from the disk, without the program.
+// Pages of charts written by the program, opened as files from the disk, without the program.
 import { join } from 'node:path';
 import { expect, expectAccessible, openFile, sheetsOf, until } from './browser.mjs';
 import { letProgram } from './program.mjs';
 
-/** How bright the numbers beside the first chart are, 0 to 255. */
+/** Brightness of the numbers beside the first chart, 0 to 255. */
 const inkOf = (page) => page.evaluate(() => {
   const canvas = document.querySelector('.chart canvas');
   const { data } = canvas.getContext('2d').getImageData(0, 0, 60, canvas.height);
@@ -12,7 +12,7 @@ const inkOf = (page) => page.evaluate(() => {
   return sum / count;
 });
 
-/** The certificate's charts: all drawn, in three languages, dark on a screen and light on paper. */
+/** The certificate's charts are all drawn, in three languages, dark on a screen and light on paper. */
 export async function chartsAreOneFile(t) {
   const path = join(t.folder, 'charts.html');
   await letProgram({ ...t, args: ['certify', '--exercise', 'cocktail-bar', '--charts', path] });

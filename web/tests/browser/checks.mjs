@@ -1,4 +1,4 @@
-// What a person could do at the pages, one function each.
+// A person's basic actions at the pages, one function each.
 import { expect, expectAccessible, expectNothingScrollsSideways, openPage, pageUrl, until } from './browser.mjs';
 import { playOneDrink } from './key_player.mjs';
 import { startProgram } from './program.mjs';
@@ -7,27 +7,27 @@ import { openWatcher } from './watcher.mjs';
 const axis = (now, name) => now.q[now.axes.indexOf(name)];
 const innerText = async (page) => (await page.locator('body').innerText()).replace(/\s+/g, ' ').slice(0, 1500);
 
-/** A browser that gets no processor for 200 ms has lost the controls: on a machine that others use, a person presses "Go on". */
+/** A browser that gets no processor for 200 ms loses the controls: on a shared machine, the person presses "Go on". */
 export const GOES_ON = () => {
-  window.wentOn = 0;  // how often; not any more once window.letGo is set
+  window.wentOn = 0;  // number of presses; none once window.letGo is set
   setInterval(() => {
     const button = document.querySelector('[data-testid=take-again]');
     if (button && !window.letGo) { window.wentOn += 1; button.click(); }
   }, 500);
 };
 
-/** The game, past its first card, with a person about to play. */
+/** Opens the game and passes its first card. */
 export async function openGame(browser, programUrl, query = {}, options = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }), options);
   await page.waitForSelector('[data-testid=start]:enabled');
   await page[options.hasTouch ? 'tap' : 'click']('[data-testid=start]');
-  // Arming rehearses: until it is done, nothing that the person does moves anything.
+  // Arming includes a rehearsal: until it is done, no input moves anything.
   await page.waitForSelector('body:not([data-state=welcome]):not([data-state=loading])')
     .catch(async (error) => { throw new Error(`${error.message}; the page says: ${await innerText(page)}`); });
   return page;
 }
 
-/** Within 300 ticks it moved by less than half a millimetre along x and y. */
+/** Waits until the hand moved by less than half a millimetre along x and y within 300 ticks. */
 async function handAtRest(watcher, words) {
   let before = { tick: -Infinity, place: [NaN, NaN] };
   return watcher.until(words, (now) => {
@@ -42,7 +42,7 @@ async function handAtRest(watcher, words) {
 /** Nearer to the person than this the cursor chooses the lane (guide.ts): a fifth of the way to the row [m along x]. */
 const DRAWN_BACK_M = -0.06;
 
-/** What the cursor is on in the picture is what the palm goes in front of: the one game here that needs its picture. */
+/** The palm moves in front of the bottle under the cursor: the only game here that needs its picture. */
 export async function mouseMovesTheHand(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.drawing, watcher.url, {}, { width: 960, height: 600, init: GOES_ON });
@@ -50,26 +50,26 @@ export async function mouseMovesTheHand(t) {
   const box = await game.locator('#play').boundingBox();
   const to = (part) => game.mouse.move(box.x + box.width * part, box.y + box.height / 2, { steps: 12 });
   expect(box && box.width > width / 2 && box.height > height / 2, 'the picture does not fill the page');
-  // Left in the picture is left of the person, y positive. Both are left of the bottle, in front of which help puts the hand.
+  // Left in the picture is left of the person, y positive. Both positions are left of the bottle, where help moves the hand.
   const right_part = 0.5, left_part = 0.3;
   await to(right_part);
   await watcher.steered();
-  // The wheel counts from where the hand is. Taken over, the hand may stand at a bottle, which it leaves towards the
-  // person only; and a page that lost the controls begins anew: the player moves and turns again.
+  // The wheel is relative to the hand. A hand that was taken over may be at a bottle, which it leaves only towards the
+  // person; and a page that lost the controls starts again: the player moves and turns the wheel again.
   const turnUntil = (what, part, by_px, reached) => {
     let due_tick = 0;
     return watcher.until(what, async (now) => {
       if (reached(now)) return true;
       if (now.tick >= due_tick) {
         due_tick = now.tick + 5000;
-        await to(part + 0.01);  // a cursor that stands still is nobody's
+        await to(part + 0.01);  // a cursor that does not move gives no input
         await to(part);
         for (let k = 0; by_px !== 0 && k < 2; k += 1) await game.mouse.wheel(0, by_px);
       }
       return false;
     });
   };
-  // The virtual patient may have finished the level before the page was there: the therapist begins it anew.
+  // The virtual patient may have finished the level before the page was open: the therapist restarts it.
   await watcher.page.click('[data-testid=restart]');
   await watcher.until('the level begun anew', (now) => now.values.score === 0);
   await turnUntil('the hand drawn back from the row', right_part, 100, (now) => axis(now, 'x') < DRAWN_BACK_M);
@@ -91,17 +91,17 @@ export async function keysFillAGlass(t) {
   return `a glass of ${(1000 * drink).toFixed(1)} ml (asked ${(1000 * asked).toFixed(0)} ± ${(1000 * tolerance).toFixed(0)}) in ${took_s.toFixed(1)} s, score ${score.toFixed(0)}`;
 }
 
-/** With help "none" nothing brings the hand to the bottle: the player goes in beside it. */
+/** With help "none" nothing moves the hand to the bottle: the player enters beside it. */
 export async function keysFillAGlassAlone(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.drawing, watcher.url, { help: 'none', level: '1' }, { smooth: true, init: GOES_ON });
   return `score ${(await playOneDrink(game, watcher, { help: 'none' })).values.score.toFixed(0)}`;
 }
 
-/** Of the program's own time, from the key to neutral: an end of waiting, and what a person would not wait. */
+/** Time limit in the program's time from the key to neutral, after which a person would not wait. */
 const STOPPED_WITHIN_TICKS = 5000;
 
-/** From the console, which does not hold the controls: any client may stop. */
+/** An emergency stop from the console, which does not hold the controls: any client may stop. */
 export async function emergencyStopEndsAllEffort(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.plain, watcher.url);
@@ -116,7 +116,7 @@ export async function emergencyStopEndsAllEffort(t) {
   return `neutral at most ${took} ticks after the key`;
 }
 
-/** Killed while a person plays: both pages say so, take a stop, keep one card through their attempts, and come back by themselves. */
+/** The program is killed in play: both pages report it, accept a stop, keep one card during their attempts, and reconnect automatically. */
 export async function reconnects(t) {
   const program = await t.program();
   const watcher = await openWatcher(t.plain, program.url);
@@ -141,7 +141,7 @@ export async function reconnects(t) {
   return 'one card through the attempts, which its dots show; both pages live again';
 }
 
-/** On a small laptop nothing that a therapist needs is below the edge, and no notice moves it. */
+/** On a small laptop all controls of a therapist are visible, and no notice moves them. */
 async function expectAllOfTheTherapistsViewAtOnce(page) {
   await page.setViewportSize({ width: 1280, height: 720 });
   const below = await page.locator('button, select, output, input, .view, .cause, [data-testid=tally]').evaluateAll((all) => all
@@ -156,11 +156,11 @@ async function expectAllOfTheTherapistsViewAtOnce(page) {
   expect(/Only A to Z/.test(await page.locator('.profile label').innerText()), 'a name that is refused says why');
 }
 
-/** The smallest screen that the pages are made for [CSS px], and the same one in a browser that zooms twice: its pixels count double. */
+/** The smallest supported screen [CSS px], and the same one in a browser at 200 %: its pixels count double. */
 const SCREEN = { width: 1280, height: 720 };
 const ZOOMED_TWICE = { width: SCREEN.width / 2, height: SCREEN.height / 2 };
 
-/** Every text that is seen, and its size [px]: a page that is built anew for its size says the same again. */
+/** Every visible text with its size [px]; a page that is rebuilt for its size shows the same texts again. */
 const SIZES_OF_TEXT = () => {
   const count = {};
   const saysText = ({ nodeType, data }) => nodeType === Node.TEXT_NODE && data.trim() !== '';
@@ -172,11 +172,11 @@ const SIZES_OF_TEXT = () => {
   }));
 };
 
-/** Text of a page that is zoomed twice is twice as large (WCAG 2.2, SC 1.4.4), and reaches over no edge. @return how many texts */
+/** Text of a page at 200 % is twice as large (WCAG 2.2, SC 1.4.4), and does not overflow. @return number of texts */
 async function expectTextGrowsWithZoom(page, name) {
   const sizesAt = async (screen) => {
     await page.setViewportSize(screen);
-    // Two frames: the page has heard of its size.
+    // After two frames the page knows its size.
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
     return page.evaluate(SIZES_OF_TEXT);
   };
@@ -191,7 +191,7 @@ async function expectTextGrowsWithZoom(page, name) {
   return both.length;
 }
 
-/** Views of the pages, none with a serious or critical fault. */
+/** Views of the pages have no serious or critical accessibility fault. */
 export async function pagesAreAccessible(t) {
   const { url } = await t.watcher();
   const views = [
@@ -221,11 +221,11 @@ export async function pagesAreAccessible(t) {
 /** One finger drags the hand, the large button squeezes. */
 export async function touchMovesAndSqueezes(t) {
   const watcher = await t.watcher();
-  // With full help there are no buttons: a tap does it all.
+  // With full help there are no buttons: a tap does everything.
   const page = await openGame(t.plain, watcher.url, { help: 'some' }, { hasTouch: true });
   const touch = await page.context().newCDPSession(page);
   const send = (type, ...points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points });
-  // One place per frame of the page: a finger that jumps is no finger.
+  // One move per frame of the page, like a real finger.
   const drag = async (steps, place) => {
     for (let k = 1; k <= steps; k += 1) {
       await send('touchMove', place(k));
@@ -235,7 +235,7 @@ export async function touchMovesAndSqueezes(t) {
   try {
     await send('touchStart', { x: 640, y: 340 });
     await watcher.steered();
-    // The virtual patient may have been at a dispenser: draw back first, as a person has to.
+    // The virtual patient may have been at a dispenser: the hand is drawn back first, as a person must do.
     await drag(20, (k) => ({ x: 640, y: 340 + 22 * k }));
     await watcher.until('the hand drawn back', (now) => axis(now, 'x') < DRAWN_BACK_M);
     const before = axis(await watcher.now(), 'y');

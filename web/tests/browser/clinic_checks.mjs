@@ -1,4 +1,4 @@
-// A therapist's way through /clinic, against the real program and the records' real process.
+// A therapist's use of /clinic with the real program and the real records process.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync } from 'node:fs';
 import { join } from 'node:path';
@@ -7,7 +7,7 @@ import { startProgram } from './program.mjs';
 import { RENDERING, STOPPED } from './watcher.mjs';
 
 const PHRASE = 'a phrase for the test', PIN = '2468', CANARY = 'Canaria Zwitschermann';
-/** A new patient until the first force, a returning one: presses and fields (the issue's figures). */
+/** Largest numbers of presses and fields until the first force, for a new and for a returning patient (from the issue). */
 const MOST_ACTIONS = 12, MOST_PRESSES = 5;
 const LANGUAGES = ['fr', 'de', 'en'];
 
@@ -31,12 +31,12 @@ class Hands {
   }
 }
 
-/** In a folder of its own: what other tests recorded would be this clinic's sessions without a patient. */
+/** Starts in a folder of its own: recordings of other tests would appear as sessions without a patient. */
 const start = async (t) => {
   const folder = mkdtempSync(join(t.folder, 'clinic-'));
   return startProgram({ file: t.file, folder, args: ['--wait', '--clinic', join(folder, 'records'), '--no-rehearsal'] });
 };
-// What the records refuse is an answer of theirs, and a process that was ended answers nothing: each test says what may fail.
+// Refusals of the records are valid answers, and an ended process answers nothing: each test states which may occur.
 const open = (t, url, query = {}) => openPage(t.plain, pageUrl(url, '/clinic', { lang: 'en', theme: 'light', ...query }), { cutOff: true });
 const runState = (page) => page.evaluate(() => window.wholehandNow?.state?.runState);
 const shows = (page, screen) => page.waitForSelector(`body[data-screen=${screen}]`);
@@ -47,14 +47,14 @@ async function stopIsInItsCorner(page, words) {
   expect(box && box.x + box.width > width - 24 && box.y < 24 && box.width > 44, `${words}: emergency stop at ${JSON.stringify(box)}`);
 }
 
-/** Three languages, light and dark, 200 % and a window of 320 px. What was typed is still there at the end. */
+/** Three languages, light and dark, 200 % and a window of 320 px. Typed text is still there at the end. */
 async function lookAt(t, page, words, everywhere = true) {
   for (const theme of ['light', 'dark']) {
     for (const language of everywhere ? LANGUAGES : ['en']) {
       await page.selectOption(id('language'), language);
       await page.waitForSelector(`html[lang=${language}]`);
       await expectAccessible(page, `${words}, ${language}, ${theme}:`, { all: true });
-      // Words are longest in French, colours were looked at.
+      // The texts are longest in French; colours were tested already.
       if (theme === 'light' && language !== 'de') await expectZoomable(page, `${words}, ${language}`);
     }
     await page.click(id('theme'));
@@ -81,7 +81,7 @@ async function begin(t, page, look) {
   return code;
 }
 
-/** A patient with both sliders moved, saved. */
+/** Enters a patient with both sliders moved, and saves. */
 async function addPatient(page, hands, name, side = 'right') {
   await page.waitForSelector(id('patient-name'));
   await hands.fill('patient-name', name);
@@ -102,7 +102,7 @@ async function beginVisit(page, hands, side = 'right') {
   await until('rendering', async () => (await runState(page)) === RENDERING);
 }
 
-/** A clinic that has begun, with one patient. */
+/** Sets up a clinic with one patient. */
 async function withPatient(t) {
   const program = await start(t);
   const page = await open(t, program.url);
@@ -119,10 +119,10 @@ async function enterPin(page, pin = PIN) {
   await page.click(id('pin-ok'));
 }
 
-/** The records' process of a program. */
+/** The records process of a program. */
 const recordsOf = (program) => execFileSync('pgrep', ['-P', String(program.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number)
   .find((pid) => execFileSync('ps', ['-o', 'args=', '-p', String(pid)], { encoding: 'utf8' }).includes('clinic'));
-/** Refusals while nobody was signed in, and questions that nobody answered, are what was looked for. */
+/** Removes expected faults: refusals while nobody was signed in, and unanswered requests. */
 const forgive = (page) => { page.faults = page.faults.filter((fault) => !/^(401|403|409|423) http|net::ERR_|Failed to load resource/.test(fault)); };
 
 async function endVisit(page) {
@@ -132,12 +132,12 @@ async function endVisit(page) {
 }
 
 /** From the first start to the end of a visit, and the next visit of the same person. */
-export async function therapistKeepsAPatient(t) {
+export async function therapistTreatsAPatient(t) {
   const program = await start(t);
   const page = await open(t, program.url);
   await begin(t, page, true);
   await lookAt(t, page, 'no patients');
-  // The way of a new patient is counted from the tile.
+  // The presses for a new patient are counted from the account tile.
   await page.click(id('to-settings'));
   await shows(page, 'settings');
   await lookAt(t, page, 'settings');
@@ -161,7 +161,7 @@ export async function therapistKeepsAPatient(t) {
   expect((await runState(page)) !== RENDERING, 'the next item was started without a press');
   await page.click(`${id('arm')}:enabled`);
   await until('rendering', async () => (await runState(page)) === RENDERING);
-  // What has no tick of a person is no trial.
+  // A session without a tick of a person is not a trial.
   await until('half a second of it', () => page.evaluate(() => window.wholehandNow.state.timeS > 0.5));
   await endVisit(page);
   await page.click(id('pain-after-0'));
@@ -199,11 +199,11 @@ export async function therapistKeepsAPatient(t) {
   return `${actions} actions for a new patient, ${again.count} presses for a returning one`;
 }
 
-/** Hidden names are not in the page; what was typed comes back to the same account, over a reload and a killed tab; the visit stays usable. */
+/** Hidden names are not in the page; typed text is restored for the same account after a reload and a killed tab; the visit stays usable. */
 export async function namesDisappear(t) {
   const { program, page, hands } = await withPatient(t);
   const patient = Number(/patient\/(\d+)/.exec(page.url())[1]);
-  // A second therapist, at the same browser.
+  // A second therapist at the same browser.
   await page.click(id('to-settings'));
   await page.fill(id('account-name'), 'B. Rossi');
   await page.fill(id('account-pin'), '97531');
@@ -213,7 +213,7 @@ export async function namesDisappear(t) {
   await page.fill(id('note'), 'Shoulder first, says Canaria');
   await page.waitForSelector('[data-testid=note-state]:has-text("saved")');
   await beginVisit(page, hands);
-  // Nobody touches it for five minutes: the page's clock is turned.
+  // Five minutes without input: the page's clock is moved.
   await page.evaluate(() => { const now = performance.now.bind(performance); performance.now = () => now() + 301_000; });
   await page.waitForSelector(id('show-names'));
   const left = await page.evaluate(() => `${document.documentElement.outerHTML} ${document.title} ${location.href} ${JSON.stringify({ ...localStorage, ...sessionStorage })}`);
@@ -237,12 +237,12 @@ export async function namesDisappear(t) {
   await lookAt(t, page, 'PIN');
   await enterPin(page);
   await page.waitForSelector(`header :text("${CANARY}")`);
-  // What is half typed outlives a reload, before it was saved.
+  // Text that is not saved yet survives a reload.
   await page.fill(id('note'), 'Half a sent');
   await page.reload();
   await page.waitForSelector(id('note'));
   expect((await page.inputValue(id('note'))) === 'Half a sent' || (await page.locator(':text("Half a sent")').count()) > 0, 'a reload lost what was typed');
-  // The records are gone, then the tab is killed. What was typed waits, sealed, for the same person.
+  // The records are absent, then the tab is killed. Typed text waits, encrypted, for the same person.
   const records = recordsOf(program);
   process.kill(records, 'SIGSTOP');
   await page.fill(id('note'), 'Half a sentence of Canaria');
@@ -266,7 +266,7 @@ export async function namesDisappear(t) {
   expect((await again.inputValue(id('note'))) === '' && (await again.locator(':text("Half a sentence")').count()) === 0, 'another therapist is shown what was typed');
   await again.click(id('to-settings'));
   await again.click(id('sign-out'));
-  // The open visit stays; who works is asked behind it.
+  // The open visit stays; the choice of the account is behind it.
   await again.click(id('show-names'));
   await again.waitForSelector('.tile');
   await enter('A. Keller', PIN);
@@ -274,7 +274,7 @@ export async function namesDisappear(t) {
   return 'no name in the page, and nothing typed was lost';
 }
 
-/** The records' process is killed in a session: it goes on, stop and marks work, and nothing is lost. */
+/** The records process is killed in a session: the session continues, stop and marks work, and nothing is lost. */
 export async function recordsAreKilled(t) {
   const { program, page, hands } = await withPatient(t);
   await beginVisit(page, hands);
@@ -286,7 +286,7 @@ export async function recordsAreKilled(t) {
   await expectAccessible(page, 'records killed:');
   await page.click(id('emergency-stop'));
   await until('stopped', async () => (await runState(page)) === STOPPED);
-  // Started again by the program, they need the pass phrase.
+  // After the program restarts the process, it needs the pass phrase.
   await page.waitForSelector(id('show-names'));
   await page.click(id('show-names'));
   await page.waitForSelector(id('unlock'));
@@ -301,10 +301,10 @@ export async function recordsAreKilled(t) {
   return 'the session went on, and the mark is in the records';
 }
 
-/** Without records a session starts under the gentle preset only, from the page, and is given to a patient later. */
+/** Without records a session starts only under the gentle preset, from the page, and is assigned to a patient later. */
 export async function sessionWithoutRecords(t) {
   const { program, page } = await withPatient(t);
-  // Somebody leaves a limit raised, at the console.
+  // Somebody leaves a raised limit at the console.
   const gentle = await page.evaluate(() => JSON.parse(localStorage['wholehand.gentle']));
   const limit = () => page.evaluate(() => { const { scene, state } = window.wholehandNow; return state.parameters[scene.parameters.findIndex(({ name }) => String(name) === 'effort_limit_hand_tip_n')]; });
   expect(gentle.effort_limit_hand_tip_n === 3, `the gentle preset is ${JSON.stringify(gentle)}`);
@@ -325,7 +325,7 @@ export async function sessionWithoutRecords(t) {
   await page.click(id('side-right'));
   await page.click(`${id('arm')}:enabled`);
   await until('rendering', async () => (await runState(page)) === RENDERING);
-  // A page that is opened now finds it, with Stop and Pause.
+  // A page that is opened now shows the session, with Stop and Pause.
   const other = await open(t, program.url);
   await other.waitForSelector(`${id('alone')}`);
   await other.waitForSelector(`${id('pause')}:enabled`);
@@ -351,7 +351,7 @@ export async function sessionWithoutRecords(t) {
   return 'started at 3 N at the fingertips, given to the patient afterwards';
 }
 
-/** Two consoles on one patient: each is told what the other one did. */
+/** Two consoles with one patient: each shows the other one's changes. */
 export async function twoConsoles(t) {
   const { program, page, hands } = await withPatient(t);
   const other = await open(t, program.url);

@@ -1,4 +1,4 @@
-// A device is commissioned through its page: one rail behind tests/devices/handled_driver.c; the check is the person.
+// A device is commissioned through its page: one rail behind tests/devices/handled_driver.c; the test acts as the person.
 import { closeSync, openSync, readFileSync, readSync, writeFileSync, writeSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -6,7 +6,7 @@ import { expect, expectAccessible, expectNoFaults, openPage, pageUrl, until } fr
 import { startProgram } from './program.mjs';
 
 const ROOT = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..');
-const [HAND, ENABLED, EFFORT, LARGEST] = [0, 4, 5, 7];  // of the driver's shared file
+const [HAND, ENABLED, EFFORT, LARGEST] = [0, 4, 5, 7];  // fields of the driver's shared file
 const ONE_FIFTH_N = 0.2 * 8.0;
 
 /** The rail's memory, shared with its driver. */
@@ -28,7 +28,7 @@ class Rail {
     writeSync(this.file, bytes, 0, 8, 8 * at);
   }
 
-  /** By hand, in small steps: a jump would pass for an encoder that wraps round. */
+  /** Moves by hand in small steps: a jump would look like a wrapping encoder. */
   async carry(to_m) {
     for (let at_m = this.get(HAND); Math.abs(at_m - to_m) > 1e-9;) {
       at_m += Math.max(-0.004, Math.min(0.004, to_m - at_m));
@@ -41,7 +41,7 @@ class Rail {
   close() { closeSync(this.file); }
 }
 
-/** The desktop device's file with its axis x only. */
+/** The desktop device's file with only its axis x. */
 function railFile(folder) {
   const [head, ...axes] = readFileSync(join(ROOT, 'config', 'devices', 'desktop-3axis.toml'), 'utf8').split('[[axes]]');
   const path = join(folder, 'rail.toml');
@@ -52,14 +52,14 @@ function railFile(folder) {
 const startCommission = ({ file, folder }) => startProgram({ file, folder, command: ['device', 'commission', '--web'], args: ['--operator', 'A. Name',
   '--device', railFile(folder), '--driver', join(process.env.WHOLEHAND_DRIVERS ?? join(dirname(file), 'drivers'), 'handled.so'), '--driver-settings', join(folder, 'rail')] });
 
-/** Of what is tried again. */
+/** Number of attempts. */
 const SOON = { timeout: 2000 };
 const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`);
 const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`);
 
 /**
- * Holds until something is so. A machine that others use may be so late that a press ends, and with it the step, or
- * that the page loses the lead: then it is pressed anew, as a person would.
+ * Holds the button until a condition is true. A shared machine may be so late that a press ends, and with it the step, or
+ * that the page loses the lead: then it is pressed again, as a person would do.
  */
 async function holdUntil(what, page, [down, up], isSo) {
   await until(what, async () => {
@@ -69,14 +69,14 @@ async function holdUntil(what, page, [down, up], isSo) {
     if (now.task === 'next') await press(page, 'answer-done');
     if (now.task === 'hold' && !now.held) {
       await up();
-      // The button may go away meanwhile, with the step that ended: what is there now is looked at again.
+      // The button may disappear meanwhile, with the step that ended: the page is checked again.
       await down().catch((error) => { if (error.name !== 'TimeoutError') throw error; });
     }
     return false;
   });
 }
 
-/** Holds until there is another task than to hold. */
+/** Holds until the task is another one than holding. */
 async function hold(page, press, wanted) {
   await holdUntil(`the task ${wanted}`, page, press, (now) => now === wanted);
   await press[1]();
@@ -85,7 +85,7 @@ async function hold(page, press, wanted) {
 const byMouse = (page) => [async () => { await page.hover('[data-testid=hold]', SOON); await page.mouse.down(); }, () => page.mouse.up()];
 const bySpace = (page) => [async () => { await page.focus('[data-testid=hold]', SOON); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space')];
 
-/** As far as the first long move: another console only watches, and a pointer or a key has to be held. */
+/** Up to the first long move: another console only watches, and a pointer or a key must be held. */
 async function leadToGravity(t, page, other, rail) {
   await task(page, 'lead');
   await press(page, 'lead');
@@ -94,7 +94,7 @@ async function leadToGravity(t, page, other, rail) {
   await press(page, 'answer-yes');
   await until('the question whether nobody is attached', async () => {
     if (await page.isVisible('text=/nobody attached/i')) return true;
-    // As in hold(): the page may have lost the lead meanwhile, and is asked from the beginning.
+    // The page may have lost the lead meanwhile (see hold()), so the sequence starts again.
     if (await page.evaluate(() => document.body.dataset.task) === 'lead') {
       await press(page, 'lead');
       await task(page, 'yes-no');
@@ -122,7 +122,7 @@ async function leadToGravity(t, page, other, rail) {
   await task(page, 'hold');
 }
 
-/** Commissions up to gravity; the page is lost in mid-move; the step is repeated by the one that took over. */
+/** Commissions up to gravity; the page is lost during a move; another page takes over and repeats the step. */
 export async function commissionedThroughThePage(t) {
   const rail = new Rail(join(t.folder, 'rail'));
   const { url, ended } = await startCommission(t);

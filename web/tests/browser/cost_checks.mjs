@@ -1,21 +1,21 @@
-// What drawing costs, in low quality. With WHOLEHAND_FULL only: the drawing alone takes all that two processors have.
+// The cost of drawing in low quality. Only with WHOLEHAND_FULL: drawing alone needs two processors.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectNoFaults, openPage, pageUrl } from './browser.mjs';
 import { startProgram } from './program.mjs';
 
 const SCRIPT_MS = 8;
-// Two processors with nothing else to do draw 15 frames a second where a frame takes 100 ms of them for drawing, 20 for
-// the page and 13 for the program. Beside other work the same frame takes up to 1.4 times as much of a processor.
+// Two idle processors draw 15 frames a second if a frame takes 100 ms of them for drawing, 20 for the page
+// and 13 for the program. Beside other work the same frame takes up to 1.4 times as much processor time.
 const DRAWING_MS = 140;
 // A game that draws 28 frames a second alone draws 12 of them beside a console with its picture.
 const BESIDE_RATIO = 0.47;
-/** A machine that others use draws fewer than this a second, while the program sends as much as ever. */
+/** A shared machine draws fewer frames than this, while the program sends at its full rate. */
 const FRAMES_HZ = 15;
 const SECONDS = 12;
 const wait_s = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
 
-/** Processor time that scripts of the page's main thread have used: others on the machine do not change it. */
+/** Processor time of scripts in the page's main thread: other processes do not change it. */
 async function scriptCpu_s(page) {
   page.metrics ??= await page.context().newCDPSession(page);
   await page.metrics.send('Performance.enable', { timeDomain: 'threadTicks' });
@@ -23,7 +23,7 @@ async function scriptCpu_s(page) {
   return metrics.find(({ name }) => name === 'ScriptDuration').value;
 }
 
-/** Processor time so far of the browser's process that draws [ms]. */
+/** Processor time so far of the browser's drawing process [ms]. */
 async function drawing_ms(session) {
   const { processInfo } = await session.send('SystemInfo.getProcessInfo');
   return 1000 * processInfo.filter(({ type }) => type === 'GPU').reduce((sum, { cpuTime }) => sum + cpuTime, 0);
@@ -34,14 +34,14 @@ const drawn = async (page) => {
   return () => page.evaluate(() => ({ ...window.wholehandStats }));
 };
 
-/** Frames a second, and what a frame takes of the processors, its script and its drawing: printed and kept as `name`. */
+/** Frames per second, and processor time of scripts and drawing per frame: printed and stored as `name`. */
 async function figuresOf(t, url, name, path) {
   const session = await t.drawing.newBrowserCDPSession();
-  // A page whose machine is taken away for seconds loses its line, and is right to.
+  // A page whose machine stalls for seconds loses its connection correctly.
   const page = await openPage(t.drawing, pageUrl(url, path, { lang: 'en', quality: 'low', theme: 'light' }), { cutOff: true, smooth: true });
   if (path === '/') await page.click('[data-testid=watch]:enabled');
   const stats = await drawn(page);
-  await wait_s(5);  // the hand is made with its first states
+  await wait_s(5);  // the hand is made with the first states
   const [script_s, before_ms, { frames }] = [await scriptCpu_s(page), await drawing_ms(session), await stats()];
   await wait_s(SECONDS);
   const { frames: last, script_ms_p95, state_age_ms_p99 } = await stats();
@@ -65,7 +65,7 @@ export async function costOf(t, name, path) {
   return `gated: ${DRAWING_MS} ms of processor a frame for drawing, ${SCRIPT_MS} for script`;
 }
 
-/** The game's frames beside a console that draws, each in a browser of its own, against its frames alone just before. */
+/** The game's frame rate beside a drawing console, each in its own browser, relative to its frame rate alone just before. */
 export async function besideAConsole(t) {
   const { url } = await startProgram({ file: t.file, folder: t.folder, args: ['--no-rehearsal'] });
   const alone = await figuresOf(t, url, 'game-alone', '/');

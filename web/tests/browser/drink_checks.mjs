@@ -1,4 +1,4 @@
-// The first drink by every way of playing, with full help: what a person does who does only what the screen says.
+// The first drink by every input method, with full help, by a person who does only what the screen says.
 import { build } from 'esbuild';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -8,12 +8,12 @@ import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
 const HANDS = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..', 'config', 'hands');
-/** A first drink with full help [s]; it spills less than is shown as 1 ml. */
+/** Time limit of a first drink with full help [s]; less than 1 ml is spilt. */
 const DRINK_S = 30;
 const NOTHING_L = 0.0005;
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** The page's own modules, for where in the picture a point of the world is. */
+/** The page's own modules, for the picture position of a world point. */
 async function pagesCamera() {
   const sources = join(dirname(fileURLToPath(import.meta.url)), '..', '..', 'src');
   const contents = `export { placeCamera } from './scene/camera'; export { toThree } from './scene/frames';
@@ -23,7 +23,7 @@ async function pagesCamera() {
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].text).toString('base64')}`);
 }
 
-/** Where in a picture of this size a bottle is drawn, the one that is asked for where none is named [px]. The picture was placed by `first`. */
+/** Position of a bottle in a picture of this size, by default of the current one [px]. `first` placed the camera. */
 async function bottleIn({ width, height }, first) {
   const { placeCamera, toThree, barOf, outlineOf, PerspectiveCamera } = await pagesCamera();
   const point = ([x, y, z]) => ({ x, y, z });
@@ -38,14 +38,14 @@ async function bottleIn({ width, height }, first) {
   };
 }
 
-/** How a person presses on a place of the picture, or a key. */
+/** Presses on a place of the picture, or a key. */
 const PRESSES = {
   click: async (page, { x, y }) => { await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
   twice: async (page, { x, y }) => { await page.mouse.dblclick(x, y, { delay: 60 }); },
   trembling: async (page, { x, y }) => {
     const shake = async (k) => page.mouse.move(x + 14 * Math.sin(7 * k), y + 14 * Math.cos(5 * k));
     for (let k = 0; k < 10; k += 1) await shake(k);
-    // Sent at once: a page that draws in software answers each move after a frame, and the press would be a long one.
+    // Sent at once: a page with software rendering answers each move after a frame, which would make the press long.
     await Promise.all([page.mouse.down(), shake(10), shake(11), page.mouse.up()]);
     for (let k = 12; k < 22; k += 1) await shake(k);
   },
@@ -64,7 +64,7 @@ const WAYS = [
   { name: 'left', press: 'click', side: 'left' },
 ].map((way) => ({ ...DESKTOP, ...way }));
 
-/** One page for each way: every one of them is somebody's first drink. */
+/** A new page for each input method: each is somebody's first drink. */
 export async function drinksByEveryWay(t) {
   const took = [], late = [];
   let program, watcher, side;
@@ -86,10 +86,10 @@ export async function drinksByEveryWay(t) {
   return took.join('; ');
 }
 
-/** Starts, and presses where the screen asks for it, and again where it says so, until the card that praises. @return the exercise's values then */
+/** Starts, and presses whenever the screen asks for it, until the praise card. @return the exercise's values then */
 async function firstDrink(browser, programUrl, watcher, { press, wrong, lang, level, width, height }) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang, quality: 'low', level: String(level) }), { width, height, hasTouch: true, smooth: true, init: GOES_ON });
-  // Without the picture nobody points: it is loaded apart from the words.
+  // Pointing needs the picture, which is loaded separately from the texts.
   await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null);
   await page.waitForSelector('[data-testid=start]:enabled');
   await page.click('[data-testid=start]');
@@ -100,13 +100,13 @@ async function firstDrink(browser, programUrl, watcher, { press, wrong, lang, le
     await PRESSES[press](page, bottle(await watcher.now(), (target_dispenser + 1) % dispensers.length));
     await wait(1500);
   }
-  let pressed_ms = 0, before = '', said = [];
+  let pressed_ms = 0, before = '', instructions = [];
   for (;;) {
     const shown = await page.getAttribute('body', 'data-state');
     if (shown === 'success') break;
     const now = await watcher.now();
-    expect(now.tick - began < 4 * 1000 * DRINK_S, `no drink: ${JSON.stringify(now.values)}; the screen said ${[...new Set(said)].join(' | ')}`);
-    said.push(await page.textContent('[data-testid=instruction]'));
+    expect(now.tick - began < 4 * 1000 * DRINK_S, `no drink: ${JSON.stringify(now.values)}; the screen said ${[...new Set(instructions)].join(' | ')}`);
+    instructions.push(await page.textContent('[data-testid=instruction]'));
     const asksAnew = shown === 'reach' && before !== 'reach';
     before = shown;
     if (asksAnew || ((shown === 'reach' || shown === 'squeeze') && Date.now() - pressed_ms > 8000)) {

@@ -1,4 +1,4 @@
-// What a browser test gets, and what ends with it, passed or not: every page and every program.
+// The environment of a browser test; every page and program of it ends with the test.
 import { join } from 'node:path';
 import { expectNoFaults, HANGS_MS, openBrowser } from './browser.mjs';
 import { endPrograms, startProgram } from './program.mjs';
@@ -6,13 +6,13 @@ import { startSleeper } from './sleeper.mjs';
 import { openWatcher, RENDERING } from './watcher.mjs';
 
 export const FULL = process.env.WHOLEHAND_FULL === '1';
-/** A test of real time is not judged where it fails and a thread that only sleeps was kept waiting for longer. */
+/** A failed real-time test is not judged if a thread that only sleeps was delayed for longer than this. */
 const DISTURBED_MS = 20;
-/** After so much silence a game is let go of (docs/safety.md). */
+/** A game without a heartbeat for this long loses the controls (docs/safety.md). */
 const LETS_GO_MS = 200;
-/** A page that waits for ever was let go of, perhaps: half of that silence explains it. A shorter pause does not: such a hang is judged. */
+/** A page that waits forever may have lost the controls: half of that silence explains it. After a shorter delay such a hang is judged. */
 const EXPLAINS_A_HANG_MS = LETS_GO_MS / 2;
-/** Nor is any other on a machine that stood still for so long: every end of waiting may have passed meanwhile. */
+/** A test on a machine that stalled for this long is not judged either: every timeout may have expired meanwhile. */
 const STOOD_STILL_MS = HANGS_MS / 3;
 
 export class Harness {
@@ -20,28 +20,28 @@ export class Harness {
   #sleeper = startSleeper();
   #more = [];
 
-  /** @param file the program; `folder`: where it runs; `output`: where pictures and figures go */
+  /** @param file the program @param folder its working folder @param output folder for pictures and figures */
   constructor({ file, folder, output }) {
     Object.assign(this, { file, folder, output });
   }
 
-  /** Two browsers for all tests: one draws no 3D. A test that fails leaves neither of them, nor the program, to the next. */
+  /** Two browsers for all tests: one without 3D. After a failed test both and the program are replaced. */
   async #open() {
     [this.plain, this.drawing] = await Promise.all([openBrowser({ with3d: false }), openBrowser()]);
   }
 
-  /** One more browser. */
+  /** Starts an additional browser. */
   async browser(options) {
     this.#more.push(await openBrowser(options));
     return this.#more.at(-1);
   }
 
-  /** A program of its own, which waits to be started. */
+  /** A program of its own, which is not started yet. */
   program(...args) {
     return startProgram({ file: this.file, folder: this.folder, args: ['--wait', ...args] });
   }
 
-  /** A console beside the program that tests share: it renders, and nobody holds the controls. */
+  /** A console for the shared program: it renders, and nobody holds the controls. */
   async watcher() {
     this.#shared ??= await this.program();
     const watcher = await openWatcher(this.plain, this.#shared.url);
@@ -52,7 +52,7 @@ export class Harness {
     return watcher;
   }
 
-  /** Keeps what a page looks like, for a look later: with WHOLEHAND_FULL only. */
+  /** Takes a screenshot for later inspection, only with WHOLEHAND_FULL. */
   async picture(page, name) {
     if (FULL) await page.screenshot({ path: join(this.output, `${name}.png`) });
   }

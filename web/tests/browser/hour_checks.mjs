@@ -1,5 +1,5 @@
-// An hour of play with pages open: a game and a console with 3D, a level change a minute. What the program, the pages
-// and the graphics card hold stays flat. WHOLEHAND_HOUR_MIN: other minutes than 60.
+// An hour of play with a game and a console with 3D, and a level change every minute. The memory of the program, the pages
+// and the graphics card must not grow. WHOLEHAND_HOUR_MIN: another number of minutes than 60.
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, openPage, pageUrl } from './browser.mjs';
@@ -7,7 +7,7 @@ import { openWatcher, RENDERING } from './watcher.mjs';
 
 const MINUTES = Number(process.env.WHOLEHAND_HOUR_MIN ?? 60);
 const LEVELS = 4;
-// Growth beyond which it is no noise.
+// Growth beyond these amounts is not noise.
 const MAY_GROW = { rss_mb: 16, threads: 0, descriptors: 2, heap_mb: 3, nodes: 200, listeners: 20, geometries: 0, textures: 1 };
 const LAST_MIN = 10;
 const TICK_RATIO = 1.2;
@@ -18,11 +18,11 @@ function heldByProgram(pid) {
   return { rss_mb: status(pid, 'VmRSS') / 1024, threads: status(pid, 'Threads'), descriptors: readdirSync(`/proc/${pid}/fd`).length };
 }
 
-/** After the garbage has been collected. */
+/** Memory after garbage collection. */
 async function heldByPage(page) {
   const devtools = await page.context().newCDPSession(page);
   await devtools.send('Performance.enable');
-  for (let k = 0; k < 3; k += 1) await devtools.send('HeapProfiler.collectGarbage');  // what one round frees holds more
+  for (let k = 0; k < 3; k += 1) await devtools.send('HeapProfiler.collectGarbage');  // objects freed in one round may hold others
   const { metrics } = await devtools.send('Performance.getMetrics');
   await devtools.detach();
   const of = Object.fromEntries(metrics.map(({ name, value }) => [name, value]));
@@ -33,8 +33,8 @@ async function heldByPage(page) {
 const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];
 
 /**
- * What has grown by more than noise, in words. What a page holds depends on the level and on what is drawn just
- * then, so the least of each level in the first third is held against its least in the last third.
+ * The growth beyond noise, in words. A page's memory depends on the level and on the current drawing,
+ * so the minimum of each level in the first third is compared with its minimum in the last third.
  */
 export function growthOf(who, samples) {
   const third = Math.floor(samples.length / 3);
@@ -56,10 +56,10 @@ async function loadLevel(therapist, level) {
   }
 }
 
-/** p99.9 of the tick [µs of processor], each from a status line of the program. */
-const ticksIn = (said) => [...said.join('').matchAll(/tick \d+\/\d+\/(\d+) µs/g)].map(([, p999]) => Number(p999));
+/** p99.9 of the tick [µs of processor time], one from each status line of the program. */
+const ticksIn = (output) => [...output.join('').matchAll(/tick \d+\/\d+\/(\d+) µs/g)].map(([, p999]) => Number(p999));
 
-export async function hourOfPlayIsFlat(t) {
+export async function hourOfPlayLeaksNothing(t) {
   const program = await t.program('--no-rehearsal');
   const therapist = await openWatcher(t.plain, program.url);
   await therapist.arm();
@@ -73,7 +73,7 @@ export async function hourOfPlayIsFlat(t) {
     const level = 1 + minute % LEVELS;
     await loadLevel(therapist, level);
     await new Promise((resolve) => setTimeout(resolve, Math.max(until_ms - Date.now(), 0)));
-    const sample = { minute, level, program: heldByProgram(program.pid), tick_us: median(ticksIn(program.said.splice(0))) };
+    const sample = { minute, level, program: heldByProgram(program.pid), tick_us: median(ticksIn(program.output.splice(0))) };
     for (const [name, page] of Object.entries(pages)) sample[name] = await heldByPage(page);
     samples.push(sample);
     writeFileSync(join(t.output, 'hour.json'), `${JSON.stringify(samples, null, 1)}\n`);

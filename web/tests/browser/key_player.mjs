@@ -1,17 +1,17 @@
-// A person who plays with keys alone: looks ten times a second, and presses what the help says.
+// A person who plays only with keys: looks ten times a second, and presses what the help says.
 
 const STAGE = { reach: 0, squeeze: 1, pouring: 2, letGo: 3, drinkDone: 4, levelDone: 5, drawBack: 6, breathe: 7 };
-/** In front of the row, and at a dispenser, along x [m]. */
+/** x in front of the row, and at a dispenser [m]. */
 const IN_FRONT_M = -0.055;
 const AT_M = 0.058;
-/** Palm of a right hand to the axis of what it grips, sideways [m]. */
+/** Lateral offset from a right palm to the axis of the gripped object [m]. */
 const GRIP_SIDE_M = 0.041;
 
-/** Without help nothing brings the hand to its lane: stretched fingers go in this far beside a bottle's axis [m], give or take. */
+/** Without help nothing moves the hand to its lane: stretched fingers enter this far beside a bottle's axis [m], with this tolerance. */
 const LANE_M = 0.014;
 const LANE_WIDE_M = 0.018;
 
-/** Which keys a person would hold now, who with `help` "none" has to go in beside the bottle alone. */
+/** The keys that a person would hold now; with `help` "none" the person must enter beside the bottle without help. */
 export function keysFor(now, help = 'full') {
   const [x, y] = [now.q[now.axes.indexOf('x')], now.q[now.axes.indexOf('y')]];
   const { stage, target_dispenser: target, squeeze_n: squeeze } = now.values;
@@ -33,7 +33,7 @@ export function keysFor(now, help = 'full') {
   return x < AT_M || Math.abs(aside) > 0.012 ? ['ArrowUp'] : ['Space'];
 }
 
-/** Of the program's own time: nobody needs as long for one drink. */
+/** Time limit for one drink, in the program's time. */
 const WITHIN_TICKS = 300_000;
 
 /** Plays until a drink is done; returns the last state. */

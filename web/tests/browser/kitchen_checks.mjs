@@ -1,15 +1,15 @@
-// Tasks of the kitchen, seen on both pages, against a program whose virtual patient plays them.
+// Kitchen tasks on both pages, with a program whose virtual patient plays them.
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
-/** Issue 41: a newcomer with a mouse, of the program's own time [s]. */
+/** Issue 41: time limit for a newcomer with a mouse, in the program's time [s]. */
 const NEWCOMER_S = 60;
-/** Who sees nothing happen presses again [ms]. */
+/** A person who sees no reaction presses again after this time [ms]. */
 const PATIENCE_MS = 8000;
 
-/** The drawer is drawn, opened, held and shut; the page says the words of its file, in another language than English. */
+/** The drawer is pulled, opened, held and shut; the page shows the texts of its file, in another language than English. */
 export async function drawerIsOpenedAndShut(t) {
   const { url } = await startProgram({ ...t, args: ['--exercise', 'drawer'] });
   const game = await openPage(t.drawing, pageUrl(url, '/', { lang: 'fr', quality: 'low', watch: '' }));
@@ -17,22 +17,22 @@ export async function drawerIsOpenedAndShut(t) {
   const console = await openPage(t.plain, pageUrl(url, '/console', { lang: 'de' }));
   await console.waitForSelector('.exercise [data-value=joint_q]');
   const open_cm = async () => parseFloat(await console.locator('[data-value=joint_q] :is(.figure, .num)').first().innerText());
-  const says = (words) => until(`"${words}"`, async () => (await game.locator('[data-testid=instruction]').innerText()) === words);
-  await says('Tirez le tiroir');
+  const instructionIs = (words) => until(`"${words}"`, async () => (await game.locator('[data-testid=instruction]').innerText()) === words);
+  await instructionIs('Tirez le tiroir');
   await until('the meter of the joint', () => game.locator('[data-testid=meter]').isVisible());
   await until('an open drawer', async () => (await open_cm()) > 8);
   const most_cm = await open_cm();
   await t.picture(game, 'kitchen');
-  await says('Refermez-le');
+  await instructionIs('Refermez-le');
   await until('a shut drawer', async () => (await open_cm()) < 1);
-  await says('Le tiroir est fermé. Bravo');
+  await instructionIs('Le tiroir est fermé. Bravo');
   const done = await game.locator('.row .tick:not([hidden])').count();
   expect(done === 3, `${done} of the 3 rows of the card are done`);
   for (const page of [game, console]) await expectAccessible(page);
   return `opened ${most_cm} cm, and shut`;
 }
 
-/** A newcomer with a mouse does the first task by what the screen says: it asks for a press, once. No picture is needed. */
+/** A newcomer with a mouse does the first task by the screen's text: it asks for one press. No picture is needed. */
 export async function newcomerDoesTheFirstTask(t) {
   const { url } = await startProgram({ ...t, args: ['--wait', '--exercise', 'drawer'] });
   const watcher = await openWatcher(t.plain, url, { role: 'watcher' });

@@ -1,10 +1,10 @@
-// A person who sees the pages for the first time: she finds things by the words that she sees, and by nothing else.
+// A person who sees the pages for the first time, and finds things only by visible words.
 import { expect, openPage, pageUrl, until } from './browser.mjs';
 
-/** Who looks for longer asks somebody [s]. */
+/** After this time of searching a person would ask somebody [s]. */
 const PATIENCE_S = 10;
 
-/** Larger text, rest, stop, her own recording, the other hand: each by the visible words of a button, link or choice. */
+/** Larger text, rest, stop, the own recording, the other hand: each by the visible words of a button, link or choice. */
 export async function newcomerFinds(t) {
   const program = await t.program();
   const took = [];
@@ -17,7 +17,7 @@ export async function newcomerFinds(t) {
   };
   const game = await openPage(t.plain, pageUrl(program.url, '/', { lang: 'en', quality: 'low' }));
   const button = (page, name) => page.getByRole('button', { name, exact: true });
-  // A start may be on its way: what is pressed meanwhile ends it.
+  // A start may be under way: a press meanwhile ends it.
   const plays = () => game.getByText('One moment …').waitFor({ state: 'hidden' });
   const words_px = () => game.locator('body *:visible').evaluateAll((all) => all.reduce((sum, words) => sum + parseFloat(getComputedStyle(words).fontSize), 0) / all.length);
   await button(game, 'Start').waitFor();
@@ -43,7 +43,7 @@ export async function newcomerFinds(t) {
   await game.getByRole('heading', { name: 'Recordings' }).waitFor();
   await find('her own recording', async () => {
     const opened = game.waitForEvent('popup');
-    // The newest is the first; its name says whose it is.
+    // The newest recording is the first; its title contains the person.
     await game.getByRole('link', { name: 'Replay' }).first().click();
     await (await opened).getByRole('button', { name: /^Play/ }).waitFor();
   });

@@ -1,8 +1,8 @@
-// Exercises that are not the bar, seen on both pages. Against programs that play squeeze-to-level and game-scene.
+// Exercises other than the bar on both pages, with programs that play squeeze-to-level and game-scene.
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { startProgram } from './program.mjs';
 
-/** Number that a row of a panel shows. */
+/** The number in a row of a panel. */
 const shown = async (page, name) => parseFloat(await page.locator(`[data-value=${name}] :is(.figure, .num)`).first().innerText());
 
 /** The virtual patient squeezes: game and console show it, in three languages; then a person takes over. */
@@ -21,11 +21,11 @@ export async function anyExerciseShowsItsPanel(t) {
   const score = await shown(console, 'score');
   expect(score > 0 && score <= 100, `the score is ${score}`);
   for (const page of [game, console]) await expectAccessible(page);
-  // A person takes over: what was loaded stays, and the end has a card.
+  // A person takes over: the loaded exercise stays, and its end has a card.
   await game.click('[data-testid=play]');
   await game.waitForSelector('body:not([data-state=watching]):not([data-state=loading])');
   expect((await game.locator('[data-testid=task] h1').textContent()) === 'Doser sa force', 'another exercise was loaded');
-  // One without a scene of its own has its panel in the game, too.
+  // An exercise without a scene of its own has its panel in the game, too.
   const plain = await startProgram({ ...t, args: ['--exercise', 'game-scene'] });
   const panel = await openPage(t.plain, pageUrl(plain.url, '/', { lang: 'de', quality: 'low', watch: '' }));
   await panel.waitForSelector('[data-testid=panel] h1 >> text=Körper eines Spiels');
@@ -34,8 +34,8 @@ export async function anyExerciseShowsItsPanel(t) {
 }
 
 /**
- * A profile is saved by the console, and loaded while nothing is armed. The help that the therapist sets is of it;
- * the game then asks the player nothing about it.
+ * A profile is saved by the console, and loaded while nothing is armed. It contains the help that the therapist sets;
+ * then the game does not ask the player for it.
  */
 export async function profilesAreKept(t) {
   const { url } = await t.program();
@@ -49,7 +49,7 @@ export async function profilesAreKept(t) {
   await game.waitForSelector('[data-testid=welcome] [data-help]');
   const help = (key) => page.locator(`[data-testid=set-help] [data-key="${key}"]`);
   const isSet = (key) => until(`help ${key}`, async () => (await help(key).getAttribute('aria-pressed')) === 'true');
-  await help(2).click();  // some
+  await help(2).click();  // some help
   await isSet(2);
   await game.waitForSelector('[data-testid=welcome] [data-help]', { state: 'detached' });
   await t.picture(page, 'profile_console');
@@ -65,7 +65,7 @@ export async function profilesAreKept(t) {
   await until('the fingers of the profile', async () => (await page.inputValue('#parameter-fingers_close_rad')).startsWith('150'));
   await page.waitForSelector('[data-testid=load-profile]:enabled');
   expect(!(await page.locator('.notice').allInnerTexts()).join('').includes('refused'), 'the profile was refused');
-  // A scene that comes builds the page anew, and closes it.
+  // A new scene rebuilds the page, and closes it.
   await until('an open legend', async () => {
     const words = page.getByText('adaptive damping of an axis');
     if (!(await words.isVisible())) await page.click('[data-testid=legend] summary');

@@ -1,4 +1,4 @@
-// Pictures of both pages in full quality, kept beside the other output of the tests.
+// Pictures of both pages in full quality, stored with the other output of the tests.
 import { join } from 'node:path';
 import { expectNoFaults, HANGS_MS, openPage, pageUrl } from './browser.mjs';
 
@@ -9,16 +9,16 @@ const VIEWS = [
   { file: 'console-dark.png', path: '/console', query: { theme: 'dark' } },
 ];
 
-/** Software rendering takes a second or more a frame in full quality. */
+/** Software rendering takes a second or more per frame in full quality. */
 export async function takePictures(t) {
   const watcher = await t.watcher();
   for (const { file, path, query, click, stage } of VIEWS) {
-    // On a busy machine a page that draws this slowly loses its line for a moment, and asks why.
+    // On a busy machine a page that draws this slowly loses its connection for a moment, and asks for the reason.
     const page = await openPage(t.drawing, pageUrl(watcher.url, path, { lang: 'en', quality: 'high', ...query }), { cutOff: true });
     page.setDefaultTimeout(2 * HANGS_MS);
     if (click) {
-      // Not page.click: it waits for several pictures of a button that does not move. Pressed until it has acted: before
-      // the page is connected it cannot be pressed, and one that loses its line for a moment takes it away and brings it back.
+      // Not page.click, which waits for several frames of a still button. The press is repeated until it has acted: before
+      // the page is connected the button is disabled, and a page that loses its connection removes it for a moment.
       await page.waitForFunction((selector) => {
         const button = document.querySelector(selector);
         button?.click();
@@ -28,9 +28,9 @@ export async function takePictures(t) {
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high');
     const frames = await page.evaluate(() => window.wholehandStats.frames);
     await page.waitForFunction((n) => window.wholehandStats.frames >= n + 4, frames);
-    // The virtual patient pours into every drink, over and over.
+    // The virtual patient pours into every drink, repeatedly.
     if (stage !== undefined) await watcher.until('pouring', (now) => now.values.stage === stage && now.values.poured_l > 0.2 * now.values.asked_l);
-    // Nothing more is drawn: taking the picture does not wait for the next one.
+    // Drawing is stopped, so that the screenshot does not wait for the next frame.
     await page.evaluate(() => { window.requestAnimationFrame = () => 0; });
     await page.screenshot({ path: join(t.output, file) });
     expectNoFaults(page);

@@ -1,11 +1,11 @@
-// What happens when the person leaves the page, the page hangs, or the program does not answer.
+// Behaviour when the person leaves the page, the page hangs, or the program does not answer.
 import { expect, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
 import { FULL } from './harness.mjs';
 import { RENDERING } from './watcher.mjs';
 
-const LEFT_ALONE_S = 900;  // docs/protocol.md
-/** Bit of WorldState.faults: the exercise's effort is out, as nobody shows it. */
+const UNATTENDED_S = 900;  // docs/protocol.md
+/** Bit of WorldState.faults: the exercise's effort is off, since its owner is silent. */
 const OWNER_SILENT = 1 << 20;
 
 const fingers = (now) => now.q[now.axes.indexOf('finger_flexion')];
@@ -14,7 +14,7 @@ const boxOf = (locator) => locator.evaluate((element) => {
   return { left, top, right, bottom };
 });
 
-/** From now on the watcher's page counts how often the exercise's effort goes out or comes back, and who holds the controls. */
+/** From now on the watcher's page counts how often the exercise's effort goes off or returns, and who holds the controls. */
 async function countSwitches(watcher) {
   await watcher.page.evaluate((bit) => {
     const silent = () => (window.wholehandNow.state.faults & bit) !== 0;
@@ -35,8 +35,8 @@ async function countSwitches(watcher) {
 }
 
 /**
- * As if the page were hidden. Headless Chromium hides none: the page learns it by the event that browsers send, and
- * its timers run once a second, as browsers let those of a hidden page. Nothing of a worker is touched, as in browsers.
+ * Simulates a hidden page. Headless Chromium hides none: the page gets the event that browsers send, and
+ * its timers run once a second, like those of a hidden page. Workers are unaffected, as in browsers.
  */
 const EMULATED = () => {
   let hidden = false;
@@ -62,11 +62,11 @@ const EMULATED = () => {
   };
 };
 
-/** With a game that plays, the hand closed by the key, whose page can be hidden. */
+/** A playing game with the hand closed by the key, whose page can be hidden. */
 async function withClosedHand(t) {
   const watcher = await t.watcher();
   const page = await openGame(t.plain, watcher.url, { help: 'none' }, { init: [EMULATED, GOES_ON] });
-  // A page that lost the controls, on a machine that others use, begins anew: so does the person.
+  // A page that lost the controls on a shared machine starts again, and so does the person.
   const hold = (key, what, reached) => {
     let due_tick = 0;
     return watcher.until(what, async (now) => {
@@ -78,7 +78,7 @@ async function withClosedHand(t) {
       return reached(now);
     });
   };
-  // Away from the dispensers first: what the hand closes on would hold its fingers open.
+  // Moves away from the dispensers first: a gripped object would hold the fingers open.
   await hold('ArrowDown', 'the hand drawn back', (now) => now.q[now.axes.indexOf('x')] < -0.06);
   await page.keyboard.up('ArrowDown');
   await hold('Space', 'the hand closed', (now) => fingers(now) > 2);
@@ -92,10 +92,10 @@ const cardIn = async (page, selector) => (await (await page.waitForSelector(sele
 const expectSwitches = (seen, count) => expect(seen.length === count && (count === 0 || seen.at(-1).silent === (count % 2 === 1)), `the effort changed ${seen.length} times, not ${count}: ${JSON.stringify(seen)}`);
 
 /**
- * Timers at 1 Hz without a word that the page is hidden, as in some browsers' power saving: the worker beats on. Then
- * a key that is let go of behind a card, which must not leave the hand clenched.
+ * Timers at 1 Hz without an event for hiding, as in the power saving of some browsers: the worker continues the
+ * heartbeats. Then a key is released behind a card, which must open the hand.
  */
-export async function slowTimersAreNoSilence(t) {
+export async function slowTimersKeepTheControls(t) {
   const { watcher, page, switches } = await withClosedHand(t);
   await page.evaluate(() => window.emulate('slow'));
   await watcher.pass(FULL ? 8000 : 4000);
@@ -108,7 +108,7 @@ export async function slowTimersAreNoSilence(t) {
   return `no change of the effort; fingers at ${fingers(now).toFixed(2)} rad behind the help`;
 }
 
-/** Nobody sees the page for so long; then it is seen, taken up again, and hangs for seconds: silent once each time, and says so. */
+/** The page is hidden for a long time; then it is visible, used again, and hangs for seconds: it loses the controls once each time, and reports it. */
 export async function hiddenPageLetsGoOnce(t, hidden_s) {
   const { watcher, page, switches } = await withClosedHand(t);
   const left_ms = await page.evaluate(() => { window.emulate('hidden'); return Date.now(); });
@@ -116,20 +116,20 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   await watcher.until('the hand open', open);
   await watcher.pass(1000 * hidden_s);
   await page.evaluate(() => window.emulate('shown'));
-  // Nobody held the controls for so long: what a client armed was stopped, and the page says that.
-  const stopped = hidden_s > LEFT_ALONE_S;
+  // Nobody held the controls for so long that the client's run was stopped, and the page reports that.
+  const stopped = hidden_s > UNATTENDED_S;
   const words = await cardIn(page, stopped ? '.stopped' : '[data-testid=left]');
   expect(stopped || (/left this page/.test(words) && /given back/.test(words)), `the card says "${words}"`);
   await watcher.pass(1500);
   const seen = await switches();
   expectSwitches(seen, 1);
   const [free_ms, out_ms] = [(await switches.free_ms()) - left_ms, seen[0].at_ms - left_ms];
-  // 200 ms and a frame on an idle machine; ControlDeskTest.SilentHolder_IsSuspendedAfter200msAndGoesOnWithinASecond gates it in time that it
-  // makes. Here it is only distinguished from the 5 s after which nobody holds them in any case.
+  // 200 ms and a frame on an idle machine; ControlTimeoutsTest.SilentHolder_IsSuspendedAfter200msAndResumesWithinASecond tests it in
+  // simulated time. This test only distinguishes it from the 5 s after which nobody holds the controls in any case.
   expect(free_ms <= 4000 && out_ms <= 4000, `controls free after ${free_ms} ms, effort out after ${out_ms} ms`);
   const reported = `controls free after ${free_ms} ms, effort out after ${out_ms} ms and not back in ${hidden_s} s; "${words}"`;
   if (stopped) return reported;
-  // It goes on by a press, and by nothing else.
+  // It continues only by a press.
   await page.click('[data-testid=take-again]');
   await watcher.steered();
   await until('the effort back', async () => (await switches()).length === 2);
@@ -141,7 +141,7 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   return `${reported}; a page that hung: "${hung}"`;
 }
 
-/** After a page that played has vanished nothing pushes, until somebody presses something: to watch is enough. */
+/** After a playing page has vanished nothing pushes until somebody presses something; watching is sufficient. */
 export async function watchingBringsThePlayBack(t) {
   const watcher = await t.watcher();
   const played = await openGame(t.plain, watcher.url);
@@ -162,7 +162,7 @@ export async function watchingBringsThePlayBack(t) {
   return 'the virtual patient plays again after a press of "Watch first" on a page that then drew for 4.5 s';
 }
 
-/** As on a slow machine: the line opens when the test says so. */
+/** Simulates a slow machine: the connection opens when the test says so. */
 const LATE_LINE = () => {
   const { postMessage } = Worker.prototype;
   const kept = [];
@@ -173,15 +173,15 @@ const LATE_LINE = () => {
   };
 };
 
-/** Start can be pressed from when it acts: no press on it is lost. */
-export async function startWaitsForTheLine(t) {
+/** Start is enabled only when it acts: no press on it is lost. */
+export async function startWaitsForTheConnection(t) {
   const watcher = await t.watcher();
   const game = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }), { init: LATE_LINE });
   await game.waitForSelector('[data-testid=start]:disabled');
   const words = await game.locator('.welcome .actions p').innerText();
   expect(words === 'Connecting …', `beside the button that cannot be pressed it says "${words}"`);
   await game.evaluate(() => window.openLine());
-  await game.click('[data-testid=start]');  // waits until it can be pressed, presses once
+  await game.click('[data-testid=start]');  // waits until it is enabled, presses once
   await watcher.steered();
   return `"${words}" beside Start, then one press began the play`;
 }
@@ -192,18 +192,18 @@ const reachable = (locator) => locator.evaluate((element) => {
   return width > 0 && element.contains(document.elementFromPoint(left + width / 2, top + height / 2));
 });
 
-/** With the program frozen: what the pages say, and that the stop acts as soon as it can. */
-export async function unconfirmedStopIsSaid(t) {
+/** With the program suspended: the pages' texts, and the stop acts as soon as possible. */
+export async function unconfirmedStopIsReported(t) {
   const watcher = await t.watcher();
   const page = await openGame(t.plain, watcher.url);
   await watcher.rendering();
   const stop = page.locator('[data-testid=stop]');
-  const said = page.locator('[data-testid=stop-unconfirmed]');
+  const warning = page.locator('[data-testid=stop-unconfirmed]');
   for (const one of [page, watcher.page]) one.cutOff = true;
   watcher.program.signal('SIGSTOP');
   await stop.click();
-  await said.waitFor();
-  expect((await said.innerText()).includes('Stop not confirmed: use the red button'), `it says "${await said.innerText()}"`);
+  await warning.waitFor();
+  expect((await warning.innerText()).includes('Stop not confirmed: use the red button'), `it says "${await warning.innerText()}"`);
   await page.waitForSelector('body[data-state=lost]');
   const card = page.locator('[role=alertdialog]');
   for (const [width, height] of [[1280, 800], [390, 844], [844, 390]]) {
@@ -221,9 +221,9 @@ export async function unconfirmedStopIsSaid(t) {
   await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]:not([hidden])');
   await t.picture(watcher.page, 'stop-unconfirmed-console');
   watcher.program.signal('SIGCONT');
-  // A standstill of more than half a second is a fault, too (docs/safety.md, kLongGap).
+  // A stall of more than half a second is a fault, too (docs/safety.md, kLongGap).
   await watcher.page.waitForSelector('body[data-state=stopped], body[data-state=faulted]');
-  await said.waitFor({ state: 'hidden' });
+  await warning.waitFor({ state: 'hidden' });
   await watcher.page.waitForSelector('[data-testid=stop-unconfirmed]', { state: 'hidden' });
   return `"${words}"; stopped when the program went on`;
 }

@@ -1,14 +1,14 @@
-// The real program as a child process: its page's address is the first line that it prints.
+// The real program as a child process: its page's address is the first line of its output.
 import { spawn } from 'node:child_process';
 import { createInterface } from 'node:readline';
 import { existsSync } from 'node:fs';
 import { HANGS_MS } from './browser.mjs';
 
-/** Every child that has not ended. */
+/** All children that have not ended. */
 const running = new Set();
 process.once('exit', () => running.forEach((child) => child.kill('SIGKILL')));
 
-/** Ends with its test. */
+/** It ends with its test. */
 export function start(file, args, options) {
   const child = spawn(file, args, options);
   running.add(child);
@@ -16,7 +16,7 @@ export function start(file, args, options) {
   return child;
 }
 
-/** Ends every program but this one. */
+/** Ends every program except this one. */
 export async function endPrograms(but = undefined) {
   await Promise.all([...running].filter((child) => child !== but).map((child) => new Promise((resolve) => {
     child.once('exit', resolve);
@@ -24,24 +24,24 @@ export async function endPrograms(but = undefined) {
   })));
 }
 
-/** Lets it do something to its end; what it said where that failed. */
+/** Runs a command to its end; throws its output if it failed. */
 export async function letProgram({ file, args, folder, env = process.env }) {
   const child = start(file, args, { cwd: folder, env, stdio: ['ignore', 'pipe', 'pipe'], timeout: 2 * HANGS_MS, killSignal: 'SIGKILL' });
-  const said = [];
-  for (const stream of [child.stdout, child.stderr]) stream.on('data', (data) => said.push(String(data)));
+  const output = [];
+  for (const stream of [child.stdout, child.stderr]) stream.on('data', (data) => output.push(String(data)));
   const code = await new Promise((resolve) => child.once('exit', resolve));
-  if (code !== 0) throw new Error(`${args.join(' ')} ended with ${code}: ${said.join('')}`);
+  if (code !== 0) throw new Error(`${args.join(' ')} ended with ${code}: ${output.join('')}`);
 }
 
-/** Starts it and waits for its address. @param command what it is to do, "run" where none is named */
+/** Starts the program and waits for its address. @param command the command, "run" by default */
 export async function startProgram({ file, port = 0, args = [], folder, command = ['run'] }) {
   if (!existsSync(file)) throw new Error(`${file} is not there: build the program first`);
   const origin = process.env.WHOLEHAND_PAGES && command[0] === 'run' ? ['--origin', process.env.WHOLEHAND_PAGES] : [];
   const child = start(file, [...command, '--port', String(port), ...origin, ...args], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
-  const said = [];
+  const output = [];
   const ended = new Promise((resolve) => child.once('exit', (code, signal) => resolve({ code, signal })));
   const lines = createInterface({ input: child.stdout });
-  child.stderr.on('data', (data) => said.push(String(data)));
+  child.stderr.on('data', (data) => output.push(String(data)));
   const url = await new Promise((resolve, reject) => {
     const timer = setTimeout(() => reject(new Error('the program printed no address')), HANGS_MS);
     lines.once('line', (line) => {
@@ -50,25 +50,25 @@ export async function startProgram({ file, port = 0, args = [], folder, command 
       if (address) resolve(address);
       else reject(new Error(`the first line is no address: ${line}`));
     });
-    void ended.then(({ code }) => reject(new Error(`the program ended at once (${code}): ${said.join('')}`)));
+    void ended.then(({ code }) => reject(new Error(`the program ended at once (${code}): ${output.join('')}`)));
   });
-  lines.on('line', (line) => said.push(`${line}\n`));
+  lines.on('line', (line) => output.push(`${line}\n`));
   return {
     url,
     port: Number(new URL(url).port),
     child,
     pid: child.pid,
-    said,
+    output,
     ended,
-    /** Freezes it, or lets it go on. */
+    /** Suspends the program, or resumes it. */
     signal(name) { child.kill(name); },
-    /** Asks it to end, or ends it without asking. */
+    /** Asks it to end, or kills it. */
     async stop(signal = 'SIGINT') {
       child.kill(signal);
       const hangs = setTimeout(() => child.kill('SIGKILL'), HANGS_MS);
       const { code, signal: by } = await ended;
       clearTimeout(hangs);
-      if (by !== null && by !== signal) throw new Error(`the program was ended by ${by}, not by ${signal}: ${said.join('')}`);
+      if (by !== null && by !== signal) throw new Error(`the program was ended by ${by}, not by ${signal}: ${output.join('')}`);
       return code;
     },
   };

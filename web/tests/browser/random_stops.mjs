@@ -1,17 +1,17 @@
-// Stops at random moments of what people press at the pages. Nothing renders after one, until somebody presses
-// who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_MOMENTS a slice of them, WHOLEHAND_SEED repeats them.
+// Stops at random moments of people's presses at the pages. Nothing renders after a stop until somebody presses
+// who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_MOMENTS a part of them, WHOLEHAND_SEED repeats them.
 import { expect, openPage, pageUrl, until } from './browser.mjs';
 import { keepRunStates, runStates } from './stop_checks.mjs';
 import { openWatcher, RENDERING, STOPPED } from './watcher.mjs';
 
-// What was on its way when the stop came has been answered by then.
+// After this time all orders that were under way at the stop have been answered.
 const NOTHING_FOR_TICKS = 2000;
 const MOMENTS = Number(process.env.WHOLEHAND_MOMENTS ?? (process.env.WHOLEHAND_FULL ? 1000 : 3));
 
-/** Of moments at random, not for anything to happen. */
+/** Range of the random moments. */
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Draws of 0 to 1, the same ones for the same seed (mulberry32). */
+/** Random numbers of 0 to 1, the same ones for the same seed (mulberry32). */
 function draws(seed) {
   let a = seed >>> 0;
   return () => {
@@ -34,15 +34,15 @@ async function open({ browser, url, opened }, path, shown) {
 const openGame = (all) => open(all, '/', 'start]:enabled');
 const openConsole = (all) => open(all, '/console', 'load]');
 
-/** Another level, and Start, where the card of the moment has them: it changes with what others do. */
+/** Presses another level and Start where the present card has them; the card changes with other clients' actions. */
 const pressStart = (page) => page.evaluate(() => {
   document.querySelector('[data-level][aria-pressed=false]')?.click();
   document.querySelector('[data-testid=start]')?.click();
 });
 
 /**
- * Each opens its pages and gives back what is pressed there until the stop; that gives back what happens after it
- * was shown, which is no press to start.
+ * Each opens its pages and returns a function that presses there until the stop; that returns a function for the presses
+ * after the stop was shown, none of which starts.
  */
 const SCRIPTS = {
   async start(all) {
@@ -59,7 +59,7 @@ const SCRIPTS = {
     const page = await openConsole(all);
     return () => click(page, 'arm');
   },
-  /** "Pause" by mouse where it stands, and by Space, over and over, also after the stop. */
+  /** "Pause" by mouse and by Space, repeatedly, also after the stop. */
   async pause(all) {
     const page = await openConsole(all);
     const box = await until('the button to pause', () => page.locator('[data-testid=pause]').boundingBox());
@@ -73,7 +73,7 @@ const SCRIPTS = {
           await sleep(every_ms);
         }
       })();
-      pressing.catch(() => {});  // said where it is waited for
+      pressing.catch(() => {});  // errors are reported where it is awaited
       return async () => {
         await sleep(1500);
         going = false;
@@ -90,7 +90,7 @@ const SCRIPTS = {
       await page.reload({ waitUntil: 'commit' });
     };
   },
-  /** A page that stands still while it starts, and goes on where it was long after the stop. */
+  /** A page that hangs while it starts, and continues long after the stop. */
   async hidden(all) {
     const page = await openGame(all);
     const cdp = await page.context().newCDPSession(page);
@@ -122,7 +122,7 @@ async function oneMoment(all, watcher, name) {
   const { runState } = await watcher.now();
   const stopped = runState === STOPPED;  // the game has no Start then
   if (name === 'pause' || (stopped && AT_THE_GAME.includes(name)) || all.random() < 0.3) {
-    // A therapist starts it and goes: while one is there a game loads and starts nothing.
+    // A therapist starts it and leaves: a game loads and starts nothing while a therapist is there.
     const page = await openConsole(all);
     await page.click('[data-testid=arm]:enabled');
     await watcher.rendering();
@@ -158,7 +158,7 @@ export async function stopsAtRandomMoments(t) {
   let watcher = null;
   let rendered = 0;
   for (let moment = 0; moment < MOMENTS; moment += 1) {
-    // One that has never rendered waits for the game's Start; one that was stopped, for a console.
+    // A run that has never rendered waits for the game's Start; a stopped one, for a console.
     if (program === null || random() < 0.4) {
       await watcher?.page.context().close();
       await program?.stop();

@@ -1,11 +1,11 @@
-// The pages say of every session whether it is recorded.
+// The pages show for every session whether it is recorded.
 import { existsSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { openGame } from './checks.mjs';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { startProgram } from './program.mjs';
 
-/** A program that begins by itself, as `./start` does, in a folder of its own; its two pages. */
+/** A program that starts by itself, like `./start`, in a folder of its own; its two pages. */
 async function begun(t, prepare = () => {}) {
   const folder = mkdtempSync(join(t.folder, 'recorded-'));
   prepare(folder);
@@ -14,7 +14,7 @@ async function begun(t, prepare = () => {}) {
   await page.waitForSelector('[data-testid=state][data-name=rendering]');
   const game = await openGame(t.plain, program.url);
   await game.waitForSelector('[data-testid=recorded]:not([hidden])');
-  return { folder, program, page, game, said: () => game.locator('[data-testid=recorded]').innerText() };
+  return { folder, program, page, game, recordedText: () => game.locator('[data-testid=recorded]').innerText() };
 }
 
 const recordings = (folder) => {
@@ -22,16 +22,16 @@ const recordings = (folder) => {
   return existsSync(kept) ? readdirSync(kept).filter((name) => name.endsWith('.h5')) : [];
 };
 
-/** A player who begins in the first session, which nobody asked to record, has it recorded, and sees so. */
+/** The first session of a player, which nobody asked to record, is recorded, and the player sees that. */
 export async function firstSessionIsRecorded(t) {
-  const { folder, program, page, game, said } = await begun(t);
-  expect((await said()) === '● Recording', `the game says: ${await said()}`);
+  const { folder, program, page, game, recordedText } = await begun(t);
+  expect((await recordedText()) === '● Recording', `the game says: ${await recordedText()}`);
   await until('the console says so', async () => (await page.locator('header.top').innerText()).includes('● Recording'));
   expect(await page.locator('[data-testid=unrecorded]').isHidden(), 'the console says that nothing is recorded');
   await expectAccessible(game);
   const before = recordings(folder);
   expect(before.length === 1, `one recording: ${before.join()}`);
-  await Promise.all([page.close(), game.close()]);  // else they look for the program that has ended
+  await Promise.all([page.close(), game.close()]);  // otherwise they would look for the ended program
   await program.stop();
   const after = recordings(folder);
   expect(after.join() === before.join(), `the first session's recording is kept: ${after.join()}`);
@@ -39,16 +39,16 @@ export async function firstSessionIsRecorded(t) {
   return `kept ${after[0]}`;
 }
 
-/** Where no recording can be made, both pages say so. */
-export async function unrecordedSessionIsSaid(t) {
-  const { folder, program, page, game, said } = await begun(t, (at) => writeFileSync(join(at, 'out'), 'a file where a folder should be'));
-  expect((await said()) === 'Not recorded', `the game says: ${await said()}`);
+/** If no recording can be made, both pages show that. */
+export async function unrecordedSessionIsReported(t) {
+  const { folder, program, page, game, recordedText } = await begun(t, (at) => writeFileSync(join(at, 'out'), 'a file where a folder should be'));
+  expect((await recordedText()) === 'Not recorded', `the game says: ${await recordedText()}`);
   await page.waitForSelector('[data-testid=unrecorded]:not([hidden])');
   const words = await page.locator('[data-testid=unrecorded]').innerText();
   expect((await page.locator('header.top').innerText()).includes('Not recorded'), 'the header does not say so');
   await expectAccessible(page);
   await expectAccessible(game);
-  await Promise.all([page.close(), game.close()]);  // else they look for the program that has ended
+  await Promise.all([page.close(), game.close()]);  // otherwise they would look for the ended program
   await program.stop();
   rmSync(folder, { recursive: true });
   return words.replace(/\s+/g, ' ');

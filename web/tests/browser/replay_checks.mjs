@@ -1,4 +1,4 @@
-// The replay of recordings, against the program as `replay --web`.
+// The replay of recordings, with the program as `replay --web`.
 import { copyFileSync, existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectAccessible, expectNothingScrollsSideways, openPage, until } from './browser.mjs';
@@ -8,20 +8,20 @@ import { openWatcher } from './watcher.mjs';
 const SECONDS = 12;
 
 export const replayed = (page) => page.evaluate(() => window.wholehandReplay);
-/** Waits until the page shows what it was asked for, and all of the time line. */
+/** Waits until the page shows the requested data, and the whole time line. */
 export const still = (page, what, look = () => true) => until(what, async () => {
   const now = await replayed(page);
   return now && now.exact && now.loaded === 1 && look(now) ? now : undefined;
 });
 
-/** A recording of the bar by the virtual patient, on the simulated clock: made once. */
+/** A recording of the bar by the virtual patient, on the simulated clock; it is made once. */
 export async function recording({ file, folder }, name = 'replayed.h5', exercise = 'cocktail-bar') {
   const path = join(folder, name);
   if (!existsSync(path)) await letProgram({ file, folder, args: ['run', '--exercise', exercise, '--simulated-clock', '--duration', String(SECONDS), '--record', path] });
   return path;
 }
 
-/** The address of a replay of one, or of two beside each other. */
+/** The address of a replay of one recording, or of two side by side. */
 export const startReplay = (t, path, beside) => startProgram({ ...t, command: ['replay', path, '--web'], args: beside ? ['--beside', beside] : [] });
 export const replay = async (...all) => (await startReplay(...all)).url;
 
@@ -31,14 +31,14 @@ export const withQuery = (address, query) => {
   return url.href;
 };
 
-/** Scrubbed, stepped, played, zoomed; in two themes and three languages; its picture where there is 3D. */
+/** Scrubbing, steps, playback and zoom; in two themes and three languages; the picture where there is 3D. */
 export async function recordingIsReplayed(t) {
   const url = await replay(t, await recording(t));
   const page = await openPage(t.plain, withQuery(url, { lang: 'en', theme: 'light' }));
-  // All of it is seen at first: the ramp to neutral after its length, too.
+  // The whole is shown at first, including the ramp to neutral after its length.
   const { window: { to_s: last_s } } = await still(page, 'the first tick', (now) => now.rows[0] === 0);
   expect(last_s > SECONDS - 0.1 && last_s < SECONDS + 1, `it is ${last_s} s long`);
-  // Through the middle and back: at every place the very row of its time.
+  // Through the middle and back: every position shows exactly the row of its time.
   const line = await page.locator('[data-testid=time-line]').boundingBox();
   for (const share of [0.5, 0.25, 0.9, 0.251]) {
     await page.mouse.click(line.x + share * line.width, line.y + 30);
@@ -55,7 +55,7 @@ export async function recordingIsReplayed(t) {
   await first.click();
   await still(page, 'the first mark');
   expect((await first.getAttribute('aria-current')) === 'time', 'the mark at the play head is not marked');
-  // A list that has the focus keeps the key for itself.
+  // A focused list keeps the key for itself.
   await page.locator('[role=slider]').first().focus();
   await page.keyboard.press('End');
   await still(page, 'the end', ({ time_s }) => Math.abs(time_s - last_s) < 2e-3);
@@ -76,13 +76,13 @@ export async function recordingIsReplayed(t) {
   return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
 }
 
-/** Plots that were built anew show what they show when they are drawn once more: curves, marks and limits. */
+/** Rebuilt plots show the same as when they are drawn once more: curves, marks and limits. */
 async function plotsAreComplete(page, lang) {
   await still(page, `all of it in ${lang}`);
   const drawn = () => page.locator('.plot .canvas canvas').evaluateAll((all) => all.map((canvas) => canvas.toDataURL()));
   const before = await drawn();
   await page.click('[data-testid=whole]');
-  // A frame draws, the next one is after it.
+  // One frame draws, the next one is after it.
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   const after = await drawn();
   const other = before.filter((plot, i) => plot !== after[i]).length;
@@ -99,7 +99,7 @@ async function keysMove(page, last_s) {
   }
 }
 
-/** The keys of the window, and a pull in a plot. */
+/** The keys of the window, and a drag in a plot. */
 async function zoomed(page, last_s) {
   await page.keyboard.press('+');
   await still(page, 'half the window', ({ window: w }) => Math.abs(w.to_s - w.from_s - last_s / 2) < 1e-6);
@@ -114,7 +114,7 @@ async function zoomed(page, last_s) {
   await still(page, 'all of it', ({ window: w }) => w.from_s === 0);
 }
 
-/** The hand is there in 3D, at a moment of a grasp. */
+/** The hand is shown in 3D, at a moment of a grasp. */
 async function pictureIsDrawn(t, url) {
   const page = await openPage(t.drawing, withQuery(url, { lang: 'en', quality: 'low' }), { width: 640, height: 400 });
   await until('the whole picture', async () => (await replayed(page))?.quality === 'low');
@@ -138,8 +138,8 @@ export async function twoAreReplayed(t) {
   return `rows ${now.rows.join(' and ')}, ${plots[0]} plots each`;
 }
 
-/** What is no recording, what there is none of, and a program that goes away meanwhile. */
-export async function badRecordingsAreSaid(t) {
+/** A file that is not a recording, a missing one, and a program that stops meanwhile. */
+export async function badRecordingsAreReported(t) {
   const path = await recording(t);
   const foreign = join(t.folder, 'foreign.h5');
   writeFileSync(foreign, 'this is no recording\n');
@@ -152,9 +152,9 @@ export async function badRecordingsAreSaid(t) {
   await page.goto(withQuery(url, { recording: '<b>nobody</b>', lang: 'de' }));
   await page.waitForSelector('[data-kind=unknown]');
   expect((await problem.locator('bdi').innerText()) === '<b>nobody</b>', 'a name is markup');
-  const [said] = (await problem.innerText()).split('\n');
+  const [firstLine] = (await problem.innerText()).split('\n');
   await page.context().close();
-  // The one that cannot be shown hides no other, whichever comes first.
+  // An unreadable recording does not hide the other one, in either order.
   for (const paths of [[path, foreign], [foreign, path]]) {
     const sound = await open(await replay(t, ...paths), { lang: 'fr' });
     await still(sound, 'the one that is sound', ({ rows }) => rows.length === 1);
@@ -179,16 +179,16 @@ export async function badRecordingsAreSaid(t) {
   await left.keyboard.press('Home');
   await until('what was read', async () => (await replayed(left)).rows[0] === 0);
   await left.context().close();
-  return `"${said}"`;
+  return `"${firstLine}"`;
 }
 
-/** What is being recorded stands in the console's list, is replayed as far as it goes, and is offered whole when it has ended. */
+/** A recording in progress is in the console's list, is replayed up to the present, and is offered for download when it has ended. */
 export async function recordingIsListedWhileItRuns(t) {
   const { url } = await t.program();
   const { page, arm } = await openWatcher(t.plain, url);
   await page.selectOption('[data-testid=language]', 'de');
   await arm();
-  // Others' recordings stand in the list, too.
+  // Recordings of other tests are in the list, too.
   const rows = page.locator('[data-testid=recordings] li');
   const replay = rows.filter({ hasText: 'wird noch aufgezeichnet' }).locator('[data-testid=replay]').first();
   const address = await replay.getAttribute('href');
@@ -197,7 +197,7 @@ export async function recordingIsListedWhileItRuns(t) {
   expect(links.join() === 'Wiedergabe', `offered while it is written: ${links}`);
   const replayPage = await openPage(t.plain, new URL(address, url).href);
   const { window: { to_s } } = await still(replayPage, 'what is written so far');
-  // Whoever asks twice within the second that the recorder writes at once is shown what was there.
+  // A second request within the second that the recorder writes at once gets the same answer.
   await until('what was written since', async () => {
     await replayPage.click('[data-testid=read-on]');
     const { window } = await still(replayPage, 'what it read');

@@ -1,11 +1,11 @@
-// A report of the program, opened as the file that it is: from the disk, without the program.
+// A report of the program, opened as a file from the disk, without the program.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectAccessible, expectNothingScrollsSideways, expectNoFaults, openFile, sheetsOf, until } from './browser.mjs';
 import { letProgram } from './program.mjs';
 import { recording } from './replay_checks.mjs';
 
-/** A report; with `before` beside the session before it. */
+/** Makes a report; with `before`, beside the earlier session. */
 async function report(t, before) {
   const path = join(t.folder, 'report.html');
   await letProgram({ ...t, args: ['replay', await recording(t), '--report', path, ...(before ? ['--before', before] : [])] });
@@ -14,7 +14,7 @@ async function report(t, before) {
 
 const words = (page, selector) => page.locator(selector).innerText();
 
-/** Without 3D and the network: therapy, engineering, three languages, two sheets of paper, and the viewer; beside a session of another exercise. */
+/** Without 3D and network: therapy, engineering, three languages, two printed sheets, and the viewer; beside a session of another exercise. */
 export async function reportIsOneFile(t) {
   const before = await recording(t, 'grasping.h5', 'free-grasping');
   const { page, asked } = await openFile(t.plain, await report(t, before));
@@ -35,8 +35,8 @@ export async function reportIsOneFile(t) {
   for (const [language, title, differs] of [['de', 'Stopps und Störungen', 'Anders war: Übung. Keine der Zahlen ist vergleichbar.'], ['fr', 'Arrêts et défauts', 'Ce qui diffère : Exercice. Aucun chiffre n’est comparable.']]) {
     await page.selectOption('[data-testid=language]', language);
     await until(`it speaks ${language}`, async () => (await words(page, '.happened h2')) === title);
-    const said = await words(page, '[data-testid=before]');
-    expect(said.includes(differs), said);
+    const shown = await words(page, '[data-testid=before]');
+    expect(shown.includes(differs), shown);
     await t.picture(page, `report-${language}`);
   }
   await expectNothingScrollsSideways(page, 'the report');
@@ -44,7 +44,7 @@ export async function reportIsOneFile(t) {
   expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
 }
 
-/** All of a sheet fits on its paper, beside its other sheet. */
+/** The whole of a sheet fits on its paper. */
 async function nothingIsCutOnPaper(page) {
   const { width, height } = page.viewportSize();
   await page.emulateMedia({ media: 'print' });
@@ -55,7 +55,7 @@ async function nothingIsCutOnPaper(page) {
   await page.setViewportSize({ width, height });
 }
 
-/** The viewer in it goes to a moment, steps through the states that there are, and back to the sheets. */
+/** The viewer in the report seeks to a moment, steps through the available states, and returns to the sheets. */
 async function viewerShows(page) {
   await page.locator('#report [data-testid=replay]').click();
   const now = (what, look) => until(what, async () => {
@@ -64,7 +64,7 @@ async function viewerShows(page) {
   });
   const { rows: [first] } = await now('the first state', () => true);
   await page.evaluate(() => { location.hash = 'replay=3'; });
-  // The states of 12 s are no further apart than 1500 of them would be, with room for what is larger.
+  // The states of 12 s are at most as far apart as 1500 of them would be, with room for larger ones.
   const { rows: [third] } = await now('the state at 3 s', ({ time_s, rows }) => time_s === 3 && Math.abs(rows[0] - 3000) < 50);
   await page.keyboard.press('ArrowRight');
   await now('the next state', ({ rows }) => rows[0] > third);
@@ -75,7 +75,7 @@ async function viewerShows(page) {
   expect(!(await page.evaluate(() => window.wholehandReplay.playing)), 'Space on the sheets started the hidden viewer');
 }
 
-/** With 3D the strongest moment is a picture, which paper can have. */
+/** With 3D the strongest moment is a picture that can be printed. */
 export async function reportHasItsPicture(t) {
   const { page } = await openFile(t.drawing, await report(t));
   await page.waitForSelector('[data-testid=picture] img');
@@ -84,8 +84,8 @@ export async function reportHasItsPicture(t) {
   await t.picture(page, 'report');
 }
 
-/** A template, a file that was cut, data of another version: said, and nothing stuck. */
-export async function badReportsAreSaid(t) {
+/** A template, a truncated file, data of another version: each is reported, and nothing hangs. */
+export async function badReportsAreReported(t) {
   const whole = readFileSync(await report(t), 'utf8');
   const at = whole.indexOf('id="page-data">');
   const end = whole.indexOf('</script>', at);
@@ -95,12 +95,12 @@ export async function badReportsAreSaid(t) {
     ['newer', whole.replace(/"version":1(?=[,}])/, '"version":9'), 'data of version 9'],
     ['corrupted', whole.replace(/("series":")[\w+/]{400}/, `$1${'A'.repeat(400)}`), 'damaged'],
   ];
-  for (const [name, text, says] of cases) {
+  for (const [name, text, expected] of cases) {
     const path = join(t.folder, `report-${name}.html`);
     writeFileSync(path, text);
     const { page } = await openFile(t.plain, path, { state: 'problem' });
-    const said = await words(page, '[data-testid=problem]');
-    expect(said.includes(says), `${name}: ${said}`);
+    const shown = await words(page, '[data-testid=problem]');
+    expect(shown.includes(expected), `${name}: ${shown}`);
     expectNoFaults(page);
     await page.context().close();
   }

@@ -1,4 +1,4 @@
-// Who may do what while a patient plays: game and console against the real program.
+// Permissions while a patient plays: game and console with the real program.
 import { expect, openPage, pageUrl, until } from './browser.mjs';
 import { openGame } from './checks.mjs';
 import { FULL } from './harness.mjs';
@@ -12,7 +12,7 @@ const parameter = ({ page }, name) => page.evaluate((wanted) => {
   return state.parameters[scene.parameters.findIndex((p) => p.name === wanted)];
 }, name);
 
-/** What stands at a console's limit: the program's value, the field, the ramp, a refusal, the run state. */
+/** A limit at a console: the program's value, the field, the ramp, a refusal, the run state. */
 const limitOf = async (watcher) => watcher.page.evaluate((field) => {
   const row = document.querySelector(field).closest('.par');
   const { state, scene } = window.wholehandNow;
@@ -33,7 +33,7 @@ const ask = async ({ page }, value_n) => {
   await page.locator(FINGERS).press('Enter');
 };
 
-/** Selects the number, lets the ramp that `moves` begins write it anew under the selection, and types over it. */
+/** Selects the number, waits until the ramp of `moves` rewrites it under the selection, and types over it. */
 const typeOverMoving = async ({ page }, value_n, moves) => {
   await page.locator(FINGERS).selectText();
   const before = await page.inputValue(FINGERS);
@@ -43,7 +43,7 @@ const typeOverMoving = async ({ page }, value_n, moves) => {
   await page.keyboard.press('Enter');
 };
 
-/** A therapist's console beside a program that renders, and a game that plays. */
+/** A therapist's console for a rendering program, and a playing game. */
 async function bothPages(t) {
   const therapist = await t.watcher();
   const game = await openGame(t.plain, therapist.url);
@@ -68,8 +68,8 @@ export async function therapistLeadsWhileAPatientPlays(t) {
   await page.click('[data-testid=resume]');
   await therapist.until('going on', (now) => now.values.paused < 0.5);
   await page.click('[data-testid=take-controls-banner]');
-  const said = await (await game.waitForSelector('[data-testid=left]')).innerText();
-  expect(/therapist/.test(said), `the game says "${said}"`);
+  const shown = await (await game.waitForSelector('[data-testid=left]')).innerText();
+  expect(/therapist/.test(shown), `the game says "${shown}"`);
   await page.click('[data-testid=take-controls]');
   await therapist.free();
   await game.click('[data-testid=take-again]');
@@ -77,7 +77,7 @@ export async function therapistLeadsWhileAPatientPlays(t) {
   return `a limit of 5 N and back to ${before} N, a pause and the steering, all while the game had the controls`;
 }
 
-/** Rest by Esc: seen at once, neutral, and ended by the same player's press only. */
+/** Rest by Esc: shown at once, neutral, and ended only by a press of the same player. */
 export async function playerRestsAndGoesOn(t) {
   const { therapist, game } = await bothPages(t);
   expect(await game.evaluate(() => {
@@ -96,7 +96,7 @@ export async function playerRestsAndGoesOn(t) {
   return 'seen with the key; neutral; started by the same player\'s press';
 }
 
-/** After Stop, a person who stays on the page keeps nobody from starting again. */
+/** After Stop, a person who stays on the page prevents nobody from starting again. */
 export async function stoppedGameGivesTheControlsBack(t) {
   const { therapist, game } = await bothPages(t);
   await game.click('[data-testid=stop]');
@@ -108,7 +108,7 @@ export async function stoppedGameGivesTheControlsBack(t) {
   return 'the controls were free after Stop, and the console started again beside the open game';
 }
 
-/** Two consoles set one limit; each shows the one that holds. Twenty presses end where they add up to. */
+/** Two consoles set one limit; each shows the one in force. The sum of twenty presses is applied. */
 export async function consolesShowTheLimitThatHolds(t) {
   const one = await t.watcher();
   const two = await openWatcher(t.plain, one.url);
@@ -120,7 +120,7 @@ export async function consolesShowTheLimitThatHolds(t) {
   await one.page.focus(`${FINGERS.replace('#', '[data-testid="')}-slider"]`);
   for (let k = 0; k < 20; k += 1) await one.page.keyboard.press('ArrowRight');
   await limitIs(one, 8);
-  // One touch: a weak hand gets a thinner liquid. A step is a tenth of the viscosity of the file.
+  // One press: a weak hand gets a thinner liquid. A step is a tenth of the viscosity of the file.
   await one.page.click('[data-testid=less-viscosity_ratio]');
   await until('both consoles showing nine tenths of the viscosity', async () => {
     const shown = await Promise.all([one, two].map(({ page }) => page.innerText('[data-testid=less-viscosity_ratio] + output')));
@@ -130,14 +130,14 @@ export async function consolesShowTheLimitThatHolds(t) {
   return 'both consoles showed the 9 N that hold, and the viscosity; 20 steps of 0.1 N from 6.0 ended at 8.0';
 }
 
-/** A half-typed number outlives a recording that begins, and a theme; one that is out of range never leaves the page. */
+/** A half-typed number is kept over a new recording and a new theme; one that is out of range is never sent. */
 export async function halfTypedNumberStays(t) {
   const therapist = await openWatcher(t.plain, (await t.program()).url);
   const { page } = therapist;
   await page.waitForSelector('[data-testid=arm]:enabled');  // a click on a disabled button is lost
   await page.locator(FINGERS).fill('4.');
   await page.evaluate(() => document.querySelector('[data-testid=arm]').click());
-  await therapist.rendering();  // a new session, and a recording: the scene is sent anew
+  await therapist.rendering();  // a new session with a recording: the scene is sent again
   expect((await page.inputValue(FINGERS)) === '4.', `"${await page.inputValue(FINGERS)}" was left of "4."`);
   await page.locator(FINGERS).press('Enter');
   await limitIs(therapist, 4);
@@ -151,7 +151,7 @@ export async function halfTypedNumberStays(t) {
   return `"4." stood while a session and its recording began, and was asked for by Enter; "${await refusal.textContent()}"`;
 }
 
-/** A token leaves the address, opens its own role, and says in words what it does not open. */
+/** A token is removed from the address, opens its own role, and the page explains what it does not permit. */
 export async function tokensOpenTheirRoles(t) {
   const program = await t.program(...Object.entries(TOKENS).flatMap(([role, token]) => ['--token', `${role}=${token}`]));
   const open = (path, token) => openPage(t.plain, pageUrl(program.url, path, { lang: 'en', quality: 'low', token }));
@@ -166,10 +166,10 @@ export async function tokensOpenTheirRoles(t) {
 }
 
 /**
- * Levels come and go; what the graphics card keeps does not grow. In high quality, with its shadow maps, under
- * WHOLEHAND_FULL=1. The last one is loaded while another renders: the virtual patient plays it.
+ * Levels are changed; the objects on the graphics card do not grow. WHOLEHAND_FULL=1 tests high quality with its shadow
+ * maps. The last one is loaded while another renders: the virtual patient plays it.
  */
-export async function levelsLeaveNothingOnTheCard(t) {
+export async function levelsLeakNoGraphicsMemory(t) {
   const quality = FULL ? 'high' : 'low';
   const therapist = await openWatcher(t.plain, (await t.program()).url);
   const page = await openPage(t.drawing, pageUrl(therapist.url, '/', { lang: 'en', quality, watch: '1' }), { width: 480, height: 300 });

@@ -1,9 +1,9 @@
 // Tests in a real browser against the real program:
 //   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [part of a test's name ...]
-// FILE: build/release/wholehand. FOLDER: where pictures and figures go, web/test-output/browser. The pages are those that
-// the program finds, WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
-// I/N: of every N tests the I-th alone, so that N of these run beside each other.
-// WHOLEHAND_FULL=1 runs those that end in _slow, too, and keeps pictures.
+// FILE: build/release/wholehand. FOLDER: for pictures and figures, web/test-output/browser. The pages are those that
+// the program finds; WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
+// I/N: runs only the I-th of every N tests, so that N shares can run in parallel.
+// WHOLEHAND_FULL=1 also runs the tests whose names end in _slow, and keeps pictures.
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
@@ -18,11 +18,11 @@ import { commissionedThroughThePage } from './commission_checks.mjs';
 import { besideAConsole, costOf } from './cost_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
-import { hourOfPlayIsFlat } from './hour_checks.mjs';
+import { hourOfPlayLeaksNothing } from './hour_checks.mjs';
 import { newcomerFinds } from './newcomer_checks.mjs';
 import { drawerIsOpenedAndShut, newcomerDoesTheFirstTask } from './kitchen_checks.mjs';
 import * as panels from './panel_checks.mjs';
-import { lostPictureIsSaid } from './picture_checks.mjs';
+import { lostPictureIsReported } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import * as presence from './presence_checks.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
@@ -33,8 +33,8 @@ import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 import * as trouble from './trouble_checks.mjs';
 
-// What must see real time, as a page that plays or holds a button is let go of after 200 ms of silence: where it fails it is
-// judged only if the machine let a sleeper beside it run.
+// Tests in real time, since a page that plays or holds a button loses the controls after 200 ms of silence. A failure is
+// judged only if the machine did not delay a sleeping thread meanwhile.
 const PACED = { paced: true };
 const TESTS = [
   ['a game beside a console_slow', besideAConsole, PACED],
@@ -44,63 +44,63 @@ const TESTS = [
   ['mouse moves the hand', checks.mouseMovesTheHand, PACED],
   ['keys fill a glass', checks.keysFillAGlass, PACED],
   ['first session is recorded', recorded.firstSessionIsRecorded],
-  ['unrecorded session is said', recorded.unrecordedSessionIsSaid],
+  ['unrecorded session is reported', recorded.unrecordedSessionIsReported],
   ['keys fill a glass without help_slow', checks.keysFillAGlassAlone, PACED],
   ['touch moves and squeezes', checks.touchMovesAndSqueezes, PACED],
   ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, PACED],
   ['reconnects after a restart', checks.reconnects, PACED],
   ['pages are accessible', checks.pagesAreAccessible],
-  ['a missing camera is said', cameras.missingCameraIsSaid],
+  ['a missing camera is reported', cameras.missingCameraIsReported],
   ['a camera plays_slow', cameras.cameraPlays, PACED],
-  ['a lost picture is said', lostPictureIsSaid, PACED],
-  ['slow timers are no silence', presence.slowTimersAreNoSilence, PACED],
-  // An hour is passed by the server's own tests, in time that they make; here in the browser's.
-  ['a hidden page lets go once', (t) => presence.hiddenPageLetsGoOnce(t, FULL ? 600 : 6), PACED],
-  ['watching brings the play back', presence.watchingBringsThePlayBack, PACED],
-  ['Start waits for the line', presence.startWaitsForTheLine, PACED],
-  ['a stop that is not confirmed is said', presence.unconfirmedStopIsSaid, PACED],
+  ['a lost picture is reported', lostPictureIsReported, PACED],
+  ['slow timers keep the controls', presence.slowTimersKeepTheControls, PACED],
+  // The server's own tests cover an hour in simulated time; this one uses the browser's time.
+  ['a hidden page loses the controls once', (t) => presence.hiddenPageLetsGoOnce(t, FULL ? 600 : 6), PACED],
+  ['watching lets the program play again', presence.watchingBringsThePlayBack, PACED],
+  ['Start waits for the connection', presence.startWaitsForTheConnection, PACED],
+  ['an unconfirmed stop is reported', presence.unconfirmedStopIsReported, PACED],
   ['a therapist leads while a patient plays', roles.therapistLeadsWhileAPatientPlays, PACED],
   ['a player rests and goes on', roles.playerRestsAndGoesOn, PACED],
   ['a stopped game gives the controls back', roles.stoppedGameGivesTheControlsBack, PACED],
   ['consoles show the limit that holds', roles.consolesShowTheLimitThatHolds],
   ['a half-typed number stays', roles.halfTypedNumberStays],
   ['tokens open their roles', roles.tokensOpenTheirRoles],
-  ['levels leave nothing on the card', roles.levelsLeaveNothingOnTheCard],
+  ['levels leak no graphics memory', roles.levelsLeakNoGraphicsMemory],
   ['stop while a level is loaded starts nothing', stops.stopWhileLoadingStartsNothing],
   ['pause after a stop starts nothing', stops.pauseAfterAStopStartsNothing],
-  ['stops at random moments are followed by nothing', stopsAtRandomMoments],
-  ['a page that is loaded anew plays on', trouble.reloadedPagePlaysOn, PACED],
+  ['nothing starts after stops at random moments', stopsAtRandomMoments],
+  ['a reloaded page continues to play', trouble.reloadedPagePlaysOn, PACED],
   ['two players do not fight', trouble.twoPlayersDoNotFight, PACED],
   ['a level is changed while it pours', trouble.levelChangedWhileItPours, PACED],
-  ['a screen reader hears a drink', trouble.screenReaderHearsADrink, PACED],
-  ['nothing covers what is watched', trouble.watchedPlayIsUncovered],
-  ['a window of 320 px plays', trouble.narrowWindowPlays, PACED],
-  ['names of any kind', trouble.namesOfAnyKind],
+  ['a drink by screen reader', trouble.screenReaderHearsADrink, PACED],
+  ['nothing covers the watched play', trouble.watchedPlayIsUncovered],
+  ['a window of 320 px can be played', trouble.narrowWindowPlays, PACED],
+  ['long and foreign names of profiles', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],
   ['kitchen: a drawer is opened and shut', drawerIsOpenedAndShut],
   ['kitchen: a newcomer does the first task', newcomerDoesTheFirstTask, PACED],
   ['profiles are kept', panels.profilesAreKept],
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
-  ['a therapist keeps a patient', clinic.therapistKeepsAPatient, PACED],
-  ['names disappear, and nothing typed', clinic.namesDisappear, PACED],
+  ['a therapist treats a patient', clinic.therapistTreatsAPatient, PACED],
+  ['names are hidden and typed text is kept', clinic.namesDisappear, PACED],
   ['records are killed in a session', clinic.recordsAreKilled, PACED],
   ['a session without records is gentle', clinic.sessionWithoutRecords, PACED],
   ['two consoles on one patient', clinic.twoConsoles, PACED],
   ['replay of a recording', replays.recordingIsReplayed],
-  ['replay of two beside each other', replays.twoAreReplayed],
-  ['replay says what it cannot show', replays.badRecordingsAreSaid],
+  ['replay of two recordings', replays.twoAreReplayed],
+  ['replay reports unreadable recordings', replays.badRecordingsAreReported],
   ['replay of a game with bodies', bodiesAreReplayed, PACED],
   ['a recording is listed while it runs', replays.recordingIsListedWhileItRuns],
   ['report is one file', reports.reportIsOneFile],
   ['report has its picture', reports.reportHasItsPicture],
-  ['report says what is wrong with it', reports.badReportsAreSaid],
+  ['report describes its faults', reports.badReportsAreReported],
   ['charts are one file', chartsAreOneFile],
-  // Minutes where pages are drawn in software; every combination plays on the simulated clock in tests/every_drink.test.ts.
-  ['a newcomer finds what she needs_slow', newcomerFinds, PACED],
-  ['drinks by every way_slow', drinksByEveryWay, PACED],
+  // These take minutes with software rendering; every combination plays on the simulated clock in tests/every_drink.test.ts.
+  ['a newcomer finds everything by visible words_slow', newcomerFinds, PACED],
+  ['drinks by every input method_slow', drinksByEveryWay, PACED],
   // Not paced: the machine is kept busy on purpose.
   ['controls are kept_slow', trouble.controlsAreKept],
-  ['an hour of play leaves nothing behind_slow', hourOfPlayIsFlat],
+  ['an hour of play leaks nothing_slow', hourOfPlayLeaksNothing],
 ];
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
@@ -111,7 +111,7 @@ const [share, shares] = options.share.split('/').map(Number);
 const chosen = TESTS.filter(([name]) => (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
 const output = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 mkdirSync(output, { recursive: true });
-// The program keeps recordings in its folder: a fresh one leaves nothing behind.
+// The program stores recordings in its folder: a temporary one leaves nothing behind.
 const folder = mkdtempSync(join(tmpdir(), 'wholehand-browser-'));
 process.once('exit', () => rmSync(folder, { recursive: true, force: true }));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.once(signal, () => process.exit(1));
@@ -126,7 +126,7 @@ try {
     if (verdict === 'FAIL' && !FULL) failed.push(test);
     else count[verdict] += 1;
   }
-  // Once more, at the end: what passes now is a defect of the test, which ./check names (docs/adr/0072-the-check.md).
+  // Failed tests run once more at the end: one that passes now is unsteady, and ./check names it (docs/adr/0072-build-and-check.md).
   for (const test of failed) {
     console.log(`once more: ${test[0]}`);
     const verdict = await harness.run(...test);

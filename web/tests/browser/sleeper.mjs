@@ -1,5 +1,5 @@
-// A thread that sleeps a millisecond at a time and keeps its longest pause: how long this machine let one wait that asks
-// for next to nothing.
+// A thread that sleeps a millisecond at a time and records its longest delay: this measures how long the machine delays a
+// thread that needs almost nothing.
 import { Worker } from 'node:worker_threads';
 
 const SLEEPS = `
@@ -12,7 +12,7 @@ const SLEEPS = `
     last = now;
   }`;
 
-/** Starts one. What it gives: the longest pause since it was asked last [ms]. */
+/** Starts a sleeper. It returns the longest delay since the last call [ms]. */
 export function startSleeper() {
   const longest_ms = new Float64Array(new SharedArrayBuffer(8));
   new Worker(SLEEPS, { eval: true, workerData: longest_ms }).unref();

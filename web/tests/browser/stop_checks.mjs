@@ -1,11 +1,11 @@
-// After a stop nothing starts by itself, whatever was pressed before it was shown: the pages against the real program.
+// After a stop nothing starts by itself, whatever was pressed before it was shown: the pages with the real program.
 import { expect, openPage, pageUrl } from './browser.mjs';
 import { openWatcher, RENDERING, STOPPED } from './watcher.mjs';
 
-// A load and a rehearsal take about two seconds: what was still on its way has started by then.
+// A load and a rehearsal take about two seconds: after this time any order under way would have started something.
 const NOTHING_FOR_TICKS = 3000;
 
-/** The program's run states as a console's page hears them, from now on. */
+/** Records the program's run states from now on, as a console's page receives them. */
 export async function keepRunStates({ page }) {
   await page.evaluate(() => {
     window.runStates = [];
@@ -20,10 +20,10 @@ export async function keepRunStates({ page }) {
 
 export const runStates = ({ page }) => page.evaluate(() => window.runStates.splice(0));
 
-/** Of these states those since the last ending (WorldState.endings): the program had not heard of the stop before. */
+/** The states since the last ending (WorldState.endings): before, the program had not received the stop. */
 const sinceTheStop = (states) => states.slice(Math.max(0, states.findLastIndex(({ endings }, i) => i > 0 && endings > states[i - 1].endings)));
 
-/** Nothing does from now on, nor has it since the run states were read last, but for those that `since` leaves out. */
+/** Expects that nothing renders from now on, nor since the run states were read last, except states that `since` leaves out. */
 async function expectNothingStarts(watcher, what, since = (states) => states) {
   await watcher.pass(NOTHING_FOR_TICKS);
   const states = since(await runStates(watcher));
@@ -32,24 +32,24 @@ async function expectNothingStarts(watcher, what, since = (states) => states) {
   expect(now.runState === STOPPED && now.sent.every((effort) => Math.abs(effort) < 1e-6), `${what}: state ${now.runState}, efforts ${now.sent}`);
 }
 
-/** Start with another level, and Stop while the page says "One moment…". */
+/** Start with another level, and Stop while the page shows "One moment…". */
 export async function stopWhileLoadingStartsNothing(t) {
   const { url } = await t.program();
-  // A player who is alone: with a therapist there, the therapist loads.
+  // The player is alone: if a therapist is there, the therapist loads.
   const watcher = await openWatcher(t.plain, url, { role: 'watcher' });
   await keepRunStates(watcher);
   const game = await openPage(t.plain, pageUrl(url, '/', { lang: 'en', quality: 'low' }));
   await game.click('[data-level="2"]');
   await game.click('[data-testid=start]');
   await game.waitForSelector('body[data-state=loading]');
-  // At once: a click of playwright's looks for the button for longer than the level takes to load.
+  // At once: a click by playwright waits for the button for longer than the level takes to load.
   await game.evaluate(() => document.querySelector('[data-testid=stop]').click());
   await game.waitForSelector('text=/Stopped/');
   await expectNothingStarts(watcher, 'Stop while a level is loaded', sinceTheStop);
   return 'Stop while the level is loaded: nothing starts, and the page says so';
 }
 
-/** "Pause", by mouse and by Space, in the moment in which the page learns of an emergency stop and does not show it yet. */
+/** "Pause", by mouse and by Space, at the moment when the page has received an emergency stop and does not show it yet. */
 export async function pauseAfterAStopStartsNothing(t) {
   const watcher = await t.watcher();
   await keepRunStates(watcher);
@@ -58,7 +58,7 @@ export async function pauseAfterAStopStartsNothing(t) {
     if ((await watcher.now()).runState !== RENDERING) await watcher.arm();
     await watcher.rendering();
     await page.waitForSelector('[data-testid=pause]:enabled');
-    // The label is refreshed five times a second; this hits the moment in which the state is newer than the label.
+    // The label is refreshed five times a second; this is the moment when the state is newer than the label.
     await page.evaluate((key) => {
       const button = document.querySelector('[data-testid=pause]');
       const look = setInterval(() => {

@@ -1,4 +1,4 @@
-// What a person, a page or a machine does that nobody asked for: play and Stop go on, and every refusal has words.
+// Unexpected actions of a person, a page or a machine: play and Stop continue, and every refusal is explained.
 import { loadavg } from 'node:os';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
@@ -6,14 +6,14 @@ import { playOneDrink } from './key_player.mjs';
 import { start, startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
-const said = (page) => page.locator('.say').first().innerText();
-/** The first card again or the play: what a page shows that has just been loaded. */
+const instruction = (page) => page.locator('.say').first().innerText();
+/** The first card again or the play: what a reloaded page shows. */
 const begin = async (page) => {
   await page.waitForSelector('[data-testid=start]:enabled');
   await page.click('[data-testid=start]');
 };
 
-/** Loaded anew while the person plays, again and again: a press plays on, and Stop stops. */
+/** The page is reloaded repeatedly in play: a press continues the play, and Stop stops. */
 export async function reloadedPagePlaysOn(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
@@ -30,7 +30,7 @@ export async function reloadedPagePlaysOn(t) {
   return 'loaded anew five times while it played: Start played on, Stop stopped';
 }
 
-/** The second player is told, presses on, and takes nothing; both may stop. */
+/** The second player is informed, presses further, and takes nothing; both may stop. */
 export async function twoPlayersDoNotFight(t) {
   const watcher = await t.watcher();
   const first = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
@@ -39,7 +39,7 @@ export async function twoPlayersDoNotFight(t) {
   await begin(second);
   for (let k = 0; k < 5; k += 1) {
     await second.waitForSelector('body[data-state=watching]');
-    await until('the second player told', async () => /Another screen has the controls/.test(await said(second)));
+    await until('the second player told', async () => /Another screen has the controls/.test(await instruction(second)));
     await second.click('[data-testid=play]');
   }
   const lost = await first.evaluate(() => window.wentOn);
@@ -50,7 +50,7 @@ export async function twoPlayersDoNotFight(t) {
   return `the second player pressed five times and was told; the first lost the controls ${lost} times; the second one's Stop stopped both`;
 }
 
-/** A therapist loads another level while it pours: nothing flows on, the page says what is, and a press plays the new level. */
+/** A therapist loads another level while it pours: the flow ends, the page shows the change, and a press plays the new level. */
 export async function levelChangedWhileItPours(t) {
   const watcher = await openWatcher(t.plain, (await t.program()).url);
   await watcher.page.selectOption('[data-testid=level]', '1');
@@ -74,7 +74,7 @@ export async function levelChangedWhileItPours(t) {
     const state = await game.getAttribute('body', 'data-state');
     return ['loading', 'welcome'].includes(state) ? '' : state;
   });
-  const words = shown === 'stopped' || shown === 'left' ? await game.locator('.overlay').innerText() : await said(game);
+  const words = shown === 'stopped' || shown === 'left' ? await game.locator('.overlay').innerText() : await instruction(game);
   expect(words.trim() !== '', `the page shows "${shown}" without a word`);
   if (shown === 'watching') await game.click('[data-testid=play]');
   await watcher.steered();
@@ -83,7 +83,7 @@ export async function levelChangedWhileItPours(t) {
   return `the page said "${words.replace(/\s+/g, ' ').slice(0, 80)}"; a press played level 2, Stop stopped`;
 }
 
-/** Notes what a screen reader says by itself: live regions that change, and dialogs that get the focus, by their names. */
+/** Records what a screen reader announces: changes in live regions, and the names of dialogs that get the focus. */
 const LISTENS = () => {
   window.heard = [];
   const hear = (words) => { if (words && window.heard.at(-1) !== words) window.heard.push(words); };
@@ -100,7 +100,7 @@ const LISTENS = () => {
   });
 };
 
-/** A whole drink, and a stop, by ear. */
+/** A whole drink, and a stop, by announcements only. */
 export async function screenReaderHearsADrink(t) {
   const watcher = await openWatcher(t.plain, (await t.program()).url, { role: 'watcher' });
   const game = await openGame(t.plain, watcher.url, {}, { init: [GOES_ON, LISTENS] });
@@ -120,11 +120,11 @@ export async function screenReaderHearsADrink(t) {
   return heard.join(' | ').slice(0, 600);
 }
 
-/** Large and small, upright and on its side, zoomed by a browser or not [px]. */
+/** Large and small screens, upright and on their side, with and without browser zoom [px]. */
 const SIZES = [[1280, 800], [1280, 720], [960, 600], [844, 390], [740, 360], [820, 1180], [900, 900], [390, 844], [320, 640]];
 const COVERS = ['.playself', '.task', '.meter', '.recorded', '.say b', '.strip .button'];
 
-/** While the computer squeezes: "Play yourself", card, meter and what is said of the recording are all in the window, and none lies over another. */
+/** While the computer squeezes: "Play yourself", card, meter and the recording notice are inside the window, and do not overlap. */
 export async function watchedPlayIsUncovered(t) {
   const { url } = await startProgram({ ...t, args: ['--level', '4'] });
   const game = await openPage(t.plain, pageUrl(url, '/', { lang: 'fr', quality: 'low' }));
@@ -145,7 +145,7 @@ export async function watchedPlayIsUncovered(t) {
   return `nothing lies over "Play yourself" in ${SIZES.length} windows`;
 }
 
-/** In a window of 320 px: every card and the play have all their buttons within it, and Stop is pressed there. */
+/** In a window of 320 px: every card and the play have all their buttons inside, and Stop is pressed there. */
 export async function narrowWindowPlays(t) {
   const watcher = await t.watcher();
   const game = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'de', quality: 'low' }), { width: 320, height: 640, init: GOES_ON });
@@ -174,7 +174,7 @@ export async function narrowWindowPlays(t) {
   return 'first card, play, help, rest and stop in 320 px';
 }
 
-/** Names of 60 letters are kept; those of other alphabets are refused by words, before anything is sent. */
+/** Names of 60 letters are accepted; those of other alphabets are refused with an explanation, before anything is sent. */
 export async function namesOfAnyKind(t) {
   const { page } = await openWatcher(t.plain, (await t.program()).url);
   const name = page.locator('[data-testid=profile]');
@@ -193,10 +193,10 @@ export async function namesOfAnyKind(t) {
 }
 
 const KEPT_MIN = Number(process.env.WHOLEHAND_KEPT_MIN ?? 10);
-/** Beside the program and the browser they make a load of 8. */
+/** With the program and the browser they make a load of 8. */
 const LOOPS = 6;
 
-/** Minutes of play by one key, in a drawn game, on a machine that others use: nobody has to take the controls again. WHOLEHAND_KEPT_MIN: other minutes than 10. */
+/** Minutes of play by one key, in a drawn game, on a busy machine: the controls are never lost. WHOLEHAND_KEPT_MIN: another number of minutes than 10. */
 export async function controlsAreKept(t) {
   const watcher = await t.watcher();
   const game = await openGame(t.drawing, watcher.url, {}, { smooth: true, init: GOES_ON });

@@ -1,10 +1,10 @@
-// What the program says, read through the console's page: the same messages that a therapist sees.
+// Reads the program's messages through the console's page: the same messages that a therapist's page gets.
 import { openPage, pageUrl, until } from './browser.mjs';
 
 export const RENDERING = 1;
 export const STOPPED = 3;
 
-/** A state in one line, for an error. */
+/** A state in one line, for an error message. */
 function inWords(now) {
   if (!now) return 'none';
   const { runState, steering, faults, level, tick, values, q } = now;

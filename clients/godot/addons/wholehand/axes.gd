@@ -1,9 +1,9 @@
-# From Wholehand's axes (right-handed: x away from the person, y left, z up) to Godot's (right-handed: x right, y up,
-# -z forward) and back; metres in both. docs/axes.md of Wholehand.
+# Converts between Wholehand's axes (right-handed: x away from the person, y left, z up) and Godot's (right-handed: x
+# right, y up, -z forward); metres in both. docs/axes.md of Wholehand.
 extends Reference
 
 
-# Positions, directions, forces, torques: both axes are right-handed.
+# Positions, directions, forces and torques are converted alike, since both axes are right-handed.
 static func to_godot(v: Vector3) -> Vector3:
 	return Vector3(-v.y, v.z, -v.x)
 

@@ -1,18 +1,19 @@
-# Which bodies of a game are in the world (docs/protocol.md of Wholehand, "Bodies of a game"). The program's axes and units.
+# A list of a game's bodies in the world (docs/protocol.md of Wholehand, "Bodies of a game"). The program's axes and
+# units.
 extends "shape_reader.gd"
 
-# What becomes of a body; the names of scene.event_names.
+# Events of a body; the names are those of scene.event_names.
 const EVENTS = ["appeared", "solid", "letting_go", "left", "quarantined", "refused"]
 
 var session = 0
 var bodies = []      # {slot, generation, shapes, state}; shapes: id; state: Protocol.SlotState
-var new_shapes = []  # {id, com_m, pieces}; of bodies here, those that no body of the list before had
-# Of bodies beyond the slots, those of which anything changed since the list before: {number, generation, shapes, slot,
+var new_shapes = []  # {id, com_m, pieces}; shapes of these bodies that the list before did not use
+# The bodies beyond the slots that changed since the list before: {number, generation, shapes, slot,
 # whereabouts, position_m, orientation}; slot: -1 without one; whereabouts: Protocol.Whereabouts. body_list.gd has all.
 var registered = []
 
 
-# False where the message is damaged; then nothing of it is to be used.
+# False if the message is damaged; then its fields must not be used.
 func read(reader, table: int) -> bool:
 	var f = Protocol.GameBodies
 	var body = Protocol.GameBody

@@ -1,10 +1,10 @@
-# The bodies of a game that are in the world, gathered from the lists of the program (bodies.gd): each has what slots hold,
-# and of bodies beyond the slots what changed.
+# The bodies of a game in the world, assembled from the lists of the program (bodies.gd): each list contains all slots,
+# and the bodies beyond the slots that changed.
 extends Reference
 
 const Protocol = preload("protocol.gd")
 
-const FIRST_NUMBER = 1000 # in place of a slot
+const FIRST_NUMBER = 1000 # smallest number that replaces a slot
 const LAST_NUMBER = 32767
 
 var newest = null   # list; null before the first
@@ -12,9 +12,9 @@ var shapes = {}     # id -> {id, com_m, pieces}
 var registered = {} # number -> {number, generation, shapes, slot, whereabouts, position_m, orientation}
 var numbers = {}    # slot -> number of the registered body that has it, or is on its way there
 
-# By slot, also of bodies that have left it, whose last event may come after the list without them.
-var _names = {}       # [number, generation] of registered ones
-var _generations = {} # in the loop
+# Names by slot, also of bodies that have left it: their last event may come after the list without them.
+var _names = {}       # [number, generation] of registered bodies
+var _generations = {} # generations in the loop
 
 
 func take(reported) -> void:
@@ -52,12 +52,12 @@ func note_appeared(slot: int, generation: int) -> void:
 	_generations[slot] = generation
 
 
-# That the loop knows, of the body in a slot.
+# The loop's generation of the body in a slot.
 func generation_in(slot: int) -> int:
 	return _generations.get(slot, 0)
 
 
-# [slot, generation] or [number, generation], as the game named the body in a slot.
+# The name that the game gave the body in a slot: [slot, generation] or [number, generation].
 func name_in(slot: int) -> Array:
 	return _names.get(slot, [slot, generation_in(slot)])
 

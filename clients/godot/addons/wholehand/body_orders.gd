@@ -4,8 +4,8 @@ extends Reference
 const Protocol = preload("protocol.gd")
 
 
-# @param pieces dictionaries as those of a body of the scene: type (Protocol.ShapeType), half_extents_m, radius_m, length_m,
-# points_m, triangles, position_m, orientation; what is left out is 0, or not turned.
+# @param pieces dictionaries like those of a body of the scene: type (Protocol.ShapeType), half_extents_m, radius_m,
+# length_m, points_m, triangles, position_m, orientation; missing entries are 0, or no rotation.
 static func pieces(pieces: Array) -> Array:
 	var tables = []
 	for piece in pieces:
@@ -14,7 +14,7 @@ static func pieces(pieces: Array) -> Array:
 
 
 # @param bodies dictionaries: slot, generation, shape_set, owner (Protocol.BodyOwner), mass_kg, friction, position_m,
-# orientation, velocity_m_s, refuse_overlap; left out: generation 1, owner Loop, 0.1 kg, friction 0.8.
+# orientation, velocity_m_s, refuse_overlap; defaults: generation 1, owner Loop, 0.1 kg, friction 0.8.
 static func spawned(bodies: Array) -> Array:
 	var tables = []
 	for body in bodies:
@@ -30,7 +30,7 @@ static func named(bodies: Array) -> Array:
 	return structs
 
 
-# @param bodies [slot, generation, position, orientation], ...; the orientation may be left out
+# @param bodies [slot, generation, position, orientation], ...; the orientation is optional
 static func placed(bodies: Array) -> Array:
 	var structs = []
 	for body in bodies:

@@ -1,25 +1,26 @@
-# The connection to a running Wholehand program, by WebSocket: 60 states a second. It connects by itself, and again
-# after the program was gone. It keeps the controls only while the game's frames run: of a game that hangs for 200 ms
-# the exercise fades out, and after 1 s it has lost them.
+# The connection to a running Wholehand program, by WebSocket: 60 states per second. It connects by itself, and
+# reconnects after the program was absent. It keeps the controls only while the game's frames run: if the game hangs for
+# 200 ms, the exercise fades out; after 1 s the controls are lost.
 extends Node
 
-# Connected or not, and in words why.
+# Whether it is connected, and a description of the reason.
 signal connection_changed(connected, why)
 signal scene_changed(scene)
 signal state_changed(state)
 signal controls_changed(held_by_this_game)
-# The program's answer to the command of this number; `reason` of one that was accepted: what it waits for, or empty.
+# The program's answer to the command of this number; `reason` of an accepted one: what it waits for, or empty.
 signal replied(command, accepted, reason)
-# `type` is an index into scene.event_names; `index` which dispenser, liquid ..., -1 where it has none.
+# `type` is an index into scene.event_names; `index` is the dispenser, liquid ..., or -1.
 signal event_happened(type, tick, index, value)
-# Which bodies of a game are in the world: bodies.gd.
+# The list of a game's bodies in the world changed: bodies.gd.
 signal bodies_changed(bodies)
-# `what` became of a body of a game, one of bodies.gd's EVENTS; `refusal` (Protocol.BodyRefusal) of "refused", whose
-# generation is 0. Slot and generation are the loop's: body_list.name_in(slot) is what the game named the body by.
+# `what` happened to a body of a game, one of bodies.gd's EVENTS; `refusal` (Protocol.BodyRefusal) belongs to "refused",
+# whose generation is 0. Slot and generation are the loop's: body_list.name_in(slot) is the game's name of the body.
 signal body_event(what, slot, generation, refusal)
-# A body of a game touches the hand, after 0.1 s or more without contact: the impulse on the hand within 10 ms [N·s].
+# A body of a game touches the hand, after 0.1 s or more without contact; the impulse on the hand within 10 ms [N·s].
 signal body_touched(slot, generation, impulse_ns)
-# Of an order to bodies, {item, slot, refusal, reason} of each that was refused; all others were obeyed. Before `replied`.
+# For an order to bodies: {item, slot, refusal, reason} of each refused one; all others were obeyed. Emitted before
+# `replied`.
 signal bodies_refused(command, items)
 
 const Protocol = preload("protocol.gd")
@@ -45,29 +46,29 @@ export var port = 8080
 # "therapist", "player", "watcher"; empty: none (docs/protocol.md of Wholehand).
 export var role = ""
 
-# What a program on another machine asks for. Not exported: a scene file is no place for a secret.
+# The token that a program on another machine requires. It is not exported: a scene file must not contain a secret.
 var token = OS.get_environment("WHOLEHAND_TOKEN")
 var connected = false
 var holds_controls = false
 var message = "not connected yet"
-var scene = null # the newest; null before the first
-var state = null # the newest; null before the first and without a connection
-var bodies = null # of a game: the newest list; null before the first
+var scene = null # the newest scene; null before the first one
+var state = null # the newest state; null before the first one and without a connection
+var bodies = null # the newest list of a game's bodies; null before the first one
 var body_list = BodyList.new() # the bodies of a game that are in the world
-var shapes = {}   # id -> {id, com_m, pieces}, of these
-var motion = MotionPredictor.new() # where the joints are now
-var ignored = 0  # messages that were damaged or not the program's
+var shapes = {}   # id -> {id, com_m, pieces}, of these bodies
+var motion = MotionPredictor.new() # predicted joints at present
+var ignored = 0  # number of messages that were damaged or not the program's
 
-var _socket = null # of socket.gd
+var _socket = null # a socket of socket.gd
 var _reader = Reader.new()
 var _writer = Writer.new()
-var _why_closed = "" # empty: it is not
+var _why_closed = "" # empty: it is not closed
 var _command = 0
 var _heard_ms = 0
 var _heartbeat_ms = 0
 var _retry_ms = 0
-var _late_us = 0    # half a frame: so long after it came a message is noticed, on average
-var _stop = 0       # emergency stop that is not answered yet; 0: none
+var _late_us = 0    # half a frame: the average delay until a message is noticed
+var _stop = 0       # number of an unanswered emergency stop; 0: none
 var _stop_ms = 0
 
 
@@ -97,9 +98,9 @@ func _exit_tree() -> void:
 		_end("the node left the tree")
 
 
-# ---- commands: each gives its number for `replied`, or 0 where it is not connected ----
+# ---- commands: each returns its number for `replied`, or 0 without a connection ----
 
-# Asks for the controls; refused while another client holds them.
+# Requests the controls; refused while another client holds them.
 func take_controls() -> int:
 	return _order("TakeControls", [[Protocol.TakeControls.token, "text", token]])
 
@@ -108,7 +109,7 @@ func release_controls() -> int:
 	return _order("ReleaseControls", [])
 
 
-# Starts rendering (again). `endings_shown` is state.endings as the person saw it when pressing.
+# Starts rendering. `endings_shown` is state.endings as it was shown to the person at the press.
 func arm(endings_shown: int) -> int:
 	return _order("Arm", [[Protocol.Arm.endings_seen, "u32", endings_shown]])
 
@@ -118,50 +119,50 @@ func stop() -> int:
 	return _order("Stop", [])
 
 
-# Ramps to neutral at once; without the controls, too. Said again until it is answered.
+# Ramps to neutral at once; it needs no controls. It is repeated until it is answered.
 func emergency_stop() -> int:
 	_stop = _order("EmergencyStop", [])
 	_stop_ms = OS.get_ticks_msec()
 	return _stop
 
 
-# Empty texts and level 0: as it is.
+# Loads an exercise, level and hand; empty texts and level 0 keep the present ones.
 func load_exercise(exercise: String, level: int = 0, hand: String = "") -> int:
 	var f = Protocol.LoadExercise
 	return _order("LoadExercise", [[f.exercise, "text", exercise], [f.level, "u16", level], [f.hand, "text", hand]])
 
 
-# One of scene.parameters; the program ramps to the value.
+# Sets one of scene.parameters; the program ramps to the value.
 func set_parameter(parameter: String, value: float) -> int:
 	var f = Protocol.SetParameter
 	return _order("SetParameter", [[f.name, "text", parameter], [f.value, "f64", value]])
 
 
-# Protocol.Steering: who says where the hand wants to be.
+# Sets who controls the hand's intended position: Protocol.Steering.
 func steer(by: int) -> int:
 	return _order("Steer", [[Protocol.Steer.by, "u8", by]])
 
 
-# Protocol.Act: next, restart, pause, resume.
+# Sends an action to the exercise, Protocol.Act: next, restart, pause, resume.
 func act(act: int) -> int:
 	return _order("Action", [[Protocol.Action.act, "u8", act]])
 
 
-# Where the person wants the hand to be, per axis of scene.axes. Protocol.Help: how much of it the game does for the
-# person; recordings keep it.
+# The person's intended position of the hand, per axis of scene.axes. Protocol.Help: the share of it that the game does
+# for the person; recordings keep it.
 func aim(q: Array, by: int = 0) -> int:
 	return _order("Aim", [[Protocol.Aim.q, "floats", q], [Protocol.Aim.by, "u8", by]])
 
 
 # ---- orders to bodies of a game, in the program's axes: arrays of body_orders.gd ----
 
-# Gives the convex pieces of bodies to come; they last for the session.
+# Defines the convex pieces of later bodies; they last for the session.
 func prepare_shapes(shape_set: int, pieces: Array) -> int:
 	var f = Protocol.PrepareShapes
 	return _order("PrepareShapes", [[f.set, "u16", shape_set], [f.pieces, "tables", BodyOrders.pieces(pieces)]])
 
 
-# Puts bodies into empty slots, each a ghost until it overlaps nothing.
+# Puts bodies into empty slots; each is a ghost until it overlaps nothing.
 func spawn_bodies(all: Array) -> int:
 	return _order("Spawn", [[Protocol.Spawn.bodies, "tables", BodyOrders.spawned(all)]])
 
@@ -178,7 +179,7 @@ func set_body_owners(all: Array) -> int:
 	return _order("SetOwner", [[Protocol.SetOwner.bodies, "structs", BodyOrders.handed_over(all)]])
 
 
-# Where bodies of owner Game are pulled to. Say it again within 0.1 s, or they halt.
+# Target poses of bodies of owner Game. Repeat them within 0.1 s, or the bodies halt.
 func set_body_targets(all: Array) -> int:
 	return _order("BodyTargets", [[Protocol.BodyTargets.bodies, "structs", BodyOrders.placed(all)]])
 
@@ -247,10 +248,10 @@ func _put(message_bytes: PoolByteArray) -> void:
 	_socket.send(message_bytes)
 
 
-# ---- what the program says ----
+# ---- messages of the program ----
 
 func _receive(now_ms: int) -> void:
-	var newest = null # of several states only the last is decoded
+	var newest = null # only the last one of several states is decoded
 	while _socket.packet_count() > 0:
 		_heard_ms = now_ms
 		var packet = _socket.take_packet()
@@ -292,7 +293,7 @@ func _hear() -> void:
 		Protocol.Payload.GameBodies:
 			_hear_bodies(table)
 		Protocol.Payload.Commissioning:
-			pass # a program that leads through one moves no hand
+			pass # a program that commissions a device moves no hand
 		_:
 			ignored += 1
 

@@ -1,25 +1,25 @@
-# Draws the hand where the program has it, from scene.links and the joint angles of the newest state. Each link is a child:
-# hang meshes of a game below link("thumb_ip_flexion"). They stay there while scenes change, as long as the hand has a
+# Draws the hand at the program's pose, from scene.links and the joint angles of the newest state. Each link is a child:
+# add meshes of a game below link("thumb_ip_flexion"). They stay there while scenes change, as long as the hand has a
 # link of that name. This node's own transform places the program's world in the game's; leave its scale at 1.
 extends Spatial
 
-# The links of a new scene stand: with every arming, too.
+# The links of a new scene are built, which happens with every arming.
 signal built
 
 const Axes = preload("axes.gd")
 const Protocol = preload("protocol.gd")
 const Shapes = preload("shapes.gd")
 
-# Of the node with connection.gd; empty: the parent.
+# Path of the node with connection.gd; empty: the parent.
 export(NodePath) var connection_path = NodePath("..")
 export var draw_capsules = true
-# For a program on another machine: draws the hand where it is now, by the motion of the last states, in every frame.
+# For a program on another machine: draws the hand at its present pose, predicted from the last states, in every frame.
 export var predict_motion = false
 export(Material) var material
 export var color = Color(0.85, 0.68, 0.56)
 
 var connection = null
-var drawn_tick = -1 # of the state that is drawn; -1: nothing is
+var drawn_tick = -1 # tick of the drawn state; -1: nothing is drawn
 var links = []      # Spatial, in the order of scene.links
 
 var _capsules = []  # MeshInstance, below the links
@@ -28,7 +28,7 @@ var _parents = []
 var _joints = []
 var _types = []
 var _axes = []      # in Godot's axes
-var _at_zero = []   # Transform in the parent's frame, in Godot's axes
+var _at_zero = []   # Transform at joint angle 0 in the parent's frame, in Godot's axes
 var _joint_count = 0
 
 
@@ -43,7 +43,7 @@ func _ready() -> void:
 		_build(connection.scene)
 
 
-# Null where the hand has no such link.
+# A link by its name; null if the hand has no such link.
 func link(link_name: String) -> Spatial:
 	var i = _names.find(link_name)
 	return null if i < 0 else links[i]
@@ -84,7 +84,7 @@ func _build(scene) -> void:
 	var fault = _fault_of(scene)
 	if fault != "":
 		push_error("Wholehand hand %s is not drawn: %s. Bring the addon and the program to the same version" % [name, fault])
-		_joint_count = -1 # of no state
+		_joint_count = -1 # equals the number of no state
 		return
 	var before = {}
 	for i in range(links.size()):
@@ -110,7 +110,7 @@ func _build(scene) -> void:
 	emit_signal("built")
 
 
-# One of before stays, with what the game has hung below it.
+# An existing link is kept, with the game's objects below it.
 func _link_of(link_name: String, before: Dictionary) -> Spatial:
 	if before.has(link_name):
 		var kept = before[link_name]

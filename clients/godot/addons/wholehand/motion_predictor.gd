@@ -1,18 +1,18 @@
-# Where the joints of the hand are now, from states that come late, irregularly and in part not at all: a parabola through
-# the newest state and two before it. The curvature counts three quarters, which halves its overshoot where a motion ends.
-# How old a state is follows from the fastest delivery of the last seconds: the clocks of program and client may differ, and
-# what the fastest delivery itself needs is not seen.
+# Predicts the hand's joints at present from states that come late, irregularly and with losses: a parabola through the
+# newest state and two earlier ones. Its curvature is weighted by three quarters, which halves the overshoot at the end
+# of a motion. The age of a state is relative to the fastest delivery of the last seconds: the clocks of program and
+# client may differ, and the delay of the fastest delivery is not compensated.
 extends Reference
 
-const SPACING_S = 0.0045      # between the states of a parabola, at least
+const SPACING_S = 0.0045      # minimum spacing between the states of a parabola
 const CURVATURE_SHARE = 0.75
-const LONGEST_S = 0.05        # ahead of the newest state
-const FADES_FROM_S = 0.1      # without a new state the hand returns to the newest,
-const FADED_AT_S = 0.25       # until then
-const DELAY_WINDOW_NS = 2000000000 # the clock's window is between one and two of them
+const LONGEST_S = 0.05        # maximum extrapolation beyond the newest state
+const FADES_FROM_S = 0.1      # without a new state the hand returns to the newest one from this age,
+const FADED_AT_S = 0.25       # until this age
+const DELAY_WINDOW_NS = 2000000000 # the minimum delay is taken over one to two windows
 const KEPT = 4
 
-var _kept = [] # [time_s, joints], newest first; of the others each is SPACING_S older, at least
+var _kept = [] # [time_s, joints], newest first; each other one is at least SPACING_S older
 var _session = 0
 var _newest_sent_ns = 0
 var _delay_ns = 0
@@ -20,12 +20,12 @@ var _delay_before_ns = 0
 var _window_ends_ns = 0
 
 
-# For another connection, whose program may have another clock.
+# Clears all states for another connection, whose program may have another clock.
 func clear() -> void:
 	_kept = []
 
 
-# A state of state.gd, and when it came: 1000 * OS.get_ticks_usec(). Old ones are ignored.
+# Adds a state of state.gd with its time of arrival, 1000 * OS.get_ticks_usec(). Older states are ignored.
 func add(state, received_ns: int) -> void:
 	var same = not _kept.empty() and state.session == _session and state.theta.size() == _kept[0][1].size()
 	if state.theta.size() == 0 or same and (state.sent_monotonic_ns <= _newest_sent_ns or state.time_s == _kept[0][0]):
@@ -36,7 +36,7 @@ func add(state, received_ns: int) -> void:
 		_kept = []
 	_session = state.session
 	_newest_sent_ns = state.sent_monotonic_ns
-	# The newest one stays where it is far enough from the next; otherwise it is replaced.
+	# The newest sample is kept if it is far enough from the next one; otherwise it is replaced.
 	if _kept.size() > 1 and _kept[0][0] - _kept[1][0] < SPACING_S:
 		_kept.pop_front()
 	_kept.push_front([state.time_s, state.theta])
@@ -44,7 +44,7 @@ func add(state, received_ns: int) -> void:
 		_kept.pop_back()
 
 
-# The joints at that time of the same clock; empty before the first state.
+# The joints at a time of the same clock; empty before the first state.
 func joints(now_ns: int) -> PoolRealArray:
 	if _kept.empty():
 		return PoolRealArray()
@@ -71,7 +71,7 @@ func joints(now_ns: int) -> PoolRealArray:
 	return all
 
 
-# The smallest one of this window and of the one before it.
+# Keeps the minimum of this window and of the one before it.
 func _count_delay(ns: int, now_ns: int) -> void:
 	if _kept.empty():
 		_delay_ns = ns

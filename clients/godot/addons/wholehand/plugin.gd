@@ -1,4 +1,4 @@
-# The nodes of Wholehand, in the editor's list of nodes.
+# Adds the nodes of Wholehand to the editor's list of nodes.
 tool
 extends EditorPlugin
 

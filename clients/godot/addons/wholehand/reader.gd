@@ -1,5 +1,5 @@
-# Reads one FlatBuffers message. GDScript has no verifier: every place is checked before it is read, and the first that
-# is not inside the message sets `broken`; all that is read from then on is 0 or empty.
+# Reads one FlatBuffers message. GDScript has no verifier: every offset is checked before it is read, and the first one
+# outside the message sets `broken`; everything that is read from then on is 0 or empty.
 extends Reference
 
 const Parts = preload("engine_parts.gd")
@@ -18,12 +18,12 @@ func open(message: PoolByteArray) -> void:
 	broken = _size < 8 or Parts.part_of(message, 4, 7).get_string_from_ascii() != IDENTIFIER
 
 
-# Where the outermost table is.
+# Offset of the root table.
 func root() -> int:
 	return u32(0)
 
 
-# Where a field of a table is; 0: absent, and has its default.
+# Offset of a table's field; 0: absent, with its default value.
 func field(table: int, slot: int) -> int:
 	var vtable = table - i32(table)
 	if broken or slot >= u16(vtable):
@@ -32,7 +32,7 @@ func field(table: int, slot: int) -> int:
 	return 0 if broken or offset == 0 else table + offset
 
 
-# What the offset at `place` leads to; 0 where the field is absent.
+# Target of the offset at `place`; 0 if the field is absent.
 func follow(place: int) -> int:
 	return 0 if place == 0 else place + u32(place)
 
@@ -41,7 +41,7 @@ func table(of: int, slot: int) -> int:
 	return follow(field(of, slot))
 
 
-# First element of a vector; its length is in `count_of`. 0 where it is absent or longer than the message.
+# Offset of a vector's first element; its length is in `count_of`. 0 if it is absent or longer than the message.
 func vector(of: int, slot: int, size: int) -> int:
 	var place = follow(field(of, slot))
 	if place == 0:
@@ -105,7 +105,7 @@ func text_of(table: int, slot: int) -> String:
 	return text(follow(field(table, slot)))
 
 
-# A string by the place of its length.
+# A string at the offset of its length.
 func text(place: int) -> String:
 	if place == 0:
 		return ""
@@ -145,7 +145,7 @@ func doubles_of(table: int, slot: int) -> Array:
 	return all
 
 
-# Three numbers as they are, in the program's axes.
+# Three numbers without conversion, in the program's axes.
 func vector3(place: int) -> Vector3:
 	if place == 0 or not _inside(place, 12):
 		return Vector3()

@@ -1,4 +1,4 @@
-# A Scene: what states are about until the next one. The program's axes and units.
+# A Scene: the description that states refer to until the next scene. The program's axes and units.
 extends "shape_reader.gd"
 
 var session = 0
@@ -6,7 +6,7 @@ var program_version = ""
 var scene_name = ""
 var hand_name = ""
 var exercise_name = ""
-var exercise_json = ""   # what the exercise reports to its front end
+var exercise_json = ""   # the exercise's description for front ends
 var joint_names = []
 var value_names = []
 var event_names = []
@@ -16,10 +16,10 @@ var links = []           # {name, parent, joint, type, axis, position_m, orienta
 var capsules = []        # {name, link, a_m, b_m, radius_m}
 var bodies = []          # {name, fixed, color, shapes}
 var parameters = []      # {name, unit, lower, upper, initial}
-var budget = {}          # {slots, awake, shape_sets, pieces, vertices, least_kg, ...}; empty: takes no bodies of a game
+var budget = {}          # {slots, awake, shape_sets, pieces, vertices, least_kg, ...}; empty: no bodies of a game
 
 
-# How each field is read: a function of reader.gd.
+# The function of reader.gd that reads each field.
 const FIELDS = {"session": "u32_of", "program_version": "text_of", "scene_name": "text_of", "hand_name": "text_of",
 		"exercise_name": "text_of", "exercise_json": "text_of", "joint_names": "texts_of", "value_names": "texts_of",
 		"event_names": "texts_of", "fault_names": "texts_of"}
@@ -32,7 +32,7 @@ const BUDGET = {"slots": "u16_of", "awake": "u16_of", "shape_sets": "u16_of", "p
 const PARAMETER = {"name": "text_of", "unit": "text_of", "lower": "float_of", "upper": "float_of", "initial": "float_of"}
 
 
-# False where the message is damaged; then nothing of it is to be used.
+# False if the message is damaged; then its fields must not be used.
 func read(reader, table: int) -> bool:
 	var f = Protocol.Scene
 	var own = _fields(reader, table, f, FIELDS)

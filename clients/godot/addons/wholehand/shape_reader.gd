@@ -3,7 +3,7 @@ extends Reference
 
 const Protocol = preload("protocol.gd")
 
-# How each field is read: a function of reader.gd.
+# The function of reader.gd that reads each field.
 const SHAPE = {"type": "u8_of", "half_extents_m": "vector3_of", "radius_m": "float_of", "length_m": "float_of"}
 
 
@@ -39,7 +39,7 @@ func _read_shape(reader, table: int) -> Dictionary:
 	return shape
 
 
-# `position_m` and `orientation` of a Pose, which may be absent: at the origin, not turned.
+# `position_m` and `orientation` of a Pose; an absent one is at the origin, without rotation.
 func _add_pose(reader, pose: int, to: Dictionary) -> void:
 	to["position_m"] = Vector3() if pose == 0 else reader.vector3(pose + Protocol.Pose.position_m)
 	to["orientation"] = Quat() if pose == 0 else reader.quat(pose + Protocol.Pose.orientation_xyzw)

@@ -9,7 +9,7 @@ const SEGMENTS = 16
 const RINGS = 3
 
 
-# Null for a shape that this addon does not know, or whose triangles name corners that it does not have.
+# Null for an unknown shape, or if triangles have invalid vertex indices.
 static func mesh_of(shape: Dictionary) -> Mesh:
 	match shape.type:
 		Protocol.ShapeType.Box:
@@ -37,23 +37,23 @@ static func mesh_of(shape: Dictionary) -> Mesh:
 	return null
 
 
-# Along the axis that capsule_turn() turns; `length` is between the centres of the caps.
+# A capsule along the axis that capsule_turn() rotates; `length` is the distance between the centres of the caps.
 static func capsule(radius: float, length: float) -> Mesh:
 	var mesh = CapsuleMesh.new()
 	# With Godot's 64 segments a hand takes a quarter of a second, and the program takes the controls from a game that
-	# is silent so long.
+	# is silent for so long.
 	mesh.radial_segments = SEGMENTS
 	mesh.rings = RINGS
 	Parts.set_capsule_size(mesh, radius, length)
 	return mesh
 
 
-# From a mesh's own axes to those of the shape: Wholehand's capsules lie along its z, which is Godot's y.
+# The rotation from a mesh's own axes to those of the shape: Wholehand's capsules lie along its z, which is Godot's y.
 static func turn_of(shape: Dictionary) -> Basis:
 	return capsule_turn(Vector3.UP) if shape.type == Protocol.ShapeType.Capsule else Basis()
 
 
-# A rotation that leads the axis of a capsule's mesh there.
+# A rotation from the axis of a capsule's mesh to `along`.
 static func capsule_turn(direction: Vector3) -> Basis:
 	if direction.length() < 1e-9:
 		return Basis()
@@ -69,7 +69,7 @@ static func instance(mesh: Mesh, material: Material) -> MeshInstance:
 	return node
 
 
-# The game's own, or one of this colour.
+# The game's own material, or one of this colour.
 static func material_of(material: Material, color: Color) -> Material:
 	if material != null:
 		return material
@@ -78,7 +78,7 @@ static func material_of(material: Material, color: Color) -> Material:
 	return made
 
 
-# Edges are sharp: every triangle has corners of its own. Godot wants them clockwise, seen from outside.
+# Edges are sharp: every triangle has its own vertices. Godot needs them clockwise, seen from outside.
 static func _convex(shape: Dictionary) -> Mesh:
 	var corners = PoolVector3Array()
 	for i in range(0, shape.triangles.size() - 2, 3):
@@ -111,12 +111,12 @@ static func cylinder_piece(radius: float, height: float) -> Dictionary:
 	return {"type": Protocol.ShapeType.Cylinder, "radius_m": radius, "length_m": height}
 
 
-# `length` is between the centres of the caps.
+# `length` is the distance between the centres of the caps.
 static func capsule_piece(radius: float, length: float) -> Dictionary:
 	return {"type": Protocol.ShapeType.Capsule, "radius_m": radius, "length_m": length}
 
 
-# Convex and closed. `triangles` are three indices of points each, of either winding.
+# A convex and closed piece. `triangles` are three indices of points for each, in either winding order.
 static func convex_piece(points: Array, triangles: Array) -> Dictionary:
 	var points_m = []
 	for point in points:
@@ -124,7 +124,7 @@ static func convex_piece(points: Array, triangles: Array) -> Dictionary:
 	return {"type": Protocol.ShapeType.ConvexMesh, "points_m": points_m, "triangles": triangles}
 
 
-# The piece elsewhere in the body's frame.
+# The piece at another pose in the body's frame.
 static func piece_at(piece: Dictionary, at: Transform) -> Dictionary:
 	var placed = piece.duplicate()
 	placed["position_m"] = Axes.from_godot(at.origin)

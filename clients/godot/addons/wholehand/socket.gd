@@ -3,14 +3,14 @@ extends Reference
 
 enum {CONNECTING, OPEN, REFUSED, LOST}
 
-const BUFFER_KB = 4096 # the largest scene
+const BUFFER_KB = 4096 # size of the largest scene
 
 var state = CONNECTING # changes only within poll()
 
 var _client = WebSocketClient.new()
 
 
-# False where `address` is no address. `token` is empty where the program asks for none.
+# False if `address` is invalid. `token` is empty if the program requires none.
 func open(address: String, token: String) -> bool:
 	_client.set_buffers(BUFFER_KB, 1024, 64, 1024)
 	_client.connect("connection_established", self, "_on_opened")
@@ -34,14 +34,14 @@ func take_packet() -> PoolByteArray:
 	return _client.get_peer(1).get_packet()
 
 
-# Only while it is open.
+# Call it only while the socket is open.
 func send(message: PoolByteArray) -> void:
 	var peer = _client.get_peer(1)
 	peer.set_write_mode(WebSocketPeer.WRITE_MODE_BINARY)
 	peer.put_packet(message)
 
 
-# It is not opened again.
+# A closed socket is not opened again.
 func close() -> void:
 	_client.disconnect_from_host()
 

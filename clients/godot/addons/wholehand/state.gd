@@ -4,7 +4,7 @@ extends Reference
 
 const Protocol = preload("protocol.gd")
 
-var session = 0          # counts from 1 with every arming
+var session = 0          # increases by one with every arming, from 1
 var tick = 0
 var time_s = 0.0
 var sent_monotonic_ns = 0
@@ -13,19 +13,19 @@ var steering = 0         # Protocol.Steering
 var faults = 0
 var latched_faults = 0
 var authority = 0.0      # 1 while rendering, 0 at neutral
-var alpha = 0.0          # of the exercise's transition
-var endings = 0          # stops, faults and ends of sessions; arm() names the last one that was shown
-var q_m = PoolRealArray() # device
-var q_s = PoolRealArray() # avatar
+var alpha = 0.0          # blend factor of the exercise's transition
+var endings = 0          # number of stops, faults and ends of sessions; arm() needs the last one that was shown
+var q_m = PoolRealArray() # coordinates of the device
+var q_s = PoolRealArray() # coordinates of the avatar
 var theta = PoolRealArray() # joints of the avatar
 var sent = PoolRealArray()  # efforts that the device received [N or N m]
-var values = []          # of the exercise
+var values = []          # values of the exercise
 var body_positions = []  # Vector3 [m], centre of mass
 var body_orientations = [] # Quat
 var contacts = []        # {capsule, body, point_m, force_n}; the force is on the hand
 
 
-# False where the message is damaged; then nothing of it is to be used.
+# False if the message is damaged; then its fields must not be used.
 func read(reader, table: int) -> bool:
 	var f = Protocol.WorldState
 	session = reader.u32_of(table, f.session)

@@ -1,11 +1,11 @@
-# Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels. A child whose
-# metadata "wholehand_body" is the name of a body, or [slot, generation] of one of the game, is moved instead, and keeps the
-# look that the game gave it. It also orders bodies of a game, in the game's world; in place of a slot a body may have a number
-# from 1000 on. This node's transform places the program's world in the game's; leave its scale at 1, and put it where the
-# hand's is.
+# Draws the bodies of the program's scene and those that a game has spawned, which are those that the hand can touch. A
+# child whose metadata "wholehand_body" is the name of a body, or [slot, generation] of one of the game, is moved
+# instead, and keeps its appearance. This node also sends orders for bodies of a game, in the game's world; instead of a
+# slot a body may have a number from 1000 on. This node's transform places the program's world in the game's; leave its
+# scale at 1, and use the same pose as the hand's.
 extends Spatial
 
-# The bodies of a new scene stand.
+# The bodies of a new scene are built.
 signal built
 
 const Axes = preload("axes.gd")
@@ -17,24 +17,24 @@ const NAME = "wholehand_body"
 const TARGETS_MS = 15
 const TARGETS_MS_OF_64 = 5
 const MOST_TARGETS = 64
-const EMPTY_BELOW_M = -8.0 # where empty slots are; a body of the game is within 5 m
+const EMPTY_BELOW_M = -8.0 # empty slots are below this; a body of the game is within 5 m
 
-# Of the node with connection.gd; empty: the parent.
+# Path of the node with connection.gd; empty: the parent.
 export(NodePath) var connection_path = NodePath("..")
 export(Material) var material
 export var game_body_color = Color(0.23, 0.44, 0.82)
 
 var connection = null
-var drawn_tick = -1 # of the state that is drawn; -1: nothing is
+var drawn_tick = -1 # tick of the drawn state; -1: nothing is drawn
 var bodies = []     # Spatial, in the order of scene.bodies
 var game_bodies = {} # slot or number -> Spatial
 
 var _made = []
 var _names = []
 var _session = 0
-var _generations = {} # of game_bodies
-var _slots = {}       # of those of game_bodies that the loop has: slot or number -> slot
-var _made_of_game = {} # of game_bodies, those that this node made
+var _generations = {} # generations of game_bodies
+var _slots = {}       # for those of game_bodies that the loop has: slot or number -> slot
+var _made_of_game = {} # those of game_bodies that this node made
 var _targets = {}     # slot or number -> Transform in the program's world, in Godot's axes
 var _targets_ms = 0
 
@@ -67,15 +67,15 @@ func _process(_delta: float) -> void:
 		connection.set_body_targets(some)
 
 
-# ---- bodies of a game; `at` is where the centre of mass is in the game's world. Each order gives its number for the
-# connection's `replied`, or 0 where it is not connected ----
+# ---- bodies of a game; `at` is the position of the centre of mass in the game's world. Each order returns its number
+# for the connection's `replied`, or 0 without a connection ----
 
-# Gives the pieces of bodies to come: shapes.gd makes them in Godot's axes.
+# Defines the pieces of later bodies: shapes.gd makes them in Godot's axes.
 func prepare_shapes(shape_set: int, pieces: Array) -> int:
 	return connection.prepare_shapes(shape_set, pieces)
 
 
-# @param body as for connection.gd, without its pose: slot, shape_set, generation, owner, mass_kg, ...
+# @param body like for connection.gd, without its pose: slot, shape_set, generation, owner, mass_kg, ...
 func spawn(body: Dictionary, at: Transform) -> int:
 	var placed = body.duplicate()
 	var pose = _pose_in_program(_from_game(at))
@@ -92,18 +92,19 @@ func teleport_body(slot: int, generation: int, at: Transform) -> int:
 	return connection.teleport_bodies([[slot, generation] + _pose_in_program(_from_game(at))])
 
 
-# Who moves it from now on: Protocol.BodyOwner.
+# Changes the owner that moves it: Protocol.BodyOwner.
 func set_body_owner(slot: int, generation: int, owner: int) -> int:
 	return connection.set_body_owners([[slot, generation, owner]])
 
 
-# Where a body of owner Game that is in the world is pulled to; beyond the slots it is there at once. It holds until another is set, as long as frames run.
+# Sets the target of a body of owner Game in the world; beyond the slots it is there at once. The target holds until
+# another one is set, as long as frames run.
 func set_target(slot: int, at: Transform) -> void:
 	if game_bodies.has(slot):
 		_targets[slot] = _from_game(at)
 
 
-# The body halts within 0.1 s.
+# Clears the target; the body halts within 0.1 s.
 func clear_target(slot: int) -> void:
 	_targets.erase(slot)
 
@@ -116,13 +117,13 @@ func _pose_in_program(at: Transform) -> Array:
 	return [Axes.from_godot(at.origin), Axes.quat_from_godot(at.basis.get_rotation_quat())]
 
 
-# Null where the scene has no such body.
+# A body by its name; null if the scene has none of that name.
 func body(body_name: String) -> Spatial:
 	var i = _names.find(body_name)
 	return null if i < 0 else bodies[i]
 
 
-# A program reports where the first 128 bodies of a scene are.
+# A program reports the poses of a scene's first 128 bodies.
 func _draw_state(state) -> void:
 	if state.session != _session or state.body_positions.empty():
 		return
@@ -204,7 +205,7 @@ func _build_game_bodies(reported) -> void:
 			_stand(body)
 
 
-# Beyond the slots a body is where the list says; in a slot, where states say.
+# The pose of a body beyond the slots comes from the list, that of a body in a slot from states.
 func _stand(body: Dictionary) -> void:
 	if game_bodies.has(body.number) and not _slots.has(body.number):
 		game_bodies[body.number].transform = Axes.pose_to_godot(body.position_m, body.orientation)

@@ -1,6 +1,6 @@
 # Writes one FlatBuffers message. A table is an array of fields [slot, kind, value]; kinds: "u8", "u16", "u32", "f32",
-# "f64", "text", "table", "tables"; "struct" and "structs", whose value is an array of [kind, number] for each struct, and
-# whose numbers have 4 bytes or fewer; "floats" and "u32s". Forwards: each table, then what it refers to.
+# "f64", "text", "table", "tables"; "struct" and "structs", whose value is an array of [kind, number] for each struct,
+# and whose numbers have 4 bytes or fewer; "floats" and "u32s". It writes forwards: each table, then its children.
 extends Reference
 
 const SIZES = {"u8": 1, "u16": 2, "u32": 4, "f32": 4, "f64": 8, "text": 4, "floats": 4, "u32s": 4, "table": 4, "tables": 4,
@@ -19,14 +19,14 @@ func write(identifier: String, fields: Array) -> PoolByteArray:
 	return _bytes.data_array
 
 
-# Where the table is.
+# Offset of the table.
 func _write_table(fields: Array) -> int:
 	fields = fields.duplicate()
-	fields.sort_custom(self, "_is_wider") # then each is aligned without gaps
+	fields.sort_custom(self, "_is_wider") # sorted by size, each field is aligned without gaps
 	var slots = 4
 	for field in fields:
 		slots = int(max(slots, field[0] + 2))
-	_align(8, slots + 4) # the first field behind the table's own offset stands at a multiple of 8
+	_align(8, slots + 4) # the first field behind the table's own offset is at a multiple of 8
 	var vtable = _bytes.get_size()
 	var offset = 4
 	var offsets = {}
@@ -76,7 +76,7 @@ func _write_child(kind: String, value) -> int:
 	return place
 
 
-# After their count: where each is, then they.
+# A vector of tables: their count, their offsets, then the tables.
 func _write_tables(tables: Array) -> void:
 	var first = _bytes.get_size()
 	for _table in tables:
@@ -114,14 +114,14 @@ func _put_scalar(kind: String, value) -> void:
 		"struct":
 			_put_struct(value)
 		_:
-			_bytes.put_u32(0) # an offset: written when it is known
+			_bytes.put_u32(0) # an offset that is written later
 
 
 func _is_wider(a, b) -> bool:
 	return SIZES.get(a[1], STRUCT_ALIGNMENT) > SIZES.get(b[1], STRUCT_ALIGNMENT)
 
 
-# So that what begins `ahead` bytes from here stands at a multiple of `size`.
+# Pads so that the data `ahead` bytes from here are at a multiple of `size`.
 func _align(size: int, ahead: int) -> void:
 	while (_bytes.get_size() + ahead) % size != 0:
 		_bytes.put_u8(0)

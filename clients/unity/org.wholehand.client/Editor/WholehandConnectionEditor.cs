@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Wholehand.Unity.Editor
 {
-    /// <summary>Adds to the inspector whether the program is connected, and how states reach the game.</summary>
+    /// <summary>Adds the state of the connection and the statistics of received states to the inspector.</summary>
     [CustomEditor(typeof(WholehandConnection))]
     public sealed class WholehandConnectionEditor : UnityEditor.Editor
     {
@@ -20,7 +20,7 @@ namespace Wholehand.Unity.Editor
             return Application.isPlaying;
         }
 
-        /// <summary>Lines for a person.</summary>
+        /// <summary>A description in a few lines.</summary>
         public static string Describe(WholehandConnection connection)
         {
             ClientStatistics s = connection.Client.Statistics;

@@ -4,12 +4,12 @@ using UnityEngine.Rendering;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Meshes in colour under any render pipeline.</summary>
+    /// <summary>Coloured meshes for any render pipeline.</summary>
     internal static class Appearance
     {
         private static Material standard;
 
-        /// <summary>The pipeline's own default; of the built-in one, its shader Standard.</summary>
+        /// <summary>The pipeline's default material; in the built-in pipeline one with the shader Standard.</summary>
         public static Material Default
         {
             get
@@ -29,13 +29,13 @@ namespace Wholehand.Unity
             var renderer = part.AddComponent<MeshRenderer>();
             renderer.sharedMaterial = material ? material : Default;
             var block = new MaterialPropertyBlock();
-            block.SetColor("_Color", color);     // the built-in pipeline's name
-            block.SetColor("_BaseColor", color); // that of URP and HDRP
+            block.SetColor("_Color", color);     // name in the built-in pipeline
+            block.SetColor("_BaseColor", color); // name in URP and HDRP
             renderer.SetPropertyBlock(block);
             return part;
         }
 
-        /// <summary>Unity keeps a mesh whose object is gone.</summary>
+        /// <summary>Destroys meshes: Unity keeps a mesh when its object is destroyed.</summary>
         public static void DestroyAll(List<Mesh> meshes)
         {
             foreach (Mesh mesh in meshes) Object.Destroy(mesh);
@@ -50,14 +50,14 @@ namespace Wholehand.Unity
             return child;
         }
 
-        /// <summary>#RRGGBB of a scene.</summary>
+        /// <summary>The colour for #RRGGBB of a scene.</summary>
         public static Color ColorOf(string text)
         {
             Color color;
             return ColorUtility.TryParseHtmlString(text ?? "", out color) ? color : Color.gray;
         }
 
-        /// <summary>Of objects that are moved by hand, with colliders.</summary>
+        /// <summary>A rigidbody for objects with colliders that are moved by script.</summary>
         public static Rigidbody AddKinematicRigidbody(GameObject to)
         {
             var rigidbody = to.AddComponent<Rigidbody>();

@@ -21,14 +21,14 @@ namespace Wholehand.Unity
             return BodyShape.Cylinder(radius, height);
         }
 
-        /// <param name="height">Of all, as that of Unity's capsule collider.</param>
+        /// <param name="height">Total height, like that of Unity's capsule collider.</param>
         public static BodyShape Capsule(float radius, float height)
         {
             return BodyShape.Capsule(radius, Mathf.Max(0.0f, height - 2.0f * radius));
         }
 
-        /// <summary>Of a convex and closed mesh. Corners at the same place become one, as the program's check of closed
-        /// surfaces needs it: Unity's meshes have a corner for each normal.</summary>
+        /// <summary>A piece from a convex and closed mesh. Vertices at the same place are merged, as the program's
+        /// check of closed surfaces requires it: Unity's meshes have one vertex for each normal.</summary>
         public static BodyShape Convex(Mesh mesh)
         {
             Vector3[] vertices = mesh.vertices;
@@ -50,7 +50,7 @@ namespace Wholehand.Unity
             return BodyShape.Mesh(points.ToArray(), triangles);
         }
 
-        /// <summary>The piece elsewhere in the body's frame.</summary>
+        /// <summary>The piece at another pose in the body's frame.</summary>
         public static BodyShape At(this BodyShape shape, Vector3 position, Quaternion rotation)
         {
             shape.PositionM = position.ToWholehand();

@@ -4,13 +4,13 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Meshes of the shapes of a scene, in Unity's axes [m]; corners clockwise seen from outside. Cylinders and
-    /// capsules lie along y, which is Wholehand's z.</summary>
+    /// <summary>Meshes of the shapes of a scene, in Unity's axes [m]; corners clockwise seen from outside. Cylinders
+    /// and capsules lie along y, which is Wholehand's z.</summary>
     public static class ShapeMeshes
     {
         private const int Segments = 24, Rings = 8;
 
-        /// <param name="halfExtents">In Unity's axes.</param>
+        /// <param name="halfExtents">Half extents in Unity's axes.</param>
         public static Mesh Box(Vector3 halfExtents)
         {
             var vertices = new List<Vector3>();
@@ -36,7 +36,7 @@ namespace Wholehand.Unity
             return Capsule(radius, 0.0f);
         }
 
-        /// <param name="length">Between the centres of the caps; 0: a sphere.</param>
+        /// <param name="length">Distance between the centres of the caps; 0: a sphere.</param>
         public static Mesh Capsule(float radius, float length)
         {
             var vertices = new List<Vector3>();
@@ -76,8 +76,8 @@ namespace Wholehand.Unity
             return Made("cylinder", vertices, triangles);
         }
 
-        /// <summary>The mesh of a shape, without its pose in the body; null for a shape that this package does not know, or
-        /// whose triangles name corners that it does not have.</summary>
+        /// <summary>The mesh of a shape, without its pose in the body; null for an unknown shape, or
+        /// if triangles have invalid vertex indices.</summary>
         public static Mesh Of(Shape shape)
         {
             switch (shape.Type)
@@ -91,21 +91,21 @@ namespace Wholehand.Unity
             }
         }
 
-        /// <summary>Of a box, in Unity's axes.</summary>
+        /// <summary>Half extents of a box, in Unity's axes.</summary>
         internal static Vector3 HalfExtents(Shape box)
         {
             Vec3 h = box.HalfExtentsM.Value;
             return new Vector3(h.Y, h.Z, h.X);
         }
 
-        // Edges are sharp: every triangle has corners of its own.
+        // Edges are sharp: every triangle has its own vertices.
         private static Mesh Convex(Shape shape)
         {
             var vertices = new List<Vector3>();
             var triangles = new List<int>();
             for (int i = 0; i + 2 < shape.TrianglesLength; i += 3)
             {
-                for (int corner = 2; corner >= 0; --corner) // a reflection turns the order round
+                for (int corner = 2; corner >= 0; --corner) // a reflection reverses the winding order
                 {
                     uint point = shape.Triangles(i + corner);
                     if (point >= shape.PointsMLength) return null;

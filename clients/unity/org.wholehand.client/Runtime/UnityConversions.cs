@@ -3,10 +3,11 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Wholehand's vectors and rotations as Unity's: axes by EngineAxes.Unity, metres stay metres.</summary>
+    /// <summary>Conversions between Wholehand's and Unity's vectors and rotations: axes by EngineAxes.Unity, both in
+    /// metres.</summary>
     public static class UnityConversions
     {
-        /// <summary>Positions, velocities, forces.</summary>
+        /// <summary>Converts positions, velocities, forces.</summary>
         public static Vector3 ToVector3(this Vector v)
         {
             Vector u = EngineAxes.Unity.Position(v);
@@ -29,7 +30,7 @@ namespace Wholehand.Unity
             return new Rotation(q.X, q.Y, q.Z, q.W).ToQuaternion();
         }
 
-        /// <summary>Positions, velocities, forces; for aims and game objects.</summary>
+        /// <summary>Converts positions, velocities, forces to the program's axes, for aims and game objects.</summary>
         public static Vector ToWholehand(this Vector3 v)
         {
             return EngineAxes.Unity.PositionFrom(new Vector(v.x, v.y, v.z));
@@ -40,8 +41,8 @@ namespace Wholehand.Unity
             return EngineAxes.Unity.OrientationFrom(new Rotation(q.x, q.y, q.z, q.w));
         }
 
-        /// <summary>A point of the game's world in the program's axes.</summary>
-        /// <param name="world">Of the Wholehand World.</param>
+        /// <summary>Converts a point of the game's world to the program's axes.</summary>
+        /// <param name="world">Transform of the Wholehand World.</param>
         internal static Vector ToProgram(this Transform world, Vector3 point)
         {
             return world.InverseTransformPoint(point).ToWholehand();

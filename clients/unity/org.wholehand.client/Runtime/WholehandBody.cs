@@ -4,9 +4,9 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>One body of the scene, or one that the game has spawned. Wholehand World makes them; where one with this
-    /// name, or this GameId, is a child of the world already, that one is moved instead and keeps the look that the game
-    /// gave it.</summary>
+    /// <summary>One body of the scene, or one that the game has spawned. Wholehand World makes them; if one with this
+    /// name, or this GameId, is already a child of the world, that one is moved instead and keeps its appearance from
+    /// the game.</summary>
     [AddComponentMenu("Wholehand/Wholehand Body")]
     [DisallowMultipleComponent]
     public sealed class WholehandBody : MonoBehaviour
@@ -14,7 +14,7 @@ namespace Wholehand.Unity
         [Tooltip("Of the scene file of the program: \"cube\".")]
         [SerializeField] private string bodyName = "";
 
-        private readonly List<Mesh> meshes = new List<Mesh>(); // that this component made
+        private readonly List<Mesh> meshes = new List<Mesh>(); // meshes that this component made
         private Rigidbody forPhysics;
 
         private Vector3 target;
@@ -22,33 +22,34 @@ namespace Wholehand.Unity
 
         public string BodyName { get { return bodyName; } set { bodyName = value; } }
 
-        /// <summary>Index into WorldSnapshot.BodyPositions, and of a body of the scene into Scene.Bodies; -1: there is no
-        /// such body at present, or it stands still beyond the slots.</summary>
+        /// <summary>Index into WorldSnapshot.BodyPositions, and for a body of the scene into Scene.Bodies; -1: there is
+        /// no such body at present, or it stands still beyond the slots.</summary>
         public int Index { get; internal set; } = -1;
 
-        /// <summary>Of a body that the game spawns; null: of the scene.</summary>
+        /// <summary>Name of a body that the game spawns; null: a body of the scene.</summary>
         public BodyId? GameId { get; set; }
 
-        /// <summary>Of a body of the game: a ghost is drawn, but touches nothing; Parked, it has no slot.</summary>
+        /// <summary>State of a body of the game: a ghost is drawn, but touches nothing; Parked: it has no
+        /// slot.</summary>
         public SlotState State { get; internal set; }
 
-        /// <summary>Of a body of the game with a number in place of a slot.</summary>
+        /// <summary>Location of a body of the game that has a number instead of a slot.</summary>
         public Whereabouts Whereabouts { get; internal set; }
 
-        /// <summary>A target is set.</summary>
+        /// <summary>Whether a target is set.</summary>
         public bool HasTarget { get; private set; }
 
-        /// <summary>Never moves. Not known of a body of the game.</summary>
+        /// <summary>Whether it never moves. Unknown for a body of the game.</summary>
         public bool Fixed { get; private set; }
 
-        /// <summary>It stands for a body that is in the world.</summary>
+        /// <summary>Whether it represents a body that is in the world.</summary>
         internal bool Attached { get; private set; }
 
-        /// <summary>True: the world made it, and removes it with its scene.</summary>
+        /// <summary>True: the world made this object, and removes it with its scene.</summary>
         internal bool Made { get; set; }
 
-        /// <summary>Where a body of the game with BodyOwner.Game is pulled to: its centre of mass, in the game's world. It
-        /// holds until another is set, as long as the game's frames run.</summary>
+        /// <summary>Sets the target of a body of the game with BodyOwner.Game: its centre of mass, in the game's world.
+        /// The target holds until another one is set, as long as the game's frames run.</summary>
         public void SetTarget(Vector3 position, Quaternion rotation)
         {
             target = position;
@@ -56,13 +57,13 @@ namespace Wholehand.Unity
             HasTarget = true;
         }
 
-        /// <summary>The body halts within 0.1 s.</summary>
+        /// <summary>Clears the target; the body halts within 0.1 s.</summary>
         public void ClearTarget()
         {
             HasTarget = false;
         }
 
-        /// <summary>In the axes of the program and of the world that this body belongs to.</summary>
+        /// <summary>The target in the axes of the program and of the world that this body belongs to.</summary>
         internal BodyAt TargetIn(Transform world)
         {
             return new BodyAt(GameId.Value, world.ToProgram(target), world.ToProgram(targetRotation));
@@ -74,7 +75,8 @@ namespace Wholehand.Unity
             Index = index;
             Fixed = isFixed;
             if (!kinematicColliders || forPhysics) return;
-            // Beside the drawn object: a kinematic body whose transform is set has no speed for Unity's physics.
+            // A separate object for physics: a kinematic body whose transform is set has no velocity for Unity's
+            // physics.
             GameObject holder = Appearance.AddChild(transform.parent, name + " physics");
             forPhysics = Appearance.AddKinematicRigidbody(holder);
             foreach (Shape shape in shapes) AddCollider(shape);
@@ -96,14 +98,14 @@ namespace Wholehand.Unity
             }
         }
 
-        /// <summary>In the world's axes.</summary>
+        /// <summary>Sets the drawn pose, in the world's axes.</summary>
         internal void Draw(Vector3 position, Quaternion rotation)
         {
             transform.localPosition = position;
             transform.localRotation = rotation;
         }
 
-        /// <summary>In the game's world.</summary>
+        /// <summary>Moves the physics object, in the game's world.</summary>
         internal void MoveForPhysics(Vector3 position, Quaternion rotation)
         {
             if (!forPhysics) return;

@@ -4,16 +4,16 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>The connection to a running Wholehand program; one a scene is enough. It connects in its first frame,
-    /// again after the program was gone, and ends when it is disabled. Every frame it takes the newest state and
-    /// raises the client's events on the main thread. When the game is paused or hangs for 1 s, the program takes
-    /// the controls back.</summary>
+    /// <summary>The connection to a running Wholehand program; one is enough for a scene. It connects in its first
+    /// frame, reconnects after the program was absent, and ends when it is disabled. In every frame it takes the newest
+    /// state and raises the client's events on the main thread. When the game is paused or hangs for 1 s, the program
+    /// takes the controls back.</summary>
     [AddComponentMenu("Wholehand/Wholehand Connection")]
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-100)]
     public sealed class WholehandConnection : MonoBehaviour
     {
-        /// <summary>Environment variable with the token that a program on another machine asks for. It is not
+        /// <summary>Environment variable with the token that a program on another machine requires. The token is not
         /// serialized: a scene file is no place for a secret.</summary>
         public const string TokenVariable = "WHOLEHAND_TOKEN";
 
@@ -33,7 +33,7 @@ namespace Wholehand.Unity
         private readonly MotionPredictor motion = new MotionPredictor();
         private WholehandClient client;
 
-        /// <summary>Of the program. A change of this and the next three takes effect when the component is enabled
+        /// <summary>Host of the program. A change of this and the next three takes effect when the component is enabled
         /// next.</summary>
         public string Host { get { return host; } set { host = value; } }
 
@@ -41,63 +41,65 @@ namespace Wholehand.Unity
 
         public int RateHz { get { return rateHz; } set { rateHz = value; } }
 
-        /// <summary>Connected or not, and in words why. This event and the next four are raised on the main thread, in
-        /// Update.</summary>
+        /// <summary>Whether it is connected, and a description of the reason. This event and the next four are raised
+        /// on the main thread, in Update.</summary>
         public event Action<bool, string> ConnectionChanged;
 
         public event Action<Scene> SceneChanged;
 
-        /// <summary>Of the exercise: Scene.EventNames.</summary>
+        /// <summary>Events of the exercise: Scene.EventNames.</summary>
         public event Action<Events> EventsReceived;
 
-        /// <summary>Who holds the controls.</summary>
+        /// <summary>The holder of the controls changed.</summary>
         public event Action<Controls> ControlsChanged;
 
-        /// <summary>What became of a body of the game: docs/protocol.md of Wholehand, "Bodies of a game".</summary>
+        /// <summary>An event of a body of the game: docs/protocol.md of Wholehand, "Bodies of a game".</summary>
         public event Action<BodyEvent> BodyEventReceived;
 
-        /// <summary>Null: the environment variable WHOLEHAND_TOKEN, where there is one.</summary>
+        /// <summary>The token. Null: the environment variable WHOLEHAND_TOKEN, if it is set.</summary>
         public string Token { get; set; }
 
-        /// <summary>For commands and statistics. Null before the first frame and while the component is
+        /// <summary>The client, for commands and statistics. Null before the first frame and while the component is
         /// disabled.</summary>
         public WholehandClient Client { get { return client; } }
 
         public bool Connected { get { return client != null && client.Connected; } }
 
-        /// <summary>Connected or not, and in words why.</summary>
+        /// <summary>Description of the connection's state.</summary>
         public string Message { get; private set; }
 
-        /// <summary>The newest; valid where HasState.</summary>
+        /// <summary>The newest state; valid if HasState.</summary>
         public HandState State { get { return state; } }
 
         /// <summary>Bodies and contacts of the newest state by WebSocket; 60 a second.</summary>
         public WorldSnapshot World { get { return world; } }
 
-        /// <summary>Where the joints are between states and beyond the newest.</summary>
+        /// <summary>Predicted motion of the joints between and after states.</summary>
         public MotionPredictor Motion { get { return motion; } }
 
-        /// <summary>Which slots hold bodies of a game.</summary>
+        /// <summary>The bodies of a game.</summary>
         public BodySlots Bodies { get { return bodies; } }
 
-        /// <summary>Rises whenever Bodies has changed.</summary>
+        /// <summary>Increases whenever Bodies has changed.</summary>
         public int BodiesNumber { get; private set; }
 
         public bool HasState { get; private set; }
 
-        /// <summary>Null before the first.</summary>
+        /// <summary>The newest scene; null before the first one.</summary>
         public Scene? Scene { get; private set; }
 
-        /// <summary>Rises with every scene: who builds something of it compares it with the one it built.</summary>
+        /// <summary>Increases with every scene: components compare it with the number of the scene that they were built
+        /// for.</summary>
         public int SceneNumber { get; private set; }
 
-        /// <summary>Since the newest state came [s]; infinite before the first. Above 1 something is wrong.</summary>
+        /// <summary>Time since the newest state came [s]; infinite before the first. Above 1 something is
+        /// wrong.</summary>
         public double SecondsSinceState
         {
             get { return HasState ? (MonotonicClock.NowNs() - state.ReceivedNs) * 1e-9 : double.PositiveInfinity; }
         }
 
-        // Not in OnEnable: who adds this component by script sets its port right after.
+        // Not in OnEnable: a script that adds this component sets its port right after.
         private bool Open()
         {
             if (client != null) return true;
@@ -136,7 +138,7 @@ namespace Wholehand.Unity
             Message = "not connected: the component is disabled";
         }
 
-        // Before all other components of this package, so that they have the newest in this very step.
+        // Runs before all other components of this package, so that they use the newest state in this step.
         private void FixedUpdate()
         {
             if (Open()) TakeNewest();
@@ -178,8 +180,8 @@ namespace Wholehand.Unity
             if (SceneChanged != null) SceneChanged(scene);
         }
 
-        /// <summary>The connection that a component uses: the one it names, or the one above it. Null, and an error
-        /// that says what to do, where there is none.</summary>
+        /// <summary>The connection of a component: the one that it names, or the one above it. Null, with an error
+        /// message that explains the remedy, if there is none.</summary>
         internal static WholehandConnection Of(MonoBehaviour user, WholehandConnection named)
         {
             WholehandConnection found = named ? named : user.GetComponentInParent<WholehandConnection>();

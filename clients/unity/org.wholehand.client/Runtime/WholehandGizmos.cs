@@ -3,9 +3,9 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Shows in the scene view what the program feels and where it ends: a ball and a line of force at each
-    /// contact, the box that the axes x, y and z may move in, and for each axis a gauge of its place between its limits
-    /// and of its effort. Belongs on the object of the Wholehand Hand. In a built game it does nothing.</summary>
+    /// <summary>Shows contacts and limits in the scene view: a ball and a line of force at each
+    /// contact, the range of the axes x, y and z as a box, and for each axis a gauge of its position between its limits
+    /// and of its effort. Add it to the object of the Wholehand Hand. In a built game it does nothing.</summary>
     [AddComponentMenu("Wholehand/Wholehand Gizmos")]
     [DisallowMultipleComponent]
     public sealed class WholehandGizmos : MonoBehaviour
@@ -81,7 +81,7 @@ namespace Wholehand.Unity
             Gizmos.DrawWireCube(0.5f * (lower + upper), upper - lower);
         }
 
-        // To the right of the hand's world; the mark on it is the position, the bar beside it the effort.
+        // Drawn to the right of the hand's world; the mark on it is the position, the bar beside it the effort.
         private void DrawGauge(int axis, float position, float effort)
         {
             var foot = new Vector3(0.2f + axis * GaugeSpace, 0.0f, 0.0f);

@@ -5,8 +5,8 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Draws the hand where the program has it, from Scene.Links and the joint angles of the newest state. Each
-    /// link is an object below this one: hang meshes of a game below Link("thumb_ip_flexion"). They stay there while
+    /// <summary>Draws the hand at the program's pose, from Scene.Links and the joint angles of the newest state. Each
+    /// link is an object below this one: add meshes of a game below Link("thumb_ip_flexion"). They stay there while
     /// scenes change, as long as the hand has a link of that name. This object's own transform places the program's
     /// world in the game's; leave its scale at 1.</summary>
     [AddComponentMenu("Wholehand/Wholehand Hand")]
@@ -33,17 +33,18 @@ namespace Wholehand.Unity
         [SerializeField] private Color color = new Color(0.85f, 0.68f, 0.56f);
 
         private HandKinematics kinematics;
-        private readonly List<GameObject> capsules = new List<GameObject>(); // drawn, below the links
+        private readonly List<GameObject> capsules = new List<GameObject>(); // drawn capsules, below the links
         private readonly List<Mesh> meshes = new List<Mesh>();
         private Transform[] links = new Transform[0];
-        private Rigidbody[] bodies = new Rigidbody[0]; // of the links, for Unity's physics
+        private Rigidbody[] bodies = new Rigidbody[0]; // rigidbodies of the links, for Unity's physics
         private Transform linkRoot, bodyRoot;
         private float[] predicted = new float[0];
         private int builtScene, joints;
 
         public WholehandConnection Connection { get { return connection; } set { connection = value; } }
 
-        /// <summary>Takes effect with the next scene, as do the three that follow.</summary>
+        /// <summary>Whether capsules are drawn. This and the three properties that follow take effect with the next
+        /// scene.</summary>
         public bool DrawCapsules { get { return drawCapsules; } set { drawCapsules = value; } }
 
         public bool KinematicCapsules { get { return kinematicCapsules; } set { kinematicCapsules = value; } }
@@ -52,36 +53,36 @@ namespace Wholehand.Unity
 
         public Color Color { get { return color; } set { color = value; } }
 
-        /// <summary>The hand is drawn where it is now, by the motion of the last states; bodies stay where the newest state
-        /// has them. Takes effect at once.</summary>
+        /// <summary>The hand is drawn at its present pose, predicted from the last states; bodies stay at the newest
+        /// state's pose. Takes effect at once.</summary>
         public bool PredictMotion { get { return predictMotion; } set { predictMotion = value; } }
 
-        /// <summary>Raised when the links of a new scene stand: with every arming, too.</summary>
+        /// <summary>Raised when the links of a new scene are built, which happens with every arming.</summary>
         public event Action<WholehandHand> Built;
 
-        /// <summary>0 before the first scene.</summary>
+        /// <summary>Number of links; 0 before the first scene.</summary>
         public int LinkCount { get { return links.Length; } }
 
-        /// <summary>Of the state that is drawn.</summary>
+        /// <summary>Tick of the drawn state.</summary>
         public ulong DrawnTick { get; private set; }
 
-        /// <summary>Session of the state that is drawn; 0: nothing has been drawn yet.</summary>
+        /// <summary>Session of the drawn state; 0: nothing has been drawn yet.</summary>
         public uint DrawnSession { get; private set; }
 
-        /// <summary>Moves with link i of Scene.Links.</summary>
+        /// <summary>The object that moves with link i of Scene.Links.</summary>
         public Transform Link(int i)
         {
             return links[i];
         }
 
-        /// <summary>Null where the hand has no such link.</summary>
+        /// <summary>A link by its name; null if the hand has no such link.</summary>
         public Transform Link(string link)
         {
             int i = kinematics == null ? -1 : kinematics.Find(link);
             return i < 0 ? null : links[i];
         }
 
-        /// <summary>Where link i is that is drawn, in this object's axes.</summary>
+        /// <summary>Position of the drawn link i, in this object's axes.</summary>
         public Vector3 LinkPosition(int i)
         {
             return kinematics.Position(i).ToVector3();
@@ -103,7 +104,7 @@ namespace Wholehand.Unity
             if (bodies.Length == 0 || !Compute()) return;
             for (int i = 0; i < bodies.Length; ++i)
             {
-                // The physics engine gives the body the speed that this step needs.
+                // The physics engine computes the body's velocity from this step.
                 bodies[i].MovePosition(transform.TransformPoint(LinkPosition(i)));
                 bodies[i].MoveRotation(transform.rotation * LinkRotation(i));
             }
@@ -131,7 +132,7 @@ namespace Wholehand.Unity
             Appearance.DestroyAll(meshes);
         }
 
-        // False where the newest state says nothing of this hand: before the first tick, and while a scene changes.
+        // False if the newest state has no pose of this hand: before the first tick, and while a scene changes.
         private bool Compute()
         {
             if (kinematics == null || !connection.HasState || connection.State.JointAngles.Length != joints) return false;
@@ -169,7 +170,7 @@ namespace Wholehand.Unity
             if (Built != null) Built(this);
         }
 
-        // Links of before stay, with what the game has hung below them.
+        // Existing links are kept, with the game's objects below them.
         private void MakeLinks(Scene scene)
         {
             if (!linkRoot) linkRoot = Appearance.AddChild(transform, "Links").transform;

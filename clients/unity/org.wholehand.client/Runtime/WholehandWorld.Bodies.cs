@@ -22,10 +22,10 @@ namespace Wholehand.Unity
         private long targetsNs;
         private int builtBodies = -1;
 
-        /// <summary>Of bodies that appear from now on.</summary>
+        /// <summary>Colour of bodies that appear from now on.</summary>
         public Color GameBodyColor { get { return gameBodyColor; } set { gameBodyColor = value; } }
 
-        /// <summary>Bodies of the game that are in the world.</summary>
+        /// <summary>Number of the game's bodies in the world.</summary>
         public int GameBodyCount { get { return gameBodies.Count; } }
 
         public WholehandBody GameBody(int i)
@@ -33,21 +33,21 @@ namespace Wholehand.Unity
             return gameBodies[i];
         }
 
-        /// <summary>Null where no such body is in the world, or is not drawn yet.</summary>
+        /// <summary>A body of the game; null if it is not in the world, or is not drawn yet.</summary>
         public WholehandBody GameBody(BodyId body)
         {
             WholehandBody found;
             return byName.TryGetValue(body.Slot, out found) && Is(found, body) ? found : null;
         }
 
-        /// <summary>Gives the pieces of bodies to come: BodyShapes makes them in Unity's axes.</summary>
+        /// <summary>Defines the pieces of later bodies: BodyShapes makes them in Unity's axes.</summary>
         public Task<CommandReply> PrepareShapes(uint set, params BodyShape[] pieces)
         {
             return connection && connection.Client != null ? connection.Client.PrepareShapes(set, pieces) : NotConnected();
         }
 
-        /// <summary>Puts a body into its slot, which must be empty, or registers it by its number (BodyId). Its pose is set
-        /// from position and rotation; its velocity stays as it is, in the program's axes.</summary>
+        /// <summary>Puts a body into its slot, which must be empty, or registers it by its number (BodyId). Position
+        /// and rotation set its pose; its velocity is unchanged, in the program's axes.</summary>
         public Task<CommandReply> Spawn(BodyToSpawn body, Vector3 position, Quaternion rotation)
         {
             body.PositionM = transform.ToProgram(position);
@@ -60,14 +60,15 @@ namespace Wholehand.Unity
             return connection && connection.Client != null ? connection.Client.Remove(body) : NotConnected();
         }
 
-        /// <summary>Puts a body elsewhere; it is a ghost there until it overlaps nothing.</summary>
+        /// <summary>Moves a body to another place; it is a ghost there until it overlaps nothing.</summary>
         public Task<CommandReply> Teleport(BodyId body, Vector3 position, Quaternion rotation)
         {
             if (!connection || connection.Client == null) return NotConnected();
             return connection.Client.Teleport(new BodyAt(body, transform.ToProgram(position), transform.ToProgram(rotation)));
         }
 
-        /// <summary>Who moves it from now on; WholehandBody.SetTarget says where to, for BodyOwner.Game.</summary>
+        /// <summary>Changes the owner that moves it; WholehandBody.SetTarget sets the target for
+        /// BodyOwner.Game.</summary>
         public Task<CommandReply> SetOwner(BodyId body, BodyOwner owner)
         {
             if (!connection || connection.Client == null) return NotConnected();
@@ -84,7 +85,7 @@ namespace Wholehand.Unity
             return drawn.GameId.Value.Slot == body.Slot && drawn.GameId.Value.Generation == body.Generation;
         }
 
-        // After the game has set its targets.
+        // Runs after the game has set its targets.
         private void LateUpdate()
         {
             int count = 0;
@@ -135,14 +136,14 @@ namespace Wholehand.Unity
             drawn.State = slots.All[i].State;
             drawn.Whereabouts = slots.All[i].Whereabouts;
             drawn.Index = drawn.State == SlotState.Parked ? -1 : slots.PoseOf((uint)slots.All[i].LoopSlot);
-            // In a slot, states say where it is.
+            // The pose of a body in a slot comes from states.
             if (drawn.Index >= 0 || !slots.TryGetPlace(i, connection.World, out position, out orientation)) return;
             drawn.Draw(position.ToVector3(), orientation.ToQuaternion());
             MoveForPhysics(drawn, position, orientation);
         }
 
-        // Null where its shapes are not known: then a newer list of bodies is on its way. `placed`: those below this
-        // object before, some of which may be the game's own; null: not yet looked for.
+        // Null if its shapes are unknown: then a newer list of bodies is under way. `placed`: existing children of this
+        // object, some of which may be the game's own; null: not yet searched.
         private WholehandBody Appear(BodyInWorld body, ref WholehandBody[] placed)
         {
             GameShapes reported;

@@ -4,9 +4,10 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels:
-    /// one Wholehand Body each, below this object. It also orders bodies of a game. This object's transform places the
-    /// program's world in the game's; leave its scale at 1, and put it where the hand's is.</summary>
+    /// <summary>Draws the bodies of the program's scene and those that a game has spawned, which are those that the
+    /// hand can touch: one Wholehand Body each, below this object. It also sends orders for bodies of a game. This
+    /// object's transform places the program's world in the game's; leave its scale at 1, and use the same pose as the
+    /// hand's.</summary>
     [AddComponentMenu("Wholehand/Wholehand World")]
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-50)]
@@ -26,14 +27,14 @@ namespace Wholehand.Unity
 
         public WholehandConnection Connection { get { return connection; } set { connection = value; } }
 
-        /// <summary>Takes effect with the next scene, as does the material.</summary>
+        /// <summary>Whether bodies have colliders. This and the material take effect with the next scene.</summary>
         public bool KinematicColliders { get { return kinematicColliders; } set { kinematicColliders = value; } }
 
         public Material Material { get { return material; } set { material = value; } }
 
         public int BodyCount { get { return bodies.Count; } }
 
-        /// <summary>Of the state that is drawn; 60 a second.</summary>
+        /// <summary>Tick of the drawn state; 60 states a second.</summary>
         public ulong DrawnTick { get; private set; }
 
         /// <summary>Body i of Scene.Bodies.</summary>
@@ -42,7 +43,7 @@ namespace Wholehand.Unity
             return bodies[i];
         }
 
-        /// <summary>Null where the scene has no such body.</summary>
+        /// <summary>A body by its name; null if the scene has none of that name.</summary>
         public WholehandBody Body(string bodyName)
         {
             for (int i = 0; i < bodies.Count; ++i) if (bodies[i].BodyName == bodyName) return bodies[i];
@@ -96,7 +97,7 @@ namespace Wholehand.Unity
             body.Draw(world.BodyPositions[body.Index].ToVector3(), world.BodyOrientations[body.Index].ToQuaternion());
         }
 
-        // A program reports where the first 128 bodies of a scene are. A state may come before its scene.
+        // A program reports the poses of a scene's first 128 bodies. A state may come before its scene.
         private bool IsOfThisScene(WorldSnapshot world)
         {
             return connection.HasState && connection.Scene.HasValue && world.BodyCount > 0 &&

@@ -25,7 +25,7 @@ std::vector<int> placesOf(const std::vector<int>& steps) {
   return places;
 }
 
-// The next step by default: the first one that is not done.
+// Name of the next step by default: the first one that is not done.
 std::string nextOf(const Facts& facts) {
   const auto next = std::find_if(facts.steps.begin(), facts.steps.end(),
                                  [](const Facts::Step& s) { return s.state != StepState::kDone; });
@@ -38,7 +38,7 @@ void HoldSwitch::beat(std::uint32_t claim, std::uint32_t press, std::int64_t now
   const auto newest = std::tie(claim_, press_);
   const auto this_one = std::tie(claim, press);
   if (this_one < newest) return;
-  judge(now_ns);
+  check(now_ns);
   if (newest < this_one) {
     std::tie(claim_, press_) = this_one;
     began_ns_ = now_ns;
@@ -47,13 +47,13 @@ void HoldSwitch::beat(std::uint32_t claim, std::uint32_t press, std::int64_t now
   if (alive_) beat_ns_ = now_ns;
 }
 
-// A timeout is final: later beats belong to a press that has ended.
-void HoldSwitch::judge(std::int64_t now_ns) noexcept {
+// A timeout is final: later heartbeats belong to a press that has ended.
+void HoldSwitch::check(std::int64_t now_ns) noexcept {
   if (now_ns - beat_ns_ > kSilent_ns) alive_ = false;
 }
 
 bool HoldSwitch::held(std::int64_t now_ns) noexcept {
-  judge(now_ns);
+  check(now_ns);
   return alive_ && beat_ns_ - began_ns_ >= kClick_ns;
 }
 
@@ -83,8 +83,10 @@ void ConsoleOperator::finish(const std::string& file) {
   publish([&](Facts& f) { f.passport = file; });
 }
 
-// A line without findings is an error in an answer, or the name of a written file.
-void ConsoleOperator::tell(const std::string& line, const std::vector<FoundFigure>& findings) {
+// Publishes a line. A line without findings is an error in an answer, or the name of a written
+// file.
+void ConsoleOperator::reportLine(const std::string& line,
+                                 const std::vector<FoundFigure>& findings) {
   const std::lock_guard lock(mutex_);
   publish([&](Facts& f) {
     if (findings.empty()) f.note = line;
@@ -96,7 +98,7 @@ void ConsoleOperator::tell(const std::string& line, const std::vector<FoundFigur
   });
 }
 
-void ConsoleOperator::tellStep(const StepNews& news) {
+void ConsoleOperator::reportStep(const StepNews& news) {
   const std::lock_guard lock(mutex_);
   const int place = places_.at(static_cast<std::size_t>(news.step));
   if (place < 0) return;
@@ -117,7 +119,7 @@ void ConsoleOperator::tellStep(const StepNews& news) {
   step_ = news.state == StepState::kUnderWay ? place : -1;
 }
 
-void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
+void ConsoleOperator::reportMotion(const Motion& motion, MotionState state) {
   const std::lock_guard lock(mutex_);
   publish([&](Facts& f) {
     f.motion = motion.what;
@@ -131,7 +133,7 @@ void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
 std::optional<std::string> ConsoleOperator::ask(const Question& question,
                                                 const std::function<void()>& meanwhile) {
   std::unique_lock lock(mutex_);
-  switch_.end();  // a hold before a question does not count for the move after it
+  switch_.end();  // a key held before a question does not count for the motion after it
   answer_.reset();
   publish([&](Facts& f) {
     ++f.question;
@@ -149,7 +151,7 @@ std::optional<std::string> ConsoleOperator::ask(const Question& question,
     answered_.wait_for(lock, kLook, [this] { return answer_.has_value(); });
   }
   publish([](Facts& f) {
-    f.asked = Asked::kNothing;
+    f.asked = QuestionKind::kNothing;
     f.note.clear();
   });
   return std::exchange(answer_, std::nullopt);
@@ -165,12 +167,12 @@ void ConsoleOperator::order(const Order& order, std::function<void(OrderReply)> 
   OrderReply reply;
   {
     const std::lock_guard lock(mutex_);
-    reply = obey(order);
+    reply = apply(order);
   }
   done(std::move(reply));
 }
 
-OrderReply ConsoleOperator::obey(const Order& order) {
+OrderReply ConsoleOperator::apply(const Order& order) {
   const auto accept = [&](bool ends) {
     if (ends) switch_.end();
     return OrderReply{true, ""};
@@ -181,10 +183,10 @@ OrderReply ConsoleOperator::obey(const Order& order) {
                  [&](const orders::Stop&) { return accept(true); },
                  [&](const orders::Rest&) { return accept(true); },
                  [&](const orders::EmergencyStop&) { return accept(true); },
-                 // The controls were released or taken over.
+                 // These orders arrive when the controls were released or taken over.
                  [&](const orders::Steer&) { return accept(true); },
                  [&](const orders::HolderAlive& holder) { return accept(!holder.alive); },
-                 [&](const orders::Attended&) { return accept(false); },
+                 [&](const orders::UnattendedEnds&) { return accept(false); },
                  [&](const orders::Unattended&) { return accept(false); },
                  [&](const auto&) {
                    OrderReply no = notHere(order);
@@ -195,7 +197,7 @@ OrderReply ConsoleOperator::obey(const Order& order) {
 }
 
 OrderReply ConsoleOperator::takeAnswer(const orders::Answer& answer) {
-  const bool asked = facts_->asked != Asked::kNothing;
+  const bool asked = facts_->asked != QuestionKind::kNothing;
   if (!asked || answer.question != facts_->question || answer_) {
     return refused(Refusal::kNotAsked, "that is not what is asked now");
   }
@@ -207,11 +209,11 @@ OrderReply ConsoleOperator::takeAnswer(const orders::Answer& answer) {
   return {true, ""};
 }
 
-// A hold counts only while a motion waits for it. A button kept down after a question must be
-// pressed again.
+// A held key counts only while a motion waits for it. A button that is kept down after a question
+// must be pressed again.
 OrderReply ConsoleOperator::hold(const orders::HoldToMove& hold, std::uint32_t claim) {
   switch_.beat(claim, hold.press, now_ns_());
-  if (!hold.held || facts_->asked != Asked::kNothing) switch_.end();
+  if (!hold.held || facts_->asked != QuestionKind::kNothing) switch_.end();
   return {true, ""};
 }
 

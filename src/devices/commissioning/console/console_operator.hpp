@@ -13,15 +13,16 @@
 
 namespace wholehand {
 
-/// Dead-man switch: whether a button is held on another machine that sends periodic beats. A press
-/// that has ended, for any reason, no longer holds, even if late beats of it arrive. A press must
-/// last a moment before it counts, so that a click moves nothing. Time is an argument [ns,
-/// monotonic]; one thread at a time.
+/// Dead-man switch: says whether a button is held on another machine that sends periodic
+/// heartbeats. A press that has ended, for any reason, stays ended, even if late heartbeats of it
+/// arrive. A press must last a moment before it counts, so that a click moves nothing. Time is an
+/// argument [ns, monotonic]; one thread at a time.
 class HoldSwitch {
  public:
   static constexpr std::int64_t kSilent_ns = 120'000'000;  ///< timeout of a press
   static constexpr std::int64_t kClick_ns = 200'000'000;   ///< shorter presses are clicks
 
+  /// Receives a heartbeat of a press.
   /// @param claim number of the holder's claim to the controls (Order::claim); increases
   /// @param press number of the press within one claim; increases
   void beat(std::uint32_t claim, std::uint32_t press, std::int64_t now_ns) noexcept;
@@ -30,7 +31,7 @@ class HoldSwitch {
   [[nodiscard]] bool held(std::int64_t now_ns) noexcept;
 
  private:
-  void judge(std::int64_t now_ns) noexcept;
+  void check(std::int64_t now_ns) noexcept;
 
   std::uint32_t claim_ = 0, press_ = 0;  ///< newest claim and press
   std::int64_t began_ns_ = 0, beat_ns_ = 0;
@@ -38,33 +39,33 @@ class HoldSwitch {
 };
 
 /// The person who commissions a device at a page of the console. One thread asks and waits through
-/// Operator. The server's thread delivers answers and the held button as orders, already
-/// authorised: only the therapist who holds the controls answers and holds
-/// (station/server/access.hpp). Any stop, and a lost or changed holder of the controls, ends a
-/// motion.
+/// Operator. The server's thread delivers answers and the held button as orders. The server has
+/// already authorised them: only the therapist who holds the controls may answer and hold the
+/// button (station/server/access.hpp). Any stop ends a motion, and so does a lost or changed holder
+/// of the controls.
 class ConsoleOperator final : public Operator, public ServerBackend {
  public:
-  /// @param about device and identity; its steps are those of `steps`, in order
+  /// @param about facts about the device; their steps correspond to `steps`, in order
   /// @param now_ns CLOCK_MONOTONIC, or simulated
-  /// @param ended true once the program is to end and no answer will come
+  /// @param ended true when the program ends and no answer will come
   ConsoleOperator(CommissioningFacts about, const std::vector<int>& steps,
                   std::function<std::int64_t()> now_ns, std::function<bool()> ended);
 
-  /// For ServerOptions::commissioning. Any thread.
+  /// Facts for ServerOptions::commissioning. Any thread.
   [[nodiscard]] std::shared_ptr<const CommissioningFacts> facts() const;
   /// Reports to clients that the passport or check was written.
   void finish(const std::string& file);
 
-  // Operator, called in the thread of the commissioning.
-  void tell(const std::string& line, const std::vector<FoundFigure>& findings) override;
-  void tellStep(const StepNews& news) override;
-  void tellMotion(const Motion& motion, MotionState state) override;
+  // Overrides of Operator, called in the thread of the commissioning.
+  void reportLine(const std::string& line, const std::vector<FoundFigure>& findings) override;
+  void reportStep(const StepNews& news) override;
+  void reportMotion(const Motion& motion, MotionState state) override;
   [[nodiscard]] std::optional<std::string> ask(const Question& question,
                                                const std::function<void()>& meanwhile) override;
   [[nodiscard]] bool holdsKey() override;
   [[nodiscard]] bool gaveUp() override { return ended_(); }
 
-  // ServerBackend, called in any thread.
+  // Overrides of ServerBackend, called in any thread.
   void order(const Order& order, std::function<void(OrderReply)> done) override;
   [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override { return nullptr; }
   [[nodiscard]] LoopStatus status() const override { return {}; }
@@ -76,11 +77,11 @@ class ConsoleOperator final : public Operator, public ServerBackend {
  private:
   template <class Change>
   void publish(Change&& change);
-  [[nodiscard]] OrderReply obey(const Order& order);
+  [[nodiscard]] OrderReply apply(const Order& order);
   [[nodiscard]] OrderReply takeAnswer(const orders::Answer& answer);
   OrderReply hold(const orders::HoldToMove& hold, std::uint32_t claim);
 
-  const std::vector<int> places_;  ///< number of a CommissioningStep → index in the facts' steps
+  const std::vector<int> places_;  ///< for each CommissioningStep, its index in the facts' steps
   const std::function<std::int64_t()> now_ns_;
   const std::function<bool()> ended_;
 

@@ -51,12 +51,12 @@ int Excitation::posture() const {
   return static_cast<int>(std::min(tick_, ticks_ - 1) * kPostures / ticks_);
 }
 
-Excitation::Wanted Excitation::reference(double time_s, double centre) const {
+Excitation::Target Excitation::reference(double time_s, double centre) const {
   const double length_s = plan_.duration_s / kPostures;
   const double sweep_s = kSweepShare * length_s;
-  Wanted out{centre, 0.0};
+  Target out{centre, 0.0};
   if (time_s < kArrive_s) return out;
-  if (time_s < sweep_s) {  // once to and fro at constant speed
+  if (time_s < sweep_s) {  // one sweep to and fro at constant speed
     const double part = (time_s - kArrive_s) / (sweep_s - kArrive_s);
     const double leg = 4.0 * part;
     const double at = leg < 1.0 ? leg : leg < 3.0 ? 2.0 - leg : leg - 4.0;
@@ -88,7 +88,7 @@ double Excitation::next(double position) {
   const double middle = 0.5 * (plan_.lower + plan_.upper);
   const double centre =
       middle + kTravelShare * (plan_.upper - plan_.lower) * static_cast<double>(posture() - 1);
-  const Wanted wanted = reference(time_s, centre);
+  const Target wanted = reference(time_s, centre);
   // Smooths jumps of the reference over a tenth of a second.
   wanted_ += (wanted.position - wanted_) * std::min(1.0, t / 0.05);
   double effort =
@@ -111,39 +111,40 @@ struct RegressionConfig {
   double fade_s = 0.02;      ///< fade of the equation around a standstill
 };
 
-/// Stribeck terms sign(q̇) e^(−(q̇/v)²) of the friction, beside viscous and dry, with v these
-/// shares of the RMS speed.
+/// Speeds v of the Stribeck terms sign(q̇) e^(−(q̇/v)²), as shares of the RMS speed. These terms
+/// are added to viscous and dry friction.
 constexpr std::array<double, 4> kStribeckSpeeds = {0.07, 0.17, 0.4, 0.8};
 /// Index of a Stribeck term; kPlain: none.
 using FrictionModel = int;
 constexpr FrictionModel kPlain = -1;
 
 /// The filtered equation of one axis, as normal equations summed over parts of the data. Any sum of
-/// parts is fitted at no extra cost. Not real-time safe.
+/// parts can be fitted at no extra cost. Not real-time safe.
 class Regression {
  public:
   static constexpr int kTerms = 9;     ///< q̈, q̇, sign q̇, 1, q, kStribeckSpeeds
-  static constexpr int kEfforts = 14;  ///< of now and earlier periods: delays to 11 periods
+  static constexpr int kEfforts = 14;  ///< effort of the present and earlier periods: delays up to
+                                       ///< 11 periods
   static constexpr int kColumns = kTerms + kEfforts;
   using Sums = Eigen::Matrix<double, kColumns, kColumns>;
 
   Regression(const AxisTrace& trace, const RegressionConfig& config);
 
-  /// Parts of one second each.
+  /// Sums over blocks of one second each.
   [[nodiscard]] const std::vector<Sums>& blocks() const { return blocks_; }
   [[nodiscard]] const std::vector<Sums>& postures() const { return postures_; }
-  /// Parts below and above the RMS speed.
+  /// Sums over the ticks below and above the RMS speed.
   [[nodiscard]] const Sums& slow() const { return slow_; }
   [[nodiscard]] const Sums& fast() const { return fast_; }
   [[nodiscard]] const Sums& all() const { return all_; }
   /// RMS of the smoothed velocity [m/s or rad/s].
   [[nodiscard]] double speed() const { return speed_; }
 
-  /// Figures with the least residual; the delay to a ten-millionth of a period.
+  /// Figures with the smallest residual; the delay to a ten-millionth of a period.
   [[nodiscard]] AxisFigures fit(const Sums& sums, FrictionModel model) const;
   /// Residual sum of squares of the filtered effort.
   [[nodiscard]] double left(const Sums& sums, FrictionModel model) const;
-  /// Change of each figure alone that could account for the residual.
+  /// Change of each figure that could by itself account for the residual.
   [[nodiscard]] AxisFigures hidden(const Sums& sums, const AxisFigures& fitted,
                                    FrictionModel model) const;
 
@@ -154,14 +155,14 @@ class Regression {
   std::vector<Sums> blocks_, postures_;
 };
 
-/// Root mean square of the values; 0 of none.
+/// Root mean square of the values; 0 without values.
 double rootMeanSquare(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v * v;
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
 }
 
-/// Smallest change of position in a trace; 0 where nothing moved [m or rad].
+/// Smallest change of position in a trace; 0 when nothing moved [m or rad].
 double resolutionOf(const AxisTrace& trace) {
   double least = 0.0, largest = 0.0;
   for (const double q : trace.position) largest = std::max(largest, std::abs(q));
@@ -174,10 +175,11 @@ double resolutionOf(const AxisTrace& trace) {
 
 constexpr double kLongestGap_periods = 5.0;
 constexpr double kOff_periods = 0.5;
-constexpr double kMostOff = 0.05;  // share of the ticks
+constexpr double kMostOff = 0.05;  // share of the ticks that may be late
 constexpr double kOnTime_periods = 1e-6;
 
-Expected<Done> judge(const std::vector<double>& taken_s, double period_s, const std::string& axis) {
+Expected<Done> checkTimes(const std::vector<double>& taken_s, double period_s,
+                          const std::string& axis) {
   double longest_s = 0.0;
   std::size_t off = 0;
   for (std::size_t k = 1; k < taken_s.size(); ++k) {
@@ -197,8 +199,8 @@ Expected<Done> judge(const std::vector<double>& taken_s, double period_s, const 
                   "let nothing else run on this machine, and repeat the step");
 }
 
-// Mean effort from `from_s` to `to_s`, each effort held until the next; `at` is the tick whose
-// effort holds at `from_s`.
+// Mean effort from `from_s` to `to_s`; each effort is held until the next. `at` is the tick whose
+// effort is in force at `from_s`.
 double meanEffort(const AxisTrace& ticks, const std::vector<double>& taken_s, std::size_t at,
                   double from_s, double to_s) {
   double sum = 0.0, since_s = from_s;
@@ -214,14 +216,13 @@ double meanEffort(const AxisTrace& ticks, const std::vector<double>& taken_s, st
 
 constexpr double kBlock_s = 1.0;
 constexpr double kSettle_s = 0.3;  // settling time of the filter
-constexpr double kSlowest =
-    0.02;                        // of the root mean square speed: below, the direction is not known
-constexpr double kCounts = 4.0;  // times the velocity noise of encoder counts
+constexpr double kSlowest = 0.02;  // share of the RMS speed below which the direction is unknown
+constexpr double kCounts = 4.0;    // times the noise of the velocity from encoder counts
 constexpr double kDelayStep = 0.25;
 
 using Row = Eigen::Matrix<double, Regression::kColumns, 1>;
 
-// Velocity by the derivative of a Gaussian, which is free of phase shift; 0 at both ends.
+// Velocity from the derivative of a Gaussian, which has no phase shift; 0 at both ends.
 std::vector<double> smoothVelocity(const AxisTrace& trace, double sigma_s) {
   const auto reach = static_cast<std::size_t>(std::ceil(4.0 * sigma_s / trace.period_s));
   std::vector<double> kernel(reach + 1, 0.0);
@@ -258,12 +259,12 @@ std::vector<double> shares(const std::vector<double>& velocity, double least, in
 }
 
 // Weights of the efforts of k - n, k - n - 1, k - n - 2 in the second difference of positions at k,
-// for a delay of n + φ periods: a triangle of two periods over held efforts. Exact for a mass.
+// for a delay of n + φ periods: a triangle of two periods over held efforts. Exact for a pure mass.
 std::array<double, 3> weights(double phi) {
   return {0.5 * (1.0 - phi) * (1.0 - phi), 0.5 + phi * (1.0 - phi), 0.5 * phi * phi};
 }
 
-// The normal equations of one model at one delay.
+// Normal equations of one model at one delay.
 struct Normal {
   Eigen::MatrixXd xx;
   Eigen::VectorXd xy;
@@ -282,7 +283,7 @@ struct Normal {
   }
 
   [[nodiscard]] Eigen::VectorXd solve() const {
-    // Scales the terms, of very different size, to a unit diagonal.
+    // The terms differ much in size, so they are scaled to a unit diagonal.
     const Eigen::VectorXd scale = xx.diagonal().cwiseSqrt().cwiseMax(1e-200).cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * xx * scale.asDiagonal();
     const Eigen::VectorXd right = scale.cwiseProduct(xy);
@@ -291,7 +292,7 @@ struct Normal {
   [[nodiscard]] double left() const { return yy - xy.dot(solve()); }
 };
 
-// Sum of squares of the effort difference at two delays.
+// Sum of squares of the difference between the efforts at two delays.
 double effortsApart(const Regression::Sums& sums, double one, double other) {
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(Regression::kEfforts);
   const auto add = [&weight](double delay, double sign) {
@@ -327,28 +328,31 @@ double bestDelay(const Regression::Sums& sums, FrictionModel model) {
 
 constexpr double kShortest_s = 6.0;
 constexpr double kStudent = 3.0;  // standard deviations: 99.5 % with some 15 blocks
-// Extrapolation of the difference between a part of the data and the whole, because every part
-// contains some of the disturbance of the whole.
+// Factor for the difference between a part of the data and the whole. It exceeds 1 because every
+// part contains some of the disturbance of the whole.
 constexpr double kExtrapolation = 2.0;
-// Share of the unexplained effort that may hide in mass and delay (as with play).
+// Share of the unexplained effort that mass and delay may hide, as with play.
 constexpr double kHidden = 0.8;
-// Smallest half widths: those that the method was tested to keep on ideal axes.
+// Smallest half widths. Tests show that the method keeps them on ideal axes.
 constexpr double kLeastMass = 0.02, kLeastFriction = 0.05, kLeastDelay_periods = 0.1;
-// Largest half width over the middle. A certificate cannot use wider intervals.
+// Largest half width relative to the middle. A certificate cannot use wider intervals.
 constexpr double kMassWithin = 0.2, kDampingWithin = 0.35, kCoulombWithin = 0.5;
 constexpr double kDelayWithin_periods = 2.5;
-constexpr double kCoulombOfEffort = 0.05;  // smaller dry friction is negligible
+constexpr double kCoulombOfEffort = 0.05;  // share of the effort below which dry friction is
+                                           // negligible
 
 using Figures = std::array<double, 5>;  // mass, damping, coulomb, gravity, delay
-constexpr double kSlowShare = 0.15;     // least Stribeck speed that counts, share of the RMS speed
-constexpr double kExplains = 0.8;       // share of the residual without it
+constexpr double kSlowShare = 0.15;     // smallest Stribeck speed that counts, share of the RMS
+                                        // speed
+constexpr double kExplains = 0.8;       // a model counts if its residual is below this share of the
+                                        // plain one
 enum : std::size_t { kMass, kDamping, kCoulomb, kGravity, kDelay };
 
 Figures listed(const AxisFigures& f) {
   return {f.mass, f.damping, f.coulomb, f.gravity, f.delay_s};
 }
 
-// Standard deviations of the figures, from fits that leave out one block each (jackknife).
+// Standard deviations of the figures, from fits that each omit one block (jackknife).
 Figures scatterOf(const Regression& regression) {
   std::vector<Figures> without;
   for (const Regression::Sums& block : regression.blocks()) {
@@ -400,7 +404,7 @@ std::array<Interval, 5> intervals(const Figures& middle, const Figures& scatter,
   return out;
 }
 
-// Whether friction that falls with speed over a good part of the speeds fits much better.
+// True when a friction that falls with speed over much of the speed range fits much better.
 bool fallsWithSpeed(const Regression& whole) {
   const double plain = whole.left(whole.all(), kPlain);
   double least = plain;
@@ -418,7 +422,7 @@ std::string percent(double share) {
   return text.data();
 }
 
-// Why a certificate cannot use these intervals; empty where it can.
+// Reasons why a certificate cannot use these intervals; empty when it can.
 Diagnostics refusals(const IdentifiedAxis& found, const std::string& axis, double period_s,
                      double effort) {
   Diagnostics out;
@@ -448,8 +452,8 @@ Diagnostics refusals(const IdentifiedAxis& found, const std::string& axis, doubl
   return out;
 }
 
-// Figures from a band that reaches beyond the corner b/m: below it a larger mass resembles a longer
-// delay. The encoder's steps forbid a wider band for every axis.
+// Figures from a band that reaches beyond the corner frequency b/m: below it, a larger mass
+// resembles a longer delay. The encoder's steps rule out the wider band for some axes.
 AxisFigures refined(const AxisTrace& trace, const IdentifiedAxis& found) {
   constexpr double kLeast_hz = 6.0, kCorners = 1.5;
   RegressionConfig config;
@@ -475,7 +479,7 @@ Expected<AxisTrace> evenTrace(const AxisTrace& ticks, const std::vector<double>&
     on_time &= std::abs(taken_s[k] - static_cast<double>(k) * t) < kOnTime_periods * t;
   }
   if (on_time) return ticks;
-  if (auto good = judge(taken_s, t, axis); !good) return good.errors();
+  if (auto good = checkTimes(taken_s, t, axis); !good) return good.errors();
   AxisTrace out;
   out.period_s = t;
   std::size_t at = 0;
@@ -542,11 +546,11 @@ double Regression::left(const Sums& sums, FrictionModel model) const {
 
 AxisFigures Regression::hidden(const Sums& sums, const AxisFigures& fitted,
                                FrictionModel model) const {
-  constexpr double kStep = 0.05;  // periods
+  constexpr double kStep = 0.05;  // step in periods
   const double delay = std::clamp(fitted.delay_s / period_s_, kStep, kEfforts - 3.0 - kStep);
   const Normal before(sums, model, delay - kStep), at(sums, model, delay),
       after(sums, model, delay + kStep);
-  // The delay as an additional regressor: the derivative of the efforts by it.
+  // The delay enters as an additional regressor: the derivative of the efforts with respect to it.
   const Eigen::Index n = at.xx.rows();
   Eigen::MatrixXd xx(n + 1, n + 1);
   xx.topLeftCorner(n, n) = at.xx;

@@ -21,9 +21,9 @@ struct ExcitationPlan {
 };
 
 /// Excites one axis so that its mass, friction and delay become identifiable. In each of three
-/// postures: a slow sweep to and fro, then a soft spring that follows a multisine of 0.3 to 5 Hz,
-/// plus a multisine of efforts of 6 to 40 Hz. The frequencies do not depend on the axis; the
-/// amplitudes follow from its travel and effort limit.
+/// postures it makes a slow sweep to and fro. Then a soft spring follows a multisine of 0.3 to 5
+/// Hz, with an added multisine of efforts of 6 to 40 Hz. The frequencies do not depend on the axis;
+/// the amplitudes follow from its travel and effort limit.
 class Excitation {
  public:
   explicit Excitation(const ExcitationPlan& plan);
@@ -38,10 +38,10 @@ class Excitation {
   static constexpr int kPostures = 3;
 
  private:
-  struct Wanted {
+  struct Target {
     double position = 0.0, velocity = 0.0;
   };
-  [[nodiscard]] Wanted reference(double time_s, double centre) const;
+  [[nodiscard]] Target reference(double time_s, double centre) const;
 
   ExcitationPlan plan_;
   std::size_t ticks_ = 0, tick_ = 0;
@@ -60,7 +60,7 @@ struct Interval {
   [[nodiscard]] double halfWidth() const { return 0.5 * (upper - lower); }
 };
 
-/// The smallest interval that holds both.
+/// The smallest interval that contains both.
 [[nodiscard]] inline Interval hull(const Interval& a, const Interval& b) {
   return {std::min(a.lower, b.lower), std::max(a.upper, b.upper)};
 }
@@ -68,14 +68,15 @@ struct Interval {
 /// Commands to one axis and its positions, tick by tick. SI; per radian for a rotation.
 struct AxisTrace {
   double period_s = 1e-3;
-  /// Sent in tick k after position k was read; held until the next tick [N or N·m].
+  /// Effort sent in tick k after position k was read; held until the next tick [N or N·m].
   std::vector<double> effort;
   std::vector<double> position;  ///< as read [m or rad]
   std::vector<int> posture;      ///< posture of each tick: 0, 1, 2 .. in the order visited
 };
 
-/// Resamples a trace to even periods. Positions are interpolated linearly between readings; efforts
-/// are the mean of those held over each period. A trace that was on time is returned bit-identical.
+/// Resamples a trace to even periods. Positions are interpolated linearly between readings; each
+/// effort is the mean of the efforts held over the period. A trace without delays is returned bit
+/// by bit.
 ///
 /// Refused, with the name of the axis: two ticks more than five periods apart, or more than a
 /// twentieth of the ticks half a period off. Interpolation is then too inaccurate.
@@ -84,7 +85,8 @@ struct AxisTrace {
                                             const std::vector<double>& taken_s,
                                             const std::string& axis);
 
-/// m q̈ + b q̇ + f_c sign(q̇) + k q = f(t − d) + g of one axis. SI; per radian for a rotation.
+/// Figures of one axis: m q̈ + b q̇ + f_c sign(q̇) + k q = f(t − d) + g. SI; per radian for a
+/// rotation.
 struct AxisFigures {
   double mass = 0.0;     ///< [kg or kg·m²]
   double damping = 0.0;  ///< viscous [N·s/m or N·m·s/rad]
@@ -100,19 +102,20 @@ struct IdentifiedAxis {
   double resolution = 0.0;  ///< smallest change of position read [m or rad]
 };
 
-/// Identifies one axis by least squares on equally filtered signals. Both sides of the equation, as
-/// differences of samples that are exact for efforts held over a period, pass the same low-pass;
-/// the delay is scanned. Near standstill the dry friction is unknown, so both sides are faded out
-/// there before the filter.
+/// Identifies one axis by least squares on equally filtered signals. Both sides of the equation are
+/// differences of samples that are exact for efforts held over a period; both pass the same
+/// low-pass. The delay is scanned. Near standstill the dry friction is unknown, so both sides are
+/// faded out there before the filter.
 ///
-/// An interval is the hull of the whole fit, widened by its scatter over fits that leave out one
-/// block of time (jackknife), and of fits to parts of the data (each posture, slow and fast motion,
-/// low and high frequencies) and with Stribeck friction, extrapolated by a factor of two. The parts
-/// agree where the equation above holds. Where it does not (Stribeck, cogging, play) the intervals
-/// show by how much they disagree. docs/adr/0026-commissioning.md.
+/// An interval is the hull of two sets. The first is the fit to all data, widened by its scatter
+/// over fits that each omit one block of time (jackknife). The second contains fits to parts of the
+/// data (each posture, slow and fast motion, low and high frequencies) and fits with Stribeck
+/// friction, extrapolated by a factor of two. The parts agree where the equation above holds. Where
+/// it does not (Stribeck friction, cogging, play), the intervals show by how much the parts
+/// disagree. docs/adr/0026-commissioning-by-intervals.md.
 ///
-/// Refused, with the name of the axis: too short, no motion, friction that falls with speed, or
-/// intervals too wide for a certificate.
+/// Refused, with the name of the axis: a measurement that is too short, no motion, friction that
+/// falls with speed, or intervals too wide for a certificate.
 [[nodiscard]] Expected<IdentifiedAxis> identifyAxis(const AxisTrace& trace,
                                                     const std::string& axis);
 

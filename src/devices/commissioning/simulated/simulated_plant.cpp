@@ -10,11 +10,11 @@
 namespace wholehand {
 namespace {
 
-constexpr double kBeyondRange = 0.01;  // of the range, where the stops are
+constexpr double kBeyondRange = 0.01;  // distance of the stops beyond the range, as a share of it
 constexpr double kSilence_s = 0.02;
-constexpr int kByHand_ticks = 1000;   // for a way from here to there
-constexpr double kPushed = 0.12;      // of the range
-constexpr double kRulerReads = 1e-3;  // of what it measures
+constexpr int kByHand_ticks = 1000;   // duration of a motion by hand
+constexpr double kPushed = 0.12;      // length of a push by hand, as a share of the range
+constexpr double kRulerReads = 1e-3;  // resolution of the ruler, as a share of the measured length
 constexpr int kPressAfter_looks = 500;
 
 double beyond(const DeviceAxis& axis) {
@@ -134,7 +134,7 @@ void SimulatedPlant::waitForTick() {
   now_ns_ += period_ns_;
   const auto silence_ns = static_cast<std::int64_t>(1e9 * kSilence_s);
   if (enabled_ && fed_ && now_ns_ - written_ns_ > silence_ns) silenced_ = true;
-  const bool held = !enabled_ || silenced_;  // by the brake
+  const bool held = !enabled_ || silenced_;  // the brake holds it
   for (std::size_t i = 0; i < plants_.size(); ++i) {
     if (held) {
       plants_[i].place(plants_[i].position(), 0.0);
@@ -156,15 +156,15 @@ void SimulatedPlant::pressStop(bool pressed) {
   if (pressed) begin(false, {});
 }
 
-void SimulatedHands::tell(const std::string& line, const std::vector<FoundFigure>& findings) {
-  person_.tell(line, findings);
+void SimulatedHands::reportLine(const std::string& line, const std::vector<FoundFigure>& findings) {
+  person_.reportLine(line, findings);
   if (line.find("Take the weight off") == std::string::npos) return;
   for (std::size_t i = 0; i < model_.axes.size(); ++i) plant_.pull(i, 0.0);
-  say("the weight is off.");
+  reportSimulated("the weight is off.");
 }
 
-void SimulatedHands::tellMotion(const Motion& motion, MotionState state) {
-  person_.tellMotion(motion, state);
+void SimulatedHands::reportMotion(const Motion& motion, MotionState state) {
+  person_.reportMotion(motion, state);
   const bool presses = motion.what == MotionKind::kEmergencyStop && state == MotionState::kMoves;
   press_in_ = presses ? kPressAfter_looks : 0;
 }
@@ -173,7 +173,7 @@ bool SimulatedHands::holdsKey() {
   if (!person_.holdsKey()) return false;
   if (press_in_ > 0 && --press_in_ == 0) {
     plant_.pressStop(true);
-    say("the emergency stop is pressed.");
+    reportSimulated("the emergency stop is pressed.");
   }
   return true;
 }
@@ -191,29 +191,31 @@ void SimulatedHands::act(const Question& question, const std::function<void()>& 
   const int found = model_.axisIndex(question.axis);
   const auto axis = static_cast<std::size_t>(std::max(found, 0));
   const DeviceAxis& a = model_.axes[axis];
-  if (question.about == Asked::kNobodyAttached) {
+  if (question.about == QuestionKind::kNobodyAttached) {
     for (std::size_t i = 0; i < model_.axes.size(); ++i) {
       plant_.place(i, 0.5 * (model_.axes[i].lower + model_.axes[i].upper));
     }
-    say("it stands on its mark, and nobody is attached.");
-  } else if (question.about == Asked::kPushAway) {
+    reportSimulated("it stands on its mark, and nobody is attached.");
+  } else if (question.about == QuestionKind::kPushAway) {
     carry(axis, plant_.position(axis) + kPushed * (a.upper - a.lower), meanwhile);
-    say(fmt::format("a hand has pushed axis {}. Enter says that you have.", a.name));
-  } else if (question.about == Asked::kTravel) {
+    reportSimulated(fmt::format("a hand has pushed axis {}. Enter says that you have.", a.name));
+  } else if (question.about == QuestionKind::kTravel) {
     carry(axis, plant_.lowerStop(axis), meanwhile);
     carry(axis, plant_.upperStop(axis), meanwhile);
     const double travel = plant_.upperStop(axis) - plant_.lowerStop(axis);
     const double mark = kRulerReads * (a.upper - a.lower);
-    say(fmt::format("a hand has moved axis {} from stop to stop; the ruler reads {:.4g} {}.",
+    reportSimulated(
+        fmt::format("a hand has moved axis {} from stop to stop; the ruler reads {:.4g} {}.",
                     a.name, std::round(travel / mark) * mark, question.unit));
-  } else if (question.about == Asked::kKnownForce) {
+  } else if (question.about == QuestionKind::kKnownForce) {
     for (std::size_t i = 0; i < model_.axes.size(); ++i) plant_.pull(i, 0.0);
     const std::string force = fmt::format("{:.2g}", 0.5 * (question.lower + question.upper));
     plant_.pull(axis, -std::stod(force));
-    say(fmt::format("a weight pulls axis {} with {} {}.", a.name, force, question.unit));
-  } else if (question.about == Asked::kEmergencyStop) {
+    reportSimulated(
+        fmt::format("a weight pulls axis {} with {} {}.", a.name, force, question.unit));
+  } else if (question.about == QuestionKind::kEmergencyStop) {
     plant_.pressStop(false);
-    say("the emergency stop is released.");
+    reportSimulated("the emergency stop is released.");
   }
 }
 

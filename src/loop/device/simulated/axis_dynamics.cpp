@@ -16,7 +16,7 @@ AxisDynamics::AxisDynamics(const AxisPlant& plant, double period_s)
     : plant_(plant), grain_s_(period_s / kGrains) {
   const double m = plant.mass;
   for (int level = 0; level <= kLevels; ++level) {
-    // In units of the step h the state (q, h q̇) and the input (h² f/m, h³ ḟ/m) are of like size.
+    // Scaled by the step h, the state (q, h q̇) and the input (h² f/m, h³ ḟ/m) are of similar size.
     const double h = grain_s_ * (1 << level);
     Eigen::Matrix4d generator = Eigen::Matrix4d::Zero();
     generator.row(0) << 0.0, 1.0, 0.0, 0.0;
@@ -47,12 +47,12 @@ AxisDynamics::State AxisDynamics::after(int level, int grain, double direction) 
           v[0] * q_ + v[1] * qd_ + v[2] * effort + v[3] * slope};
 }
 
-/// Whether the axis can stick. Without dry friction only a stop can hold it.
+/// True when the axis can stick. Without dry friction only a stop can hold it.
 bool AxisDynamics::canHold() const noexcept {
   return plant_.coulomb > 0.0 || q_ >= plant_.upper || q_ <= plant_.lower;
 }
 
-/// Whether an axis at rest stays at rest. Dry friction holds in both directions, a stop in one.
+/// True when an axis at rest stays at rest. Dry friction holds in both directions, a stop in one.
 bool AxisDynamics::held(int grain) const noexcept {
   const double effort = effortAt(grain) - plant_.stiffness * q_;
   const bool from_rising = effort <= plant_.coulomb || q_ >= plant_.upper;

@@ -8,15 +8,16 @@
 
 namespace wholehand {
 
-/// e^m of a square matrix, by Eigen's scaling and squaring with Padé approximants. Allocates.
+/// Computes e^m of a square matrix by Eigen's scaling and squaring with Padé approximants.
+/// Allocates.
 [[nodiscard]] Eigen::MatrixXd matrixExponential(const Eigen::MatrixXd& m);
 
 /// Mechanical model of one axis. SI; per radian for a rotation.
 struct AxisPlant {
-  double mass = 1.0;                ///< [kg or kg·m²], > 0
-  double damping = 0.0;             ///< viscous, device and person [N·s/m or N·m·s/rad], >= 0
-  double stiffness = 0.0;           ///< of the person, to position 0 [N/m or N·m/rad], >= 0
-  double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
+  double mass = 1.0;       ///< [kg or kg·m²], > 0
+  double damping = 0.0;    ///< viscous, device and person [N·s/m or N·m·s/rad], >= 0
+  double stiffness = 0.0;  ///< stiffness of the person, towards position 0 [N/m or N·m/rad], >= 0
+  double coulomb = 0.0;    ///< dry friction [N or N·m], >= 0
   double lower = 0.0, upper = 0.0;  ///< stops [m or rad]
 };
 
@@ -56,8 +57,8 @@ class AxisDynamics {
   /// A period is 2^kLevels grains; transitions_[j] spans 2^j of them.
   static constexpr int kLevels = 20;
   static constexpr int kGrains = 1 << kLevels;
-  /// Most changes between sticking and sliding in one period; after them the axis sticks until the
-  /// next.
+  /// Largest number of changes between sticking and sliding in one period; after them the axis
+  /// sticks until the next period.
   static constexpr int kMostEvents = 32;
 
   [[nodiscard]] double effortAt(int grain) const noexcept;

@@ -12,11 +12,12 @@
 namespace wholehand {
 namespace {
 
-constexpr double kRounding = 1e-13;  // relative to the terms of a sum
+constexpr double kRounding = 1e-13;  // rounding error of a sum, relative to its terms
 constexpr int kBlockTries = 3;       // attempts without progress before single pivots
-constexpr int kMostPivots = 2000;    // usually a few
+constexpr int kMostPivots = 2000;    // bound of the search; a few are usual
 
-/// λ with the axes at an end fixed there; false where G has no factorisation.
+/// Solves for λ while the axes at an end of their range stay there; false when G cannot be
+/// factorised.
 bool solveBetween(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
                   const AxisColumn& upper, const RangeParts& parts, AxisColumn& lambda) noexcept {
   std::array<Eigen::Index, kMaxAxes> between{};
@@ -44,7 +45,7 @@ bool solveBetween(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lo
   return true;
 }
 
-/// Range part that an axis must change to; the same if it is consistent.
+/// Range part to which an axis must change; the same part if the axis is consistent.
 RangePart better(RangePart part, double lambda, double lower, double upper, double v,
                  double v_size) noexcept {
   if (part == RangePart::kBetween) {
@@ -61,22 +62,23 @@ RangePart better(RangePart part, double lambda, double lower, double upper, doub
 }
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kLongestStep_s = 1.0 / 16e3;
-constexpr double kStepsPerRadian = 16.0;  // of the fastest mode
-constexpr int kFewestSteps = 4, kMostSteps = 4096;
+constexpr double kLongestStep_s = 1.0 / 16e3;       // 1/16 ms
+constexpr double kStepsPerRadian = 16.0;            // steps per radian of the fastest mode
+constexpr int kFewestSteps = 4, kMostSteps = 4096;  // bounds of the number of steps per period
 
 AxisMatrix symmetric(const AxisMatrix& m) {
   return 0.5 * (m + m.transpose());
 }
 
-/// Number of steps per period, such that none is too long or a large part of the fastest mode's
-/// cycle.
+/// Number of steps per period. No step is longer than the limit, or a large part of the fastest
+/// mode's cycle.
 int stepsOf(const LinkedPlant& plant, double period_s) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       plant.stiffness, plant.mass, Eigen::EigenvaluesOnly);
   const double fastest_rad_s = std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
-  const double wanted = std::max(period_s / kLongestStep_s - 1e-9,
-                                 kStepsPerRadian * fastest_rad_s * period_s);  // 16.0 is 16
+  // The small term tolerates rounding: 16.0 must stay 16.
+  const double wanted =
+      std::max(period_s / kLongestStep_s - 1e-9, kStepsPerRadian * fastest_rad_s * period_s);
   return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), kFewestSteps, kMostSteps);
 }
 
@@ -121,6 +123,7 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
               const AxisColumn& upper, RangeParts& parts, AxisColumn& lambda) noexcept {
   const Eigen::Index n = w.size();
   lambda.resize(n);
+  // Makes the initial guess valid.
   for (Eigen::Index i = 0; i < n; ++i) {
     RangePart& part = parts[i];
     if (lower[i] == upper[i]) part = RangePart::kLow;
@@ -131,6 +134,7 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
   int tries = kBlockTries;
   for (int pivot = 0; pivot < kMostPivots; ++pivot) {
     if (!solveBetween(g, w, lower, upper, parts, lambda)) return false;
+    // Finds the axes whose part is inconsistent.
     RangeParts next = parts;
     Eigen::Index faulty = 0, last = 0;
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -145,11 +149,12 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
       last = i;
     }
     if (faulty == 0) return true;
+    // Pivots all of them, or only the last one when block pivots make no progress.
     tries = faulty < fewest ? kBlockTries : tries - 1;
     fewest = std::min(fewest, faulty);
     if (tries >= 0) {
       parts = next;
-    } else {  // Murty: only the last axis
+    } else {  // Murty's rule: pivots only the last axis
       parts[last] = next[last];
     }
   }
@@ -161,7 +166,7 @@ LinkedDynamics::LinkedDynamics(const LinkedPlant& plant, double period_s)
   const Eigen::Index n = plant.mass.rows();
   const Eigen::MatrixXd mass = plant.mass;
   const Eigen::MatrixXd inverse = mass.llt().solve(Eigen::MatrixXd::Identity(n, n));
-  // In units of the step h the state (q, h q̇) and the input (h² f/m, h³ ḟ/m) are of like size.
+  // Scaled by the step h, the state (q, h q̇) and the input (h² f/m, h³ ḟ/m) are of similar size.
   const double h = period_s / steps_;
   Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(4 * n, 4 * n);
   generator.block(0, n, n, n).setIdentity();
@@ -194,7 +199,7 @@ void LinkedDynamics::place(const AxisPosition& position, const AxisVelocity& vel
 /// changes linearly. The mean opposes the net motion, so it still dissipates. @param before, after
 /// speeds of opposite sign
 double turning(double before, double after, double friction) noexcept {
-  const double rests_at = before / (before - after);  // of the step
+  const double rests_at = before / (before - after);  // fraction of the step until the axis rests
   return (before > 0.0 ? friction : -friction) * (1.0 - 2.0 * rests_at);
 }
 
@@ -206,8 +211,8 @@ void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
   for (Eigen::Index i = 0; i < n; ++i) {
     const int a = static_cast<int>(i);
     const double friction = plant_.coulomb[a];
-    // Friction opposes the motion. An axis that reverses within the step has none until it has
-    // reversed.
+    // Friction opposes the motion. An axis that reverses within the step has no friction until it
+    // has reversed.
     lower[i] = qd_[i] < 0.0 ? 0.0 : -friction;
     upper[i] = qd_[i] > 0.0 ? 0.0 : friction;
     if (q_[i] >= plant_.upper[a]) lower[i] = -kInfinite;
@@ -241,7 +246,7 @@ void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
   }
 }
 
-/// Puts axes beyond a stop back to it; impulses remove their speed towards it.
+/// Moves axes that are beyond a stop back to it; impulses remove their speed towards the stop.
 void LinkedDynamics::meetStops() noexcept {
   const Eigen::Index n = q_.size();
   AxisColumn lower = AxisColumn::Zero(n), upper = AxisColumn::Zero(n), impulse(n);

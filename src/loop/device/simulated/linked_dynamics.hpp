@@ -13,7 +13,7 @@ namespace wholehand {
 /// One number per axis, for linear algebra; no heap.
 using AxisColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxAxes, 1>;
 
-/// Position of an effort in its range: at an end or between.
+/// Where an effort lies in its range: at its lower end, between, or at its upper end.
 enum class RangePart : signed char { kLow, kBetween, kHigh };
 using RangeParts = std::array<RangePart, kMaxAxes>;
 
@@ -31,10 +31,10 @@ WHOLEHAND_RT bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisC
 
 /// Mechanical model of axes linked by a person. SI, each axis in its own unit.
 struct LinkedPlant {
-  AxisMatrix mass;            ///< device and person; symmetric positive definite
-  AxisMatrix damping;         ///< of both, viscous; symmetric positive semidefinite
-  AxisMatrix stiffness;       ///< of the person, to position 0; positive semidefinite
-  AxisEffort coulomb;         ///< dry friction of each axis, >= 0
+  AxisMatrix mass;       ///< device and person; symmetric positive definite
+  AxisMatrix damping;    ///< viscous, device and person; symmetric positive semidefinite
+  AxisMatrix stiffness;  ///< stiffness of the person, towards position 0; positive semidefinite
+  AxisEffort coulomb;    ///< dry friction of each axis, >= 0
   AxisPosition lower, upper;  ///< stops
 };
 
@@ -49,7 +49,7 @@ struct LinkedPlant {
 /// which the mass matrix distributes over the axes; it only dissipates, too.
 class LinkedDynamics {
  public:
-  /// @pre one size, as LinkedPlant says  Not real-time safe.
+  /// @pre the plant's arrays have one size and the properties stated there. Not real-time safe.
   LinkedDynamics(const LinkedPlant& plant, double period_s);
 
   /// Advances by one period; efforts at its beginning and end, linear between. Real-time safe.
@@ -79,15 +79,16 @@ class LinkedDynamics {
   AxisColumn q_, qd_;
 };
 
-/// The axes of a device that its person links. They move together while held. After a slam of one
-/// axis the others stay linked; after letting go, none is.
+/// The axes of a device that are linked by the person's impedance. They move together while the
+/// person holds them. After a slam of one axis the others stay linked; after the person lets go, no
+/// axis is linked.
 class LinkedPerson {
  public:
-  /// axis that may be released before the others; -1: none
+  /// @param slam_axis axis that the person may release before the others; -1: none
   LinkedPerson(const DeviceModel& device, const PatientConfig& patient, double period_s,
                int slam_axis);
 
-  /// Whether the axis now moves linked to others. Real-time safe.
+  /// True when the axis currently moves linked to others. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool moves(int axis) const noexcept { return moved_[axis]; }
 
   /// Sets the state with all axes held. Real-time safe.
@@ -108,7 +109,7 @@ class LinkedPerson {
   };
   void enter(int group, const AxisPosition& q, const AxisVelocity& qd) noexcept;
 
-  std::vector<Group> groups_;  ///< all linked axes; all but the slammed one
+  std::vector<Group> groups_;  ///< first: all linked axes; second: all but the slammed one
   int now_ = -1;               ///< current group; -1: no axis is linked
   std::array<bool, kMaxAxes> moved_{};
 };

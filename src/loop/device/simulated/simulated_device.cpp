@@ -10,7 +10,8 @@ namespace wholehand {
 
 namespace {
 
-constexpr double kLongestGap_s = 1.0;  // a longer gap ends rendering, and the rest stands still
+// A longer gap ends rendering anyway; the device stands still for the rest of it.
+constexpr double kLongestGap_s = 1.0;
 
 }  // namespace
 
@@ -74,7 +75,7 @@ void SimulatedDevice::shiftDelayLine() noexcept {
 }
 
 AxisEffort SimulatedDevice::impedance() const noexcept {
-  // A released axis has no position error, so that it does not pull the linked ones.
+  // A released axis has no position error, so it does not pull the linked axes.
   AxisPosition q_meant = q_pull_;
   AxisVelocity qd_meant = qd_pull_;
   for (int i = 0; i < q_.size(); ++i) {
@@ -110,8 +111,8 @@ void SimulatedDevice::moveAxes(const AxisPosition& aim, const AxisVelocity& aim_
   AxisEffort begin(q_.size()), end(q_.size());
   for (int i = 0; i < q_.size(); ++i) {
     const PatientAxis& person = patient_.axes[i];
-    // The plant contains the person's K and B towards zero. The rest of the impedance is the pull
-    // of the target.
+    // The plant contains the person's K and B towards zero. The remaining part of the impedance is
+    // the pull towards the target.
     EffortRamp effort;
     if (held_[i]) {
       effort.begin = impedanceEffort(person, 0.0, 0.0, from[i], from_speed[i]);

@@ -15,11 +15,12 @@
 
 namespace wholehand {
 
-/// A simulated device, from its file: per axis mass, viscous and Coulomb friction, encoder step,
-/// output delay in samples, saturation at the effort limit, stops at the ends of the range; with a
-/// virtual patient attached, who may link its axes. Valid at any rate: the linear part is advanced
-/// by its exact solution for a held effort and for efforts of the person that are linear over the
-/// period; Coulomb friction sticks. When the person lets go, the bare mechanism remains.
+/// A simulated device as its file describes it: per axis mass, viscous and Coulomb friction,
+/// encoder step, output delay in samples, saturation at the effort limit, stops at the ends of the
+/// range. A virtual patient is attached, who may link its axes. Valid at any rate: the linear part
+/// is advanced by its exact solution for a held effort and for efforts of the person that are
+/// linear over the period; Coulomb friction sticks. When the person lets go, the bare mechanism
+/// remains.
 ///
 /// The axis's weight pulls with minus its neutral effort, so that sending neutral balances it.
 /// Deterministic: the same calls give the same bits.
@@ -36,26 +37,27 @@ class SimulatedDevice final : public HapticDevice, public KnownPerson {
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient, Intention intention,
                   double period_s);
 
-  /// Resets the device to its start, time to 0. Never fails.
+  /// Resets the device to its start and its time to 0. Never fails.
   [[nodiscard]] Expected<Done> open() override;
   /// Always ready: open() puts the device at rest.
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
-  /// The first read after open() returns the start and advances no time. kDeviceRead unless open.
+  /// The first read after open() returns the start position and advances no time. kDeviceRead
+  /// unless the device is open.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
-  /// Clamps to the effort limit. kDeviceWrite, and the last effort stays, unless the device is open
-  /// and the effort is finite with the device's number of axes.
+  /// Clamps the effort to the limit. Returns kDeviceWrite and keeps the last effort unless the
+  /// device is open and the effort is finite with the device's number of axes.
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   void close() noexcept override;
-  /// The virtual patient, or the person at the screen.
+  /// Reports the virtual patient, or the person at the screen.
   void report(PersonReading& reading) const noexcept override;
 
   /// True (unquantised) state, for tests.
   [[nodiscard]] const AxisPosition& position() const noexcept { return q_; }
   [[nodiscard]] const AxisVelocity& velocity() const noexcept { return qd_; }
-  /// Effort that acts on the mechanism now: the last one that passed the output delay.
+  /// Effort that currently acts on the mechanism: the last one that passed the output delay.
   [[nodiscard]] const AxisEffort& acting() const noexcept { return acting_; }
-  /// The person attached.
+  /// The person attached to the device.
   [[nodiscard]] const ActivePatient& person() const noexcept { return person_; }
 
  private:
@@ -65,7 +67,7 @@ class SimulatedDevice final : public HapticDevice, public KnownPerson {
   void letPeriodPass() noexcept;
   void shiftDelayLine() noexcept;
 
-  static constexpr int kMostDelay = 8;
+  static constexpr int kMostDelay = 8;  ///< longest output delay [samples]
 
   DeviceModel device_;
   PatientConfig patient_;
@@ -74,8 +76,8 @@ class SimulatedDevice final : public HapticDevice, public KnownPerson {
   ActivePatient person_;
   AxisEffort neutral_;
   std::vector<AxisDynamics> axes_;  ///< with the person's mass and impedance
-  std::vector<AxisDynamics> bare_;  ///< without the person; empty where the person never lets go
-  LinkedPerson linked_;             ///< linked axes; they move here instead
+  std::vector<AxisDynamics> bare_;  ///< without the person; empty when the person never lets go
+  LinkedPerson linked_;             ///< moves the axes that the person links
 
   bool open_ = false;
   bool fresh_ = false;                 // open and not yet read

@@ -12,7 +12,8 @@ namespace wholehand {
 
 namespace {
 
-/// Enough for stops on axes that inertia couples to agree to the last digits.
+/// Number of sweeps. Enough for the impulses of stops on axes that are coupled by inertia to
+/// converge to the last digits.
 constexpr int kSweeps = 60;
 
 }  // namespace
@@ -67,14 +68,14 @@ Fault AnalyticWorld::observe(PhysicsState& state) noexcept {
   state.qd_s = qd_s_;
   state.theta = theta_;
   state.theta_dot = theta_dot_;
-  state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
+  state.coupling_error_rad = 0.0;  // the joints are computed as θ₀ + G q_s, so there is no error
   state.body_count = 0;
   return allFinite(q_s_) && allFinite(qd_s_) ? Fault::kNone : Fault::kNonFiniteState;
 }
 
 void AnalyticWorld::placeBodies(const BodyPlacements&) noexcept {}
 
-/// Gᵀτ and what the springs add.
+/// Reduced effort Gᵀτ plus the efforts of the springs.
 AxisEffort AnalyticWorld::reducedEffort(const JointEffort& torque) const noexcept {
   AxisEffort out(hand_->axis_count);
   for (int a = 0; a < hand_->axis_count; ++a) {
@@ -105,15 +106,16 @@ Fault AnalyticWorld::step(const HandDrive& drive, double period_s) noexcept {
   return allFinite(q_s_) ? Fault::kNone : Fault::kNonFiniteState;
 }
 
-/// Projected Gauss-Seidel on the impulses of the stops, as a contact solver does it: a velocity may
-/// close a gap but not pass it within the step, and a stop never pulls.
+/// Computes the impulses of the stops by projected Gauss-Seidel, as a contact solver does: within a
+/// step a velocity may close a gap but not pass it, and a stop never pulls.
 void AnalyticWorld::holdAtStops(double period_s) noexcept {
   std::array<double, kMaxAxes> impulse{};
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (int a = 0; a < hand_->axis_count; ++a) {
       const double fastest = (scene_.axes[a].upper_stop - q_s_[a]) / period_s;
       const double slowest = (scene_.axes[a].lower_stop - q_s_[a]) / period_s;
-      // Without its own impulse the axis would move at `loose`; only what is missing is given.
+      // Without its own impulse the axis would move at `loose`; the stop adds only the missing
+      // impulse.
       const double loose = qd_s_[a] - mobility_(a, a) * impulse[a];
       const double wanted = (std::clamp(loose, slowest, fastest) - loose) / mobility_(a, a);
       const double change = wanted - impulse[a];

@@ -13,10 +13,10 @@ namespace wholehand {
 struct AnalyticAxis {
   double lower_stop = -std::numeric_limits<double>::infinity();  ///< rigid [m or rad]
   double upper_stop = std::numeric_limits<double>::infinity();   ///< rigid [m or rad]
-  double stiffness = 0.0;    ///< spring towards spring_rest [N/m or N·m/rad], >= 0
-  double damping = 0.0;      ///< against the world [N·s/m or N·m·s/rad], >= 0
+  double stiffness = 0.0;    ///< stiffness of a spring towards spring_rest [N/m or N·m/rad], >= 0
+  double damping = 0.0;      ///< viscous damping against the world [N·s/m or N·m·s/rad], >= 0
   double spring_rest = 0.0;  ///< [m or rad]
-  double added_mass = 0.0;   ///< moves with the axis [kg or kg·m²], >= 0; weightless
+  double added_mass = 0.0;  ///< mass that moves with the axis, without weight [kg or kg·m²], >= 0
 };
 
 struct AnalyticScene {
@@ -35,11 +35,11 @@ class AnalyticWorld final : public PhysicsWorld {
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
   [[nodiscard]] WHOLEHAND_RT Fault observe(PhysicsState& state) noexcept override;
-  /// No bodies to place.
+  /// Does nothing: this world has no bodies.
   WHOLEHAND_RT void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] WHOLEHAND_RT Fault step(const HandDrive& drive, double period_s) noexcept override;
   WHOLEHAND_RT void contacts(ContactList& contacts) const noexcept override;
-  /// No self-contact.
+  /// Reports none: this world has no self-contact.
   WHOLEHAND_RT void selfForces(SelfForces& forces) const noexcept override;
 
   /// Effort of the stops on the hand in the last step [N or N·m].

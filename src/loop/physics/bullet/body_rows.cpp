@@ -11,20 +11,21 @@
 #include <cmath>
 #include <numeric>
 
-// Heavy bodies on light ones, solved at once by ConeNewton: sweeps pass a load on from contact to
-// contact, and need the more of them the heavier what lies above.
+// ConeNewton solves heavy bodies on light ones directly. Sweeps carry a load from contact to
+// contact, and the heavier the body above is, the more sweeps they need.
 
 namespace wholehand::bullet {
 namespace {
 
-// What moves less than this by an impulse moves nothing: what pushes a hinge's axis [1/kg].
+// A row with a lower mobility is off: nothing moves along it, e.g. where an impulse pushes against
+// a hinge's axis [1/kg].
 constexpr double kLeastMobility = 1e-12;
 
 bool moves(const btSolverBody& body) {
   return body.m_originalBody != nullptr;
 }
 
-/// The joint of a body; null: it is free, or fixed.
+/// The joint of a body; null when it has none.
 const BodyJoint* onJoint(const btSolverBody& body) {
   return moves(body) ? jointOf(*body.m_originalBody) : nullptr;
 }
@@ -37,7 +38,7 @@ void copyVector(const std::array<double, 4>& from, btVector3& to) {
   to.setValue(from[0], from[1], from[2]);
 }
 
-/// A vector of each of four contacts.
+/// One vector for each of four contacts.
 struct FourVectors {
   FourNumbers x, y, z;
 };
@@ -56,7 +57,7 @@ struct FourVectors {
   store(from.z, to[2].data());
 }
 
-/// From four vectors with a fourth number each.
+/// Collects four vectors, each stored with a fourth number.
 [[gnu::always_inline]] inline void gather(FourVectors& to, const double* of_0, const double* of_1,
                                           const double* of_2, const double* of_3) {
   FourNumbers v0, v1, v2, v3;
@@ -70,7 +71,7 @@ struct FourVectors {
   to.z = __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7);
 }
 
-/// The opposite; the fourth numbers become zero.
+/// The inverse of gather(); the fourth numbers become zero.
 [[gnu::always_inline]] inline void scatter(const FourVectors& from, double* to_0, double* to_1,
                                            double* to_2, double* to_3) {
   const FourNumbers none{};
@@ -105,7 +106,7 @@ struct FourVectors {
   dot(to.x, matrix[0], v), dot(to.y, matrix[1], v), dot(to.z, matrix[2], v);
 }
 
-/// Turns rows on bodies into those on their joints. @param sign of the rows' direction
+/// Projects rows on bodies onto the bodies' joints. @param sign of the rows' direction
 void projectOnJoints(const std::array<const BodyJoint*, 4>& joints, const FourVectors& along,
                      double sign, FourVectors& about) {
   for (int i = 0; i < 4; ++i) {
@@ -141,7 +142,7 @@ void takeState(const btSolverBody& body, std::array<double, 4>& linear,
   to.z += vector.z * factor;
 }
 
-/// @param which of a comparison
+/// True when any of the four comparisons is true. @param which result of a comparison
 template <class Mask>
 [[gnu::always_inline]] inline bool anyOf(const Mask& which) {
   return ((which[0] | which[1]) | (which[2] | which[3])) != 0;
@@ -154,7 +155,7 @@ template <class Mask>
 
 }  // namespace
 
-/// Of the bodies of a group's contacts.
+/// Velocities of the bodies of a group's contacts.
 struct BodyRows::Velocities {
   FourVectors linear_a, angular_a, linear_b, angular_b;
 
@@ -180,7 +181,8 @@ struct BodyRows::Velocities {
             group.b[2]->angular.data(), group.b[3]->angular.data());
   }
 
-  /// As Bullet's resolveSingleConstraintRowGeneric(): what is lacking of the row's impulse.
+  /// Computes the missing impulse of each row, as Bullet's resolveSingleConstraintRowGeneric()
+  /// does.
   [[gnu::always_inline]] inline void compare(const Row& row, FourNumbers& lacking) const {
     FourVectors along, about_a, about_b;
     FourNumbers effective_mass, a, b, turns;
@@ -258,7 +260,7 @@ BodyRows::Group& BodyRows::groupFor(int run) noexcept {
   return group;
 }
 
-// A place without contact: its bodies are none, its rows zero.
+// Sets a place without contact: it has no bodies, and its rows are zero.
 void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) {
     for (Each& each : row->along) each[place] = 0.0;
@@ -275,10 +277,10 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   group.point[place] = nullptr;
 }
 
-/// A direction of a contact, and what impulses along it change.
-struct BodyRows::Laid {
+/// A direction of a contact, and the changes that an impulse along it makes.
+struct BodyRows::RowDirection {
   FourVectors along, about_a, about_b, response_a, response_b;
-  FourNumbers yield;  ///< velocity per impulse
+  FourNumbers yield;  ///< change of velocity per unit of impulse
 
   [[gnu::always_inline]] inline void store(Row& row) const {
     storeVectors(along, row.along);
@@ -287,8 +289,9 @@ struct BodyRows::Laid {
   }
 };
 
-/// Lays the three rows of a group's contacts, and lets the starting impulses act.
+/// Builds the three rows of a group's contacts and applies the starting impulses.
 void BodyRows::lay(Group& group) {
+  // Collects the states of the four contacts' bodies.
   FourVectors linear_a, angular_a, linear_b, angular_b, arm_a, arm_b;
   std::array<FourVectors, 3> mobility_a, mobility_b;
   const auto gather_states = [](FourVectors& to, const std::array<const State*, kWide>& from,
@@ -314,10 +317,11 @@ void BodyRows::lay(Group& group) {
   const FourNumbers none{}, one = none + 1.0, least = none + kLeastMobility;
   Velocities velocities;
   velocities.take(group);
-  std::array<Laid, 3> laid;
+  // Builds the normal and the two tangents, and applies their starting impulses.
+  std::array<RowDirection, 3> laid;
   const std::array<Row*, 3> rows{&group.normal, &group.tangent1, &group.tangent2};
   for (int i = 0; i < 3; ++i) {
-    Laid& to = laid[i];
+    RowDirection& to = laid[i];
     Row& row = *rows[i];
     loadVectors(to.along, row.along);
     cross(to.about_a, arm_a, to.along);
@@ -340,12 +344,14 @@ void BodyRows::lay(Group& group) {
     velocities.apply(row, group, start);
   }
   velocities.put(group);
-  const Laid &first = laid[1], &second = laid[2];
+  const RowDirection &first = laid[1], &second = laid[2];
+  // Stores the 2 x 2 yield of the tangents and its inverse.
   FourNumbers coupled_a, coupled_b;
   dot(coupled_a, first.about_a, second.response_a);
   dot(coupled_b, first.about_b, second.response_b);
   const FourNumbers yield_12 = coupled_a + coupled_b;
-  const FourNumbers definite = none + (1.0 + 1e-9);  // where one joint alone moves both
+  // Keeps the matrix definite where one joint alone moves both tangents.
+  const FourNumbers definite = none + (1.0 + 1e-9);
   const FourNumbers yield_11 = definite * (first.yield > least ? first.yield : least);
   const FourNumbers yield_22 = definite * (second.yield > least ? second.yield : least);
   const FourNumbers det = yield_11 * yield_22 - yield_12 * yield_12;
@@ -381,6 +387,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
   for (int k = 0; k < manifold.getNumContacts(); ++k) {
     btManifoldPoint& point = manifold.getContactPoint(k);
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
+    // Puts the contact into a group of its depth.
     const int depth =
         std::max(rigid_a != nullptr ? depth_[a] : 0, rigid_b != nullptr ? depth_[b] : 0);
     depth_[a] = depth_[b] = depth + 1;
@@ -389,6 +396,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     put(group, place, a, b, bodies);
     group.point[place] = &point;
     group.friction[place] = point.m_combinedFriction;
+    // Arms from the bodies' centres to the contact.
     const btVector3 none(0.0, 0.0, 0.0), &normal = point.m_normalWorldOnB;
     const auto arm = [&](const btRigidBody* rigid, const btVector3& at_m) {
       return rigid != nullptr ? at_m - rigid->getCenterOfMassPosition() : none;
@@ -396,6 +404,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     const btVector3 arm_a = arm(rigid_a, point.getPositionWorldOnA());
     const btVector3 arm_b = arm(rigid_b, point.getPositionWorldOnB());
     write(arm_a, group.arm_a, place), write(arm_b, group.arm_b, place);
+    // Goal velocity: the gap may close; an overlap is reduced; fast bodies bounce.
     const double apart_m = point.getDistance() + goals.slop_m;
     double goal = apart_m > 0.0
                       ? -apart_m / goals.step_s
@@ -407,6 +416,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
       if (closing_m_s >= goals.bounce_from_m_s) goal += point.m_combinedRestitution * closing_m_s;
     }
     group.goal[place] = goal;
+    // Directions and starting impulses.
     btVector3 &tangent1 = point.m_lateralFrictionDir1, &tangent2 = point.m_lateralFrictionDir2;
     btPlaneSpace1(normal, tangent1, tangent2);
     write(normal, group.normal.along, place);
@@ -431,7 +441,7 @@ void BodyRows::begin(Bodies& bodies, const std::vector<bool>& touched) noexcept 
     takeState(bodies[i], states_[i].linear, states_[i].angular, states_[i].mobility);
     if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
   }
-  // The groups by their runs, which is by depth.
+  // Sorts the groups by their runs, and so by depth.
   std::fill_n(first_.begin(), runs_ + 1, 0);
   for (int i = 0; i < group_count_; ++i) ++first_[groups_[i].run + 1];
   for (int run = 0; run < runs_; ++run) first_[run + 1] += first_[run];
@@ -465,7 +475,7 @@ void BodyRows::write(Bodies& bodies) const noexcept {
   }
 }
 
-// Sets the normal impulses. A contact only pushes.
+// Sets the normal impulses; a contact only pushes.
 void BodyRows::press(Group& group, FourNumbers& most) {
   const FourNumbers none{};
   Row& row = group.normal;
@@ -482,7 +492,7 @@ void BodyRows::press(Group& group, FourNumbers& most) {
   keepLargest(most, change);
 }
 
-// Sets the impulses of friction. What nothing presses does not rub.
+// Sets the friction impulses; a contact without normal impulse has no friction.
 void BodyRows::rub(Group& group, const FourNumbers& normal, FourNumbers& most) {
   Velocities velocities;
   velocities.take(group);
@@ -501,7 +511,7 @@ void BodyRows::rub(Group& group, const FourNumbers& normal, FourNumbers& most) {
   FourNumbers was_1, was_2, is_1, is_2;
   load(was_1, group.tangent1.impulse.data());
   load(was_2, group.tangent2.impulse.data());
-  // The rows' units are impulses that alone would reach the target.
+  // The rows store impulses that alone would reach the target; the disc needs velocities.
   disc.solve(was_1, was_2, lacking_1 * disc.yield_11, lacking_2 * disc.yield_22, is_1, is_2);
   const FourNumbers change_1 = is_1 - was_1, change_2 = is_2 - was_2;
   store(is_1, group.tangent1.impulse.data());
@@ -561,12 +571,14 @@ double BodyRows::sweepNear(Bodies& bodies) noexcept {
 
 namespace {
 
-constexpr double kUneven = 10.0;  // ratio of two masses
-// Per mobility of a row, which is that of the lighter body: at 1e-3 a ratio of 10,000 sinks in. One
-// after the other: which contacts hold and stick is found where they are soft.
+constexpr double kUneven = 10.0;  // ratio of two masses from which a contact is uneven
+// Softness per mobility of a row, which is that of the lighter body. At 1e-3 a body 10,000 times as
+// heavy as the one below sinks in. The values are used one after the other: the soft ones show
+// which contacts hold and stick.
 constexpr std::array kSoftness{1e-2, 1e-3, 1e-4, 1e-5};
 
-// Of factorisations in a step of the world, each of the cube of the island's bodies: 16 of eight.
+// Largest work for factorisations in a step of the world; one factorisation costs the cube of the
+// island's number of bodies. This allows 16 factorisations of eight bodies.
 constexpr int kMostWork = 16 * 8 * 8 * 8;
 
 }  // namespace
@@ -586,7 +598,7 @@ int BodyRows::moverOf(const Group& group, int place) const noexcept {
   return static_cast<int>((a_moves ? group.a[place] : group.b[place]) - motions_.data());
 }
 
-// Movable bodies that touch are of one island.
+// Finds the islands: movable bodies that touch belong to the same island.
 void BodyRows::findIslands(const Bodies& bodies) noexcept {
   std::iota(island_.begin(), island_.begin() + bodies.size(), 0);
   for (const Group* group : all_) {
@@ -600,15 +612,16 @@ void BodyRows::findIslands(const Bodies& bodies) noexcept {
   }
 }
 
-// The last step's impulses may be those of a blow. Let go once more they would throw what is light
-// faster than the sweeps can stop it again. With J v the rows' velocities before contacts and g
-// their goals, each sweep lowers f(r) = ½ (Jᵀr)ᵀ M⁻¹ (Jᵀr) + rᵀ(J v − g): kinetic energy given,
-// less what the goals ask for. Nothing has f = 0. An island whose impulses r have more starts from
-// the share of r with the least f.
+// Shortens the starting impulses. Those of the last step may come from an impact; applied again
+// they would throw light bodies faster than the sweeps can stop them. With J v the rows' velocities
+// before contacts and g their goals, each sweep lowers f(r) = ½ (Jᵀr)ᵀ M⁻¹ (Jᵀr) + rᵀ(J v − g): the
+// kinetic energy given minus the energy that the goals ask for. f = 0 without impulses. An island
+// whose impulses r have f > 0 starts from the share of r with the least f.
 void BodyRows::shortenStart(const Bodies& bodies) noexcept {
   std::fill_n(start_.begin(), bodies.size(), Start{});
   for (const Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
+      // Sums the energy that the goals ask for.
       double& gain_j = start_[islandOf(moverOf(*group, k))].gain_j;
       for (const Row* row : {&group->normal, &group->tangent1, &group->tangent2}) {
         if (row->effective_mass[k] == 0.0) continue;
@@ -623,7 +636,8 @@ void BodyRows::shortenStart(const Bodies& bodies) noexcept {
     start_[islandOf(i)].cost_j += kineticEnergy(
         *bodies[i].m_originalBody, vector(motions_[i].linear), vector(motions_[i].angular));
   }
-  // What the hand does to an island is not among its rows.
+  // The rows do not include the hand's action on an island, so islands that the hand touches keep
+  // their impulses.
   for (const int i : touched_) start_[islandOf(i)].cost_j = 0.0;
   bool all_whole = true;
   for (int i = 0; i < bodies.size(); ++i) {
@@ -648,7 +662,8 @@ void BodyRows::shortenStart(const Bodies& bodies) noexcept {
   }
 }
 
-// Those in which one body lies on another ten times lighter, and that the hand does not touch.
+// Finds the islands in which one body lies on another that is ten times lighter and which the hand
+// does not touch.
 void BodyRows::findUneven(const Bodies& bodies) noexcept {
   std::fill_n(solved_at_once_.begin(), bodies.size(), false);
   for (const Group* group : all_) {
@@ -659,7 +674,8 @@ void BodyRows::findUneven(const Bodies& bodies) noexcept {
   for (const int body : touched_) solved_at_once_[islandOf(body)] = false;
 }
 
-// @return false: more bodies or contacts than are solved at once
+// Lists the bodies and contacts of an island. @return false: there are more of them than can be
+// solved directly
 bool BodyRows::listIsland(int island, const Bodies& bodies) noexcept {
   member_count_ = place_count_ = 0;
   std::fill_n(slot_.begin(), bodies.size(), -1);
@@ -712,8 +728,8 @@ bool BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
     writeRow(at.group->normal, at, rows[0]);
     writeRow(at.group->tangent1, at, rows[1]);
     writeRow(at.group->tangent2, at, rows[2]);
-    // What the last step ended with, unless that was a blow: the solution is exact where nothing
-    // changes.
+    // Starts from the impulses of the last step, reduced if they came from an impact
+    // (shortenStart()). The solution is exact when nothing changes.
     const double share = start_[islandOf(members_[0])].share;
     rows[0].start = share * point.m_appliedImpulse;
     rows[1].start = share * point.m_appliedImpulseLateral1;

@@ -36,8 +36,9 @@ void BoxSweep::sortEntries(const std::vector<WorldBox>& boxes,
   }
 }
 
-/// Compares a box with others, sorted, that begin after it. A pair is written before it is known
-/// to be one, and kept if it is: which boxes overlap is not for a processor to guess.
+/// Compares a box with other boxes, sorted by their begin, that begin after it. A pair is always
+/// written, and kept only if the boxes overlap: this avoids a branch that a processor cannot
+/// predict.
 void BoxSweep::compare(const Entry& one, const std::vector<Entry>& others,
                        std::size_t first) noexcept {
   for (std::size_t k = first; k < others.size() && others[k].low_x_m <= one.high_x_m; ++k) {
@@ -57,7 +58,7 @@ void BoxSweep::compare(const Entry& one, const std::vector<Entry>& others,
   }
 }
 
-/// A sort by counting, which keeps the order of equals.
+/// A counting sort, which keeps the order of equal keys.
 template <class Key>
 void BoxSweep::sort(const std::vector<Pair>& from, std::vector<Pair>& to, Key key) noexcept {
   std::fill(first_.begin(), first_.end(), 0);

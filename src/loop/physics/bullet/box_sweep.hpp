@@ -21,26 +21,27 @@ struct WorldBox {
          a.low_m.z() <= b.high_m.z() && b.low_m.z() <= a.high_m.z();
 }
 
-/// Whether `inner` lies within `outer`; false for NaN. Real-time safe.
+/// True when `inner` lies within `outer`; false for NaN. Real-time safe.
 [[nodiscard]] inline bool contains(const WorldBox& outer, const WorldBox& inner) noexcept {
   return (outer.low_m.array() <= inner.low_m.array()).all() &&
          (inner.high_m.array() <= outer.high_m.array()).all();
 }
 
-/// Finds the pairs of boxes that overlap. The boxes' intervals along x are sorted by insertion from
-/// the order of the last search, which has changed little; only boxes whose intervals overlap are
-/// compared. Real-time safe except for construction.
+/// Finds the pairs of boxes that overlap. The boxes' intervals along x are sorted by insertion,
+/// starting from the order of the last search, which has changed little. Only boxes whose intervals
+/// overlap are compared. Real-time safe except for construction.
 class BoxSweep {
  public:
   enum class Part : char {
-    kNone,    ///< meets no other box
-    kStands,  ///< meets awake ones
-    kRests,   ///< meets awake ones of lower index
-    kAwake,   ///< meets all
+    kNone,    ///< pairs with no other box
+    kStands,  ///< fixed: pairs with awake boxes
+    kRests,   ///< at rest: pairs with awake boxes of lower index
+    kAwake,   ///< pairs with all boxes
   };
   using Pair = std::pair<int, int>;  ///< the lower index first
 
-  /// @param owner per box: boxes of one owner do not meet @param most_pairs of a search
+  /// @param owner per box: boxes of one owner form no pair @param most_pairs largest number of
+  /// pairs of a search
   BoxSweep(const std::vector<int>& owner, std::size_t most_pairs);
 
   /// Lists the overlapping pairs of which at least one box is awake. @param boxes, parts per box
@@ -52,7 +53,7 @@ class BoxSweep {
   [[nodiscard]] int dropped() const noexcept { return dropped_; }
 
  private:
-  /// A box, with all that a comparison needs side by side.
+  /// A box with all data of a comparison in one place.
   struct Entry {
     double low_x_m = 0.0, high_x_m = 0.0, low_y_m = 0.0, high_y_m = 0.0, low_z_m = 0.0,
            high_z_m = 0.0;
@@ -67,12 +68,12 @@ class BoxSweep {
   void sort(const std::vector<Pair>& from, std::vector<Pair>& to, Key key) noexcept;
 
   std::vector<Entry> entries_;  ///< ascending by their low ends along x
-  std::vector<Entry> awake_;    ///< those of awake boxes, ascending
+  std::vector<Entry> awake_;    ///< entries of awake boxes, in the same order
   const std::size_t most_pairs_;
   std::size_t count_ = 0;
   std::vector<Pair> found_;  ///< the first count_ in the order found; room for one more
   std::vector<Pair> sorted_, pairs_;
-  std::vector<int> first_;  ///< per box: place of its first pair
+  std::vector<int> first_;  ///< per box: index of its first pair
   int dropped_ = 0;
 };
 

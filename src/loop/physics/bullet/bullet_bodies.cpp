@@ -12,10 +12,12 @@
 namespace wholehand::bullet {
 namespace {
 
-// A body that is put farther off than this within one period has lost its contacts. Bullet lets go
-// of points that part, but one towards whose normal the body was put would stay, as an overlap.
+// A body that is placed farther away than this within one period has lost its contacts. Bullet
+// removes points that separate; a point against whose normal the body was moved would remain as an
+// overlap.
 constexpr double kFarthestSlide_m = 2e-3;
 constexpr double kFarthestTurn_rad = 0.05;
+// Time ahead for the boxes of a body that was placed.
 constexpr double kLongestStep_s = 1e-2;
 
 }  // namespace
@@ -31,7 +33,8 @@ BulletBody::BulletBody(const SceneBody& body, int index, double reach_m)
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
   if (body.joint && !body.fixed) joint_.emplace(body);
-  rigid_->setFlags(0);  // no gyroscopic torque of Bullet's: turnBody() keeps the momentum
+  // Switches Bullet's gyroscopic torque off, because moveFree() conserves the angular momentum.
+  rigid_->setFlags(0);
   for (const Shape& shape : body.shapes) {
     if (body.soft_m > 0.0) {
       addCollider(body, shape, Meets::kAllButDigits);
@@ -56,7 +59,8 @@ void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets me
   btCollisionObject& object = *collider->object;
   object.setCollisionShape(collider->shape.get());
   object.setUserPointer(&collider->tag);
-  // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
+  // Bullet multiplies the two coefficients of a pair; with square roots, a pair of equal
+  // coefficients gets that coefficient.
   object.setFriction(std::sqrt(body.friction));
   colliders_.push_back(std::move(collider));
 }
@@ -172,7 +176,7 @@ void BulletBody::moveWithJoint() noexcept {
   rigid_->setAngularVelocity(joint_->rate() * toBt(twist.angular));
 }
 
-// The solver left the change of q̇ in the x of the spin.
+// The solver stores the change of q̇ as the x of the angular velocity.
 void BulletBody::finishJoint(double step_s) noexcept {
   const double before = joint_->rate() * joint_->twist().angular.x();
   joint_->move(joint_->rate() + (rigid_->getAngularVelocity().x() - before), step_s);

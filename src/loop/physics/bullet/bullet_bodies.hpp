@@ -16,38 +16,38 @@
 
 namespace wholehand::bullet {
 
-/// A scene body in Bullet: a rigid body without shape that moves, and colliders. Bullet's body
-/// frame is the principal frame of inertia at the centre of mass.
+/// A scene body in Bullet: a rigid body that moves but has no shape, and separate colliders.
+/// Bullet's body frame is the principal frame of inertia at the centre of mass.
 class BulletBody {
  public:
   /// Creates the body at its initial pose. @param index in the scene @param reach_m margin of the
   /// colliders' boxes
   BulletBody(const SceneBody& body, int index, double reach_m);
 
-  /// Creates an empty slot for a body of a game: it stands still and has no shape.
-  /// @param pieces most colliders
+  /// Creates an empty slot for a body of a game: it does not move and has no shape.
+  /// @param pieces largest number of colliders
   BulletBody(int index, int pieces, double reach_m);
 
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
-  /// The joint that it moves on; null: it is free, or fixed.
+  /// The joint on which the body moves; null: it is free, or fixed.
   [[nodiscard]] BodyJoint* joint() { return joint_ ? &*joint_ : nullptr; }
-  /// Velocities of a body on a joint, from its q̇. Real-time safe.
+  /// Sets the velocities of a body on a joint from its q̇. Real-time safe.
   void moveWithJoint() noexcept;
   /// Ends a step of a body on a joint. Real-time safe.
   void finishJoint(double step_s) noexcept;
   /// False for a fixed body, which is only placed.
   [[nodiscard]] bool moves() const { return !rigid_->isStaticObject(); }
-  /// What a collider collides with. In a soft body, the digits collide with the core and all else
-  /// with the shape.
+  /// Partners with which a collider collides. In a soft body, the digits collide with the core and
+  /// everything else with the shape.
   enum class Meets { kAll, kAllButDigits, kDigits };
   struct Collider {
     Meets meets = Meets::kAll;
     Shape form;  ///< in the collider's frame
     ColliderTag tag;
-    std::unique_ptr<btCollisionShape> shape;  ///< of a scene body
-    SlotShape slot_shape;                     ///< of a slot
+    std::unique_ptr<btCollisionShape> shape;  ///< shape of a scene body's collider
+    SlotShape slot_shape;                     ///< shape of a slot's collider
     std::unique_ptr<btCollisionObject> object;
-    bool used = true;  ///< false: a collider of a slot without piece; its box is empty
+    bool used = true;  ///< false: a slot's collider without a piece; its box is empty
     btTransform in_rigid;
     WorldBox box;
   };
@@ -55,16 +55,17 @@ class BulletBody {
     return colliders_;
   }
 
-  /// Mass, inertia and friction of a slot's body; it stands still with mass 0. Real-time safe.
+  /// Sets mass, inertia and friction of a slot's body; with mass 0 it does not move. Real-time
+  /// safe.
   void setMass(double mass_kg, const btVector3& moments, double friction,
                const btVector3& gravity) noexcept;
-  /// Shapes of a slot: `count` pieces, in the rigid body's frame. With 0 the slot is empty.
-  /// Real-time safe.
+  /// Sets the shapes of a slot: `count` pieces, in the rigid body's frame. With 0 the slot is
+  /// empty. Real-time safe.
   void setPieces(const SlotPiece* pieces, int count, const Eigen::Quaterniond& from_body) noexcept;
-  /// Places a slot's body at this pose; no contact survives. Real-time safe.
+  /// Places a slot's body at this pose; all its contacts are lost. Real-time safe.
   void putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept;
 
-  /// Moves the colliders to the rigid body's pose; their boxes hold what they may meet in the time
+  /// Moves the colliders to the rigid body's pose. Their boxes include the motion in the time
   /// ahead. Real-time safe.
   void placeColliders(double ahead_s) noexcept;
   /// Places the body for an exercise; stops its rotation. A fixed body has the given velocity in

@@ -11,7 +11,8 @@
 namespace wholehand::bullet {
 namespace {
 
-// More than this many pairs touch at once only in scenes far too large for the tick.
+// Largest number of touching pairs for which memory is reserved; only scenes far too large for the
+// tick have more.
 constexpr std::size_t kRehearsedManifolds = 4096;
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
@@ -63,10 +64,10 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
   setHand(q_s, qd_s);
   rehearseManifolds();
   rehearseStep();
-  layDownWhatStands();
+  putStableBodiesToSleep();
 }
 
-// Each setting that differs from stock is explained in ADR 3.
+// ADR 3 explains each setting that differs from Bullet's defaults.
 void BulletEngine::configure(const SolverSettings& settings) {
   dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
@@ -74,8 +75,8 @@ void BulletEngine::configure(const SolverSettings& settings) {
   solver_info_.m_leastSquaresResidualThreshold = 0.0;
 }
 
-// The list of manifolds grows when it first needs to. More at once than in any scene that a tick
-// has time for happen here, before anybody is attached.
+// Bullet's list of manifolds grows when needed. Makes more manifolds than any scene that fits into
+// a tick, so that the list grows here and not while a person is attached.
 void BulletEngine::rehearseManifolds() {
   const btCollisionObject none;
   manifolds_.reserve(kRehearsedManifolds);
@@ -86,7 +87,7 @@ void BulletEngine::rehearseManifolds() {
   for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
 }
 
-// One step of a microsecond, then everything is put back as it was.
+// Makes one step of a microsecond, then restores the initial state.
 void BulletEngine::rehearseStep() {
   AxisMatrix no_motion = AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count);
   solver.beginStep(no_motion, qd_s);
@@ -98,11 +99,12 @@ void BulletEngine::rehearseStep() {
 
 // Bodies that are stable in their initial pose rest from the start. The engine simulates 20 ms
 // without the hand; bodies that have not moved are reset to their initial pose and rest.
-void BulletEngine::layDownWhatStands() {
+void BulletEngine::putStableBodiesToSleep() {
   constexpr int kSteps = 20;
   constexpr double kStep_s = 1e-3;
-  constexpr double kStood_m = 2e-4;  // contacts give way by 10 µm, and stacks by the sum
-  constexpr double kStood_m_s = 5e-4;
+  // Each contact yields by 10 µm, and a stack by the sum of its contacts.
+  constexpr double kStood_m = 2e-4;
+  constexpr double kStood_m_s = 5e-4;  // speed below which a body has not moved
   std::vector<btVector3> start(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     start[i] = bodies[i].rigid().getWorldTransform().getOrigin();
@@ -138,6 +140,7 @@ void BulletEngine::listMoving() noexcept {
   pairs_listed_ = pairs.version();
   resting_listed_ = resting.version();
   game_listed_ = game.version();
+  // Awake bodies that are not ghosts.
   moving_.clear();
   moving_objects_.clear();
   for (const int body : resting.awakeBodies()) {
@@ -145,6 +148,7 @@ void BulletEngine::listMoving() noexcept {
     moving_.push_back(&bodies[body]);
     moving_objects_.push_back(&bodies[body].rigid());
   }
+  // Contacts of the hand or of an awake body, without ghosts.
   manifolds_.clear();
   unsolved_ = 0;
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
@@ -206,7 +210,8 @@ void BulletEngine::moveBodies(double step_s) noexcept {
     rigid.applyDamping(step_s);
   }
   solver_info_.m_timeStep = step_s;
-  // One call for the whole world: the hand's reduced velocities are one set of unknowns.
+  // Solves the whole world in one call, because the hand's reduced velocities are one set of
+  // unknowns.
   solver.solveGroup(moving_objects_.data(), static_cast<int>(moving_objects_.size()),
                     manifolds_.data(), static_cast<int>(manifolds_.size()), nullptr, 0,
                     solver_info_, nullptr, &dispatcher);

@@ -60,7 +60,7 @@ struct BulletEngine {
   std::vector<BulletBody> bodies;
   RestingBodies resting;
   ColliderPairs pairs;
-  GameBodies game;   ///< the last bodies
+  GameBodies game;   ///< manages the last bodies of `bodies`
   AxisPosition q_s;  ///< position last set by setHand()
   AxisVelocity qd_s;
   JointPosition theta;
@@ -71,7 +71,7 @@ struct BulletEngine {
   void configure(const SolverSettings& settings);
   void rehearseManifolds();
   void rehearseStep();
-  void layDownWhatStands();
+  void putStableBodiesToSleep();
   void listMoving() noexcept;
   void moveBodies(double step_s) noexcept;
 

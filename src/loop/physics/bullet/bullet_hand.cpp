@@ -34,7 +34,7 @@ BulletHand::BulletHand(const HandModel& hand, double friction)
     auto object = std::make_unique<btCollisionObject>();
     object->setCollisionShape(shapes_.back().get());
     object->setUserPointer(&tags_.back());
-    object->setFriction(std::sqrt(friction));  // see makeBody()
+    object->setFriction(std::sqrt(friction));  // square root: see BulletBody::addCollider()
     objects_.push_back(std::move(object));
   }
 }

@@ -48,7 +48,7 @@ class BulletHand {
   std::vector<Pose> capsule_in_link_;
   std::vector<PlacedCapsule> placed_;
   std::vector<bool> palm_;
-  std::vector<bool> has_frame_;  ///< computed since placeCapsules()
+  std::vector<bool> has_frame_;  ///< per capsule: its pose was computed since placeCapsules()
   const ArticulatedBody* kinematics_ = nullptr;
   WorldBox box_;
 };

@@ -38,7 +38,7 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
   switch (shape.type) {
     case ShapeType::kBox: {
       auto box = std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
-      box->setMargin(0.0);  // it would round the edges
+      box->setMargin(0.0);  // a margin would round the edges
       return box;
     }
     case ShapeType::kSphere:
@@ -55,7 +55,8 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
       auto hull = std::make_unique<btConvexHullShape>();
       for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
       hull->recalcLocalAabb();
-      // The default margin would swell the mesh by 4 cm; the capsules bring a margin of their own.
+      // Bullet's default margin would enlarge the mesh by 4 cm; the capsules have a margin of their
+      // own.
       hull->setMargin(0.0);
       return hull;
     }

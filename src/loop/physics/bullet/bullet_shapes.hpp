@@ -11,7 +11,7 @@
 namespace wholehand::bullet {
 
 /// Contact threshold: surfaces nearer than this make a contact point; boxes are padded by it [m].
-/// Bullet keeps it in a global variable, so it is one constant, set by the first call.
+/// Bullet keeps it in a global variable, so it is one constant, which the first call sets.
 [[nodiscard]] double contactThreshold();
 
 /// Bullet's frame of a body: centre of mass, principal axes. A diagonal inertia keeps its axes, so

@@ -15,7 +15,7 @@
 
 namespace wholehand::bullet {
 
-// Contacts are solved to micrometres, for which single precision is not enough.
+// Contacts are solved to micrometres; single precision is not enough for that.
 static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
 
 [[nodiscard]] inline btVector3 toBt(const Eigen::Vector3d& v) {
@@ -28,7 +28,7 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
   return {v.x(), v.y(), v.z()};
 }
 
-/// The vector, shortened to this length where it is longer.
+/// The vector, shortened to this length if it is longer.
 [[nodiscard]] inline btVector3 atMost(const btVector3& v, double length) noexcept {
   const double is = v.length();
   return is > length ? v * (length / is) : v;
@@ -49,7 +49,8 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
 [[nodiscard]] inline btTransform toBt(const Pose& pose) {
   return btTransform(toBt(pose.rotation), toBt(pose.translation_m));
 }
-/// Where a placed body's own frame is. @param from_body of that frame
+/// Pose of a placed body's Bullet frame. @param from_body pose of that frame in the scene's body
+/// frame
 [[nodiscard]] inline btTransform placedAt(const BodyPlacement& placement, const Pose& from_body) {
   const Eigen::Quaterniond q =
       placement.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body.rotation);

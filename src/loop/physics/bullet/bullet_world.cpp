@@ -23,7 +23,8 @@ void* allocate(std::size_t bytes) {
 }  // namespace
 
 void useCheckedMemory() {
-  // Once: Bullet keeps the two functions in plain variables, and another thread may be using them.
+  // Set only once: Bullet keeps the two functions in plain variables, and another thread may be
+  // using them.
   static const bool kOnce = (btAlignedAllocSetCustom(allocate, std::free), true);
   (void)kOnce;
 }
@@ -64,7 +65,7 @@ Fault BulletWorld::observe(PhysicsState& state) noexcept {
   state.theta = e.theta;
   state.theta_dot = e.theta_dot;
   state.kinematics = &e.kinematics;
-  state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
+  state.coupling_error_rad = 0.0;  // the joints are computed as θ₀ + G q_s, so there is no error
   state.body_count = std::min(static_cast<int>(e.bodies.size()), kMaxBodies);
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   const std::vector<BodyState>& bodies = e.bodyStates();
@@ -93,8 +94,8 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
     return Fault::kPhysicsStep;
   }
   e.period_s = period_s;
-  // Under τ = M G M_r⁻¹ f_s + h the joints accelerate by G M_r⁻¹ f_s: the synergy keeps itself, so
-  // that its few coordinates are integrated and nothing else. Symplectic Euler, as Bullet.
+  // Under τ = M G M_r⁻¹ f_s + h the joints accelerate by G M_r⁻¹ f_s and keep the synergy.
+  // Therefore only its few coordinates are integrated, by symplectic Euler like Bullet's bodies.
   AxisVelocity qd_s = e.qd_s;
   for (int a = 0; a < qd_s.size(); ++a) {
     for (int b = 0; b < qd_s.size(); ++b) {
@@ -114,8 +115,8 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   return e.solver.unsettled() ? Fault::kContactsUnsettled : Fault::kNone;
 }
 
-void BulletWorld::obey(const Command& command) noexcept {
-  engine_->game.obey(command);
+void BulletWorld::apply(const Command& command) noexcept {
+  engine_->game.apply(command);
 }
 
 void BulletWorld::setGameAlive(bool alive) noexcept {
@@ -129,7 +130,8 @@ void BulletWorld::report(PoolReport& report) noexcept {
 void BulletWorld::contacts(ContactList& contacts) const noexcept {
   const bullet::BulletEngine& e = *engine_;
   contacts.count = 0;
-  contacts.dropped = e.solver.dropped() + e.dropped();  // not even solved
+  // Counts the points that the solver dropped and the pairs that never reached it.
+  contacts.dropped = e.solver.dropped() + e.dropped();
   for (int i = 0; i < e.solver.contactCount(); ++i) {
     const bullet::HandContact& c = e.solver.contact(i);
     if (c.normal_row.impulse <= 0.0) continue;

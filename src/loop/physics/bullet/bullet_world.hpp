@@ -9,8 +9,9 @@
 
 namespace wholehand::bullet {
 
-/// Makes Bullet's allocations throw std::bad_alloc where no memory is left; its own write to
-/// address 0. For the whole process; before the first object of Bullet.
+/// Makes Bullet's allocations throw std::bad_alloc when no memory is left; Bullet's own allocator
+/// then writes to address 0. Applies to the whole process; call before the first Bullet object is
+/// made.
 void useCheckedMemory();
 
 }  // namespace wholehand::bullet
@@ -23,8 +24,9 @@ struct BulletEngine;
 
 using BulletSettings = bullet::SolverSettings;
 
-/// Bullet 3.24, double precision, in process. The hand is an articulated body whose contacts are
-/// solved in its reduced velocities; the scene's bodies, and those of a game, are rigid bodies.
+/// The physics engine Bullet 3.24, double precision, in this process. The hand is an articulated
+/// body whose contacts are solved in its reduced velocities; the scene's bodies, and those of a
+/// game, are rigid bodies.
 class BulletWorld final : public PhysicsWorld, public BodyPool {
  public:
   /// Builds the world, reserves every array and runs warm-up steps, so that no step allocates. @pre
@@ -40,7 +42,7 @@ class BulletWorld final : public PhysicsWorld, public BodyPool {
   void selfForces(SelfForces& forces) const noexcept override;
 
   [[nodiscard]] BodyPool* bodyPool() noexcept override { return this; }
-  void obey(const Command& command) noexcept override;
+  void apply(const Command& command) noexcept override;
   void setGameAlive(bool alive) noexcept override;
   void report(PoolReport& report) noexcept override;
 

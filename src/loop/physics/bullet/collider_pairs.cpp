@@ -11,20 +11,21 @@
 namespace wholehand::bullet {
 namespace {
 
-constexpr double kAround_m = 0.03;  // 30 ms of a fast hand
-constexpr double kDeep_m = 1e-3;
-constexpr double kApart_m = 1e-4;      // two points of a patch are no nearer
-constexpr double kOneSurface = 0.7;    // cosine: two normals of one surface
-constexpr double kSame = 1.0 - 1e-10;  // cosine: a capsule lies on both
-constexpr double kBeside_m = 5e-3;
-// A hand that touches more pieces at once feels the edges of the rest: the tick stays bounded.
+constexpr double kAround_m = 0.03;     // a fast hand moves this far in 30 ms
+constexpr double kDeep_m = 1e-3;       // overlaps beyond this count as deep
+constexpr double kApart_m = 1e-4;      // smallest distance of two points of a patch
+constexpr double kOneSurface = 0.7;    // cosine above which two normals belong to one surface
+constexpr double kSame = 1.0 - 1e-10;  // cosine above which a capsule lies on both pieces
+constexpr double kBeside_m = 5e-3;     // points nearer than this lie beside each other
+// Largest number of pieces whose inner edges are removed, which bounds the time of a tick. A hand
+// that touches more pieces at once feels the edges of the rest.
 constexpr std::size_t kMostPieces = 64;
 
 bool meetsHand(BulletBody::Meets meets, bool palm) {
   return meets == BulletBody::Meets::kAll || (meets == BulletBody::Meets::kDigits) == !palm;
 }
 
-/// As SceneBody::passes().
+/// True when the two bodies never collide, as SceneBody::passes().
 bool passes(const btRigidBody& a, const btRigidBody& b) {
   const auto stands = [](const btRigidBody& body) { return body.getInvMass() == 0.0; };
   const bool a_on_joint = jointOf(a) != nullptr, b_on_joint = jointOf(b) != nullptr;
@@ -35,8 +36,8 @@ bool meetsBodies(BulletBody::Meets meets) {
   return meets != BulletBody::Meets::kDigits;
 }
 
-/// Room for the pairs of bodies that overlap at once: all of a small scene, more than lie around
-/// one another in a large one.
+/// Number of pairs of overlapping boxes for which memory is reserved: all pairs of a small scene;
+/// in a large one, more than can overlap at once.
 std::size_t mostPairs(std::size_t colliders) {
   return std::min(colliders * colliders / 2, 32 * colliders + 1024);
 }
@@ -49,35 +50,37 @@ std::vector<int> ownersOf(const std::vector<BulletBody>& bodies) {
   return owners;
 }
 
-/// Whether what is deep within a body is now nearer to another side of it: a body that lets the
-/// hand go pushes it out where it came in.
+/// True when a collider deep inside a body is now nearer to another side of it. Its old normal then
+/// stays, so that it is pushed out on the side where it came in.
 bool passedThrough(const btPersistentManifold& before, const ContactPatch& now) {
   return now.count > 0 && before.getNumContacts() > 0 && now.points[0].gap_m < -kDeep_m &&
          now.points[0].normal.dot(before.getContactPoint(0).m_normalWorldOnB) < 0.5;
 }
 
-/// A point as the collider sees it that touches the other there.
-struct Seen {
+/// A contact point seen from the collider that touches the other one.
+struct SurfacePoint {
   btVector3 at_m, normal;  ///< on the other's surface; towards the collider
   double gap_m;
 };
 
-/// @param from_first the collider is the first of the point's pair
-Seen seen(const btManifoldPoint& point, bool from_first) {
+/// The contact point as seen from one collider. @param from_first that collider is the first of the
+/// point's pair
+SurfacePoint surfacePoint(const btManifoldPoint& point, bool from_first) {
   if (from_first) return {point.m_positionWorldOnB, point.m_normalWorldOnB, point.m_distance1};
   return {point.m_positionWorldOnA, -point.m_normalWorldOnB, point.m_distance1};
 }
 
-/// Whether a point lies on an edge that is flush with the face of a nearer point beside it.
-bool isInnerEdge(const Seen& edge, const Seen& face) {
+/// True when a point lies on an edge that is flush with the face of a nearer point beside it.
+bool isInnerEdge(const SurfacePoint& edge, const SurfacePoint& face) {
   const btVector3 away_m = edge.at_m - face.at_m;
   const double cosine = face.normal.dot(edge.normal);
   return face.gap_m < edge.gap_m && away_m.length2() < kBeside_m * kBeside_m &&
          std::abs(face.normal.dot(away_m)) < kFlush_m && cosine > kOneSurface && cosine < kSame;
 }
 
-/// Removes inner edges from `at`, which a collider has with one piece; `beside` is with another.
-/// What slides from one to the other takes its impulses and its anchor along.
+/// Removes inner edges from `at`, the manifold of a collider with one piece; `beside` is its
+/// manifold with another piece. A collider that slides from one piece to the other keeps its
+/// impulses and its friction anchor.
 void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
                  const btCollisionObject& of) {
   const bool first_at = at.getBody0() == &of, first_beside = beside.getBody0() == &of;
@@ -85,7 +88,7 @@ void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
     const btManifoldPoint& edge = at.getContactPoint(i);
     for (int j = 0; j < beside.getNumContacts(); ++j) {
       btManifoldPoint& face = beside.getContactPoint(j);
-      if (!isInnerEdge(seen(edge, first_at), seen(face, first_beside))) continue;
+      if (!isInnerEdge(surfacePoint(edge, first_at), surfacePoint(face, first_beside))) continue;
       const bool takes = edge.m_appliedImpulse > face.m_appliedImpulse;
       if (takes && first_at == first_beside) inherit(face, edge);
       at.removeContactPoint(i);
@@ -94,15 +97,16 @@ void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
   }
 }
 
-/// A collider with edges between flat faces.
+/// True for a shape with edges between flat faces.
 bool hasFaces(ShapeType type) {
   return type == ShapeType::kBox || type == ShapeType::kConvexMesh;
 }
 
-/// How fast a collider's surface moves at most by its body's turning.
+/// Largest speed of a collider's surface due to the rotation of its body [m/s].
 double turningSpeed(const BulletBody::Collider& of) {
   const bool ball = of.form.type == ShapeType::kSphere;
-  if (ball && of.in_rigid.getOrigin().fuzzyZero()) return 0.0;  // about its own middle
+  // A sphere that rotates about its own centre.
+  if (ball && of.in_rigid.getOrigin().fuzzyZero()) return 0.0;
   const double turn_rad_s = of.tag.rigid->getAngularVelocity().length();
   if (turn_rad_s == 0.0) return 0.0;
   const Eigen::Vector3d middle_m = 0.5 * (of.box.low_m + of.box.high_m);
@@ -208,8 +212,8 @@ void ColliderPairs::find(double step_s) noexcept {
   findOfBodies(step_s);
 }
 
-/// An edge between flush pieces of one surface, of one body or of fixed ones, stops no capsule that
-/// slides from one to the next.
+/// Removes inner edges, so that an edge between flush pieces of one surface (of one body or of
+/// fixed bodies) does not stop a capsule that slides from one piece to the next.
 void ColliderPairs::removeInnerEdges() noexcept {
   touched_.clear();
   for (const int c : around_colliders_) {
@@ -241,8 +245,8 @@ bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {
   return owner_[a] == owner_[b] || (fixed(a) && fixed(b)) || (flat(a) && flat(b));
 }
 
-/// The same for what rolls or slides from one piece to the next: each collider with all that it
-/// touches.
+/// Removes inner edges for bodies that roll or slide from one piece to the next: compares each
+/// collider with all pieces that it touches.
 void ColliderPairs::removeInnerEdgesOfBodies() noexcept {
   if (resting_.awakeBodies().empty()) return;
   met_.clear();
@@ -361,6 +365,7 @@ void ColliderPairs::follow() noexcept {
     meet(*targets_[a].collider, *targets_[b].collider, pair);
     body_pairs_.push_back({a, b, pair});
   };
+  // Merges the old pairs with the present overlaps; both are ascending.
   for (BodyPair& old : before_) {
     const std::pair<int, int> both{old.a, old.b};
     while (now < overlaps.size() && overlaps[now] < both) take({});
@@ -413,8 +418,8 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
   }
 }
 
-/// Contact of a sphere-swept segment (capsule of the hand, or ball) with a shape that has a
-/// closed-form distance: the nearest point, and the ends of the segment where they touch, too.
+/// Contact of a sphere-swept segment (capsule of the hand, or sphere) with a shape that has a
+/// closed-form distance: the nearest point, and also the ends of the segment if they touch.
 ContactPatch ColliderPairs::patchOf(const Round& round, const Collider& collider,
                                     double reach_m) noexcept {
   const btTransform& frame = collider.object->getWorldTransform();
@@ -447,7 +452,8 @@ ColliderPairs::Round ColliderPairs::roundOf(const btCollisionObject& object,
   return {toEigen(at.getOrigin() - half_m), toEigen(at.getOrigin() + half_m), form.radius_m};
 }
 
-/// Largest gap of a contact point: what two bodies may close in a step is within.
+/// Largest gap of a contact point: includes the distance by which two bodies may approach in a step
+/// [m].
 double ColliderPairs::reach(const Collider& a, const Collider* b) const noexcept {
   btVector3 velocity = a.tag.rigid->getLinearVelocity();
   double turning_m_s = turningSpeed(a);

@@ -13,14 +13,13 @@
 namespace wholehand::bullet {
 
 /// Finds the contact points of all colliders. Each step compares the hand with the colliders in a
-/// list of those around it, which is renewed when the hand leaves the enlarged box of its last
-/// list. For pairs of bodies it sweeps bounding boxes along x, and compares pairs whose boxes
-/// overlap; of two bodies at least one must be awake. A resting body wakes when
-/// the hand or an awake body comes near. contactDistance() handles a capsule, or a
-/// ball, against a box, sphere, cylinder or capsule; findPatch() handles all other pairs. Every
-/// step finds the points anew and keeps their impulses. Points as far apart as two bodies may close
-/// in a step are among them, so that nothing passes through. Real-time safe except for
-/// construction.
+/// list of those around it. This list is renewed when the hand leaves the enlarged box of its last
+/// list. For pairs of bodies, bounding boxes are swept along x, and pairs whose boxes overlap are
+/// compared; at least one body of a pair must be awake. A resting body wakes when the hand or an
+/// awake body comes near. contactDistance() handles a capsule or a sphere against a box, sphere,
+/// cylinder or capsule; findPatch() handles all other pairs. Every step finds the points anew and
+/// keeps their impulses. Points include those as far apart as two bodies may move in a step, so
+/// that nothing passes through. Real-time safe except for construction.
 class ColliderPairs {
  public:
   /// @pre all outlive this @param threshold_m surfaces nearer than this make a contact point
@@ -30,17 +29,17 @@ class ColliderPairs {
   ColliderPairs(const ColliderPairs&) = delete;
   ColliderPairs& operator=(const ColliderPairs&) = delete;
 
-  /// Updates the contact points for the current poses of hand and bodies. @param step_s of the step
-  /// to come
+  /// Updates the contact points for the current poses of hand and bodies. @param step_s duration of
+  /// the coming step
   void find(double step_s) noexcept;
-  /// As find(), for pairs of bodies only.
+  /// Like find(), for pairs of bodies only.
   void findOfBodies(double step_s) noexcept;
   /// Call after a body was placed. Wakes the bodies near its former and its new pose.
   void placed(int body) noexcept;
   /// Updates the boxes of a body that was moved outside a step. Wakes no body.
   void moved(int body) noexcept;
-  /// Removes everything kept of a body's pairs, and updates its boxes: it takes other shapes, or
-  /// leaves the world. Wakes no body.
+  /// Removes the kept data of all pairs of a body and updates its boxes: the body takes other
+  /// shapes or leaves the world. Wakes no body.
   void forget(int body) noexcept;
   /// Pairs of bodies whose boxes overlap.
   [[nodiscard]] const std::vector<RestingBodies::Near>& near() noexcept;
@@ -51,7 +50,7 @@ class ColliderPairs {
 
  private:
   using Collider = BulletBody::Collider;
-  /// Of a pair that touches; otherwise null.
+  /// Manifold of a pair that touches; null for other pairs.
   using Pair = btPersistentManifold*;
   /// Sphere-swept segment, world frame.
   struct Round {
@@ -64,7 +63,7 @@ class ColliderPairs {
     std::vector<int> capsules;
     std::vector<Pair> pairs;  ///< one per capsule
     int kept = 0;             ///< pairs with kept data
-    /// Of a capsule of the hand; null where none is kept.
+    /// The pair with a capsule of the hand; null when none is kept.
     [[nodiscard]] Pair pairWith(int capsule) const noexcept;
   };
   /// Two colliders of bodies whose boxes overlap; the lower index first.
@@ -84,7 +83,7 @@ class ColliderPairs {
   [[nodiscard]] BoxSweep::Part partOf(int collider) const noexcept;
   void follow() noexcept;
   [[nodiscard]] bool awake(int collider) const noexcept;
-  /// Of a ball or capsule.
+  /// The swept segment of a sphere or capsule.
   [[nodiscard]] static Round roundOf(const btCollisionObject& object, const Shape& form) noexcept;
   [[nodiscard]] static ContactPatch patchOf(const Round& round, const Collider& collider,
                                             double reach_m) noexcept;
@@ -99,21 +98,23 @@ class ColliderPairs {
   const double threshold_m_;
   double step_s_ = 0.0;
   RestingBodies& resting_;
-  std::vector<Target> targets_;               ///< one per collider
-  std::vector<std::pair<int, int>> of_body_;  ///< its first collider and the one after its last
-  std::vector<WorldBox> boxes_;               ///< of every collider
-  const std::vector<int> owner_;              ///< body of every collider
-  std::vector<bool> meets_bodies_;            ///< of every collider
-  WorldBox around_;                           ///< the hand's box at the last list, enlarged
-  bool around_listed_ = false;                ///< the list below holds for the current boxes
-  std::vector<int> around_colliders_;         ///< those within around_, ascending
-  std::vector<bool> is_around_;               ///< of every collider
-  std::vector<int> touched_;                  ///< those that the hand may touch
-  BoxSweep sweep_;                            ///< overlaps of this step
-  std::vector<BoxSweep::Part> parts_;         ///< of every collider, at a version of resting_
+  std::vector<Target> targets_;  ///< one per collider
+  /// Per body: its first collider and the one after its last.
+  std::vector<std::pair<int, int>> of_body_;
+  std::vector<WorldBox> boxes_;        ///< box of every collider
+  const std::vector<int> owner_;       ///< body of every collider
+  std::vector<bool> meets_bodies_;     ///< per collider: it collides with other bodies
+  WorldBox around_;                    ///< the hand's box at the last list, enlarged
+  bool around_listed_ = false;         ///< the list below holds for the current boxes
+  std::vector<int> around_colliders_;  ///< colliders within around_, ascending
+  std::vector<bool> is_around_;        ///< per collider: listed in around_colliders_
+  std::vector<int> touched_;           ///< colliders that the hand may touch
+  BoxSweep sweep_;                     ///< overlaps of this step
+  std::vector<BoxSweep::Part> parts_;  ///< per collider, for the version parts_version_ of resting_
   unsigned parts_version_ = ~0U;
   std::vector<BodyPair> body_pairs_, before_;  ///< kept pairs, ascending
-  std::vector<BodyPair> met_;  ///< of each collider those with pieces, ascending by it
+  /// Pairs of each collider with pieces of a surface, ascending by collider.
+  std::vector<BodyPair> met_;
   std::vector<RestingBodies::Near> near_;
   int dropped_ = 0;
   unsigned version_ = 0;

@@ -9,12 +9,15 @@
 namespace wholehand::bullet {
 namespace {
 
-// A row that moves less than this moves nothing: a palm that spins on a fixed body.
+// A row with a lower mobility moves nothing and is left out, e.g. a palm that spins on a fixed
+// body.
 constexpr double kLeastMobility = 1e-12;
-// A chord that leaves more than this of the misfit is not worth a repetition.
+// A chord step (which reuses the factorisation) must reduce the misfit to less than this share;
+// otherwise the next step factorises again.
 constexpr double kLeastGain = 0.3;
-constexpr double kNothing_ns = 1e-12;
-constexpr double kLeastLeft = 1e-3;  // share of a row's mobility that ends may leave it
+constexpr double kNothing_ns = 1e-12;  // absolute tolerance of an impulse
+// Smallest share of a row's mobility that remains beside pressed ends.
+constexpr double kLeastLeft = 1e-3;
 
 }  // namespace
 
@@ -47,7 +50,8 @@ ConeNewton::Row* ConeNewton::addBox(double limit) noexcept {
   return added;
 }
 
-// The directions that pressed ends, and friction that holds a joint, hinder; orthonormal.
+// Lists the directions that pressed joint ends, and friction that holds a joint, block;
+// orthonormal.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::listEnds() noexcept {
   end_count_ = 0;
@@ -84,7 +88,7 @@ WHOLEHAND_INLINE void ConeNewton::soften(const Cone& cone) noexcept {
     rows[i].inverse_softness = left > 0.0 ? 1.0 / (softness * left) : 0.0;
   }
   if (cone.rows < 3) return;
-  // One softness for both tangents: y is projected to a disc.
+  // Both tangents have the same softness, because y is projected onto a disc.
   double& one = rows[1].inverse_softness;
   double& two = rows[2].inverse_softness;
   if (one > 0.0 && two > 0.0) one = two = std::min(one, two);
@@ -117,7 +121,7 @@ WHOLEHAND_INLINE double ConeNewton::wanted(const Row& row) const noexcept {
   return row.impulse + (row.goal - dot<V>(row.along.data(), change_.data())) / row.mobility;
 }
 
-/// y
+/// The number y of a row: its impulse before the projection.
 template <int V>
 WHOLEHAND_INLINE double ConeNewton::free(const Row& row) const noexcept {
   return row.start + (row.goal - dot<V>(row.along.data(), change_.data())) * row.inverse_softness;
@@ -130,7 +134,7 @@ WHOLEHAND_INLINE void ConeNewton::set(Row& row, double impulse) noexcept {
   if (more != 0.0) addScaled<4 * V>(change_.data(), more, row.along.data());
 }
 
-// One sweep of projected Gauss-Seidel shows which contacts hold, stick and spin.
+// Makes one sweep of projected Gauss-Seidel, which shows which contacts hold, stick and spin.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::sweep() noexcept {
   for (int c = 0; c < cone_count_; ++c) {
@@ -241,7 +245,7 @@ WHOLEHAND_INLINE bool ConeNewton::solveWith() noexcept {
     sumChange<V>();
     sweep<V>();
   }
-  bool fresh = true;  // the matrix does not stand for the pieces
+  bool fresh = true;  // true: the matrix does not belong to the present pieces
   double before = 0.0;
   int steps = 0;
   for (int chord = 0; chord < settings_.most_chords; ++chord) {

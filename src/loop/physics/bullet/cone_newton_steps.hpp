@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-// The linear system of a Newton step of ConeNewton, inlined into the functions that are compiled
-// for two processors.
+// Steps that build and solve the linear system of a Newton step of ConeNewton. They are inlined
+// into the functions that are compiled for two kinds of processors.
 
 #define WHOLEHAND_INLINE [[gnu::always_inline]] inline
 
@@ -24,7 +24,7 @@ WHOLEHAND_INLINE double dot(const double* a, const double* b, int first = 0) {
   return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/// to -= factor · from, from vector `first` on
+/// Computes to -= factor · from, beginning with vector `first`.
 template <int V>
 WHOLEHAND_INLINE void subtract(double* to, double factor, const double* from, int first) {
   for (int v = first; v < V; ++v) {
@@ -35,7 +35,8 @@ WHOLEHAND_INLINE void subtract(double* to, double factor, const double* from, in
   }
 }
 
-// Takes the pieces that the last solution fell upon. A chord keeps what the matrix is made of.
+// Adopts the pieces of P into which the last solution fell. A chord step (fresh = false) keeps the
+// data of which the matrix is made.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::adopt(bool fresh) noexcept {
   for (int c = 0; c < cone_count_; ++c) {
@@ -79,7 +80,7 @@ WHOLEHAND_INLINE void ConeNewton::addTerm(const double* along, double weight,
   addScaled<4 * V>(right_.data(), offset, along);
 }
 
-// The linear system of the pieces: (1 + Σ weight along alongᵀ) w = Σ offset along.
+// Lists the terms of the pieces' linear system: (1 + Σ weight along alongᵀ) w = Σ offset along.
 template <int V>
 WHOLEHAND_INLINE void ConeNewton::listTerms() noexcept {
   term_count_ = 0;
@@ -118,7 +119,7 @@ WHOLEHAND_INLINE void ConeNewton::listTerms() noexcept {
   }
 }
 
-/// Four rows of the matrix, from their diagonal on.
+/// Sums four rows of the matrix, from their diagonal on.
 template <int V, int Block>
 WHOLEHAND_INLINE void ConeNewton::sumBlock() noexcept {
   FourNumbers sum[4][V - Block] = {};
@@ -147,7 +148,7 @@ WHOLEHAND_INLINE void ConeNewton::sumBlocks(
   (sumBlock<V, Blocks>(), ...);
 }
 
-/// The matrix, and Uᵀ D⁻¹ U of it, D the diagonal of U, in place.
+/// Sums the matrix and factorises it in place as Uᵀ D⁻¹ U, with D the diagonal of U.
 template <int V>
 WHOLEHAND_INLINE bool ConeNewton::factorize() noexcept {
   for (int t = 0; t < term_count_; ++t) {
@@ -162,7 +163,7 @@ WHOLEHAND_INLINE bool ConeNewton::factorize() noexcept {
   sumBlocks<V>(std::make_integer_sequence<int, V>());
   for (int k = 0; k < unknowns_; ++k) {
     const double* pivot = &matrix_[k * 4 * V];
-    if (!(pivot[k] > 0.0)) return false;  // not a number
+    if (!(pivot[k] > 0.0)) return false;  // also false for NaN
     inverse_pivot_[k] = 1.0 / pivot[k];
     for (int r = k + 1; r < unknowns_; ++r) {
       subtract<V>(&matrix_[r * 4 * V], pivot[r] * inverse_pivot_[k], pivot, r / 4);
@@ -177,7 +178,7 @@ WHOLEHAND_INLINE void ConeNewton::solveUnknowns() noexcept {
     forward_[k] = right_[k] * inverse_pivot_[k];
     subtract<V>(right_.data(), forward_[k], &matrix_[k * 4 * V], k / 4);
   }
-  change_.fill(0.0);  // below the diagonal the matrix holds anything
+  change_.fill(0.0);  // the matrix holds undefined numbers below the diagonal
   for (int k = unknowns_ - 1; k >= 0; --k) {
     const double later = dot<V>(&matrix_[k * 4 * V], change_.data(), k / 4);
     change_[k] = forward_[k] - later * inverse_pivot_[k];

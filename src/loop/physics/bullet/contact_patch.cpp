@@ -15,28 +15,32 @@
 namespace wholehand::bullet {
 namespace {
 
-constexpr double kCorner_m = 5e-4;  // corners this near the farthest one may touch, too
-constexpr double kFacet_m = 1e-4;   // of a mesh, whose facets may be that fine
-constexpr double kSunk_m = 5e-4;    // deeper than this the nearest face may be another
-constexpr double kAcross = 0.5;     // cosine: two faces are across each other
-constexpr double kAlike = 0.98;     // cosine: two directions are nearly one
-constexpr double kUpright = 1e-7;   // sine of a cylinder's tilt below which it stands
-constexpr double kTie_m = 1e-7;
-constexpr double kLevel_m = 1e-9;
-constexpr double kSame_m = 1e-6;     // corners nearer than this are one
-constexpr double kLine_m2 = 1e-9;    // twice the area of a triangle that is taken for a line
-constexpr double kCoreGap_m = 1e-7;  // nearer points give no direction
-constexpr double kSure_m = 1e-5;
-constexpr double kNearer_m = 1e-5;
-constexpr double kShort = 0.1;        // of the longest edge
-constexpr double kWellWithin = 0.15;  // of the longest diagonal
-constexpr double kHeldApart_m = 1e-4;
-constexpr double kSameTurn = 1e-9;  // sine
-constexpr int kMostTurns = 6;
-constexpr double kAsBefore_m = 5e-3;
+// Corners within this distance of the farthest one may touch as well.
+constexpr double kCorner_m = 5e-4;
+constexpr double kFacet_m = 1e-4;  // the same for a mesh, whose facets may be that small
+constexpr double kSunk_m = 5e-4;   // at a deeper overlap another face may be the nearest one
+// Cosine below which two faces are perpendicular enough to form an edge.
+constexpr double kAcross = 0.5;
+constexpr double kAlike = 0.98;      // cosine above which two directions count as the same
+constexpr double kUpright = 1e-7;    // sine of a cylinder's tilt below which it counts as upright
+constexpr double kTie_m = 1e-7;      // gaps of two faces that differ by less count as equal
+constexpr double kLevel_m = 1e-9;    // a corner must be deeper by this to become the deepest
+constexpr double kSame_m = 1e-6;     // corners nearer than this count as one
+constexpr double kLine_m2 = 1e-9;    // twice the area below which a triangle counts as a line
+constexpr double kCoreGap_m = 1e-7;  // points nearer than this give no direction
+constexpr double kSure_m = 1e-5;     // tolerance for accepting the direction of nearest points
+constexpr double kNearer_m = 1e-5;   // an edge must be nearer by this to be preferred
+constexpr double kShort = 0.1;       // shorter edges, relative to the longest one, are skipped
+// Smallest distance from all edges, relative to the longest diagonal.
+constexpr double kWellWithin = 0.15;
+constexpr double kHeldApart_m = 1e-4;  // gap at which overlapping shapes are held apart
+constexpr double kSameTurn = 1e-9;     // sine of the angle below which two directions are the same
+constexpr int kMostTurns = 6;          // bound of the iterations for the direction of an overlap
+constexpr double kAsBefore_m = 5e-3;   // a new point this near an old one replaces it
 constexpr int kMostCorners = 64;
 
-/// A corner of a patch in the plane across the direction, and its height along it.
+/// A corner of a patch: (u, v) in the plane perpendicular to the direction, and its height along
+/// the direction.
 struct Corner {
   double u, v, height_m;
 };
@@ -51,11 +55,11 @@ struct Outline {
   }
 };
 
-/// A collider with its shape's numbers.
+/// A collider with the data of its shape.
 struct Convex {
   const Shape& form;
   const btTransform& at;
-  const btVector3* points = nullptr;  ///< of a convex mesh
+  const btVector3* points = nullptr;  ///< vertices of a convex mesh
   int point_count = 0;
 
   Convex(const btCollisionObject& object, const Shape& shape)
@@ -73,7 +77,7 @@ struct Convex {
   }
 };
 
-/// How far a shape reaches along a direction of its own frame.
+/// Largest extent of a shape along a direction in its own frame.
 double reachAlong(const Convex& of, const btVector3& d) {
   const Shape& form = of.form;
   switch (form.type) {
@@ -94,7 +98,8 @@ double reachAlong(const Convex& of, const btVector3& d) {
   return most;
 }
 
-/// Calls `take` with each corner of a shape that may be farthest along d: of its own frame.
+/// Calls `take` with each corner of a shape that may be farthest along d. Corners and d are in the
+/// shape's own frame.
 template <class Take>
 void eachCorner(const Convex& of, const btVector3& d, const Take& take) {
   const Shape& form = of.form;
@@ -116,8 +121,8 @@ void eachCorner(const Convex& of, const btVector3& d, const Take& take) {
       }
       return;
     case ShapeType::kCylinder: {
-      // Its end, as sixteen points of the rim of which one is the farthest, or a line along its
-      // side.
+      // If d points mainly along the axis: sixteen points of the end's rim, one of which is
+      // farthest along d. Otherwise a line along the side.
       const double across = std::hypot(d.x(), d.y());
       const bool leans = across > kUpright;
       const double c = leans ? d.x() / across : 1.0, s = leans ? d.y() / across : 0.0;
@@ -141,7 +146,7 @@ void eachCorner(const Convex& of, const btVector3& d, const Take& take) {
   }
 }
 
-/// The direction of a contact and two across it.
+/// The direction of a contact and two directions perpendicular to it.
 struct Across {
   btVector3 normal, u, v;
   explicit Across(const btVector3& n) : normal(n) { btPlaneSpace1(n, u, v); }
@@ -151,7 +156,8 @@ double turnOf(const Corner& a, const Corner& b, const Corner& c) {
   return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
 }
 
-/// The corners of a shape farthest along `sign` times the normal, as the outline of their hull.
+/// The corners of a shape that are farthest along `sign` times the normal, as the outline of their
+/// hull.
 Outline outlineOf(const Convex& of, const Across& across, double sign) {
   const btVector3 d = across.normal * sign * of.at.getBasis();
   const double most = reachAlong(of, d);
@@ -163,11 +169,11 @@ Outline outlineOf(const Convex& of, const Across& across, double sign) {
     const btVector3 at = of.at * corner;
     found[count++] = {at.dot(across.u), at.dot(across.v), at.dot(across.normal)};
   });
-  // Monotone chain (Andrew 1979).
+  // The hull is built by Andrew's monotone chain (1979).
   std::sort(found.begin(), found.begin() + count, [](const Corner& a, const Corner& b) {
     return a.u < b.u || (a.u == b.u && a.v < b.v);
   });
-  // Of two corners in one place, the one that reaches farther.
+  // Of two corners at the same (u, v), keeps the one that reaches farther.
   int kept = 0;
   for (int i = 0; i < count; ++i) {
     Corner& last = found[std::max(0, kept - 1)];
@@ -190,7 +196,7 @@ Outline outlineOf(const Convex& of, const Across& across, double sign) {
   for (int i = 0; i < count; ++i) push(found[i], 0);
   const int back = out.count - 1;
   for (int i = count - 2; i >= 0; --i) push(found[i], back);
-  if (out.count > 1) --out.count;  // the first again
+  if (out.count > 1) --out.count;  // the last corner repeats the first
   return out;
 }
 
@@ -206,7 +212,7 @@ class Ground {
         du_ = slope * u, dv_ = slope * v;
       }
     } else if (of.count > 2) {
-      double nu = 0.0, nv = 0.0, nh = 0.0;  // Newell's normal
+      double nu = 0.0, nv = 0.0, nh = 0.0;  // normal by Newell's method
       for (int i = 0; i < of.count; ++i) {
         const Corner& a = of.corners[i];
         const Corner& b = of.corners[(i + 1) % of.count];
@@ -231,9 +237,9 @@ Corner between(const Corner& a, const Corner& b, double share) {
           a.height_m + share * (b.height_m - a.height_m)};
 }
 
-/// What of an outline lies within a polygon (Sutherland, Hodgman 1974).
+/// The part of an outline that lies within a polygon (Sutherland, Hodgman 1974).
 Outline clip(Outline of, const Outline& within) {
-  constexpr double kEdge_m = 1e-9;
+  constexpr double kEdge_m = 1e-9;  // points this little outside count as inside
   for (int e = 0; e < within.count && of.count > 0; ++e) {
     const Corner& a = within.corners[e];
     const Corner& b = within.corners[(e + 1) % within.count];
@@ -257,7 +263,7 @@ Outline clip(Outline of, const Outline& within) {
   return of;
 }
 
-/// What two edges, or an edge and a point, have in common.
+/// The common part of two edges, or of an edge and a point.
 Outline commonOf(const Outline& a, const Outline& b) {
   Outline out;
   if (a.count == 1 || b.count == 1) {
@@ -271,7 +277,7 @@ Outline commonOf(const Outline& a, const Outline& b) {
   if (std::abs(cross) > 0.02 * std::sqrt(a2 * b2)) {
     const double share = ((q.u - p.u) * bv - (q.v - p.v) * bu) / cross;
     const double other = ((q.u - p.u) * av - (q.v - p.v) * au) / cross;
-    constexpr double kPast = 1e-6;
+    constexpr double kPast = 1e-6;  // tolerated excess beyond the ends, relative to the edge
     if (share < -kPast || share > 1.0 + kPast || other < -kPast || other > 1.0 + kPast) return out;
     out.add(between(p, a.corners[1], share));
     return out;
@@ -286,14 +292,14 @@ Outline commonOf(const Outline& a, const Outline& b) {
   return out;
 }
 
-/// How far two shapes are apart along a direction from b to a; negative where they overlap.
+/// Gap between two shapes along a direction from b to a; negative when they overlap.
 double gapAlong(const Convex& a, const Convex& b, const btVector3& n) {
   return (a.at.getOrigin() - b.at.getOrigin()).dot(n) - reachAlong(a, -n * a.at.getBasis()) -
          reachAlong(b, n * b.at.getBasis());
 }
 
-/// Of the normals of all faces, and the line of the centres, the direction along which two shapes
-/// overlap least.
+/// The direction along which two shapes overlap least, among the normals of all faces and the line
+/// of the centres.
 btVector3 leastOverlap(const Convex& a, const Convex& b) {
   btVector3 best = a.at.getOrigin() - b.at.getOrigin();
   best = best.length2() > 0.0 ? best.normalized() : btVector3(0.0, 0.0, 1.0);
@@ -325,7 +331,7 @@ struct Nearest {
   bool found = false;
 };
 
-/// Two shapes that may be held apart.
+/// Nearest points of two shapes, one of which may be displaced.
 class NearestPoints {
  public:
   NearestPoints(const btCollisionObject& a, const btCollisionObject& b)
@@ -334,7 +340,8 @@ class NearestPoints {
         at_a_(a.getWorldTransform()),
         at_b_(b.getWorldTransform()) {}
 
-  /// Of shapes that do not overlap with a held off by `away_m`; exact where both have corners.
+  /// Nearest points with a displaced by `away_m`, so that the shapes do not overlap; exact when
+  /// both shapes have corners.
   [[nodiscard]] Nearest apart(const btVector3& away_m) const {
     btTransform held = at_a_;
     held.getOrigin() += away_m;
@@ -342,7 +349,8 @@ class NearestPoints {
     const btVector3 towards = held.getOrigin() - at_b_.getOrigin();
     if (!btGjkEpaSolver2::Distance(&shape_a_, held, &shape_b_, at_b_, towards, is)) return {};
     if (is.distance < kCoreGap_m) return {};
-    // The solver's own normal is in the frame of a.
+    // The solver's own normal is in the frame of a, so the normal is computed from the witness
+    // points.
     const btVector3 normal = (is.witnesses[0] - is.witnesses[1]) / is.distance;
     const double margin_b = shape_b_.getMargin();
     const double gap_m = is.distance - shape_a_.getMargin() - margin_b;
@@ -354,13 +362,14 @@ class NearestPoints {
   const btTransform &at_a_, &at_b_;
 };
 
-/// The nearest points. Of shapes that overlap the direction is one in which they are nearest when
-/// they are held apart along it: that of the last step, if there is one, leads to it.
+/// Finds the nearest points. For shapes that overlap, one is displaced along a direction, and the
+/// nearest points give the next direction, until it no longer changes. The first direction is that
+/// of the last step, if there is one.
 Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& object_b,
                 const Convex& a, const Convex& b, const btVector3* before) {
   const NearestPoints points(object_a, object_b);
   const Nearest as_they_are = points.apart({0.0, 0.0, 0.0});
-  // Of points that nearly coincide the direction is lost: the shapes are not apart along it.
+  // Points that nearly coincide give no reliable direction: the shapes would not be apart along it.
   if (as_they_are.found &&
       gapAlong(a, b, as_they_are.point.normal) > as_they_are.point.gap_m - kSure_m) {
     return as_they_are;
@@ -384,10 +393,10 @@ Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& obje
   return out;
 }
 
-/// Calls `judge` with each face's outward normal, world, and how far the other shape is from the
-/// face's plane. Leaves out faces into which a point of the other lies deep.
-template <class Judge>
-void eachFace(const Convex& of, const Convex& other, const Judge& judge) {
+/// Calls `judge` with each face's outward normal (world) and the distance of the other shape from
+/// the face's plane. Skips faces into which a point of the other shape lies deep.
+template <class Check>
+void eachFace(const Convex& of, const Convex& other, const Check& check) {
   const btMatrix3x3& basis = of.at.getBasis();
   const btVector3 within =
       of.at.invXform(other.point_count > 0 ? other.at * other.points[0] : other.at.getOrigin());
@@ -402,7 +411,7 @@ void eachFace(const Convex& of, const Convex& other, const Judge& judge) {
       for (const double sign : {1.0, -1.0}) {
         if (sign * within[i] - half_m < -kSunk_m) continue;
         const btVector3 n = sign * basis.getColumn(i);
-        judge(n, sign * center[i] - half_m - reach(n));
+        check(n, sign * center[i] - half_m - reach(n));
       }
     }
   }
@@ -412,28 +421,29 @@ void eachFace(const Convex& of, const Convex& other, const Judge& judge) {
     const double off = across.dot(within - p);
     if (off < 0.0 && off * off > kSunk_m * kSunk_m * across.length2()) continue;
     const btVector3 local = across.normalized(), n = basis * local;
-    judge(n, (other.at.getOrigin() - of.at * p).dot(n) - reach(n));
+    check(n, (other.at.getOrigin() - of.at * p).dot(n) - reach(n));
   }
 }
 
-/// The face on whose plane the other body lies, or into which it has sunk a little.
+/// The face on whose plane the other body lies, or into which it has sunk slightly.
 struct Flush {
   enum class Kind { kNone, kOne, kAcross } kind = Kind::kNone;
-  btVector3 normal;  ///< of kOne; from b to a
+  btVector3 normal;  ///< normal of the face for kOne; from b to a
   bool sunk = false;
 };
 
-/// With two faces across each other that overlap by no more than kFlush_m the bodies meet in an
-/// edge at most: flush pieces side by side, and what slides from one to the next.
+/// Finds the face that lies flush. If two perpendicular faces overlap by no more than kFlush_m, the
+/// bodies meet in an edge at most (kAcross): these are flush pieces side by side, or a body that
+/// slides from one piece to the next.
 Flush findFlush(const Convex& a, const Convex& b, double reach_m) {
   Flush out;
   double best = -kSunk_m;
-  // Of one face the other body must lie on the plane, not only near it.
+  // The other body must lie on the plane of one of the two faces, not only near it.
   const auto across = [&](const btVector3& n, double gap) {
     return std::min(gap, best) >= -kFlush_m && std::max(gap, best) <= reach_m &&
            std::min(gap, best) <= kFlush_m && std::abs(n.dot(out.normal)) < kAcross;
   };
-  const auto judge = [&](const btVector3& n, double gap) {
+  const auto check = [&](const btVector3& n, double gap) {
     if (out.kind == Flush::Kind::kAcross) return;
     if (out.kind == Flush::Kind::kOne && across(n, gap)) {
       out.kind = Flush::Kind::kAcross;
@@ -443,12 +453,12 @@ Flush findFlush(const Convex& a, const Convex& b, double reach_m) {
     best = gap;
     out = {Flush::Kind::kOne, n, gap < -kFlush_m};
   };
-  eachFace(b, a, judge);
-  eachFace(a, b, [&](const btVector3& n, double gap) { judge(-n, gap); });
+  eachFace(b, a, check);
+  eachFace(a, b, [&](const btVector3& n, double gap) { check(-n, gap); });
   return out;
 }
 
-/// The centre of pressure of the last step.
+/// Centre of pressure of the last step; empty when nothing pressed.
 std::optional<Corner> pressedAt(const btPersistentManifold* before, const Across& across) {
   btVector3 moment(0.0, 0.0, 0.0);
   double impulse = 0.0;
@@ -463,8 +473,8 @@ std::optional<Corner> pressedAt(const btPersistentManifold* before, const Across
 
 using Chosen = std::array<int, ContactPatch::kMost>;
 
-/// Of more corners than a patch holds: one, the farthest from it, and between them the two farthest
-/// from the line through both, left and right of it; -1: none is there.
+/// Chooses four corners when there are more than a patch holds: the given one, the one farthest
+/// from it, and the two farthest to the left and right of the line through both; -1: there is none.
 Chosen spreadFrom(int first, const Outline& of) {
   Chosen chosen{first, -1, -1, -1};
   const auto choose = [&](int place, const auto& worth) {
@@ -487,12 +497,12 @@ Chosen spreadFrom(int first, const Outline& of) {
   return chosen;
 }
 
-/// How far within the line from one corner to another a point is.
+/// Distance of a point from the line through two corners; positive on the inner side.
 double within(const Corner& a, const Corner& b, const Corner& at) {
   return turnOf(a, b, at) / std::hypot(b.u - a.u, b.v - a.v);
 }
 
-/// Whether a point is far within the corners of spreadFrom().
+/// True when a point is well inside the polygon of the corners of spreadFrom().
 bool wellWithin(const Chosen& chosen, const Outline& of, const Corner& at) {
   if (std::min({chosen[1], chosen[2], chosen[3]}) < 0) return false;
   const Corner &a = of.corners[chosen[0]], &b = of.corners[chosen[1]];
@@ -505,7 +515,8 @@ bool wellWithin(const Chosen& chosen, const Outline& of, const Corner& at) {
   return true;
 }
 
-/// The edge that is nearest to a point, and the two corners that span most with it.
+/// Chooses the edge that is nearest to a point, and the two corners that span the largest area with
+/// it.
 Chosen nearestEdge(const Outline& of, const Corner& at) {
   const auto index = [&](int first, int after) { return (first + after) % of.count; };
   const auto length = [&](int i) {
@@ -517,7 +528,7 @@ Chosen nearestEdge(const Outline& of, const Corner& at) {
   int first = 0;
   double least_m = 1e30;
   for (int i = 0; i < of.count; ++i) {
-    if (length(i) < kShort * longest_m) continue;  // its corners are nearly one
+    if (length(i) < kShort * longest_m) continue;  // its two corners nearly coincide
     const double is_m = within(of.corners[i], of.corners[index(i, 1)], at);
     if (is_m >= least_m - kNearer_m) continue;
     least_m = is_m;
@@ -538,9 +549,10 @@ Chosen nearestEdge(const Outline& of, const Corner& at) {
   return chosen;
 }
 
-/// @param before points of the last step; null: none
+/// Finds the patch of two shapes along a normal. @param before points of the last step; null: none
 ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& normal, double reach_m,
                         const btPersistentManifold* before) {
+  // The common part of the two outlines.
   const Across across(normal);
   const Outline of_a = outlineOf(a, across, -1.0), of_b = outlineOf(b, across, 1.0);
   const bool b_bounds = of_b.count > 2;
@@ -548,6 +560,7 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
                          : of_a.count > 2 ? clip(of_b, of_a)
                                           : commonOf(of_a, of_b);
   const Ground ground_a(of_a), ground_b(of_b);
+  // The corners at which the gap is small enough, and the deepest of them.
   Outline touching;
   std::array<double, 2 * kMostCorners> gaps;
   gaps[0] = 1e30;
@@ -570,7 +583,8 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
     for (int i = 0; i < touching.count; ++i) add(i);
     return patch;
   }
-  // Nothing tips over a line within its foot: where it presses near one the edge beyond is whole.
+  // A body tips about an edge of its support, never about a line inside it. If it pressed near an
+  // edge, both corners of that edge are kept.
   const std::optional<Corner> pressed = pressedAt(before, across);
   Chosen chosen = spreadFrom(deepest, touching);
   if (pressed && !wellWithin(chosen, touching, *pressed)) chosen = nearestEdge(touching, *pressed);
@@ -596,7 +610,8 @@ ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
   const btVector3* along = touched ? &before->getContactPoint(0).m_normalWorldOnB : nullptr;
   const Nearest near = nearest(object_a, object_b, a, b, along);
   if (!near.found || near.point.gap_m > reach_m) return {};
-  // Beside that face an edge is met: between the two directions only rounding lies.
+  // The nearest points lie on an edge beside the flush face: only rounding separates the two
+  // directions, so there is no contact.
   if (flush.kind == Flush::Kind::kOne && !flush.sunk &&
       near.point.normal.dot(flush.normal) < kAlike) {
     return {};
@@ -608,8 +623,8 @@ ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
 
 namespace {
 
-/// What a point passes on to the one that takes its place.
-struct Kept {
+/// Data that a contact point passes on to its successor.
+struct KeptPoint {
   btVector3 local_a, local_b, tangent1, tangent2;
   double impulse, impulse1, impulse2, spin, drift1, drift2;
 
@@ -633,7 +648,7 @@ struct Kept {
 }  // namespace
 
 void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept {
-  Kept kept;
+  KeptPoint kept;
   kept.take(from);
   kept.give(heir);
 }
@@ -641,7 +656,7 @@ void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept {
 void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
   const btTransform& at_a = manifold.getBody0()->getWorldTransform();
   const btTransform& at_b = manifold.getBody1()->getWorldTransform();
-  std::array<Kept, ContactPatch::kMost> before;
+  std::array<KeptPoint, ContactPatch::kMost> before;
   std::array<bool, ContactPatch::kMost> taken{};
   const int count = manifold.getNumContacts();
   for (int k = 0; k < count; ++k) before[k].take(manifold.getContactPoint(k));
@@ -651,6 +666,7 @@ void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
     manifold.removeContactPoint(manifold.getNumContacts() - 1);
   }
   for (int i = 0; i < patch.count; ++i) {
+    // Writes the geometry of the point.
     const ContactPatch::Point& is = patch.points[i];
     const btVector3 on_a = is.on_b + is.normal * is.gap_m;
     if (i == manifold.getNumContacts()) {
@@ -664,6 +680,7 @@ void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
     point.m_normalWorldOnB = is.normal;
     point.m_distance1 = is.gap_m;
     point.m_combinedFriction = friction;
+    // Finds the nearest old point and inherits its data.
     int same = -1;
     double least = kAsBefore_m * kAsBefore_m;
     for (int k = 0; k < count; ++k) {
@@ -679,7 +696,7 @@ void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
       if (same != i) before[same].give(point);
       continue;
     }
-    Kept none{};
+    KeptPoint none{};
     btPlaneSpace1(is.normal, none.tangent1, none.tangent2);
     none.give(point);
   }

@@ -8,7 +8,7 @@
 namespace wholehand::bullet {
 namespace {
 
-/// The turn of a spin held for a time.
+/// The rotation that a constant angular velocity makes in a time.
 btQuaternion turnBy(const btVector3& spin, double seconds) {
   const double rate = spin.length();
   if (rate * seconds < 1e-12) return btQuaternion(0.0, 0.0, 0.0, 1.0);

@@ -6,14 +6,14 @@
 
 namespace wholehand::bullet {
 
-/// Moves a body by one step without forces. It keeps its momentum; it turns as turnFree()
-/// (loop/physics/free_rotation.hpp). Bullet's own step keeps neither angular momentum nor energy.
-/// Real-time safe.
+/// Moves a body by one step without forces. Its momentum is conserved, and it rotates as by
+/// turnFree() (loop/physics/free_rotation.hpp). Bullet's own step conserves neither angular
+/// momentum nor energy. Real-time safe.
 WHOLEHAND_RT void moveFree(btRigidBody& body, double step_s) noexcept;
 
-/// ½ m v² + ½ ω·I ω; 0 for a body that does not move. Real-time safe.
+/// Kinetic energy ½ m v² + ½ ω·I ω [J]; 0 for a body that does not move. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body) noexcept;
-/// The same with another velocity of its centre of mass and another spin, world.
+/// The same for a given velocity of the centre of mass and a given angular velocity, world.
 [[nodiscard]] WHOLEHAND_RT double kineticEnergy(const btRigidBody& body,
                                                 const btVector3& velocity_m_s,
                                                 const btVector3& spin_rad_s) noexcept;

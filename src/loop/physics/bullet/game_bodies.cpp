@@ -14,25 +14,27 @@ namespace {
 
 const Vec3 kParkedAt{0.0, 0.0, -10.0};
 
-// A target further than this from the one before is a teleport: a body that is drawn there did not
-// move there (15 m/s at 60 frames a second), and must not sweep through the hand.
+// A target farther than this from the one before is a teleport: the displayed body did not move
+// that far in one frame (15 m/s at 60 frames a second), and must not sweep through the hand.
 constexpr double kFarTarget_m = 0.25;
 
-// Bound of the normal forces between the hand and a body together. Without it, a hand that wedges
-// between two fixed bodies was seen to be pressed with 33 kN from both sides. After an overlap the
-// bound begins with kFirst_n and grows by the factor e in kGrow_s.
+// Bound of the sum of the normal forces between the hand and one body. Without it, a hand that
+// wedges between two fixed bodies was seen to be pressed with 33 kN from both sides. After an
+// overlap the bound begins with kFirst_n and grows by the factor e in kGrow_s.
 constexpr double kMostContact_n = 100.0;
 constexpr double kFirst_n = 0.5, kGrow_s = 0.03;
 
-// A driven body follows v = (ω/2) (target − x), at most kMostDrive_m_s, through a damper of 2 m ω:
-// near the target that is a critically damped spring of m ω².
+// A driven body follows the velocity v = (ω/2) (target − x), at most kMostDrive_m_s, through a
+// damper of 2 m ω. Near the target this is a critically damped spring of stiffness m ω².
 constexpr double kDriveRate_per_s = 20.0;
-constexpr double kMostDrive_m_s = 0.5;
-constexpr double kMostMomentum_ns = 0.05;  // a heavy body moves more slowly
-constexpr double kMostForce_n = 5.0;       // of pull and turn; of all bodies while the hand touches
-constexpr double kTurnShare = 0.1;         // of kMostForce_n, at the body's outermost point
+constexpr double kMostDrive_m_s = 0.5;     // largest speed of a driven body
+constexpr double kMostMomentum_ns = 0.05;  // largest momentum: a heavy body is moved more slowly
+constexpr double kMostForce_n = 5.0;  // largest force of pull and torque; of all bodies together
+                                      // while the hand touches something
+// share of kMostForce_n for the torque, at the body's outermost point
+constexpr double kTurnShare = 0.1;
 
-/// Rotation vector from one orientation to another, the short way.
+/// Shortest rotation vector from one orientation to another.
 btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
   Eigen::Quaterniond turn = to * from.conjugate();
   if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
@@ -41,12 +43,15 @@ btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& 
   return toBt(Eigen::Vector3d(turn.vec() * (sine > 1e-12 ? angle / sine : 2.0)));
 }
 
-// The arm follows the fading force: at 300 N/m it moves at 0.05 m/s.
+// Rate at which the force of the hand on a body fades before the body is taken away. The arm
+// follows the fading force: at 300 N/m it moves at 0.05 m/s.
 constexpr double kLetGoRate_n_s = 15.0, kLeastLetGo_s = 0.1;
 
+// A target is followed for kTargetLives_s. While the game is silent, the force of driven bodies
+// fades within kSilentFade_s, and its bodies are removed after kLeaves_s.
 constexpr double kTargetLives_s = 0.1, kSilentFade_s = 0.2, kLeaves_s = 5.0;
 
-// Faster, a body is held back and taken out.
+// Largest speeds of a body. A faster body is slowed down and removed.
 constexpr double kMostSpeed_m_s = 4.9, kMostSpin_rad_s = 200.0;
 
 }  // namespace
@@ -72,7 +77,7 @@ void GameBodies::refuse(int slot, BodyRefusal refusal) noexcept {
   refused_[refused_count_++] = {slot, refusal};
 }
 
-void GameBodies::obey(const Command& command) noexcept {
+void GameBodies::apply(const Command& command) noexcept {
   switch (command.type) {
     case CommandType::kShapeSet:
     case CommandType::kShapePiece:
@@ -104,22 +109,23 @@ int GameBodies::movingCount() const noexcept {
 void GameBodies::spawn(const SpawnOrder& order) noexcept {
   if (order.slot < 0 || order.slot >= count()) return refuse(order.slot, BodyRefusal::kNoSuchSlot);
   Slot& slot = slots_[order.slot];
-  const auto say = [&](BodyRefusal refusal) noexcept { refuse(order.slot, refusal); };
-  if (slot.state != SlotState::kParked) return say(BodyRefusal::kSlotTaken);
-  if (order.generation < 1) return say(BodyRefusal::kWrongGeneration);
-  if (!alive_) return say(BodyRefusal::kSilent);
+  const auto refuseSlot = [&](BodyRefusal refusal) noexcept { refuse(order.slot, refusal); };
+  // Refuses invalid orders and those that exceed the budget.
+  if (slot.state != SlotState::kParked) return refuseSlot(BodyRefusal::kSlotTaken);
+  if (order.generation < 1) return refuseSlot(BodyRefusal::kWrongGeneration);
+  if (!alive_) return refuseSlot(BodyRefusal::kSilent);
   const ShapeSets::Set* set = sets_.find(order.shape_set);
-  if (set == nullptr) return say(BodyRefusal::kNoSuchShapes);
+  if (set == nullptr) return refuseSlot(BodyRefusal::kNoSuchShapes);
   if (!isBodyPose(order.pose) || !isBodyOwner(order.owner) ||
       !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
-    return say(BodyRefusal::kBadPose);
+    return refuseSlot(BodyRefusal::kBadPose);
   }
   if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
       !(order.friction >= 0.0 && order.friction <= kMostBodyFriction)) {
-    return say(BodyRefusal::kBadMass);
+    return refuseSlot(BodyRefusal::kBadMass);
   }
   if (order.owner != BodyOwner::kFixed && movingCount() >= budget_.awake) {
-    return say(BodyRefusal::kBudget);
+    return refuseSlot(BodyRefusal::kBudget);
   }
   slot = Slot{};
   slot.generation = order.generation;
@@ -147,6 +153,7 @@ void GameBodies::orderBody(const Command& command) noexcept {
     return refuse(index, BodyRefusal::kWrongGeneration);
   }
   if (command.type == CommandType::kRemove) return letGo(index, Then::kPark);
+  // While the body is being released, only a further far target is accepted.
   if (slot.state == SlotState::kLettingGo) {
     const bool follows = command.type == CommandType::kBodyTarget && slot.by_target &&
                          slot.then == Then::kTeleport && isBodyPose(poseOf(command));
@@ -171,6 +178,7 @@ void GameBodies::orderBody(const Command& command) noexcept {
     slot.by_target = false;
     return letGo(index, Then::kTeleport);
   }
+  // Target of a driven body; a target too far for one frame is a teleport.
   if (slot.owner != BodyOwner::kGame) return refuse(index, BodyRefusal::kNotTheGames);
   if ((pose.position_m.eigen() - slot.target.position_m.eigen()).norm() > kFarTarget_m) {
     slot.there = pose;
@@ -186,7 +194,7 @@ void GameBodies::park(int index) noexcept {
   Slot& slot = slots_[index];
   const int body = first_ + index;
   if (slot.state == SlotState::kGhost) --ghosts_;
-  pairs_.placed(body);  // wakes what lies on it
+  pairs_.placed(body);  // wakes the bodies that lie on it
   resting_.setMoves(body, false);
   solver_.unboundBody(body);
   sets_.release(slot.shape_set);
@@ -223,9 +231,9 @@ void GameBodies::report(PoolReport& report) noexcept {
   quarantined_ = -1;
 }
 
-// Ghosts: bodies that have a pose, and become solid where they overlap nothing.
+// Ghosts: bodies with a pose that become solid when they overlap nothing.
 
-// At slot.there. Everything that rested on it, or where it appears, wakes.
+// Places the ghost at slot.there. All bodies that rested on it, or where it appears, wake.
 void GameBodies::becomeGhost(int index) noexcept {
   Slot& slot = slots_[index];
   const int body = first_ + index;
@@ -259,7 +267,7 @@ void GameBodies::becomeSolid(int index) noexcept {
     bodies_[body].rigid().setLinearVelocity(toBt(slot.velocity_m_s.eigen()));
     bodies_[body].rigid().setAngularVelocity(toBt(slot.spin_rad_s.eigen()));
   }
-  pairs_.forget(body);  // its points were never solved
+  pairs_.forget(body);  // its contact points were never solved
   if (slot.owner == BodyOwner::kFixed) resting_.setMoves(body, false);
 }
 
@@ -270,7 +278,8 @@ void GameBodies::firm(int index, double step_s) noexcept {
   solver_.boundBody(first_ + index, std::min(grown_n, kMostContact_n) * step_s);
 }
 
-// Of two ghosts the lower slot goes first, so that they do not wait for one another.
+// Of two ghosts that overlap, the one in the lower slot becomes solid first, so that they do not
+// wait for each other.
 void GameBodies::noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept {
   if (of.ofHand() || !isGhost(of.body)) return;
   if (!with.ofHand() && isGhost(with.body) && with.body > of.body) return;
@@ -310,9 +319,10 @@ void GameBodies::settle(double step_s) noexcept {
   }
 }
 
-// Driven bodies are pulled to the game's targets.
+// Driven bodies: the loop pulls them to the game's targets.
 
-// Bodies that push one another push the hand together.
+// All pulls share one bound while the hand touches something, because bodies that push each other
+// push the hand together.
 void GameBodies::drive(double step_s) noexcept {
   if (used_ == 0) return;
   double together_n = 0.0;
@@ -332,7 +342,8 @@ void GameBodies::drive(double step_s) noexcept {
   }
   const auto [power_w, energy_j] = powerAndEnergy();
   power_w_ = power_w;
-  received_j_ += std::max(0.0, energy_j - held_j_);  // what was spawned or thrown since
+  // Energy of bodies that were spawned or thrown since.
+  received_j_ += std::max(0.0, energy_j - held_j_);
 }
 
 std::pair<double, double> GameBodies::powerAndEnergy() noexcept {
@@ -373,7 +384,7 @@ GameBodies::Pull GameBodies::pullOf(int index, double step_s) noexcept {
   const double most_m_s = std::min(kMostDrive_m_s, kMostMomentum_ns / slot.mass_kg);
   const btVector3 velocity = atMost(0.5 * rate * to_target, most_m_s);
   const btVector3 spin = atMost(0.5 * rate * turn, most_m_s / slot.radius_m);
-  if (slot.state == SlotState::kGhost) {  // nothing holds it back
+  if (slot.state == SlotState::kGhost) {  // a ghost meets no resistance
     btTransform moved;
     rigid.setLinearVelocity(velocity);
     rigid.setAngularVelocity(spin);
@@ -393,9 +404,9 @@ GameBodies::Pull GameBodies::pullOf(int index, double step_s) noexcept {
   return pull;
 }
 
-// What takes a body away from the hand: orders, silence, too much speed.
+// Releases: orders, silence of the game or too much speed take a body away from the hand.
 
-// At once when the hand does not press the body.
+// Takes the body away at once when the hand does not press it; otherwise lets the force fade first.
 void GameBodies::letGo(int index, Then then) noexcept {
   Slot& slot = slots_[index];
   slot.then = then;
@@ -449,7 +460,8 @@ void GameBodies::finish(double step_s) noexcept {
   held_j_ = powerAndEnergy().second;
 }
 
-// A state that is not finite is left to observe(), and the run stops.
+// Limits speed and distance of a body. A state that is not finite is left unchanged: observe() then
+// reports it and the run stops.
 void GameBodies::holdWithin(int index) noexcept {
   btRigidBody& rigid = bodyOf(index).rigid();
   const double speed_m_s = rigid.getLinearVelocity().length();

@@ -19,8 +19,8 @@
 namespace wholehand::bullet {
 
 /// The bodies of a game: slots after the scene's bodies. A slot's body is a ghost until it overlaps
-/// nothing: it has a pose and colliders, but no solver rows. An order that takes a body away from
-/// the hand that presses it lets the force on the hand fade first. Real-time safe except for
+/// nothing: a ghost has a pose and colliders, but no solver rows. When an order takes a body away
+/// while the hand presses it, the force on the hand fades first. Real-time safe except for
 /// construction.
 class GameBodies final : public BodyPool {
  public:
@@ -28,17 +28,18 @@ class GameBodies final : public BodyPool {
   GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies, RestingBodies& resting,
              ColliderPairs& pairs, ReducedContactSolver& solver, btCollisionDispatcher& dispatcher);
 
-  void obey(const Command& command) noexcept override;
+  void apply(const Command& command) noexcept override;
   void setGameAlive(bool alive) noexcept override { alive_ = alive; }
   void report(PoolReport& report) noexcept override;
 
-  /// Call after the pairs of a step are found, before it is solved: ghosts that overlap nothing
-  /// become solid.
+  /// Makes ghosts that overlap nothing solid. Call after the pairs of a step are found and before
+  /// the step is solved.
   WHOLEHAND_RT void settle(double step_s) noexcept;
-  /// Call before a step is solved: pulls driven bodies to their targets, and moves driven ghosts.
-  /// Then gravity is applied.
+  /// Pulls driven bodies to their targets and moves driven ghosts. Call before a step is solved;
+  /// gravity is applied afterwards.
   WHOLEHAND_RT void drive(double step_s) noexcept;
-  /// Call after a step: lets go, parks what left the world, and counts the time of silence.
+  /// Continues releases, parks bodies that left the world, and counts the time of silence. Call
+  /// after a step.
   WHOLEHAND_RT void finish(double step_s) noexcept;
 
   /// True for a body without solver rows.
@@ -51,10 +52,10 @@ class GameBodies final : public BodyPool {
   [[nodiscard]] int count() const noexcept { return static_cast<int>(slots_.size()); }
 
  private:
-  /// Time after an overlap in which the bound of the contact force grows to its full value.
+  /// Time after an overlap in which the bound of the contact force grows to its full value [s].
   static constexpr double kFull_s = 0.3;
 
-  /// What happens to a body when the hand has let go of it.
+  /// What happens to a body when the force of the hand on it has faded.
   enum class Then { kPark, kTeleport, kSetOwner };
   struct Slot {
     int generation = 0;
@@ -62,27 +63,28 @@ class GameBodies final : public BodyPool {
     BodyOwner owner = BodyOwner::kLoop;
     int shape_set = -1;
     double mass_kg = 0.0, friction = 0.0, radius_m = 0.0;
-    Vec3 velocity_m_s;            ///< when a ghost of the loop becomes solid
-    Vec3 spin_rad_s;              ///< likewise
-    bool refuse_overlap = false;  ///< until the first step
-    BodyPose target;              ///< of a driven body
+    Vec3 velocity_m_s;  ///< velocity that a ghost of owner kLoop gets when it becomes solid
+    Vec3 spin_rad_s;    ///< angular velocity that it then gets
+    bool refuse_overlap = false;  ///< an overlap in the first step refuses the spawn
+    BodyPose target;              ///< target of a driven body
     double target_age_s = 0.0;
     int solid_count = 0;
-    // While it lets go.
+    // While the force of the hand on the body fades.
     Then then = Then::kPark;
-    bool by_target = false;  ///< a target too far for a frame asked for the teleport
+    bool by_target = false;  ///< the teleport comes from a target that was too far for one frame
     BodyPose there;
     BodyOwner next_owner = BodyOwner::kLoop;
     double left_s = 0.0, lasts_s = 0.0, impulse_ns = 0.0;
-    // Of a ghost, and of what it becomes.
-    bool overlapped = false;  ///< something was where it is
-    double solid_s = 0.0;     ///< time since then, up to the end of the bound
+    // For a ghost and for the solid body that it becomes.
+    bool overlapped = false;  ///< the ghost overlapped something
+    double solid_s = 0.0;     ///< time since it became solid, while the bound grows
   };
 
   struct Pull {
     btVector3 force_n{0.0, 0.0, 0.0}, torque_nm{0.0, 0.0, 0.0};
-    double size_n = 0.0;  ///< of the force, with the turn at the body's outermost point
-    double share = 0.0;   ///< of it that acts
+    /// Size of the force plus that of the torque at the body's outermost point.
+    double size_n = 0.0;
+    double share = 0.0;  ///< share of the pull that acts
   };
 
   void spawn(const SpawnOrder& order) noexcept;
@@ -98,9 +100,9 @@ class GameBodies final : public BodyPool {
   void findOverlaps() noexcept;
   void noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept;
   [[nodiscard]] bool isDriven(int slot) const noexcept;
-  /// The force on a driven body by itself; moves a ghost.
+  /// Pull on a driven body, before it is shared with other bodies; moves a ghost.
   [[nodiscard]] Pull pullOf(int index, double step_s) noexcept;
-  /// Power of gravity and pull, and the kinetic energy of the solid bodies.
+  /// Power of gravity and pull [W], and the kinetic energy of the solid bodies [J].
   [[nodiscard]] std::pair<double, double> powerAndEnergy() noexcept;
   void holdWithin(int index) noexcept;
   void fade(int index, double step_s) noexcept;
@@ -119,19 +121,19 @@ class GameBodies final : public BodyPool {
   ShapeSets sets_;
   std::vector<Slot> slots_;
   std::array<bool, kMaxSlots> overlaps_{};
-  std::array<Pull, kMaxSlots> pulls_{};  ///< of driven bodies, until the step ends
+  std::array<Pull, kMaxSlots> pulls_{};  ///< pulls on driven bodies, valid until the step ends
   int ghosts_ = 0, used_ = 0;
   bool alive_ = true;
-  bool hand_touches_ = false;  ///< anything, in the last step
-  double step_s_ = 1e-3;       ///< of the last step
+  bool hand_touches_ = false;  ///< the hand touched something in the last step
+  double step_s_ = 1e-3;       ///< duration of the last step
   double silent_s_ = 0.0;
-  double force_share_ = 1.0;  ///< of the driven bodies' force: falls while the game is silent
+  double force_share_ = 1.0;  ///< share of the driven bodies' force; falls while the game is silent
   unsigned version_ = 0;
   std::array<RefusedOrder, kMaxCommands> refused_{};
   int refused_count_ = 0;
   int quarantined_ = -1;
-  double held_j_ = 0.0, received_j_ = 0.0;  ///< as PoolReport says
-  double power_w_ = 0.0;                    ///< of gravity and pull, before the step is solved
+  double held_j_ = 0.0, received_j_ = 0.0;  ///< as in PoolReport
+  double power_w_ = 0.0;                    ///< power of gravity and pull before the step is solved
 };
 
 }  // namespace wholehand::bullet

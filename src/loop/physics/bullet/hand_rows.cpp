@@ -10,12 +10,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-// As in ReducedContactSolver: a row that moves nothing is switched off.
+// A row with a smaller inverse mass moves nothing and is switched off, as in ReducedContactSolver.
 constexpr double kLeastInverseMass = 1e-12;
-/// Nearer to its end than this a joint gets a row: 50 rad/s at 1 kHz.
+/// A joint nearer to its end than this gets a row: at 1 kHz, 50 rad/s covers this distance in one
+/// tick.
 constexpr double kNearEnd_rad = 0.05;
-/// A rotation of the base stops so far beyond the device's range: free motion never meets it, and
-/// an object cannot turn the avatar into a posture that nothing was certified for.
+/// A rotation of the base stops this far beyond the device's range: free motion never reaches the
+/// stop, and an object cannot turn the avatar into a posture that was not certified.
 constexpr double kBeyondRange_rad = 0.1;
 
 template <int Width>
@@ -25,7 +26,7 @@ double wanted(const AxisRow& row, const double* change) {
          Axes(row.jacobian.data()).dot(Axes(change)) * row.effective_mass;
 }
 
-/// A row is coupled to joint ends only where that leaves more than this share of its mobility.
+/// A row is coupled to joint ends only if this leaves it more than this share of its mobility.
 constexpr double kLeastLeft = 1e-3;
 
 /// @return the squared change of the impulse
@@ -67,7 +68,8 @@ void HandRows::addEnds(const HandModel& hand) {
       if (scale == 0.0) continue;
       const double at_zero = hand.theta0[link.joint];
       end.room = side > 0.0 ? at_zero - link.lower : link.upper - at_zero;
-      // Per unit of the axis that moves it most, so that joints of one axis are alike.
+      // Scales to the axis that moves the joint most, so that the joints of one axis are
+      // comparable.
       for (double& share : end.direction) share /= scale;
       end.room /= scale;
       addEnd(end);
@@ -102,7 +104,7 @@ void HandRows::addEnd(const JointEnd& end) {
 }
 
 void HandRows::reset(const ArticulatedBody& at, const AxisPosition& q_s) noexcept {
-  for (Kept& kept : kept_) kept = Kept{};
+  for (KeptImpulse& kept : kept_) kept = KeptImpulse{};
   for (JointEnd& end : ends_) end.kept_impulse = 0.0;
   touch_count_ = near_end_count_ = 0;
   search_.reset(&at.linkPose(0), q_s);
@@ -128,7 +130,8 @@ void HandRows::beginStep(const ArticulatedBody& at, const AxisPosition& q_s) noe
   }
 }
 
-/// Apart: let them close the gap in this step and no further. Beyond: back gently.
+/// Goal velocity of a row. Apart: the gap may close in this step, but no overlap may begin. Beyond:
+/// moves back gently.
 double HandRows::goal(double left, double slop, double step_s) const noexcept {
   const double gap = left + slop;
   return gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
@@ -173,7 +176,8 @@ void HandRows::coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
   std::array<int, kMaxCoupledEnds> bearing{};
   int count = 0;
   for (int k = 0; k < coupled_count_; ++k) {
-    const double approach = direction(k).dot(moved);  // negative: towards the end
+    // Negative: the row moves the joint towards the end.
+    const double approach = direction(k).dot(moved);
     if (approach < 0.0 || (!one_sided && approach > 0.0)) bearing[count++] = k;
   }
   if (count == 0) return;
@@ -192,7 +196,8 @@ void HandRows::coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
     const AxisRow& row = ends_[coupled_[bearing[m]]].row;
     rest += borne[m] * Eigen::Map<const Axes>(row.response.data());
   }
-  // Where hardly anything is left to move the two are solved in turns, as two rows.
+  // If the ends leave the row almost no mobility, row and ends are solved in turn, as separate
+  // rows.
   const Eigen::Map<const Axes> j(jacobian.data());
   if (!(j.dot(rest) > kLeastLeft * j.dot(moved))) return;
   moved = rest;
@@ -203,15 +208,15 @@ void HandRows::start(double* change) noexcept {
   const double share = settings_.self_warm_start;
   for (int i = 0; i < touch_count_; ++i) {
     SelfTouch& touch = touches_[i];
-    const Kept& kept = kept_[touch.pair];
+    const KeptImpulse& kept = kept_[touch.pair];
     apply<kMaxAxes>(touch.normal_row, share * kept.normal, change);
     apply<kMaxAxes>(touch.tangent1_row, share * kept.tangent.dot(touch.tangent1), change);
     apply<kMaxAxes>(touch.tangent2_row, share * kept.tangent.dot(touch.tangent2), change);
   }
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
-    // The contacts that are coupled to this end have started already, with their shares of its
-    // impulse.
+    // The contacts coupled to this end have already applied their starting impulses, with the end's
+    // shares of them.
     if (end.coupled_index >= 0) end.row.impulse = coupled_impulse_[end.coupled_index];
     apply<kMaxAxes>(end.row, share * end.kept_impulse, change);
     if (end.coupled_index >= 0) coupled_impulse_[end.coupled_index] = end.row.impulse;
@@ -263,7 +268,7 @@ double HandRows::iterate(double* change) noexcept {
   for (int i = 0; i < touch_count_; ++i) {
     SelfTouch& touch = touches_[i];
     set(touch.normal_row, std::max(0.0, wanted<Width>(touch.normal_row, change)));
-    // Both tangents at once, so that friction is a disc and not a square.
+    // Solves both tangents together, so that friction is limited by a disc and not by a square.
     const double limit = friction_ * touch.normal_row.impulse;
     double t1 = 0.0, t2 = 0.0;
     if (limit > 0.0) {
@@ -291,7 +296,7 @@ template double HandRows::iterate<8>(double*) noexcept;
 template double HandRows::iterate<kMaxAxes>(double*) noexcept;
 
 void HandRows::finish() noexcept {
-  if (any_kept_) std::fill(kept_.begin(), kept_.end(), Kept{});
+  if (any_kept_) std::fill(kept_.begin(), kept_.end(), KeptImpulse{});
   any_kept_ = touch_count_ > 0;
   for (int i = 0; i < touch_count_; ++i) {
     const SelfTouch& touch = touches_[i];
@@ -313,7 +318,7 @@ AxisEffort HandRows::endImpulse() const noexcept {
   return sum;
 }
 
-// The joint ends as cones of ConeNewton.
+// Joint ends as cones of ConeNewton.
 
 bool HandRows::addEndsTo(ConeNewton& newton, const AxisRoot& root) const noexcept {
   for (int i = 0; i < near_end_count_; ++i) {

@@ -24,17 +24,18 @@ struct AxisRow {
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
-/// Root of M_r⁻¹.
+/// Root L of the reduced inverse inertia: M_r⁻¹ = L Lᵀ.
 using AxisRoot = InertiaRoot<kMaxAxes>;
 
-/// Most joint ends that contacts are coupled to; further ones are solved separately.
+/// Largest number of joint ends to which contacts are coupled; further ends are solved separately.
 inline constexpr int kMaxCoupledEnds = 4;
 
 /// Change of the joint ends' impulses per unit of a row's impulse.
 using EndShares = std::array<double, kMaxCoupledEnds>;
 
 /// Two capsules in contact. The force on the first and its reaction on the second act at the same
-/// point: j = Gᵀ (J_a − J_b)ᵀ d, so a link that carries both feels exactly nothing.
+/// point: j = Gᵀ (J_a − J_b)ᵀ d. A link that carries both capsules therefore feels exactly no
+/// force.
 struct SelfTouch {
   int pair = -1;  ///< index into HandModel::self_contacts
   CapsuleGap gap;
@@ -42,8 +43,9 @@ struct SelfTouch {
   AxisRow normal_row, tangent1_row, tangent2_row;
 };
 
-/// Rows of the hand's self-contacts and joint limits. They act in reduced velocities like the
-/// contacts with bodies, so nothing loads the coupling. Real-time safe except for construction.
+/// Constraint rows of the hand's self-contacts and joint limits. They act in reduced velocities
+/// like the contacts with bodies, so they put no load on the coupling. Real-time safe except for
+/// construction.
 class HandRows {
  public:
   /// @pre hand outlives this @param friction between two parts of the hand
@@ -53,14 +55,17 @@ class HandRows {
   void reset(const ArticulatedBody& at, const AxisPosition& q_s) noexcept;
   /// Finds near pairs and joint ends at the state before a step.
   void beginStep(const ArticulatedBody& at, const AxisPosition& q_s) noexcept;
-  /// Builds the rows for what is near. @param velocity q̇_s without contacts; @param inverse M_r⁻¹
+  /// Builds the rows of the near pairs and joint ends. @param velocity q̇_s without contacts; @param
+  /// inverse M_r⁻¹
   void setUp(const ArticulatedBody& at, const AxisMatrix& inverse, const double* velocity,
              double step_s) noexcept;
-  /// Couples a contact row to a joint end. A contact that presses a joint against its end moves the
-  /// carrier of the hand, not the joint: this removes the joint from the row's response M_r⁻¹ j,
-  /// and returns the share of the row's impulse that the end bears. Alternating between contact and
-  /// end would need hundreds of sweeps, since the tip of a digit is much lighter than the arm.
-  /// @param one_sided the impulse is never negative; only ends that it presses upon then bear it
+  /// Couples a contact row to the joint ends. A contact that presses a joint against its end moves
+  /// the carrier of the hand, not the joint. This function therefore removes the joint from the
+  /// row's response M_r⁻¹ j and returns the share of the row's impulse that the end bears. Solving
+  /// contact and end in turn would need hundreds of sweeps, since the tip of a digit is much
+  /// lighter than the arm.
+  /// @param one_sided true: the impulse is never negative, so only ends against which it presses
+  /// bear it
   void coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
                     std::array<double, kMaxAxes>& response, EndShares& shares,
                     bool one_sided) const noexcept;
@@ -69,13 +74,14 @@ class HandRows {
   void start(double* change) noexcept;
   /// True when contacts are coupled to a joint end.
   [[nodiscard]] bool couplesEnds() const noexcept { return coupled_count_ > 0; }
-  /// Impulses of the coupled ends; a contact row adds its share.
+  /// Impulses of the coupled ends; each contact row adds its share.
   [[nodiscard]] EndShares& coupledEndImpulse() noexcept { return coupled_impulse_; }
-  /// One sweep. Width as in ReducedContactSolver. @return the largest squared change of an impulse
+  /// Makes one sweep. Width as in ReducedContactSolver. @return the largest squared change of an
+  /// impulse
   template <int Width>
   double iterate(double* change) noexcept;
-  /// Adds a cone for each near end. @pre nothing touches and no end is coupled: no end bore an
-  /// impulse in the last step @return false: there is no room
+  /// Adds a cone for each near end. @pre no self-contact and no coupled end: no end bore an impulse
+  /// in the last step @return false: there is no room
   [[nodiscard]] bool addEndsTo(ConeNewton& newton, const AxisRoot& root) const noexcept;
   /// Takes the impulses of the cones that addEndsTo() added. @param row the first of their rows
   void takeEndsFrom(const ConeNewton& newton, int row) noexcept;
@@ -91,14 +97,14 @@ class HandRows {
   /// A joint's end. Joints driven by one axis alone share its nearest end.
   struct JointEnd {
     std::array<double, kMaxAxes> direction{};  ///< room per unit of each axis
-    double room = 0.0;                         ///< at q_s = 0 [rad]
-    double left = 0.0;                         ///< room at the current q_s; negative beyond the end
+    double room = 0.0;                         ///< distance to the end at q_s = 0 [rad]
+    double left = 0.0;  ///< distance to the end at the current q_s; negative beyond it
     double kept_impulse = 0.0;
     int coupled_index = -1;  ///< index among the coupled ends, or −1
     AxisRow row;
   };
   /// Warm-start data of a touch.
-  struct Kept {
+  struct KeptImpulse {
     double normal = 0.0;
     Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
   };
@@ -118,7 +124,7 @@ class HandRows {
   SelfContactSearch search_;
   std::vector<SelfTouch> touches_;  ///< one per pair; the first touch_count_ are in use
   int touch_count_ = 0;
-  std::vector<Kept> kept_;  ///< one per pair
+  std::vector<KeptImpulse> kept_;  ///< one per pair
   bool any_kept_ = false;
   std::vector<JointEnd> ends_;
   std::array<int, 2 * kMaxJoints> near_end_{};

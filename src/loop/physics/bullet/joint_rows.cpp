@@ -6,7 +6,7 @@
 namespace wholehand::bullet {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of an impulse
+constexpr double kRounding = 1e-12;  // smaller relative changes of an impulse are rounding
 
 }  // namespace
 
@@ -26,7 +26,8 @@ void JointRows::begin(std::vector<bool>& touched) noexcept {
   }
 }
 
-// One unknown: friction as far as it stops the joint, then what is missing at an end.
+// The joint has one unknown, q̇: friction acts first, as far as it stops the joint; then an end
+// adds the missing impulse.
 double JointRows::solve(Bodies& bodies) noexcept {
   double largest = 0.0;
   for (Row& row : rows_) {

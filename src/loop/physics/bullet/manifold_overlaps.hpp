@@ -7,7 +7,7 @@
 
 namespace wholehand::bullet {
 
-/// Adds what Bullet has found between the hand and the bodies.
+/// Adds the overlaps that Bullet found between the hand and the bodies.
 inline void addOverlaps(btCollisionDispatcher& dispatcher, HandOverlaps& found) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);

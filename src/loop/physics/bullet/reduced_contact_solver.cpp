@@ -12,15 +12,16 @@
 #include <cmath>
 #include <utility>
 
-// The sweeps of projected Gauss-Seidel over the rows: the hot loop of the tick.
+// This file contains the sweeps of projected Gauss-Seidel over the rows: the hot loop of the tick.
 
 namespace wholehand::bullet {
 namespace {
 
-// A row whose effective inverse mass is below this moves nothing: the palm on a fixed body while
-// the spin row has no joint to turn. Dividing by it gave NaN.
+// A row whose inverse mass is below this moves nothing and is switched off: for example the spin
+// row of a palm on a fixed body, which turns no joint. Dividing by it gave NaN.
 constexpr double kLeastInverseMass = 1e-12;
-// More points than a record shows: what is not shown still pushes.
+// Largest number of contact points in the solver. It exceeds that of a record: points that are not
+// recorded still push.
 constexpr int kMostContacts = 4 * kMaxContacts;
 
 }  // namespace
@@ -63,7 +64,7 @@ AxisVelocity ReducedContactSolver::velocity() const {
   return out;
 }
 
-// Boxes in stacks side by side were seen to need 10 contacts each.
+// Sized from an observation: boxes in stacks side by side needed 10 contacts each.
 int ReducedContactSolver::mostBodyContacts(int bodies) {
   return std::max(512, 16 * bodies);
 }
@@ -71,8 +72,8 @@ int ReducedContactSolver::mostSolverBodies(int bodies) {
   return std::max(128, 2 * bodies);
 }
 
-// The base class grows these arrays at first contacts; growing them here keeps the tick free of
-// allocation.
+// The base class grows these arrays at the first contacts; reserving them here keeps allocation out
+// of the tick.
 void ReducedContactSolver::reserve(int bodies) {
   m_tmpSolverBodyPool.reserve(mostSolverBodies(bodies));
   slot_.reserve(mostSolverBodies(bodies));
@@ -166,19 +167,21 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
       rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
   const Eigen::Vector3d at = toEigen(contact.on_hand);
   const double step_s = info.m_timeStep;
-  // As Bullet lays them for a new point, so that one that replaces an old one inherits its
-  // impulses.
+  // Chooses the tangents as Bullet does for a new point, so that a point that replaces an old one
+  // inherits its impulses.
   btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
   const auto linear_row = [&](ReducedRow& row, const btVector3& direction, double goal) {
     kinematics_.reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
     row.linear = -direction;
     row.angular = arm.cross(-direction);
-    // Bullet has one body for all that is fixed, and that one stands; this one may slide.
+    // Bullet uses one body at rest for everything that is fixed; a fixed body may slide, so its
+    // velocity is subtracted here.
     if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
     aim(row, body, goal);
   };
-  // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
+  // Apart: the gap may close in this step, but no overlap may begin. Overlapping: pushes apart
+  // gently.
   const double gap = contact.distance_m + settings_.penetration_slop_m;
   const double goal = gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
   linear_row(contact.normal_row, contact.normal, goal);
@@ -213,7 +216,8 @@ void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
   row.lacking = goal_velocity - velocity;
 }
 
-// The point keeps its impulses and tangents from the step before; tangents may have turned.
+// Sets the starting impulses. The point keeps its impulses and tangents from the last step; the
+// tangents may have rotated since.
 void ReducedContactSolver::startFromLast(HandContact& contact) const {
   const btManifoldPoint& point = *contact.point;
   const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
@@ -251,7 +255,8 @@ void ReducedContactSolver::finishFriction(HandContact& contact, Ends ends) const
   FrictionDisc<double>& disc = contact.disc;
   disc.yield_12 = one.linear.dot(two.linear_response) + one.angular.dot(two.angular_response);
   for (int a = 0; a < axes_; ++a) disc.yield_12 += one.jacobian[a] * two.response[a];
-  constexpr double kDefinite = 1.0 + 1e-9;  // where one axis alone moves both
+  // Keeps the matrix definite where one axis alone moves both tangents.
+  constexpr double kDefinite = 1.0 + 1e-9;
   disc.yield_11 = kDefinite / one.effective_mass;
   disc.yield_22 = kDefinite / two.effective_mass;
   const double det = disc.yield_11 * disc.yield_22 - disc.yield_12 * disc.yield_12;
@@ -316,14 +321,15 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
     point.m_contactMotion2 = contact.drift2_m;
     point.m_lateralFrictionDir1 = contact.tangent1;
     point.m_lateralFrictionDir2 = contact.tangent2;
-    point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point
+    // An unused field of Bullet's point keeps the spin impulse.
+    point.m_prevRHS = contact.spin_row.impulse;
   }
   return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
                                                                             info);
 }
 
-// The hand's contacts solved at once, by ConeNewton: where the bodies that the hand touches are
-// few, and touch nothing else.
+// Direct solution of the hand's contacts by ConeNewton, used when the hand touches few bodies and
+// these touch no other bodies.
 
 bool ReducedContactSolver::listIsland() {
   island_.clear();
@@ -386,7 +392,8 @@ bool ReducedContactSolver::addJointsTo() {
   return true;
 }
 
-// A bound that holds couples the contacts of its body: sweeps keep it.
+// True when no bound is exceeded. A bound that acts couples the contacts of its body, which only
+// the sweeps can handle.
 bool ReducedContactSolver::withinBounds() {
   for (int i = 0; i < contact_count_; ++i) {
     if (contacts_[i].bound != nullptr) contacts_[i].bound->pressed = 0.0;
@@ -423,9 +430,9 @@ void ReducedContactSolver::takeImpulses() {
 namespace {
 
 constexpr double kNoLimit = 1e30;
-constexpr double kSettled = 0.05;  // of the largest impulse
+constexpr double kSettled = 0.05;  // largest change of an impulse, relative to the largest impulse
 
-// A vector of Bullet has a fourth number, which is zero.
+// A Bullet vector has a fourth number, which is zero.
 static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
 
 }  // namespace
@@ -455,7 +462,7 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   if (couples_ends_) addScaled<4>(rows_.coupledEndImpulse().data(), change, row.end_shares.data());
 }
 
-// Sets the normal impulse, within the bound of its body.
+// Sets the normal impulse within the bound of its body.
 template <int Width>
 void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, double wanted) {
   if (contact.bound == nullptr) {
@@ -469,7 +476,7 @@ void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, doubl
   bound.pressed += contact.normal_row.impulse - before;
 }
 
-// Applies the impulses that the rows start from.
+// Applies the starting impulses of the rows.
 void ReducedContactSolver::start(HandContact& contact) {
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const auto first = [](ReducedRow& row) { return std::exchange(row.impulse, 0.0); };
@@ -479,7 +486,7 @@ void ReducedContactSolver::start(HandContact& contact) {
   apply<kMaxAxes>(contact.spin_row, body, first(contact.spin_row));
 }
 
-// True when the friction of a contact pulls at a joint's end, which only presses.
+// True when the friction of a contact pulls at a joint's end. An end can only press.
 bool ReducedContactSolver::pullsAtEnd(const HandContact& contact) const {
   const EndShares& borne = rows_.coupledEndImpulse();
   for (int k = 0; k < kMaxCoupledEnds; ++k) {
@@ -496,7 +503,7 @@ template <int Width>
 void ReducedContactSolver::solveFriction(HandContact& contact) {
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const double normal = contact.normal_row.impulse;
-  if (normal == 0.0) {  // nothing presses, nothing rubs
+  if (normal == 0.0) {  // no friction without a normal impulse
     apply<Width>(contact.spin_row, body, 0.0);
     apply<Width>(contact.tangent1_row, body, 0.0);
     apply<Width>(contact.tangent2_row, body, 0.0);
@@ -507,7 +514,7 @@ void ReducedContactSolver::solveFriction(HandContact& contact) {
                std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
   ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
   if (one.effective_mass == 0.0 || two.effective_mass == 0.0) {
-    // Nothing moves along one of them.
+    // Nothing moves along one of the tangents, so each is limited separately.
     const double limit = contact.friction * normal;
     apply<Width>(one, body, std::clamp(wanted<Width>(one, body), -limit, limit));
     const double left = std::sqrt(std::max(0.0, limit * limit - one.impulse * one.impulse));
@@ -534,15 +541,17 @@ void ReducedContactSolver::iterate() {
     HandContact& contact = contacts_[i];
     solveFriction<Width>(contact);
     if (!contact.rests_on_ends || !pullsAtEnd(contact)) continue;
-    // The end lets go, and the digit is light: with the inertia of the hand that an end holds
-    // friction would overshoot from one side of its cone to the other, for ever.
+    // The end no longer bears this contact's friction, and the digit alone is light. With the
+    // inertia of a hand held by the end, friction would overshoot from one side of its cone to the
+    // other forever.
     contact.rests_on_ends = false;
     finishFriction(contact, Ends::kFree);
   }
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 
-// What slides begins anew. What friction holds has crept by what the solver left of its slip.
+// Updates the drift. A sliding contact starts again from zero. A sticking one has crept by the slip
+// that the solver left.
 void ReducedContactSolver::keepDrift(HandContact& contact, double step_s) const {
   const double limit = contact.friction * contact.normal_row.impulse;
   const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
@@ -574,7 +583,7 @@ bool ReducedContactSolver::changesStill() const {
   return contact_count_ > 0 && residual_ > kSettled * kSettled * pressed * pressed;
 }
 
-// In place of the base class's iteration, which would sweep its own rows.
+// Replaces the base class's iteration, which would sweep its own rows.
 btScalar ReducedContactSolver::solveSingleIteration(
     int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
     btPersistentManifold** /*manifolds*/, int /*manifold_count*/,
@@ -605,7 +614,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     iterateWide();
   }
   if (iteration + 1 == sweeps) near_unsettled_ = changesStill();
-  // With 0 the base class stops.
+  // The base class stops when this returns 0.
   return std::max(others, residual_);
 }
 

@@ -20,22 +20,23 @@ namespace wholehand::bullet {
 /// A solver row between the hand's reduced velocities and a rigid body's velocities.
 struct ReducedRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j = Gᵀ Jᵀ d
-  btVector3 linear, angular;                ///< on the body
+  btVector3 linear, angular;                ///< direction of the row's impulse on the body
   double lacking = 0.0;                     ///< change of velocity that reaches the target
-  double impulse = 0.0;  ///< accumulated; before, where to start [N·s or N·m·s]
-  // What sweeps need.
+  /// Accumulated impulse; before the sweeps, the starting impulse [N·s or N·m·s].
+  double impulse = 0.0;
+  // Data for the sweeps.
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   btVector3 linear_response;                ///< linear / m; 0 on a fixed body
   btVector3 angular_response;               ///< I⁻¹ angular; 0 on a fixed body
-  EndShares end_shares{};                   ///< on joint ends
+  EndShares end_shares{};                   ///< shares that the joint ends bear
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 disables the row
   double target = 0.0;                      ///< impulse that alone would reach the target velocity
 };
 
 /// Bound of the normal impulses of all contacts of the hand with one body.
 struct ImpulseBound {
-  double most = 1e30;    ///< in this step [N·s]
-  double pressed = 0.0;  ///< sum of them so far
+  double most = 1e30;    ///< bound of their sum in this step [N·s]
+  double pressed = 0.0;  ///< their sum so far
 };
 
 /// A contact point between a capsule of the hand and a body, with its four rows.
@@ -50,22 +51,22 @@ struct HandContact {
   double distance_m = 0.0;
   ImpulseBound* bound = nullptr;  ///< null: unbounded
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
-  /// Way that the surfaces have crept along the tangents while friction held them [m]. The rows
-  /// undo a share of it in each step. Rolling leaves none.
+  /// Distance that the surfaces have crept along the tangents while friction held them [m]. The
+  /// rows undo a share of it in each step. Rolling leaves no drift.
   double drift1_m = 0.0, drift2_m = 0.0;
-  FrictionDisc<double> disc;  ///< of both tangents; its limit is that of the last sweep
+  FrictionDisc<double> disc;  ///< friction of both tangents; its limit is that of the last sweep
   double yielding = 0.0;  ///< R / (R + inverse mass) of the normal row, R as SolverSettings says
   bool rests_on_ends = false;  ///< joint ends bear a share of its friction
 };
 
-/// Bullet's rigid-body solver with the contacts of the hand. They are solved in the hand's reduced
-/// velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear constraints that
-/// compete with the contact rows, and six unknowns instead of nineteen joints.
+/// Bullet's rigid-body solver, extended by the contacts of the hand. These are solved in the hand's
+/// reduced velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly. There are no gear
+/// constraints that compete with the contact rows, and six unknowns instead of nineteen joints.
 ///
-/// Self-contacts and joint limits of the hand (HandRows) are solved together with them: at once by
-/// ConeNewton, or by sweeps of projected Gauss-Seidel where the bodies that the hand touches are
-/// many or touch others. BodyRows sweeps contacts between bodies; those of bodies that the hand
-/// does not touch get fewer sweeps.
+/// Self-contacts and joint limits of the hand (HandRows) are solved together with them: directly by
+/// ConeNewton, or by sweeps of projected Gauss-Seidel when the hand touches many bodies, or bodies
+/// that touch others. BodyRows sweeps contacts between bodies; bodies that the hand does not touch
+/// get fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
   /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene
@@ -77,8 +78,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity);
   /// Clears the contacts of the last step.
   void forgetStep() { contact_count_ = dropped_ = 0; }
-  /// Bounds the sum of the normal impulses between the hand and a body in the following steps; with
-  /// them friction is bounded too. Real-time safe.
+  /// Bounds the sum of the normal impulses between the hand and a body in the following steps; this
+  /// bounds friction too. Real-time safe.
   void boundBody(int body, double most_ns) noexcept {
     bounded_[body] = true;
     bounds_[body].most = most_ns;
@@ -124,8 +125,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
   void startFromLast(HandContact& contact) const;
   void prepareSweeps();
-  /// Which joint ends bear a row's impulse: those that it presses upon, those that bore one in the
-  /// last step, whatever its sign, or none.
+  /// The joint ends that bear a row's impulse. kPressed: those against which the row presses.
+  /// kHeld: those that bore an impulse in the last step, whatever the sign. kFree: none.
   enum class Ends { kPressed, kHeld, kFree };
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, Ends ends,
                  double softness = 0.0) const;
@@ -141,7 +142,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   [[nodiscard]] bool withinBounds();
   void takeImpulses();
   void findTouched();
-  static constexpr int kNarrow = 8;  // axes that most devices do not exceed
+  static constexpr int kNarrow = 8;  // most devices have at most this many axes
   // The inner loop. Width is a compile-time multiple of the SIMD width and at least the number of
   // axes; elements beyond the axes are zero.
   template <int Width>
@@ -172,24 +173,25 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   AxisMatrix inverse_;                 ///< M_r⁻¹, padded with zeros to the loop's width
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   std::vector<bool> bounded_;          ///< per body of the scene
-  std::vector<ImpulseBound> bounds_;   ///< the same; valid where bounded_
+  std::vector<ImpulseBound> bounds_;   ///< per body of the scene; valid where bounded_ is true
   int contact_count_ = 0;
   int dropped_ = 0;
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts
   std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
   double residual_ = 0.0;  ///< largest squared change of an impulse in the last sweep
-  /// The sweeps over the hand's contacts, and over those of other bodies, did not settle.
+  /// True when the sweeps over the hand's contacts (near), or over those of other bodies (far), did
+  /// not settle.
   bool near_unsettled_ = false, far_unsettled_ = false;
   /// A body that the hand touches; its unknowns are velocities in which its inertia is 1.
   struct IslandBody {
     int solver_body = -1;
-    double linear = 0.0;     ///< √ of its Mobility
-    InertiaRoot<3> angular;  ///< the same
+    double linear = 0.0;     ///< root of the linear part of its Mobility
+    InertiaRoot<3> angular;  ///< root of the angular part
   };
   ConeNewton newton_;
   bool at_once_ = false;            ///< newton_ solved this step
   bool far_done_ = false;           ///< contacts that the hand does not touch need no more sweeps
-  AxisRoot root_;                   ///< of M_r⁻¹
+  AxisRoot root_;                   ///< root of M_r⁻¹
   std::vector<IslandBody> island_;  ///< bodies that the hand touches
   std::vector<int> slot_;           ///< per solver body: its index in the island, or −1
   std::vector<bool> touched_;       ///< per solver body: the hand touches it

@@ -7,12 +7,13 @@
 namespace wholehand::bullet {
 namespace {
 
-// What rolls at half a millimetre a second still moves.
+// Speeds below which a body counts as still. A body that rolls at more than half a millimetre per
+// second still moves.
 constexpr double kStill_m_s = 5e-4;
 constexpr double kStill_rad_s = 0.0125;
-constexpr double kFall_s = 2e-3;  // a body in free fall for this time exceeds the still speed
-constexpr double kRests_s = 0.5;
-constexpr double kWatched_s = 0.05;
+constexpr double kFall_s = 2e-3;     // a body in free fall for this time exceeds the still speed
+constexpr double kRests_s = 0.5;     // time of stillness after which a group rests
+constexpr double kWatched_s = 0.05;  // interval at which groups are checked
 
 }  // namespace
 

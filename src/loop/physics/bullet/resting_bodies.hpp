@@ -9,15 +9,16 @@
 namespace wholehand::bullet {
 
 /// Puts bodies to rest and wakes them. Bodies near one another form a group. A group rests once all
-/// of its bodies have been still for a time without the hand near them; it wakes when something
-/// comes near one of them. A resting body costs no time. Real-time safe except for construction.
+/// its bodies have been still for a time without the hand near them. It wakes when something comes
+/// near one of them. A resting body costs no computing time. Real-time safe except for
+/// construction.
 class RestingBodies {
  public:
   /// Two bodies whose colliders are near.
   using Near = std::pair<int, int>;
 
-  /// All bodies are awake at first. @pre bodies outlive this @param gravity_m_s2 with 0, only
-  /// bodies at exactly zero velocity count as still
+  /// All bodies are awake at first. @pre bodies outlive this @param gravity_m_s2 if 0, only bodies
+  /// at exactly zero velocity count as still
   RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s2);
 
   /// True for a moving body that does not rest; false for fixed bodies.
@@ -31,7 +32,7 @@ class RestingBodies {
 
   /// Wakes a body and its group, and restarts their time of stillness.
   WHOLEHAND_RT void disturb(int body) noexcept;
-  /// Makes a body one that moves (awake) or one that does not; wakes the group that it rested in.
+  /// Marks a body as movable (and awake) or fixed; wakes the group in which it rested.
   WHOLEHAND_RT void setMoves(int body, bool moves) noexcept;
   /// Call after each step. True when layDown() is due.
   [[nodiscard]] WHOLEHAND_RT bool watch(double step_s) noexcept;
@@ -50,10 +51,10 @@ class RestingBodies {
   const double still_m_s_, still_rad_s_;
   std::vector<bool> awake_;
   std::vector<int> awake_bodies_;
-  std::vector<int> group_;       ///< first body of its resting group; −1: awake or fixed
+  std::vector<int> group_;  ///< per body: first body of its resting group; −1: awake or fixed
   std::vector<double> still_s_;  ///< time of stillness [s]
-  std::vector<int> parent_;      ///< disjoint sets of a group
-  std::vector<double> least_s_;  ///< per first body: least stillness of the group [s]
+  std::vector<int> parent_;      ///< disjoint sets by which groups are found
+  std::vector<double> least_s_;  ///< per first body: shortest time of stillness in its group [s]
   double unwatched_s_ = 0.0;
   unsigned version_ = 0;
 };

@@ -3,16 +3,16 @@
 #include <array>
 #include <cmath>
 
-/// Arithmetic of solver rows, four numbers at once: one instruction each in a function with
-/// WHOLEHAND_VECTOR_CLONES on a processor with AVX, two elsewhere. Same bits in both: the order of
-/// every sum is written out. Inlined into the function that calls it, for that function's
-/// processor.
+/// Arithmetic of solver rows, four numbers at once. On a processor with AVX, a function with
+/// WHOLEHAND_VECTOR_CLONES does each operation in one instruction, elsewhere in two. Both give the
+/// same bits, because the order of every sum is written out. The functions are inlined into their
+/// caller and so compiled for the caller's processor.
 namespace wholehand::bullet {
 
 using FourNumbers = double __attribute__((vector_size(32)));
 
-// From and to memory at any address of a double. By reference: a vector that is returned would
-// need AVX in the caller.
+// Load from and store to memory at any address of a double. Arguments are references, because
+// returning a vector would need AVX in the caller.
 [[gnu::always_inline]] inline void load(FourNumbers& numbers, const double* from) {
   __builtin_memcpy(&numbers, from, sizeof numbers);
 }
@@ -20,7 +20,8 @@ using FourNumbers = double __attribute__((vector_size(32)));
   __builtin_memcpy(to, &numbers, sizeof numbers);
 }
 
-/// Σ j_a v_a over the axes, and over two vectors of four. @tparam Width number of axes
+/// Velocity along a row: Σ j_a v_a over the axes, plus the products with two vectors of four
+/// numbers. @tparam Width number of axes
 template <int Width>
 [[gnu::always_inline]] inline double alongRow(const double* jacobian, const double* change,
                                               const double* linear, const double* linear_velocity,
@@ -37,7 +38,7 @@ template <int Width>
   return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/// to += factor · response
+/// Computes to += factor · response.
 template <int Width>
 [[gnu::always_inline]] inline void addScaled(double* to, double factor, const double* response) {
   for (int i = 0; i < Width; i += 4) {
@@ -48,7 +49,8 @@ template <int Width>
   }
 }
 
-/// L with M⁻¹ = L Lᵀ: in the velocities w of v = L w the inertia is 1. @tparam Most largest size
+/// Root L of an inverse inertia, M⁻¹ = L Lᵀ. In the velocities w with v = L w the inertia is 1.
+/// @tparam Most largest size
 template <int Most>
 class InertiaRoot {
  public:
@@ -68,7 +70,7 @@ class InertiaRoot {
       }
     }
   }
-  /// Lᵀ j: a row on v, as one on w.
+  /// Computes Lᵀ j, which turns a row on v into a row on w.
   void transpose(const double* row, double* out) const noexcept {
     for (int c = 0; c < size_; ++c) out[c] = 0.0;
     for (int r = 0; r < size_; ++r) {
@@ -77,7 +79,7 @@ class InertiaRoot {
       for (int c = 0; c <= r; ++c) out[c] += factor * of_row[c];
     }
   }
-  /// v = L w
+  /// Computes v = L w.
   void apply(const double* w, double* v) const noexcept {
     for (int r = 0; r < size_; ++r) {
       double sum = 0.0;
@@ -93,11 +95,12 @@ class InertiaRoot {
   std::array<double, Most * Most> root_{};  ///< rows; the upper triangle is not used
 };
 
-/// Coulomb's law at one contact: the impulse r of friction stops the slip, or opposes it with all
-/// that the normal allows (maximum dissipation). With the yield A, the slip per impulse, and b, the
-/// slip that r must undo, r minimises ½ rᵀ A r − bᵀ r within the disc |r| ≤ limit: (A + s 1) r = b
-/// with s = 0 inside, and |r| = limit outside, where the slip −s r points against r. This is the
-/// subproblem of a trust region (Moré, Sorensen 1983): Newton's method on 1/|r| finds s from below.
+/// Coulomb's law at one contact: the friction impulse r stops the slip, or opposes it with the
+/// largest impulse that the normal allows (maximum dissipation). Let A be the yield (slip per unit
+/// of impulse) and b the slip that r must undo. Then r minimises ½ rᵀ A r − bᵀ r within the disc
+/// |r| ≤ limit: (A + s 1) r = b with s = 0 inside; otherwise |r| = limit, and the slip −s r points
+/// against r. This is the subproblem of a trust region (Moré, Sorensen 1983): Newton's method on
+/// 1/|r| finds s from below.
 /// @tparam Number double, or a vector of them
 template <class Number>
 struct FrictionDisc {
@@ -126,7 +129,7 @@ struct FrictionDisc {
       const Number power = (d * r_1 * r_1 - 2.0 * yield_12 * r_1 * r_2 + a * r_2 * r_2) / det;
       Number length = length2;
       takeRoot(length);
-      const Number floor = 1e-9 * length + least;  // a limit of next to nothing
+      const Number floor = 1e-9 * length + least;  // avoids dividing by a limit of almost zero
       const Number radius = limit > floor ? limit : floor;
       const Number ratio = length2 / (power > least ? power : least);
       const Number grow = beyond ? (length - radius) / radius * ratio : Number{};
@@ -137,7 +140,7 @@ struct FrictionDisc {
       r_2 = beyond ? (a * b_2 - yield_12 * b_1) / det : r_2;
       length2 = r_1 * r_1 + r_2 * r_2;
     }
-    // To the rim, along r.
+    // Scales r to the rim of the disc.
     Number length = length2 > least ? length2 : least;
     takeRoot(length);
     is_1 = slides ? r_1 * (limit / length) : is_1;
@@ -145,7 +148,8 @@ struct FrictionDisc {
   }
 
  private:
-  static constexpr int kMostSteps = 12;  ///< a step doubles the digits; most need two or three
+  /// Each step doubles the number of exact digits; two or three are usual.
+  static constexpr int kMostSteps = 12;
 
   [[gnu::always_inline]] static bool any(bool which) { return which; }
   template <class Mask>

@@ -20,7 +20,8 @@ btCollisionShape* SlotShape::make(const SlotPiece& piece) noexcept {
       return &shape_.emplace<btCapsuleShapeZ>(piece.radius_m, piece.length_m);
     case ShapeType::kConvexMesh: {
       auto& cloud = shape_.emplace<btConvexPointCloudShape>();
-      // The default margin would swell the mesh by 4 cm; it comes first, since the box includes it.
+      // Bullet's default margin would enlarge the mesh by 4 cm. It is set first, because the box
+      // includes it.
       cloud.setMargin(0.0);
       cloud.setPoints(piece.vertices, piece.vertex_count);
       return &cloud;

@@ -24,14 +24,15 @@ struct SlotPiece {
   Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();
   double radius_m = 0.0, length_m = 0.0;
   btTransform in_rigid = btTransform::getIdentity();
-  btVector3* vertices = nullptr;  ///< of a convex mesh; outlive every use of the piece
+  /// Vertices of a convex mesh; they outlive every use of the piece.
+  btVector3* vertices = nullptr;
   int vertex_count = 0;
 };
 
-/// A shape that is made in place: no allocation. Real-time safe.
+/// A shape that is constructed in place, without allocation. Real-time safe.
 class SlotShape {
  public:
-  /// Replaces the shape; the one before is no longer in use.
+  /// Replaces the shape; the previous shape must no longer be in use.
   btCollisionShape* make(const SlotPiece& piece) noexcept;
 
  private:
@@ -40,23 +41,25 @@ class SlotShape {
       shape_;
 };
 
-/// Shape sets of a game, in memory that exists from the start. A set is handed over by several
-/// commands, in order, and can be used when it is complete. Real-time safe except for construction.
+/// Shape sets of a game, in memory that exists from the start. Several commands transfer a set, in
+/// order; it can be used once it is complete. Real-time safe except for construction.
 class ShapeSets {
  public:
   struct Set {
-    int announced = 0;  ///< pieces; 0: empty
-    int pieces = 0;     ///< begun so far
-    int vertices = 0;   ///< of the last piece, so far
-    int users = 0;      ///< bodies that have these shapes
+    int announced = 0;  ///< announced number of pieces; 0: the set is empty
+    int pieces = 0;     ///< pieces begun so far
+    int vertices = 0;   ///< vertices of the last piece so far
+    int users = 0;      ///< number of bodies with these shapes
     btVector3 moments_per_kg{0, 0, 0};
     Eigen::Quaterniond from_body = Eigen::Quaterniond::Identity();
-    double radius_m = 0.0;  ///< of the sphere about the centre of mass that holds all pieces
+    /// Radius of the sphere about the centre of mass that contains all pieces.
+    double radius_m = 0.0;
   };
 
   explicit ShapeSets(const GameBudget& budget);
 
-  /// Takes a kShapeSet, kShapePiece or kShapeVertices; a command that is refused empties its set.
+  /// Applies a kShapeSet, kShapePiece or kShapeVertices command; a command that is refused empties
+  /// its set.
   [[nodiscard]] BodyRefusal take(const Command& command) noexcept;
   /// The complete set; null when there is none.
   [[nodiscard]] Set* find(int set) noexcept;

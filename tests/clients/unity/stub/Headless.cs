@@ -7,9 +7,9 @@ using System.Reflection;
 
 namespace UnityEngine.Headless
 {
-    /// <summary>Runs components as Unity's manual orders it ("Order of execution for event functions"): Awake and
+    /// <summary>Runs components in the order of Unity's manual ("Order of execution for event functions"): Awake and
     /// OnEnable at once, Start before the first step or frame, then FixedUpdate and physics, Update, LateUpdate, gizmos
-    /// and GUI; within each by DefaultExecutionOrder. A frame allocates nothing by itself.</summary>
+    /// and GUI; within each by DefaultExecutionOrder. A frame itself allocates nothing.</summary>
     public static class Player
     {
         private sealed class Script
@@ -25,7 +25,7 @@ namespace UnityEngine.Headless
         private static readonly List<Script> added = new List<Script>();
         private static readonly List<Object> dying = new List<Object>();
 
-        /// <summary>One frame with so many steps of physics.</summary>
+        /// <summary>Runs one frame with so many physics steps.</summary>
         public static void Frame(int fixedSteps, float fixedPeriodS)
         {
             for (int step = 0; step < fixedSteps; ++step)
@@ -43,7 +43,7 @@ namespace UnityEngine.Headless
             EndDying();
         }
 
-        /// <summary>Ends everything, as a game that is closed.</summary>
+        /// <summary>Destroys all objects, as when a game is closed.</summary>
         public static void Quit()
         {
             foreach (Script script in scripts.ToArray()) End(script.Behaviour);
@@ -57,7 +57,7 @@ namespace UnityEngine.Headless
 
         private static void EndDying()
         {
-            for (int i = 0; i < dying.Count; ++i) End(dying[i]); // which may name more
+            for (int i = 0; i < dying.Count; ++i) End(dying[i]); // an ending object may destroy more objects
             dying.Clear();
         }
 
@@ -121,7 +121,7 @@ namespace UnityEngine.Headless
             }
             catch (Exception e)
             {
-                Debug.LogException(e); // as Unity: the other scripts go on
+                Debug.LogException(e); // as in Unity, the other scripts continue
             }
         }
 

@@ -86,7 +86,7 @@ namespace UnityEngine
         {
             Vector3 a = from.normalized, b = to.normalized, axis = Vector3.Cross(a, b);
             float w = 1.0f + Vector3.Dot(a, b);
-            if (w < 1e-6f) // opposite: half a turn about any axis across
+            if (w < 1e-6f) // opposite vectors: half a turn about any perpendicular axis
             {
                 axis = Vector3.Cross(a, Math.Abs(a.x) < 0.9f ? Vector3.right : Vector3.up).normalized;
                 w = 0.0f;
@@ -95,7 +95,7 @@ namespace UnityEngine
             return new Quaternion(axis.x / n, axis.y / n, axis.z / n, w / n);
         }
 
-        /// <summary>First b, then a.</summary>
+        /// <summary>Applies b first, then a.</summary>
         public static Quaternion operator *(Quaternion a, Quaternion b)
         {
             return new Quaternion(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,

@@ -103,7 +103,7 @@ namespace UnityEngine
         }
     }
 
-    /// <summary>Without scale.</summary>
+    /// <summary>A transform without scale.</summary>
     public sealed class Transform : Component
     {
         internal readonly List<Transform> Children = new List<Transform>();
@@ -157,7 +157,7 @@ namespace UnityEngine
 
     public sealed class Mesh : Object
     {
-        internal static int Alive; // Unity's collector takes no mesh: who makes one destroys it
+        internal static int Alive; // Unity does not collect meshes: the code that makes one must destroy it
         public Mesh() { ++Alive; }
         public Vector3[] vertices { get; private set; }
         public int[] triangles { get; private set; }
@@ -203,7 +203,7 @@ namespace UnityEngine
         public Mesh sharedMesh { get; set; }
     }
 
-    /// <summary>A kinematic one: it is where MovePosition said after the next step of physics.</summary>
+    /// <summary>A kinematic body: it is at the position of MovePosition after the next physics step.</summary>
     public sealed class Rigidbody : Component
     {
         internal Vector3 NextPosition, Velocity;
@@ -269,8 +269,8 @@ namespace UnityEngine
 
     public static class GUILayout
     {
-        internal static string Press = ""; // the button that a person presses
-        internal static readonly List<string> Labels = new List<string>(); // of the newest frame
+        internal static string Press = ""; // the button that is pressed
+        internal static readonly List<string> Labels = new List<string>(); // labels of the newest frame
         public static void Label(string text) { Labels.Add(text); }
         public static bool Button(string text) { return text == Press; }
     }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-/// Holding the hand still for a while: the least exercise that shows that it runs.
+/// Holding the hand still for a while: the smallest exercise that shows that it runs.
 namespace wholehand::hold_still {
 namespace {
 

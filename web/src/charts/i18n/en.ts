@@ -1,7 +1,7 @@
-/** Everything a page of charts says. The other languages have the same shape. */
+/** The texts of a page of charts. The other languages have the same keys. */
 export const en = {
   charts: 'Charts', print: 'Print',
-  /** What the program names in a page (src/files/page/chart_page.hpp). */
+  /** Sentences that the program names in a page (src/files/page/chart_page.hpp). */
   sentences: {
     axis: '{axes}', stage: '{stage}',
     'certificate.certified': '{device} with {rendering}, {hand}: certified',

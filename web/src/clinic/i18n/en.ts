@@ -1,4 +1,4 @@
-/** Everything the clinic's page says. The other languages have the same shape. */
+/** The texts of the clinic's page. The other languages have the same keys. */
 export const en = {
   title: 'Wholehand: clinic', clinic: 'Clinic', places: 'Places', close: 'Close', again: 'Try again', console: 'Open the console', todayWord: 'today',
   visitOpen: 'Open visit', backToVisit: 'Back to the visit',

@@ -1,4 +1,4 @@
-/** Everything the page of a commissioning says. The other languages have the same shape. */
+/** The texts of a commissioning's page. The other languages have the same keys. */
 export const en = {
   title: 'Commissioning', daily: 'Daily check', by: '{device}, serial number {serial}, by {operator}',
   rule: 'Nobody may be attached to the device. Stand where you reach its emergency stop.',

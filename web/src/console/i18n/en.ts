@@ -1,4 +1,4 @@
-/** Everything the console says. The other languages have the same shape. */
+/** The texts of the console. The other languages have the same keys. */
 export const en = {
   title: 'Wholehand: console',
   hand: { right: 'right hand', left: 'left hand' },
@@ -106,7 +106,7 @@ export const en = {
       hostEnds: 'it was asked to end', neverCommanded: 'it was enabled and got no command',
     },
   },
-  /** What to do, after a fault of that name. */
+  /** Advice after a fault, by the name of the fault. */
   advice: {
     'device read failed': 'Check the device’s cable and power, then arm again.',
     'device write failed': 'Check the device’s cable and power, then arm again.',

@@ -1,4 +1,4 @@
-// The cocktail bar as the program describes it: exercise_json, read here and nowhere else (docs/exercises.md).
+// The cocktail bar as the program describes it: exercise_json, parsed only here (docs/exercises.md).
 import type { SceneT } from '../../protocol';
 
 export type Numbers3 = readonly [number, number, number];
@@ -6,7 +6,7 @@ export type Numbers3 = readonly [number, number, number];
 export interface BarDispenser {
   readonly body: string; readonly liquid: string; readonly free: boolean;
   readonly radius_m: number; readonly height_m: number;
-  readonly nozzle_m: Numbers3; readonly grip_m: Numbers3;   // frame of the body
+  readonly nozzle_m: Numbers3; readonly grip_m: Numbers3;   // in the body's frame
 }
 export interface BarGlass {
   readonly body: string; readonly radius_m: number; readonly height_m: number;
@@ -25,13 +25,13 @@ export interface Bar {
   readonly levels: readonly { readonly level: number; readonly name: string }[];
 }
 
-/** The shipped file of config/exercises that has this bar. */
+/** The shipped file of config/exercises with this bar. */
 export const BAR_FILE = 'cocktail-bar';
 
-/** The value `stage`. */
+/** The values of `stage`. */
 export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6, Breathe: 7 } as const;
 
-/** Less than this does not pour, it drips [l/s]. */
+/** A flow below this counts as dripping, not as pouring [l/s]. */
 export const DRIP_L_S = 0.0005;
 
 type Json = Readonly<Record<string, unknown>>;
@@ -57,7 +57,7 @@ function readDrink(drink: Json): BarDrink {
   return { name: words(drink.name), steps };
 }
 
-/** The bar of a scene; undefined when the exercise is another one, or says nothing. */
+/** The bar of a scene; undefined for another exercise, or without a description. */
 export function barOf(scene: Pick<SceneT, 'exerciseJson'> | null | undefined): Bar | undefined {
   let parsed: unknown;
   try {

@@ -9,7 +9,7 @@ import type { Quality } from '../../scene/quality';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Stage, type Bar } from './bar';
-import { AirView } from './air';
+import { BubblesView } from './bubbles';
 import { Sign, makeDispenser, type Shell } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';
@@ -21,19 +21,19 @@ import { ServingClock, type Serving } from './serving';
 import { makeShelf } from './shelf';
 import { StreamView } from './stream';
 
-/** Over the rail, and before it [m]. */
+/** Position of signs: above the rail, and in front of it [m]. */
 const SIGN_OVER_M = 0.012;
 const SIGN_BEFORE_M = 0.014;
-/** The done glass: how far before the guest it is drunk from, and how far it slides out of the picture [m]. */
+/** The finished glass: its distance in front of the guest, and its way out of the picture [m]. */
 const GLASS_BEFORE_GUEST_M = 0.15;
 const GLASS_AWAY_M = 0.8;
-/** So much of a shelf's height the guest stands higher: the chest is seen over it, and the face under the signs. */
+/** The guest stands higher by this share of a shelf's height: the chest is visible over it, and the face below the signs. */
 const SEEN_OVER_SHELF = 0.42;
 
-/** The air that comes back into a bottle that nobody is at [s]. */
+/** Air returns within this time into a bottle that nobody holds [s]. */
 const AIR_S = 0.3;
 
-interface Hung { readonly body: number; readonly root: Group; readonly shell: Shell; readonly sign: Sign; slot: Vector3 | undefined; pressed_l: number; keeps: number }
+interface HungDispenser { readonly body: number; readonly root: Group; readonly shell: Shell; readonly sign: Sign; slot: Vector3 | undefined; pressed_l: number; keeps: number }
 
 /** Steps of a drink whose poured amounts the program reports. */
 const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
@@ -41,10 +41,10 @@ const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
 export class BarView implements ExerciseView {
   readonly root = new Group();
   private readonly values: ExerciseValues;
-  private readonly hung: Hung[];
+  private readonly hung: HungDispenser[];
   private readonly glass: GlassView;
   private readonly stream: StreamView;
-  private readonly air = new AirView();
+  private readonly air = new BubblesView();
   private readonly guest: GuestView;
   private readonly serving = new ServingClock();
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
@@ -53,8 +53,8 @@ export class BarView implements ExerciseView {
   private row_y0: number | undefined;
   private line_m: number | undefined;
   private target = -1;
-  private bottles: Vector3[] = [];   // where they hang, three.js's frame
-  private shelf_m = 0;               // what stands on the counter, and hides what is behind it
+  private bottles: Vector3[] = [];   // positions in three.js's frame
+  private shelf_m = 0;               // height of objects on the counter that hide what is behind them
   private readonly shelves: { readonly body: number; readonly root: Group }[] = [];
 
   constructor(private readonly bar: Bar, private readonly scene: SceneT, quality: Quality) {
@@ -81,7 +81,7 @@ export class BarView implements ExerciseView {
     });
   }
 
-  /** Boxes that are fixed on the counter, but not its own parts. */
+  /** Whether a body is a box fixed on the counter that does not belong to the counter itself. */
   private isShelf({ name, fixed, shapes }: BodyT): boolean {
     return fixed && shapes.length === 1 && shapes[0].type === ShapeType.Box && !this.isPart(String(name));
   }
@@ -129,12 +129,12 @@ export class BarView implements ExerciseView {
     const guest = this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink');
     this.guest.update(guest, liquids.map((liquid) => liquidLook(liquid).color), serving.pose, done, dt_s, still);
     this.serve(serving);
-    // What runs into a glass that is drawn elsewhere would run on to the counter.
+    // While the glass is drawn elsewhere, a stream into it would hit the counter: it is hidden.
     const away = serving.toMiddle > 0 || serving.away > 0 || serving.seen < 1;
     this.updateStream(state, away ? 0 : this.values.get(state, 'flow_l_s'), surfaceHeight(poured, rise, rim), dt_s);
   }
 
-  /** The line's right end, and the bottle that is wanted. */
+  /** The line's right end, and the current bottle. */
   anchors(camera: PerspectiveCamera): Anchors {
     const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion).setY(0).normalize();
     const up = (h: number) => this.glass.root.position.clone().add(new Vector3(0, h, 0));
@@ -154,7 +154,7 @@ export class BarView implements ExerciseView {
     this.guest.place(camera, place, this.bottles, SEEN_OVER_SHELF * this.shelf_m);
   }
 
-  /** Height over the counter of what is fixed on it. */
+  /** Height over the counter of the bodies fixed on it. */
   private shelfOf(state: WorldStateT): number {
     const tops_m = this.shelves.map(({ body }) => {
       const half_m = this.scene.bodies[body].shapes[0]?.halfExtentsM?.z, z_m = state.bodies[body]?.positionM?.z;
@@ -163,7 +163,7 @@ export class BarView implements ExerciseView {
     return Math.max(0, ...tops_m);
   }
 
-  /** The glass to the guest and away, as looks alone. */
+  /** Moves the drawn glass to the guest and away; the program's glass stays. */
   private serve({ toMiddle, away, seen }: Serving): void {
     const glass = this.glass.root, facing = new Vector3(0, 0, 1).applyQuaternion(this.guest.root.quaternion);
     const middle = this.guest.servedAt.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
@@ -180,9 +180,9 @@ export class BarView implements ExerciseView {
       if (!body) return;
       place(h.root, body, 0);
       h.slot ??= h.root.position.clone();
-      // A free dispenser leaves; its sign stays on the rail, and slides with the row.
+      // A free dispenser moves away; its sign stays on the rail, and slides with the row.
       const x = d.free ? h.slot.x - (row_y - (this.row_y0 ?? 0)) : h.root.position.x;
-      // On the rail, wherever that is, and over the dispenser as the eye sees it.
+      // On the rail, wherever that is, and over the dispenser as seen from the camera.
       const z = (this.railZ(state) ?? h.slot.z) + SIGN_BEFORE_M, further = (eye.z - z) / (eye.z - h.slot.z);
       h.sign.root.position.set(eye.x + (x - eye.x) * further, this.bar.rail_z_m + SIGN_OVER_M, z);
       const running = state.runState === RunState.Rendering || state.runState === RunState.Disarmed;
@@ -190,7 +190,7 @@ export class BarView implements ExerciseView {
     });
   }
 
-  /** How far the shells are in, and the air that comes back into them. */
+  /** Shows the deformation of the shells, and the air that returns into them. */
   private showShells(state: WorldStateT, eye: Vector3, dt_s: number): void {
     const engaged = this.values.get(state, 'engaged_dispenser', -1), reported_l = this.values.get(state, 'pressed_l');
     this.hung.forEach((h, i) => {
@@ -222,7 +222,7 @@ export class BarView implements ExerciseView {
   }
 }
 
-/** @param lift of the model's origin against the body's, along its own upright [m] */
+/** @param lift offset of the model's origin along the body's vertical axis [m] */
 function place(root: Group, pose: PoseT, lift: number): void {
   if (!pose.positionM || !pose.orientationXyzw) return;
   quaternionToThree(pose.orientationXyzw, root.quaternion);

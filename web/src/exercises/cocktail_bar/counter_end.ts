@@ -1,13 +1,13 @@
-// The counter's far end, and beyond it the dark place where the guest stands: the room's counter goes on to the wall.
+// The counter's far end, and the dark area behind it where the guest stands: it covers the room's counter, which extends to the wall.
 
 import { BufferAttribute, Color, Mesh, PlaneGeometry, type Vector3 } from 'three';
 import { flat } from '../../scene/materials';
 
 /** Wider than every picture [m]. */
 const WIDTH_M = 8.4;
-/** Over the wood, so that it is seen and not the wood [m]. */
+/** Height over the wood, so that it covers the wood [m]. */
 const OVER_M = 0.0008;
-/** By the part of the way to the wall: the wood's edge, the dark, the wall's foot. */
+/** Colours by the share of the way to the wall: the wood's edge, the dark area, the wall's foot. */
 const SHADES = [[0, '#4a3022'], [0.07, '#3a2519'], [0.1, '#101a1a'], [0.55, '#10201f'], [1, '#1b3236']] as const;
 
 /** @param deep_m from the counter's end to the wall */
@@ -23,7 +23,7 @@ export function counterEnd(deep_m: number): Mesh {
   return new Mesh(geometry, flat('#ffffff', { vertexColors: true }));
 }
 
-/** @param middle of its edge, on the counter */
+/** @param middle middle of its edge on the counter */
 export function placeCounterEnd(end: Mesh, middle: Vector3, turn_rad: number): void {
   end.position.copy(middle).y += OVER_M;
   end.rotation.y = turn_rad;

@@ -13,12 +13,12 @@ import { drawSymbol, patternTexture } from './liquid_textures';
 import type { Quality } from '../../scene/quality';
 import { brass } from '../../scene/stage';
 
-/** Heights over the nozzle's tip: of the cap's end, and of the straight part's [m]. */
+/** Heights over the nozzle's tip: end of the cap, and end of the straight part [m]. */
 const CAP_M = 0.0335;
 const STRAIGHT_M = 0.0525;
-/** Of the brass ring that holds the bottle [m]. */
+/** Height of the brass ring that holds the bottle [m]. */
 const RING_M = 0.013;
-/** A bottle that is pressed in is narrower, by this a litre, and by this share at most. */
+/** A pressed bottle is narrower: by this per litre, and at most by this share. */
 const NARROWER_PER_L = 15;
 const NARROWEST = 0.18;
 const SIGN_WIDTH_M = 0.121;
@@ -26,7 +26,7 @@ const SIGN_HEIGHT_M = 0.0369;
 
 const points = (list: readonly (readonly [number, number])[]) => list.map(([r, y]) => new Vector2(r, y));
 
-/** Straight wall in `rows` pieces: it yields where it is squeezed. */
+/** The straight wall has `rows` segments, so that it can deform. */
 function bottleProfile(d: BarDispenser, rows: number): Vector2[] {
   const r = d.radius_m, tip = d.nozzle_m[2], top = d.height_m / 2 - RING_M, low = tip + STRAIGHT_M;
   const wall = Array.from({ length: rows }, (_, i) => [r, low + (top - 0.008 - low) * i / (rows - 1)] as const);
@@ -39,7 +39,7 @@ function bottleProfile(d: BarDispenser, rows: number): Vector2[] {
 function bottle(d: BarDispenser, quality: Quality): Mesh {
   const profile = bottleProfile(d, quality === 'high' ? 40 : 2);
   const geometry = new LatheGeometry(profile, quality === 'high' ? 96 : 32, Math.PI);
-  // The pattern by height, not by point of the profile, so that it is not stretched.
+  // The pattern is mapped by height, not by point of the profile, so that it is not stretched.
   const uv = geometry.attributes.uv as BufferAttribute, at = geometry.attributes.position as BufferAttribute;
   for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / d.height_m + 0.5);
   const around_m = 2 * Math.PI * d.radius_m;
@@ -60,7 +60,7 @@ function nozzle(d: BarDispenser, quality: Quality): Mesh {
   return mesh;
 }
 
-/** The ring round the bottle's upper end, and the stem to the rail. */
+/** The ring around the bottle's upper end, and the stem to the rail. */
 function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
   const top = d.height_m / 2, metal = brass(quality);
   const ring = new Mesh(new CylinderGeometry(0.82 * d.radius_m, 0.82 * d.radius_m, RING_M, quality === 'high' ? 40 : 20), metal);
@@ -74,24 +74,24 @@ function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
   return [ring, stem];
 }
 
-/** A bottle without liquid is only its plastic. */
+/** Opacity of an empty bottle, of which only the plastic is visible. */
 const EMPTY_OPACITY = 0.28;
 
-/** The plastic of a dispenser, which yields. */
+/** The deformable plastic of a dispenser. */
 export class Shell {
   private readonly dent: Dent | undefined;
   private empty = false;
   private narrower = 0;
 
   constructor(private readonly mesh: Mesh, private readonly radius_m: number, quality: Quality) {
-    // Plain materials have few points: there all of it gets narrower, by half of what a waist would be.
+    // Plain materials have few vertices: there the whole wall becomes narrower, by half of the waist.
     this.dent = quality === 'high' ? new Dent(mesh.geometry, radius_m) : undefined;
   }
 
-  /** @param keeps how much of its dents stays where no finger is, 0 .. 1 */
+  /** @param keeps share of the dents that stays without a finger, 0 .. 1 */
   yieldTo(skin: SkinUniforms, root: Group, keeps: number): void { this.dent?.update(pressingOn(root, skin, this.radius_m), keeps, this.narrower); }
 
-  /** @param pressed_l liquid that was pressed out, and no air has come for */
+  /** @param pressed_l liquid that was pressed out and not yet replaced by air */
   show(pressed_l: number, empty: boolean): void {
     this.narrower = Math.min(NARROWEST, NARROWER_PER_L * pressed_l);
     const wide = this.dent ? 1 : 1 - 0.5 * this.narrower;
@@ -137,7 +137,7 @@ function signTexture(liquid: string, name: string, lit: boolean): Texture {
   });
 }
 
-/** The sign on the rail: symbol and word, lit when this is the one to take. */
+/** The sign on the rail: symbol and word, highlighted for the current dispenser. */
 export class Sign {
   readonly root: Mesh;
   private shown = '';
@@ -146,7 +146,7 @@ export class Sign {
     this.root = new Mesh(new PlaneGeometry(SIGN_WIDTH_M, SIGN_HEIGHT_M), flat('#ffffff', { transparent: true }));
   }
 
-  /** Draws again only when something changed. @param name empty: no sign */
+  /** Redraws only when something changed. @param name empty: no sign */
   show(name: string, lit: boolean): void {
     const key = `${name} ${lit}`;
     this.root.visible = name !== '';

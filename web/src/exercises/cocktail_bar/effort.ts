@@ -1,21 +1,21 @@
-// What is measured of a person's effort while a drink is mixed: the amounts, and how steadily the bottle is squeezed.
+// Measures of a person's performance while mixing a drink: the amounts, and the steadiness of the squeeze.
 import type { WorldStateT } from '../../protocol';
 import type { ExerciseValues } from '../values';
 import { DRIP_L_S, type BarDrink } from './bar';
 import { nameOf, text } from './i18n';
 
-/** A grip is called steady up to this standard deviation of the squeeze, as a part of its mean. */
+/** A grip counts as steady up to this standard deviation of the squeeze, relative to its mean. */
 const STEADY_SHARE = 0.25;
-/** Less pouring says nothing about the grip [s]. */
+/** Minimum pouring time for a statement about the grip [s]. */
 const LEAST_S = 1;
-/** States farther apart than this are no stretch of time that was watched [s]. */
+/** A longer gap between two states is not counted [s]. */
 const GAP_S = 0.25;
-/** Of the pouring in the green band, from which on that is worth saying. */
+/** Minimum share of the pouring time in the green band for praise. */
 const MOSTLY = 0.7;
 
 export interface Grip { readonly steady: boolean; readonly rightShare: number }
 
-/** Watches the squeeze while it flows from the bottle that is asked for. */
+/** Measures the squeeze while liquid flows from the current bottle. */
 export class EffortMeter {
   private time_s = 0;
   private sum = 0;
@@ -38,7 +38,7 @@ export class EffortMeter {
     if (squeeze_n >= values.get(state, 'squeeze_low_n', 1) && squeeze_n <= values.get(state, 'squeeze_high_n', 2)) this.right_s += dt_s;
   }
 
-  /** null: too little was poured to say. */
+  /** null: too little was poured. */
   grip(): Grip | null {
     if (this.time_s < LEAST_S || this.sum <= 0) return null;
     const mean = this.sum / this.time_s, variance = Math.max(0, this.squares / this.time_s - mean * mean);
@@ -46,20 +46,20 @@ export class EffortMeter {
   }
 }
 
-/** The step that is farthest from what was asked, in whole millilitres: more than asked is positive. */
+/** The step that is farthest from the asked amount, in whole millilitres; positive: too much. */
 export function farthestStep(drink: BarDrink, layers_l: readonly number[]): { liquid: string; off_ml: number } {
   const steps = drink.steps.map(({ liquid, amount_l }, i) => ({ liquid, off_ml: Math.round(1000 * ((layers_l[i] ?? 0) - amount_l)) }));
   return steps.reduce((worst, step) => (Math.abs(step.off_ml) > Math.abs(worst.off_ml) ? step : worst), { liquid: '', off_ml: 0 });
 }
 
-/** What can be said of the grip: only where the person's own hand squeezed, and only what is good. */
+/** Praise for the grip: only for the person's own hand, and only if positive. */
 export function gripWord(grip: Grip | null, own: boolean): '' | 'steady' | 'right' {
   if (!grip || !own) return '';
   if (grip.steady) return 'steady';
   return grip.rightShare >= MOSTLY ? 'right' : '';
 }
 
-/** What is true of the person's effort: how near the amounts are, and how the bottle was held. */
+/** A text on the person's performance: the accuracy of the amounts, and the grip. */
 export function effortText(drink: BarDrink, layers_l: readonly number[], grip: '' | 'steady' | 'right'): string {
   const { liquid, off_ml } = farthestStep(drink, layers_l);
   const amount = Math.abs(off_ml) <= 1 ? text('effort.exact') : text(off_ml > 0 ? 'effort.over' : 'effort.under', { a: Math.abs(off_ml) });

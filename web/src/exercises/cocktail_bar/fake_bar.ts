@@ -1,5 +1,5 @@
-// A bar that behaves well enough to draw and to play with: kinematic contact, squeeze bottles, recipe. The truth is
-// the program's; nothing here is more than plausible.
+// A simplified bar for drawing and playing without the program: kinematic contact, squeeze bottles, recipe. It is only
+// plausible; the program has the physical model.
 import { capsulesOf, jointsOf, linkPoses, type RigidPose, type Triple, type WorldCapsule } from '../../net/fake_hand';
 import { DRIP_L_S, Stage } from './bar';
 
@@ -35,28 +35,28 @@ export const GEOMETRY = {
   counter_z: -0.253, rail_z: 0.128, row_x: 0.119, pitch: 0.128, bottle_r: 0.025, soft: 0.005, bottle_h: 0.2, bottle_z: 0.004, nozzle_z: -0.109,
   glass_r: 0.034, glass_h: 0.116, m_per_l: 1.48, capacity_l: 0.07, grip: [0.049, 0.041, 0.004] as Triple,
 };
-/** Felt at the fingertips, as in config/exercises/cocktail-bar.toml, level 1. */
+/** Forces at the fingertips, as in config/exercises/cocktail-bar.toml, level 1. */
 export const SQUEEZE = { threshold_n: 0.5, low_n: 1.4, high_n: 2.6, full_n: 6 };
-/** Of the shell under a digit, of what brings it back, and of the bottle's core, at the tip [N/m]. */
+/** Stiffness of the shell under a digit, of its restoring spring, and of the bottle's core, at the tip [N/m]. */
 const SHELL_N_M = 280;
 const RETURN_N_M = 25;
 const CORE_N_M = 625;
-/** Of a digit: what opens the valve [N]; of the air that comes back [N·s/m]; on the liquid [m²]. */
+/** For each digit: opening force of the valve [N], resistance of the returning air [N·s/m], and effective area [m²]. */
 const OPENING_N = 0.25;
 const AIR_N_S_M = 7.5;
 const AREA_M2 = 8e-4;
-/** A digit presses the shell in no deeper than this, at the tip [m]. */
+/** Maximum depth of the shell under a digit, at the tip [m]. */
 const DEEPEST_M = 0.012;
 /**
- * A stroke that took this much is spent when less than this share of its fastest flow comes for so long, until air has
- * brought the shell back to this share: src/exercises/cocktail_bar/pouring.cpp.
+ * A stroke of at least this amount is spent when its flow stays below this share of its maximum for this time, until air
+ * has restored the shell to this share: src/exercises/cocktail_bar/pouring.cpp.
  */
 const LEAST_STROKE_L = 0.002;
 const SLOW = 0.15;
 const SLOW_S = 0.3;
 const BACK = 0.15;
 const LEVER_M = 0.08;
-/** Overlap that is no touch yet [m], and how much deeper a digit gets as its axis closes [m/rad]. */
+/** Overlap that is not a contact yet [m], and depth per closing angle of a digit [m/rad]. */
 const SKIN_M = 0.0008;
 const DEEPER_M = 0.05;
 const START_L = 0.7;
@@ -66,8 +66,8 @@ export interface BarContact { capsule: number; dispenser: number; point: Triple;
 export interface BarEvent { name: string; index: number; value: number }
 
 /**
- * How far a cushion is pressed in `dt` later [m], backward Euler in closed form as in src/loop/control/viscoelastic.cpp.
- * @param travel_m before @param depth_m of the digit behind its first touch
+ * The compression of a cushion `dt` later [m], backward Euler in closed form as in src/loop/control/viscoelastic.cpp.
+ * @param travel_m compression before @param depth_m depth of the digit behind its first contact
  */
 function pressCushion(travel_m: number, depth_m: number, resistance_n_s_m: number, open: boolean, dt: number): number {
   const push_n = SHELL_N_M * depth_m, q_n = Math.max(0, push_n - SHELL_N_M * travel_m) - RETURN_N_M * travel_m;
@@ -105,7 +105,7 @@ export class FakeBar {
   layers_l: number[] = [];
   palmDistance_m = 1;
   paused = false;
-  /** How far the shell under fingers and thumb is pressed in [m]. */
+  /** Compression of the shell under fingers and thumb [m]. */
   private readonly travel_m = [0, 0];
   private fastest_l_s = 0;
   private slow_s = 0;
@@ -137,7 +137,7 @@ export class FakeBar {
 
   takeEvents(): BarEvent[] { const events = this.events; this.events = []; return events; }
 
-  /** One step of the bar; `player` true: the virtual patient says where the hand wants to be. */
+  /** Advances the bar by `dt`. @param player true: the virtual patient moves the hand */
   advance(dt: number, player: boolean, pushing: boolean): void {
     this.time_s += dt;
     if (player && pushing) this.play(dt);
@@ -160,7 +160,7 @@ export class FakeBar {
   private beginStep(index: number): void {
     this.step = index;
     this.poured_l = 0;
-    // Only what is within the hand's travel can be reached: the row comes to it.
+    // The hand's travel is limited: the row slides to it.
     const need_y = this.dispenserY(this.target) - GEOMETRY.grip[1];
     this.rowTarget_y = this.row_y + Math.min(0.115, Math.max(-0.07, need_y)) - need_y;
     this.stage = this.mustSlide() ? Stage.DrawBack : Stage.Reach;
@@ -178,7 +178,7 @@ export class FakeBar {
     if (this.stage === Stage.DrawBack && !this.mustSlide()) this.stage = Stage.Reach;
   }
 
-  /** From beside the bottle: forward past it, then sideways until it lies in the palm; back the same way. */
+  /** The virtual patient's path: forward beside the bottle, then sideways until it lies in the palm; back the same way. */
   private play(dt: number): void {
     const y = this.dispenserY(this.target) - GEOMETRY.grip[1];
     const x = GEOMETRY.row_x - GEOMETRY.grip[0];
@@ -191,7 +191,7 @@ export class FakeBar {
     let wanted = [-0.04, side, -0.01, 40 * DEGREE, 5 * DEGREE, 0];
     if (grasping && Math.abs(nowY - side) < 0.01 || grasping && nowX > 0.03 && nowY < side + 0.01) { wanted[0] = x; wanted[2] = 0; }
     if (grasping && nowX > x - 0.004) wanted = [x, y, 0, 65 * DEGREE, 20 * DEGREE, 0];
-    // Out again: open first, then sideways, then back.
+    // The way out: open first, then sideways, then back.
     if (!grasping && nowX > 0.03) wanted = [x, open ? side : y, 0, 40 * DEGREE, open ? 5 * DEGREE : 20 * DEGREE, 0];
     if (!grasping && nowX > 0.03 && open && nowY < side + 0.01) wanted[0] = -0.04;
     if (grasping && this.stage !== Stage.Reach && this.stage !== Stage.Breathe && nowX > x - 0.004 && Math.abs(nowY - y) < 0.004) {
@@ -206,7 +206,7 @@ export class FakeBar {
 
   private bottleAxis(index: number): readonly [number, number] { return [GEOMETRY.row_x, this.dispenserY(index)]; }
 
-  /** How deep a capsule is in a bottle, and where [m]. */
+  /** Depth and position of a capsule in a bottle [m]. */
   private depth(c: WorldCapsule, bottle: number): { depth: number; point: Triple; normal: Triple } {
     const [bx, by] = this.bottleAxis(bottle);
     let best = { depth: -1, point: c.a, normal: [1, 0, 0] as Triple };
@@ -227,7 +227,7 @@ export class FakeBar {
     return Math.max(...capsules.filter((c) => parts(c.part)).map((c) => this.depth(c, bottle).depth));
   }
 
-  /** The shell is felt from the bottle's surface on, the core from where the avatar's digits stop. @param open liquid may leave */
+  /** Contact forces: the shell acts from the bottle's surface on, the core from the avatar's blocked digits on. @param open liquid may leave */
   private touch(dt: number, open: boolean): void {
     const q = [...this.qM];
     const near = this.liquids.findIndex((_, i) => Math.hypot(GEOMETRY.row_x - q[0] - GEOMETRY.grip[0], this.dispenserY(i) - q[1] - GEOMETRY.grip[1]) < 0.04);
@@ -248,7 +248,7 @@ export class FakeBar {
       }
     }
     this.press(dt, near, depths_m, open);
-    // Blended over some steps: the search above moves in whole degrees.
+    // Smoothed over some steps: the search above moves in whole degrees.
     this.qS = q.map((v, i) => this.qS[i] + (v - this.qS[i]) * (1 - Math.exp(-dt * 30)));
     this.theta = jointsOf(this.qS);
     this.links = linkPoses(this.theta);
@@ -260,7 +260,7 @@ export class FakeBar {
     this.alpha = Math.max(0, Math.min(1, this.alpha + (engaged ? dt : -dt / 0.3)));
   }
 
-  /** The cushions behind the digits: what they lose flows. @param depths_m how deep each digit is, at the tip */
+  /** Compresses the cushions behind the digits; their lost volume flows out. @param depths_m depth of each digit at the tip */
   private press(dt: number, bottle: number, depths_m: readonly number[], open: boolean): void {
     const resistance = this.liquids[bottle]?.resistance_n_s_m ?? 1, opens = open && this.left_l[bottle] > 0;
     depths_m.forEach((depth_m, digit) => {
@@ -308,7 +308,7 @@ export class FakeBar {
     }
   }
 
-  /** The stroke gave what it can: let go until air is back in the bottle. */
+  /** Whether the stroke is spent: the hand must let go until air has returned into the bottle. */
   private isSpent(dt: number): boolean {
     if (this.pressed_l < LEAST_STROKE_L) this.fastest_l_s = 0;
     this.fastest_l_s = Math.max(this.fastest_l_s, this.flow_l_s);

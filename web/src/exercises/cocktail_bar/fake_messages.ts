@@ -1,4 +1,4 @@
-// The stand-in bar as messages: what of it stands in a scene and in a state.
+// The stand-in bar as messages: its parts of a scene and of a state.
 import { BodyT, ContactPointT, type SceneT, type WorldStateT } from '../../protocol';
 import { box, cylinder, pose, vec } from '../../net/fake_shapes';
 import { Stage } from './bar';
@@ -9,7 +9,7 @@ export const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'p
 /** Bodies of the scene before the first dispenser: counter, rail, glass. */
 const FIRST_DISPENSER = 3;
 
-/** Plays until a stage of a step, as the address names it ("pour"); not at all where it names none. */
+/** Plays until a named stage of a step ("pour"); does nothing for an unknown name. */
 export function playTo(bar: FakeBar, at: string, drink: number, step: number): void {
   const stages: Record<string, number> = { reach: Stage.Reach, squeeze: Stage.Squeeze, pour: Stage.Pour, letgo: Stage.LetGo, breathe: Stage.Breathe, success: Stage.DrinkDone, level: Stage.LevelDone, drawback: Stage.DrawBack };
   const stage = stages[at];

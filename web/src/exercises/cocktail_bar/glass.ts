@@ -1,4 +1,4 @@
-// The glass, what is in it, and the line to fill to. Frame: y up from the glass's underside.
+// The glass, its content, and the fill line. Frame: y up from the glass's underside.
 
 import {
   BufferAttribute, BufferGeometry, CircleGeometry, Color, CylinderGeometry, DoubleSide, Group, LatheGeometry, Mesh,
@@ -16,7 +16,7 @@ import type { Quality } from '../../scene/quality';
 export const FLOOR_M = 0.012;
 const WALL_M = 0.0022;
 const COASTER_M = 0.0015;
-/** Height of the pattern's picture, of the whole glass; its width goes round once [m]. */
+/** Height of the pattern's texture, which covers the whole glass; its width wraps around once [m]. */
 const PATTERN_M = 0.114;
 const PATTERN_PX = [1024, 640] as const;
 const SEGMENTS = 56;
@@ -26,10 +26,10 @@ export function innerRadius(glass: BarGlass, y: number): number {
   return glass.radius_m * (0.9 + 0.1 * (y - FLOOR_M) / (glass.height_m - FLOOR_M)) - WALL_M;
 }
 
-/** Most that the glass shows over its floor [m]. */
+/** Largest visible fill height over the glass's floor [m]. */
 export const rimHeight = (glass: BarGlass): number => glass.height_m - FLOOR_M - 0.003;
 
-/** One liquid: a side that wears its pattern and a lid. */
+/** One liquid: a patterned side and a lid. */
 class LayerView {
   readonly root = new Group();
   private readonly side: Mesh<BufferGeometry>;
@@ -53,7 +53,7 @@ class LayerView {
     this.bottom = bottom;
     this.top = top;
     const at = this.side.geometry.attributes.position as BufferAttribute, uv = this.side.geometry.attributes.uv as BufferAttribute;
-    // three.js's cylinder: the upper ring first, then the lower.
+    // Vertices of three.js's cylinder: the upper ring first, then the lower.
     for (let i = 0; i < at.count; i++) {
       const upper = i <= SEGMENTS, y = upper ? top : bottom, r = innerRadius(this.glass, y);
       const turn = 2 * Math.PI * (i % (SEGMENTS + 1)) / SEGMENTS;
@@ -82,7 +82,7 @@ export class GlassView {
     this.makeGarnish();
   }
 
-  /** @param layers over the glass's floor; @param line_m over it too, undefined: no line */
+  /** @param layers heights over the glass's floor @param line_m the fill line's height over it; undefined: no line */
   update(layers: readonly Layer[], line_m: number | undefined, done: boolean): void {
     layers.forEach((layer, i) => {
       if (this.layers[i]?.liquid !== layer.liquid) {
@@ -102,7 +102,7 @@ export class GlassView {
     this.garnish.visible = done;
   }
 
-  /** @param share of it that is seen, 0 .. 1; only a share between makes its materials transparent */
+  /** @param share visible share of the glass, 0 .. 1; its materials are transparent only between */
   fade(share: number): void {
     this.root.visible = share > 0;
     if (share === this.faded) return;
@@ -142,7 +142,7 @@ export class GlassView {
     const coaster = new Mesh(new CylinderGeometry(0.044, 0.044, COASTER_M, 56), surface(q, { color: new Color('#243f3d'), roughness: 0.9 }));
     coaster.position.y = COASTER_M / 2;   // the glass stands in it
     coaster.receiveShadow = true;
-    // Clear glass would cast no shadow; something unseen inside it does.
+    // Clear glass would cast no shadow; an invisible cylinder inside it does.
     const shade = new Mesh(new CylinderGeometry(r * 0.8, r * 0.8, h * 0.7, 24), new MeshBasicMaterial({ colorWrite: false, depthWrite: false }));
     shade.position.y = h * 0.35;
     shade.castShadow = true;

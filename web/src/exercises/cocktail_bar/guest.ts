@@ -1,5 +1,5 @@
-// The guest behind the counter: one modelled figure, made once for each drink, before the wall where neither bottle
-// nor card of the page is in front of the face.
+// The guest behind the counter: one figure, made once for each drink, at a place where neither a bottle nor a card of
+// the page covers the face.
 
 import {
   BufferGeometry, Color, Group, Mesh, MeshBasicMaterial, Plane, Ray, Vector3, type BufferAttribute, type Material, type PerspectiveCamera,
@@ -9,36 +9,36 @@ import { surface, type Finish } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
 import { counterEnd, placeCounterEnd } from './counter_end';
 import { makeFigure, STUFFS, type Figure, type Stuff } from './guest_figure';
-import { smooth, type Shape } from './clay';
+import { smooth, type Shape } from './parametric_mesh';
 import type { Pose } from './serving';
 
-/** How far its middle is from the row, how far the wall is, and where the counter ends before it [m]. */
+/** Distance of its middle from the row, distance of the wall, and end of the counter before it [m]. */
 const BEHIND_M = 0.46;
 const WALL_M = 0.585;
 const COUNTER_END_M = 0.414;
-/** From old guest or place to new one, through nothing; and from one pose to the next [s]. */
+/** Time to fade a guest out and in at another place, and to change from one pose to the next [s]. */
 const FADE_S = 0.4;
 const MOVE_S = 0.6;
-/** Making a figure may take so long of a frame [ms]: the page goes on. */
+/** Time budget per frame for making a figure [ms], so that the page stays responsive. */
 const MAKING_MS = 4;
 const FINENESS: Readonly<Record<Quality, number>> = { high: 1, low: 0.5 };
-/** In high quality the wall's lamps are near, and would bleach it. */
+/** In high quality the wall's lamps are near and would overexpose it. */
 const SHARE_OF_LIGHT: Readonly<Record<Quality, number>> = { high: 0.6, low: 1 };
-/** Skin and cloth as the player's own, with less sheen so near the lamps. */
+/** Finishes of skin and cloth: as the player's own, with less gloss so near the lamps. */
 const FINISHES: Readonly<Record<Stuff, Finish>> = {
   skin: { roughness: 0.62, sheen: 0.2, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 },
   cloth: { roughness: 0.95, sheen: 0.12, sheenRoughness: 0.6, sheenColor: new Color('#dfe6ea') },
   gloss: { roughness: 0.2, clearcoat: 0.6, clearcoatRoughness: 0.2 },
 };
 /**
- * Where it may stand, as parts of the picture's width: while it waits not behind the arm, and while it is served beside the
- * praise card (game.css), which lies on the side that has no arm.
+ * Allowed places, as parts of the picture's width: a waiting guest is not behind the arm, and a served one is beside the
+ * praise card (game.css), which is on the side without the arm.
  */
 const LANDSCAPE = { right: [0.38, 0.68], left: [0.5, 0.85] } as const;
 const SERVED = { right: [0.48, 0.68], left: [0.12, 0.24] } as const;
 const UPRIGHT = { right: [0.3, 0.6], left: [0.4, 0.7] } as const;
 
-/** One stuff of the guest: what is drawn, and while it fades what hides its own far side. */
+/** One material of the guest, and a depth prepass that hides its far side while it fades. */
 class Layer {
   readonly mesh: Mesh<BufferGeometry, Material>;
   readonly veil: Mesh<BufferGeometry>;
@@ -71,12 +71,12 @@ export class GuestView {
   private figure: Figure | undefined;
   private making: { readonly guest: number; readonly steps: Generator<undefined, Figure>; figure?: Figure } | undefined;
   private from: Readonly<Record<Stuff, Shape>> | undefined;
-  private moved = 1;           // of the way from `from` to the pose
+  private moved = 1;           // progress from `from` to the pose
   private opacity = 0;
   private drawn = -1;
   private pose: Pose = 'waits';
   private served = false;
-  /** Where it waits, and where it is served. */
+  /** The place for waiting, and the place for being served. */
   private readonly places = [new Vector3(), new Vector3()] as const;
 
   constructor(private readonly quality: Quality) {
@@ -85,7 +85,7 @@ export class GuestView {
     this.root.visible = false;
   }
 
-  /** Behind the counter, facing the picture as the room does. @param lift_m over what stands on it */
+  /** Places it behind the counter, facing the camera as the room does. @param lift_m height over objects on the counter */
   place(camera: PerspectiveCamera, { right, counter_y, row_z }: CameraPlace, bottles: readonly Vector3[], lift_m = 0): void {
     const turn_rad = turnOf(right);
     const ahead = new Vector3(0, 0, 1).applyAxisAngle(new Vector3(0, 1, 0), turn_rad), row = new Vector3(0, counter_y, row_z);
@@ -102,8 +102,8 @@ export class GuestView {
   get servedAt(): Vector3 { return this.places[1]; }
 
   /**
-   * @param guest which one: a number of its own for every drink; -1: nobody
-   * @param drink colours of what it gets, the lowest first; @param still nothing moves, poses change at once
+   * @param guest number of the guest, one for every drink; -1: none
+   * @param drink colours of its layers, the lowest first @param still no motion, poses change at once
    */
   update(guest: number, drink: readonly string[], pose: Pose, served: boolean, dt_s: number, still: boolean): void {
     const stays = guest === this.drawn && served === this.served, step = dt_s / (FADE_S / 2);
@@ -118,7 +118,7 @@ export class GuestView {
     this.root.visible = this.figure !== undefined && this.opacity > 0;
   }
 
-  /** Goes on with making a guest, while the one before it leaves. */
+  /** Continues making a guest, while the one before it leaves. */
   private isMade(guest: number, drink: readonly string[]): boolean {
     if (guest < 0 || guest === this.drawn) return true;
     if (this.making?.guest !== guest) this.making = { guest, steps: makeFigure(guest, drink.map((color) => new Color(color)), FINENESS[this.quality]) };
@@ -130,7 +130,7 @@ export class GuestView {
     return making.figure !== undefined;
   }
 
-  /** Unseen: another guest, or the same one elsewhere. */
+  /** While invisible: changes to another guest, or to another place. */
   private change(guest: number, pose: Pose, served: boolean): void {
     if (guest !== this.drawn) {
       this.figure = this.making?.figure;
@@ -175,12 +175,12 @@ export function freeAcross(camera: PerspectiveCamera, right: boolean, bottles: r
   const [from, to] = (camera.aspect <= 1.1 ? UPRIGHT : served ? SERVED : LANDSCAPE)[right ? 'right' : 'left'];
   const taken = bottles.map((bottle) => bottle.clone().project(camera).x * 0.5 + 0.5);
   const places = Array.from({ length: 25 }, (_, i) => from + (to - from) * i / 24);
-  // Half a picture away is as good as any farther.
+  // Distances beyond this count equally.
   const room = (place: number) => Math.min(0.2, ...taken.map((x) => Math.abs(x - place)));
   return places.reduce((best, place) => room(place) > room(best) + 1e-9 ? place : best);
 }
 
-/** Where the vertical line of the picture meets an upright plane. */
+/** Intersection of a vertical line of the picture with a vertical plane. */
 function atPlane(camera: PerspectiveCamera, across: number, plane: Plane): Vector3 | null {
   const from = camera.position.clone(), way = new Vector3(2 * across - 1, 0, 0.5).unproject(camera).sub(from).normalize();
   return new Ray(from, way).intersectPlane(plane, new Vector3());

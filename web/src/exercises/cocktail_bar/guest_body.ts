@@ -1,13 +1,13 @@
-// A guest from the counter to the neck: clothes with the folds that their shape asks for, arms and hands. Frame: y up from the counter, z ahead [m].
+// A guest from the counter to the neck: clothes with folds, arms and hands. Frame: y up from the counter, z forwards [m].
 
 import { Color, Matrix4, Vector3 } from 'three';
-import { ballAt, profile, smooth, through, type Clay, type Paint } from './clay';
+import { ballAt, profile, smooth, through, type ParametricMesh, type Paint } from './parametric_mesh';
 import type { Look } from './guest_looks';
 
-/** A hand: where its wrist is, where the fingers point, and where the palm looks. */
+/** A hand: position of its wrist, direction of the fingers, and direction of the palm. */
 export interface HandPlace {
   readonly wrist: Vector3; readonly ahead: Vector3; readonly palm: Vector3;
-  /** Of the fingers [rad] each joint, and between one finger and the next. */
+  /** Flexion of each finger joint, and angle between adjacent fingers [rad]. */
   readonly curl: number; readonly spread: number;
 }
 export interface ArmPlace extends HandPlace { readonly elbow: Vector3 }
@@ -17,18 +17,18 @@ const breadth = profile([[-0.02, 0.080], [0.03, 0.084], [0.065, 0.092], [0.086, 
 const depth = profile([[-0.02, 0.047], [0.03, 0.051], [0.065, 0.055], [0.086, 0.053], [0.102, 0.048], [0.115, 0.042], [0.125, 0.036], [0.132, 0.031], [0.138, 0.0285]]);
 const HIGH = { from: 0.0012, to: 0.138 } as const;
 const SHOULDER = { x: 0.072, y: 0.088, z: -0.008 } as const;
-/** Of the neck's middle; it leans ahead. */
+/** Points of the neck's axis, which leans forwards. */
 const NECK = [new Vector3(0, 0.11, -0.010), new Vector3(0, 0.14, -0.005), new Vector3(0, 0.165, 0)];
 
-/** Darker in the valleys of the folds: light does not reach there. */
+/** Darkens the valleys of the folds, which receive less light. */
 function clothPaint(color: Color, fold: (u: number, v: number) => number): Paint {
   const dark = color.clone().multiplyScalar(0.78);
   return (u, v, to) => to.copy(color).lerp(dark, Math.min(1, Math.max(0, -fold(u, v) / 0.0016)));
 }
 
-export function addTrunk(cloth: Clay, skin: Clay, look: Look): void {
+export function addTrunk(cloth: ParametricMesh, skin: ParametricMesh, look: Look): void {
   const color = new Color(look.cloth), trim = new Color(look.trim);
-  // From armpit to waist, and across below the chest.
+  // Folds from armpit to waist, and across below the chest.
   const fold = (u: number, v: number): number => {
     const turn = 2 * Math.PI * u, y = HIGH.from + (HIGH.to - HIGH.from) * v, aside = Math.sin(turn);
     const drape = Math.sin(7 * turn * Math.sign(aside) + 130 * y) * smooth(0.35, 0.8, Math.abs(aside)) * smooth(0.10, 0.07, y);
@@ -48,20 +48,20 @@ export function addTrunk(cloth: Clay, skin: Clay, look: Look): void {
 }
 
 function trunk(look: Look, turn: number, y: number, over_m: number, to: Vector3): Vector3 {
-  // Squarer than an ellipse, as a chest is.
+  // A superellipse, since a chest is squarer than an ellipse.
   const s = Math.sin(turn), c = Math.cos(turn), n = 2.35, r = (Math.abs(s) ** n + Math.abs(c) ** n) ** (-1 / n);
   const wide = breadth(y) * (1 + (look.broad - 1) * smooth(0.13, 0.10, y));
   return to.set(s * r * (wide + over_m), y, c * r * (depth(y) + over_m) - 0.010);
 }
 
-/** A round of cloth about the neck, with folds. */
-function ring(cloth: Clay, color: Color, radius: number, thick: number, y: number, fold_m: number): void {
+/** A ring of cloth around the neck, with folds. */
+function ring(cloth: ParametricMesh, color: Color, radius: number, thick: number, y: number, fold_m: number): void {
   cloth.tube((t, to) => to.set(-radius * Math.sin(2 * Math.PI * t), y + 0.006 * Math.cos(2 * Math.PI * t), -radius * Math.cos(2 * Math.PI * t) - 0.007),
     (t, turn) => thick + fold_m * Math.sin(3 * turn + 14 * Math.PI * t), color, [12, 44]);
 }
 
-/** Two wings of a collar, the strip with the buttons. */
-function addShirtFront(cloth: Clay, look: Look, trim: Color): void {
+/** The two wings of a collar, and the strip with the buttons. */
+function addShirtFront(cloth: ParametricMesh, look: Look, trim: Color): void {
   for (const side of [-1, 1]) {
     cloth.tube(through([new Vector3(0, 0.143, -0.034), new Vector3(side * 0.025, 0.142, -0.016), new Vector3(side * 0.0265, 0.138, 0.006), new Vector3(side * 0.006, 0.126, 0.027)]),
       () => 0.0042, trim, [10, 20]);
@@ -74,7 +74,7 @@ function addShirtFront(cloth: Clay, look: Look, trim: Color): void {
 }
 
 /** A flat leaf from the edge a-b to its tip. */
-function wing(cloth: Clay, color: Color, a: Vector3, b: Vector3, tip: Vector3): void {
+function wing(cloth: ParametricMesh, color: Color, a: Vector3, b: Vector3, tip: Vector3): void {
   const middle = a.clone().lerp(b, 0.5), half = b.clone().sub(a).multiplyScalar(0.5), down = tip.clone().sub(middle);
   const out = new Vector3().crossVectors(down, half).normalize();
   out.multiplyScalar(0.0024 * Math.sign(out.z));
@@ -84,7 +84,7 @@ function wing(cloth: Clay, color: Color, a: Vector3, b: Vector3, tip: Vector3): 
   }, color, [14, 12]);
 }
 
-/** From the shoulder over the elbow to the wrist, round where it bends. */
+/** A line from the shoulder over the elbow to the wrist, rounded at the bend. */
 function armLine(from: Vector3, elbow: Vector3, to: Vector3): (t: number, at: Vector3) => Vector3 {
   const a = from.clone().lerp(elbow, 0.62), b = elbow.clone().lerp(to, 0.38), p = new Vector3(), q = new Vector3();
   return (t, at) => {
@@ -97,7 +97,7 @@ function armLine(from: Vector3, elbow: Vector3, to: Vector3): (t: number, at: Ve
   };
 }
 
-export function addArm(cloth: Clay, skin: Clay, look: Look, side: number, arm: ArmPlace): void {
+export function addArm(cloth: ParametricMesh, skin: ParametricMesh, look: Look, side: number, arm: ArmPlace): void {
   const shoulder = new Vector3(side * SHOULDER.x * look.broad, SHOULDER.y, SHOULDER.z), line = armLine(shoulder, arm.elbow, arm.wrist);
   const color = new Color(look.cloth), trim = look.collar === 'scarf' ? color : new Color(look.trim);
   const wrinkle = (u: number, v: number): number => {
@@ -108,16 +108,16 @@ export function addArm(cloth: Clay, skin: Clay, look: Look, side: number, arm: A
     const thick = 0.0245 - 0.0025 * smooth(0, 0.45, t) - 0.0050 * smooth(0.5, 1, t) + 0.001 * Math.exp(-(((t - 0.5) / 0.1) ** 2));
     return (thick + wrinkle(turn / (2 * Math.PI), t)) * Math.sqrt(smooth(-0.14, 0.05, t));
   }, clothPaint(color, wrinkle), [18, 28]);
-  // The rolled cuff, as the player's own.
+  // The rolled cuff, like the player's.
   const end = arm.wrist.clone(), back = line(0.93, new Vector3());
   cloth.tube((t, to) => to.copy(back).lerp(end, 0.2 + 1.0 * t), (t) => 0.0158 + 0.0034 * Math.sqrt(Math.max(0, Math.sin(Math.PI * (0.06 + 0.9 * t)))), trim, [20, 10]);
   addHand(skin, look, side, arm);
 }
 
-function addHand(skin: Clay, look: Look, side: number, { wrist, ahead, palm, curl, spread }: HandPlace): void {
+function addHand(skin: ParametricMesh, look: Look, side: number, { wrist, ahead, palm, curl, spread }: HandPlace): void {
   const base = new Color(look.skin), light = base.clone().lerp(new Color('#ffe2d0'), 0.2), fold = base.clone().multiply(new Color('#d39a80'));
   const x = ahead.clone().normalize(), z = palm.clone().addScaledVector(x, -palm.dot(x)).normalize();
-  // Towards the thumb.
+  // Direction to the thumb.
   const y = new Vector3().crossVectors(z, x).multiplyScalar(side);
   const at = (a: number, b: number, c: number) => wrist.clone().addScaledVector(x, a).addScaledVector(y, b).addScaledVector(z, c);
   const tint: Paint = (_, v, to) => to.copy(base).lerp(light, 0.4 * v);
@@ -134,14 +134,14 @@ function addHand(skin: Clay, look: Look, side: number, { wrist, ahead, palm, cur
     }
     finger(skin, points, 0.0049, 0.0041, tint, fold);
   });
-  // The thumb, beside the palm and before it.
+  // The thumb, beside and in front of the palm.
   const out = 0.35 + spread;
   finger(skin, [at(0.004, 0.008, 0.002), at(0.013, 0.0145 + 0.003 * out, 0.0035 + 0.003 * curl), at(0.022, 0.0165 + 0.009 * out, 0.005 + 0.006 * curl), at(0.031, 0.0155 + 0.014 * out, 0.0055 + 0.010 * curl)], 0.0060, 0.0045, tint, fold);
 }
 
-/** Round at its end. */
-function finger(skin: Clay, points: readonly Vector3[], root: number, tip: number, paint: Paint, fold: Color): void {
+/** A finger with a round end. */
+function finger(skin: ParametricMesh, points: readonly Vector3[], root: number, tip: number, paint: Paint, fold: Color): void {
   const tint: Paint = (u, v, to) => (paint instanceof Color ? to.copy(paint) : to.copy(paint(u, v, to))).lerp(fold, 0.35 * smooth(0.35, 0.12, v));
-  const line = through(points), along = (t: number) => Math.sin(1.57 * Math.min(1, Math.max(0, t)));   // more pieces at its end
+  const line = through(points), along = (t: number) => Math.sin(1.57 * Math.min(1, Math.max(0, t)));   // more segments at its end
   skin.tube((t, to) => line(along(t), to), (t) => (root + (tip - root) * t) * Math.sqrt(Math.max(0, 1 - (Math.max(0, along(t) - 0.88) / 0.12) ** 2)), tint, [8, 11]);
 }

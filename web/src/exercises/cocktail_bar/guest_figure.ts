@@ -1,14 +1,14 @@
-// A guest, modelled: who waits, drinks and thanks. Frame: on the counter, y up, z ahead [m].
+// The model of a guest that waits, drinks and thanks. Frame: on the counter, y up, z forwards [m].
 
 import { Color, Matrix4, Vector3, type BufferGeometry } from 'three';
-import { Clay, geometryOf, shapeOf, type Lumps, type Shape } from './clay';
+import { ParametricMesh, geometryOf, shapeOf, type Lumps, type Shape } from './parametric_mesh';
 import { addArm, addTrunk, type ArmPlace } from './guest_body';
 import { addHair } from './guest_hair';
 import { addFace, addGlasses, addHead, addMoustache } from './guest_head';
 import { lookOf } from './guest_looks';
 import type { Pose } from './serving';
 
-/** What of a guest wears which material. */
+/** The materials of a guest. */
 export const STUFFS = ['skin', 'cloth', 'gloss'] as const;
 export type Stuff = (typeof STUFFS)[number];
 export const POSES: readonly Pose[] = ['waits', 'drinks', 'thanks'];
@@ -20,7 +20,7 @@ export interface Figure {
 
 const v = (x: number, y: number, z: number): Vector3 => new Vector3(x, y, z);
 
-/** Right and left of the picture. */
+/** Resting arms, right and left in the picture. */
 const REST: readonly [ArmPlace, ArmPlace] = [
   { elbow: v(0.110, 0.037, 0.034), wrist: v(0.052, 0.031, 0.082), ahead: v(-0.95, -0.08, 0.3), palm: v(0, -1, 0.1), curl: 0.3, spread: 0.05 },
   { elbow: v(-0.110, 0.037, 0.034), wrist: v(-0.045, 0.0235, 0.089), ahead: v(0.95, -0.14, 0.3), palm: v(0, -1, 0.1), curl: 0.25, spread: 0.06 },
@@ -30,7 +30,7 @@ const RIGHT: Readonly<Record<Pose, ArmPlace>> = {
   drinks: { elbow: v(0.118, 0.048, 0.055), wrist: v(0.062, 0.128, 0.088), ahead: v(-0.55, 0.62, 0.25), palm: v(-0.75, -0.3, -0.35), curl: 0.75, spread: 0.02 },
   thanks: { elbow: v(0.128, 0.050, 0.025), wrist: v(0.128, 0.128, 0.040), ahead: v(0.10, 1, 0.05), palm: v(-0.15, 0, 1), curl: 0.06, spread: 0.2 },
 };
-/** Of the head: nod back and lean aside [rad]. */
+/** Head posture: backward nod and lateral tilt [rad]. */
 const HEAD_TURN: Readonly<Record<Pose, readonly [number, number]>> = { waits: [0.02, 0], drinks: [-0.12, 0.02], thanks: [0.05, -0.09] };
 const HEAD_AT = v(0, 0.203, 0.004), NECK_AT = v(0, 0.150, -0.006);
 
@@ -40,8 +40,8 @@ function headFrame(pose: Pose): Matrix4 {
     .multiply(new Matrix4().makeTranslation(HEAD_AT.clone().sub(NECK_AT)));
 }
 
-/** What is drunk, tipped to the mouth; in other poses nothing of it, where it stood on the counter. */
-function addGlass(gloss: Clay, pose: Pose, drink: readonly Color[]): void {
+/** The glass, tipped to the mouth while drinking; in other poses it is hidden where it stood on the counter. */
+function addGlass(gloss: ParametricMesh, pose: Pose, drink: readonly Color[]): void {
   const held = pose === 'drinks', rim = held ? v(0.004, 0.180, 0.058) : v(0, 0.0301, 0.14), foot = held ? v(0.040, 0.165, 0.104) : v(0, 0.03, 0.14);
   const size = held ? 1 : 1e-3, axis = rim.clone().sub(foot), radius = (t: number) => size * (0.0150 + 0.0035 * t);
   const clear = new Color('#dfeeed'), paint = (_: number, t: number, to: Color) => to.copy(t < 0.12 || t > 0.72 ? clear : drink[Math.floor((t - 0.12) / 0.6001 * drink.length)] ?? clear);
@@ -51,16 +51,16 @@ function addGlass(gloss: Clay, pose: Pose, drink: readonly Color[]): void {
     gloss.ball(new Matrix4().makeBasis(x.clone().multiplyScalar(radius(t)), axis.clone().multiplyScalar(0.04), y.clone().multiplyScalar(-radius(t))).setPosition(foot.clone().addScaledVector(axis, t)), color, [20, 8]);
 }
 
-type Kneaded = Readonly<Record<Stuff, Clay>>;
+type Meshes = Readonly<Record<Stuff, ParametricMesh>>;
 
 const of = <T>(make: (stuff: Stuff) => T): Record<Stuff, T> => ({ skin: make('skin'), cloth: make('cloth'), gloss: make('gloss') });
 
 /**
- * One guest in every pose: the same triangles, other places. Made piece by piece, so that a page can go on between them.
- * @param drink colours of its layers, the lowest first; @param fineness 1 in full
+ * Makes one guest in every pose with the same triangles at other positions. It yields between parts, so that a page can continue.
+ * @param drink colours of its layers, the lowest first @param fineness 1: full resolution
  */
 export function* makeFigure(guest: number, drink: readonly Color[], fineness: number): Generator<undefined, Figure> {
-  const look = lookOf(guest), kneaded = (): Kneaded => of(() => new Clay(fineness)), body = kneaded(), head = kneaded(), still = new Matrix4();
+  const look = lookOf(guest), kneaded = (): Meshes => of(() => new ParametricMesh(fineness)), body = kneaded(), head = kneaded(), still = new Matrix4();
   addTrunk(body.cloth, body.skin, look);
   yield;
   addArm(body.cloth, body.skin, look, -1, REST[1]);

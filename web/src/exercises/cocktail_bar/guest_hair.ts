@@ -1,14 +1,14 @@
-// A guest's hair: a shell over the head, thick where hair grows and under the skin where none does, with grooves of locks.
+// A guest's hair: a shell over the head, thick where hair grows and below the skin elsewhere, with grooves of locks.
 
 import { Color, Vector3 } from 'three';
-import { ballAt, smooth, type Clay, type Paint } from './clay';
+import { ballAt, smooth, type ParametricMesh, type Paint } from './parametric_mesh';
 import { headPoint, SKULL, turnAt, upAt } from './guest_head';
 import type { Hair, Look } from './guest_looks';
 
-/** Under the skin [m]. */
+/** Depth of the shell below the skin where no hair grows [m]. */
 const BARE_M = -0.004;
 
-/** How high it begins, by the turn from ahead: forehead, temples, nape. */
+/** Height of the hairline by the angle from the front: forehead, temples, nape. */
 const LINES: Readonly<Record<Hair, readonly [forehead: number, temple: number, side: number, nape: number]>> = {
   short: [0.6, 0.5, -0.12, -0.62], bun: [0.56, 0.42, 0.02, -0.5], curls: [0.56, 0.42, 0.0, -0.5],
   bald: [2, 2, -0.05, -0.55], long: [0.58, 0.36, -0.35, -0.8], bob: [0.47, 0.3, -0.4, -0.8],
@@ -22,19 +22,19 @@ function hairline(hair: Hair, away: number): number {
   return aside + (nape - aside) * smooth(1.5, 2.2, away);
 }
 
-/** Rows of hair run beside the hairline, so that its edge is clean: from just under it to the crown, or to the bald part. */
+/** Rows of the hair's mesh follow the hairline, so that its edge is clean: from just below it to the crown, or to the bald part. */
 function upOf(look: Look, turn: number, v: number): number {
   const away = Math.abs(turn), from = Math.asin(Math.min(0.5, edge(look.hair, turn) - 0.1)), end = look.hair === 'bald' ? 0.5 + 0.1 * Math.cos(2 * away) : Math.PI / 2;
   return Math.sin(from + (end - from) * v);
 }
 
-/** The hairline, as it is combed. */
+/** Variation of the hairline along its angle. */
 function edge(hair: Hair, turn: number): number {
   const swept = hair === 'bob' ? 0.1 * Math.sin(1.6 * turn + 0.6) : hair === 'short' ? 0.05 * Math.sin(2.2 * turn) : hair === 'long' ? 0.08 * Math.cos(turn) : 0;
   return hairline(hair, Math.abs(turn)) + swept * smooth(1.2, 0.5, Math.abs(turn));
 }
 
-/** Of the hair over the skull. */
+/** Thickness of the hair over the skull. */
 function thickness(hair: Hair, turn: number, up: number): number {
   const round = Math.sqrt(Math.max(0, 1 - up * up)), away = Math.abs(turn), crown = smooth(0.15, 0.6, round);
   const grown = smooth(-0.1, hair === 'curls' ? 0.35 : 0.12, up - edge(hair, turn));
@@ -52,7 +52,7 @@ function strands(color: Color, count: number): Paint {
   return (u, v, to) => to.copy(dark).lerp(light, 0.5 + 0.5 * Math.sin(count * turnAt(u) + 5 * upAt(v)) * Math.sin(Math.PI * v) ** 0.5);
 }
 
-export function addHair(cloth: Clay, look: Look): void {
+export function addHair(cloth: ParametricMesh, look: Look): void {
   const { hair } = look, color = new Color(look.hairColor);
   cloth.put((u, v, to) => {
     const turn = turnAt(u), up = upOf(look, turn, v);
@@ -64,10 +64,10 @@ export function addHair(cloth: Clay, look: Look): void {
   if (look.beard) addBeard(cloth, look);
 }
 
-/** Hair that falls beside and behind the face: a round wall, open before it. */
-function fall(cloth: Clay, color: Color, { top, end, wide, curl }: { top: number; end: number; wide: number; curl: number }): void {
+/** Hair that falls beside and behind the face: a round wall, open in front. */
+function fall(cloth: ParametricMesh, color: Color, { top, end, wide, curl }: { top: number; end: number; wide: number; curl: number }): void {
   const paint: Paint = (u, v, to) => to.copy(color).multiplyScalar(0.84 + 0.16 * Math.sin(60 * u) + 0.12 * smooth(0, 0.4, v));
-  // Across: inside from left to right and outside back, so that the wall has a thickness and a round edge.
+  // The wall's cross-section: inner side from left to right and outer side back, so that it has a thickness and a round edge.
   cloth.put((u, v, to) => {
     const s = 2 * Math.PI * u, thick = 0.017, sweep = 2.0;
     const turn = Math.PI + sweep * Math.cos(s), out = thick * 0.5 * Math.sin(s);
@@ -77,7 +77,7 @@ function fall(cloth: Clay, color: Color, { top, end, wide, curl }: { top: number
   }, paint, [52, 12]);
 }
 
-function addBeard(cloth: Clay, look: Look): void {
+function addBeard(cloth: ParametricMesh, look: Look): void {
   const color = new Color(look.hairColor);
   cloth.put((u, v, to) => {
     const turn = (u - 0.5) * 3.1, away = Math.abs(turn);

@@ -3,16 +3,16 @@ import type { EventSign, ExerciseInfo } from '../info';
 import { BAR_FILE, type Bar } from './bar';
 import { nameOf, text, textOf } from './i18n';
 
-/** The events that begin and end the pouring, in the plots. */
+/** Signs in the plots for the events that begin and end the pouring. */
 export const BAR_SIGNS: Readonly<Record<string, EventSign>> = {
   pour_began: { sign: '③', meaning: () => text('phase.pour'), legend: () => text('legend.pour') },
   pour_ended: { sign: '④', meaning: () => text('phase.release'), legend: () => text('legend.release') },
 };
 
-/** The name of the bar's file in the person's language; undefined for another file. */
+/** The title of the bar's file in the page's language; undefined for another file. */
 export const barTitle = (file: string): string | undefined => (file === BAR_FILE ? text('name') : undefined);
 
-/** The bar on the console, in the replay and in reports. */
+/** Texts of the bar for the console, the replay and reports. */
 export function barInfo(bar: Bar, file: string): ExerciseInfo {
   const ml = (litres: number | undefined): string => fixed(1000 * (litres ?? 0), 0);
   return {
@@ -24,7 +24,7 @@ export function barInfo(bar: Bar, file: string): ExerciseInfo {
       const liquid = bar.dispensers[value('target_dispenser') ?? -1]?.liquid, asked_l = value('asked_l');
       return liquid === undefined || asked_l === undefined ? '' : text('console.poured', { liquid: nameOf('liquid', liquid), a: ml(value('poured_l')), b: ml(asked_l) });
     },
-    // Another file of this kind has levels of its own.
+    // Other files of this kind have their own names of levels.
     levelName: (level) => (file === BAR_FILE ? textOf(`level.${level}`) : undefined) ?? bar.levels.find((reported) => reported.level === level)?.name ?? '',
     bodyName: (body) => {
       const liquid = bar.dispensers.find((dispenser) => dispenser.body === body)?.liquid;

@@ -1,4 +1,4 @@
-// What is in the glass, as heights: layers in the order in which they were poured.
+// The content of the glass as heights: layers in the order of pouring.
 
 export interface Layer { readonly liquid: string; readonly bottom_m: number; readonly top_m: number }
 
@@ -7,9 +7,9 @@ const THINNEST_M = 2e-4;
 
 /**
  * @param poured_l volume of each step, in the steps' order [l]
- * @param liquids  of each step
+ * @param liquids  the liquid of each step
  * @param m_per_l  rise of the surface per litre [m]
- * @param rim_m    height of the rim over the glass's floor: what is above has run over [m]
+ * @param rim_m    height of the rim over the glass's floor: what is above has overflowed [m]
  */
 export function layersOf(poured_l: readonly number[], liquids: readonly string[], m_per_l: number, rim_m: number): Layer[] {
   const out: Layer[] = [];
@@ -31,7 +31,7 @@ export function surfaceHeight(poured_l: readonly number[], m_per_l: number, rim_
   return Math.min(rim_m, poured_l.reduce((sum, v) => sum + Math.max(0, v), 0) * m_per_l);
 }
 
-/** Where the line stands: over what earlier steps poured, what this step asks [m]. */
+/** Height of the fill line: the asked amount of this step over the earlier layers [m]. */
 export function lineHeight(poured_l: readonly number[], step: number, asked_l: number, m_per_l: number, rim_m: number): number {
   return surfaceHeight([...poured_l.slice(0, step), asked_l], m_per_l, rim_m);
 }

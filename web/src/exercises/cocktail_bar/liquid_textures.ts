@@ -5,7 +5,7 @@ import { picture, type Pen } from '../../scene/textures';
 import { liquidLook, type LiquidSymbol } from './liquids';
 
 function stripes(pen: Pen, w: number, h: number, s: number): void {
-  // A whole number of periods, so that the cylinder closes.
+  // A whole number of periods, so that the texture wraps around the cylinder.
   const period = w / Math.max(1, Math.round(w / (48 * s)));
   pen.lineWidth = 13 * s;
   for (let x = -h - 2 * period; x < w + h; x += period) {
@@ -46,7 +46,7 @@ function rings(pen: Pen, w: number, h: number, s: number): void {
   }
 }
 
-/** A liquid's pattern over the whole canvas. @param size 1: a period of about 48 pixels */
+/** Draws a liquid's pattern over the whole canvas. @param size 1: a period of about 48 pixels */
 function drawPattern(pen: Pen, width: number, height: number, liquid: string, size = 1): void {
   const look = liquidLook(liquid);
   pen.fillStyle = look.color;
@@ -55,7 +55,7 @@ function drawPattern(pen: Pen, width: number, height: number, liquid: string, si
   ({ stripes, dots, waves, rings })[look.pattern](pen, width, height, size);
 }
 
-/** A liquid's symbol, filled with the pen's present colour. */
+/** Draws a liquid's symbol, filled with the pen's present colour. */
 export function drawSymbol(pen: Pen, symbol: LiquidSymbol, x: number, y: number, r: number): void {
   pen.beginPath();
   if (symbol === 'circle') pen.arc(x, y, r * 0.9, 0, 2 * Math.PI);

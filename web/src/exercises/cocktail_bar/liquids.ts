@@ -1,12 +1,12 @@
-/** How a liquid looks, by its name in exercise_json: colour, pattern and symbol each distinguish it. */
+/** Appearance of a liquid by its name in exercise_json: colour, pattern and symbol each distinguish it. */
 export type LiquidPattern = 'stripes' | 'dots' | 'waves' | 'rings';
 export type LiquidSymbol = 'triangle' | 'circle' | 'square' | 'diamond';
 
 export interface LiquidLook {
-  readonly color: string;    // the liquid
-  readonly ink: string;      // its pattern
+  readonly color: string;    // colour of the liquid
+  readonly ink: string;      // colour of its pattern
   readonly deep: string;     // the same hue on paper, for symbols
-  readonly bubble: string;   // air in it
+  readonly bubble: string;   // colour of air bubbles in it
   readonly pattern: LiquidPattern;
   readonly symbol: LiquidSymbol;
 }
@@ -19,7 +19,7 @@ const LOOKS: Record<string, LiquidLook> = {
 };
 const UNKNOWN: LiquidLook = { color: '#9AA7A0', ink: '#DDE4E0', deep: '#4C5752', bubble: '#FFFFFF', pattern: 'rings', symbol: 'circle' };
 
-/** The look of a liquid; one that this page does not know is grey with rings. */
+/** The appearance of a liquid; an unknown one is grey with rings. */
 export function liquidLook(name: string): LiquidLook {
   return LOOKS[name] ?? UNKNOWN;
 }

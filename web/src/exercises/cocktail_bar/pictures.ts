@@ -34,13 +34,13 @@ const INK = '#2A1C14';
 
 const bottle = (x: number): string => `<g transform="translate(${x} 6)"><rect width="46" height="14" rx="4" fill="#9A7A44"/><path d="M2 14h42v66q0 10-9 12l-3 4H14l-3-4Q2 90 2 80z" fill="#F6C636" stroke="${INK}" stroke-width="4"/><path d="M12 20v58M24 20v60M35 20v58" stroke="#8A6100" stroke-width="4" transform="skewX(-14) translate(12 0)"/><path d="M17 97h12l-4 16h-4z" fill="${INK}"/></g>`;
 
-/** Every stroke twice, wide in ink and narrower in the skin's colour: an outline where they meet. */
+/** Draws every stroke twice, wide in ink and narrower in the skin's colour: this gives an outline. */
 const outlined = (skin: string, width: number, paths: (width: number) => string): string =>
   [[INK, width + 7], [skin, width]].map(([color, w]) => `<g stroke="${color}" stroke-width="${w}" stroke-linecap="round" fill="none">${paths(Number(w))}</g>`).join('');
 
 const sleeve = (from: string, inner: string, to: string): string => `<path d="M${from}L${to}" stroke="${INK}" stroke-width="44"/><path d="M${inner}L${to}" stroke="#3A4A57" stroke-width="36"/>`;
 
-/** Reach, squeeze, fill; the hand in the tone that the person chose. */
+/** The steps reach, squeeze and fill; the hand has the chosen skin tone. */
 export function stepPicture(step: 0 | 1 | 2, skin: string): SVGElement {
   const open = outlined(skin, 15, (w) => `<path d="M62 44L36 28 10 22M64 54L34 48 8 44M66 64L36 66 12 66M70 74L44 82 24 86"/><path d="M64 52L86 66" stroke-width="${w + 24}"/><path d="M86 66L132 92" stroke-width="${w + 10}"/>`);
   const closed = outlined(skin, 13, () => '<path d="M50 52h4M48 70h5M52 88h3"/>') +

@@ -1,4 +1,4 @@
-// The bar in the game: recipe, meter, line and praise of one moment, as the program's values give it.
+// The bar in the game: recipe, meter, fill line and praise at one moment, from the program's values.
 import { duration } from '../../shared/format';
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Chime, GoalWords, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep, Zone } from '../exercise';
@@ -14,24 +14,24 @@ const PHASES: Readonly<Record<number, Phase>> = {
   [Stage.DrinkDone]: 'success', [Stage.LevelDone]: 'success', [Stage.DrawBack]: 'drawback',
   [Stage.Breathe]: 'ease',
 };
-/** For the sound: a strong flow of liquid and of air [l/s], and what fills the glass [l]. */
+/** Scales of the sound: a strong flow of liquid and of air [l/s], and the content of a full glass [l]. */
 const FULL_FLOW_L_S = 0.012;
 const FULL_AIR_L_S = 0.02;
 const FULL_GLASS_L = 0.06;
-/** Time constant of the speed that is shown: a figure is read, not watched [s]. */
+/** Time constant of the shown flow, so that the number is readable [s]. */
 const SPEED_S = 0.25;
 
-/** Amounts in whole millilitres: nothing finer can be seen or asked for. */
+/** Amounts in whole millilitres, the resolution of the exercise. */
 const millilitres = (litres: number): number => Math.round(1000 * litres);
 
-/** How near the layers are to what was asked, over the drink; 100 is exact, 0 nothing or twice as much. */
+/** Accuracy of the layers over the drink; 100 is exact, 0 is nothing or twice the amount. */
 export function filledPercent(drink: BarDrink, layers_l: readonly number[]): number {
   const asked_l = drink.steps.reduce((sum, step) => sum + step.amount_l, 0);
   const off_l = drink.steps.reduce((sum, step, i) => sum + Math.abs((layers_l[i] ?? 0) - step.amount_l), 0);
   return asked_l > 0 ? Math.round(100 * Math.max(0, 1 - off_l / asked_l)) : 0;
 }
 
-/** What is remembered of the drink that is mixed. */
+/** The remembered progress of the current drink. */
 interface Progress { drink: number; spiltBefore_l: number; wrong: number; speed_l_s: number; pressed_l: number; air_l_s: number; last_s: number; readonly effort: EffortMeter }
 
 export class BarPlay implements Play {
@@ -41,7 +41,7 @@ export class BarPlay implements Play {
   private readonly values: ExerciseValues;
   private readonly progress: Progress;
 
-  /** @param before the bar of an earlier scene: a drink that is praised goes on being praised */
+  /** @param before the bar of an earlier scene: praise for its drink continues */
   constructor(private readonly bar: Bar, scene: SceneT, before?: BarPlay) {
     this.values = new ExerciseValues(scene.valueNames);
     this.progress = before ? { ...before.progress, drink: -1 } : { drink: -1, spiltBefore_l: 0, wrong: -1, speed_l_s: 0, pressed_l: 0, air_l_s: 0, last_s: NaN, effort: new EffortMeter() };
@@ -67,21 +67,21 @@ export class BarPlay implements Play {
 
   prompt(state: WorldStateT, outOfReach: boolean): Prompt {
     const { bar: { dispensers }, progress: { wrong } } = this;
-    const say = (title: BarTextKey, more: BarTextKey, dispenser = this.value(state, 'target_dispenser', -1), urgent = false): Prompt => {
+    const promptOf = (title: BarTextKey, more: BarTextKey, dispenser = this.value(state, 'target_dispenser', -1), urgent = false): Prompt => {
       const x = inSentence(dispensers[dispenser]?.liquid ?? '');
       return { title: text(title, { x }), more: text(more, { x }), urgent };
     };
-    if (outOfReach) return say('tooFar', 'reachMore');
+    if (outOfReach) return promptOf('tooFar', 'reachMore');
     switch (this.value(state, 'stage')) {
-      case Stage.Squeeze: return say('squeeze', this.value(state, 'poured_l') > 0 ? 'squeezeMore' : 'graspMore');
+      case Stage.Squeeze: return promptOf('squeeze', this.value(state, 'poured_l') > 0 ? 'squeezeMore' : 'graspMore');
       case Stage.Pour: {
         const spilling = this.value(state, 'flow_l_s') > 0 && this.value(state, 'over_glass', 1) === 0;
-        return spilling ? say('offGlass', 'offGlassMore', undefined, true) : say('squeeze', 'squeezeMore');
+        return spilling ? promptOf('offGlass', 'offGlassMore', undefined, true) : promptOf('squeeze', 'squeezeMore');
       }
-      case Stage.Breathe: return dispensers[this.value(state, 'target_dispenser', -1)]?.free ? say('putDown', 'putDownMore') : say('breathe', 'breatheMore');
-      case Stage.LetGo: return say('letGo', 'letGoMore');
-      case Stage.DrawBack: return say('drawBack', 'drawBackMore');
-      default: return wrong >= 0 ? say('wrong', 'wrongMore', wrong, true) : say('reach', 'reachMore');
+      case Stage.Breathe: return dispensers[this.value(state, 'target_dispenser', -1)]?.free ? promptOf('putDown', 'putDownMore') : promptOf('breathe', 'breatheMore');
+      case Stage.LetGo: return promptOf('letGo', 'letGoMore');
+      case Stage.DrawBack: return promptOf('drawBack', 'drawBackMore');
+      default: return wrong >= 0 ? promptOf('wrong', 'wrongMore', wrong, true) : promptOf('reach', 'reachMore');
     }
   }
 
@@ -97,7 +97,7 @@ export class BarPlay implements Play {
     return waits ? `${phase} ${this.value(state, 'drink')} ${this.value(state, 'step')}` : '';
   }
 
-  /** The recipe. */
+  /** The recipe card. */
   card(state: WorldStateT): TaskCard | null {
     const drink = this.drink(state);
     if (!drink) return null;
@@ -127,7 +127,7 @@ export class BarPlay implements Play {
     };
   }
 
-  /** The amount beside the line on the glass, and how fast it rises. */
+  /** The amount beside the line on the glass, and the flow. */
   goal(state: WorldStateT): GoalWords | null {
     if (!isFilling(this.value(state, 'stage'))) return null;
     const [a, b] = [millilitres(this.value(state, 'poured_l')), millilitres(this.value(state, 'asked_l'))];
@@ -140,7 +140,7 @@ export class BarPlay implements Play {
     if (!drink) return null;
     const { effort, spiltBefore_l } = this.progress;
     const layers_l = drink.steps.map((_, i) => this.value(state, `layer_l/${i}`));
-    // After its last drink the level ends by itself.
+    // The level ends by itself after its last drink.
     const levelDone = this.value(state, 'stage') === Stage.LevelDone || this.value(state, 'drink') + 1 >= this.value(state, 'drinks', 1);
     return {
       lead: levelDone ? text('success.level') : text('success.ready', { x: nameOf('drink', drink.name) }),
@@ -172,7 +172,7 @@ export class BarPlay implements Play {
     return text('drinkOf', { n: this.value(state, 'drink') + 1, m: Math.max(this.value(state, 'drinks', this.bar.drinks.length), 1) });
   }
 
-  /** How fast it pours, smoothed, and how fast air comes back into the bottle. */
+  /** Updates the smoothed flow, and the flow of returning air. */
   private lookAtFlow(state: WorldStateT, now_s: number): void {
     const { progress } = this, dt_s = now_s - progress.last_s, pressed_l = this.value(state, 'pressed_l');
     if (dt_s > 0) {
@@ -183,7 +183,7 @@ export class BarPlay implements Play {
     progress.last_s = now_s;
   }
 
-  /** The dispenser that is not asked for and was squeezed, until it is left; -1: none. Passing by another one is no fault. */
+  /** A wrong dispenser that was squeezed, until it is released; -1: none. Passing by another one is not an error. */
   private wrongDispenser(state: WorldStateT): number {
     const engaged = this.value(state, 'engaged_dispenser', -1);
     if (engaged < 0 || engaged === this.value(state, 'target_dispenser', -1)) return -1;

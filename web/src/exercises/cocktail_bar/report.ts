@@ -6,10 +6,10 @@ import { nameOf, text } from './i18n';
 const DONE = 'drink_done', MOST_STARS = 3;
 
 export interface FinishedStep { readonly liquid: string; readonly poured_l: number; readonly asked_l: number }
-/** A drink that was finished. */
+/** A finished drink. */
 export interface FinishedDrink { readonly name: string; readonly steps: readonly FinishedStep[] }
 
-/** A finished drink with what was poured for each of its steps. Without a bar it has a number. */
+/** A finished drink with the poured amount of each step. Without a bar its name is a number. */
 export function drinkOf({ index, steps }: Pick<ReportPart, 'index' | 'steps'>, bar: Bar | undefined): FinishedDrink {
   const drink = bar?.drinks[index];
   return {
@@ -20,7 +20,7 @@ export function drinkOf({ index, steps }: Pick<ReportPart, 'index' | 'steps'>, b
 
 const sum = (values: readonly number[]): number => values.reduce((all, value) => all + value, 0);
 
-/** The bar in a report. */
+/** The bar's part of a report. */
 export const barReport: ExerciseReport = {
   better: { spilt_l: 'less' },
   thing: (event) => (event === DONE ? text('report.title') : undefined),

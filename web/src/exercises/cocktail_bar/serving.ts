@@ -1,29 +1,29 @@
-// What happens to the glass once a drink is done: it slides to the middle, the guest drinks and thanks, and
-// the empty glass slides away. A matter of looks alone: the program's glass stays where it is.
+// The animation of a finished glass: it slides to the middle, the guest drinks and thanks, and the empty glass slides
+// away. It only changes the picture: the program's glass stays in place.
 
 export type Pose = 'waits' | 'drinks' | 'thanks';
 
 export interface Serving {
   readonly pose: Pose;
-  readonly toMiddle: number;   // 0 at the program's place, 1 before the guest
-  readonly away: number;       // 0 .. 1 of the way out of the picture
-  readonly seen: number;       // 0 .. 1: how much of the glass is seen
+  readonly toMiddle: number;   // 0 at the program's place, 1 in front of the guest
+  readonly away: number;       // progress of the way out of the picture, 0 .. 1
+  readonly seen: number;       // visible share of the glass, 0 .. 1
   readonly empty: boolean;
 }
 
-/** Of a done drink [s]. */
+/** Times after a drink is done [s]. */
 const SLIDE_S = 0.9;
 const DRINK_S = 3;
 const AWAY_S = 0.9;
-/** With reduced motion nothing slides: the glass goes and comes within this, and the guest has it meanwhile [s]. */
+/** With reduced motion nothing slides: the glass fades within this time, and the guest holds it meanwhile [s]. */
 const FADE_S = 0.5;
 
 const AT_ITS_PLACE: Serving = { pose: 'waits', toMiddle: 0, away: 0, seen: 1, empty: false };
-/** Without a jolt at either end: minimum jerk. */
+/** Minimum-jerk interpolation, smooth at both ends. */
 const eased = (share: number): number => { const t = Math.min(1, Math.max(0, share)); return t * t * t * (10 - 15 * t + 6 * t * t); };
 
 /**
- * @param done_s since the drink was done, while it is; @param next_s since the next one began, after it
+ * @param done_s time since the drink was done, while it is @param next_s time since the next one began, after it
  * @param still  the person asked for reduced motion
  */
 export function servingAt(done_s: number | undefined, next_s: number | undefined, still: boolean): Serving {
@@ -42,12 +42,12 @@ export function servingAt(done_s: number | undefined, next_s: number | undefined
   return { pose: 'thanks', toMiddle: 1, away, seen: away < 1 ? 1 : 0, empty: true };
 }
 
-/** The guest's clock: which drink is done, and since when. */
+/** Clock of the serving: whether a drink is done, and since when. */
 export class ServingClock {
   private done_s: number | undefined;
   private next_s: number | undefined;
 
-  /** @param needed the hand is at a bottle: the glass is shown where it is, however slowly pictures are drawn */
+  /** @param needed the hand is at a bottle: the glass is shown at its real place, even at low frame rates */
   look(done: boolean, needed: boolean, dt_s: number, still: boolean): Serving {
     if (done) {
       this.done_s = this.done_s === undefined ? 0 : this.done_s + dt_s;

@@ -1,4 +1,4 @@
-// What stands on the counter and bears bottles: a board of the counter's wood over boarded sides, with a brass edge. Frame: y up, z to the person [m].
+// A shelf on the counter that bears bottles: a board of the counter's wood over boarded sides, with a brass edge. Frame: y up, z to the person [m].
 
 import { BoxGeometry, Color, Group, Mesh, type Vector3 } from 'three';
 import { surface } from '../../scene/materials';
@@ -8,7 +8,7 @@ import { woodTexture } from '../../scene/textures';
 
 const BOARD_M = 0.022;
 const BRASS_M = 0.005;
-/** The sides stand back from the board's edge, and their boards from each other. */
+/** Offset of the sides from the board's edge, and gap between their boards [m]. */
 const BACK_M = 0.012;
 const GAP_M = 0.004;
 const PLANK_M = 0.1;

@@ -4,13 +4,13 @@ import type { GraspTargets, Position } from '../exercise';
 import { ExerciseValues } from '../values';
 import { DRIP_L_S, Stage, type Bar, type BarDispenser } from './bar';
 
-/** What flows goes on for so long when the hand opens, and when it eases its grip on a bottle that it carries [s]. */
+/** The flow continues for this long after the hand opens, and after it eases its grip on a carried bottle [s]. */
 const OPENS_S = 0.05;
 const EASES_S = 0.5;
-/** A carried dispenser is squeezed with its nozzle this far over the glass [m]. */
+/** A carried dispenser is squeezed with its nozzle this far above the glass [m]. */
 const OVER_GLASS_M = 0.02;
 
-/** The dispensers, as what the hand grasps. */
+/** The dispensers as grasp targets. */
 export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
   const values = new ExerciseValues(scene.valueNames);
   const bodies = scene.bodies.map(({ name }) => String(name));
@@ -21,7 +21,7 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
     grips, counter_z_m: bar.counter_z_m,
     wanted: (state) => grips.findIndex(({ dispenser }) => dispenser === values.get(state, 'target_dispenser', -1)),
     letGo: (state) => isToLetGo(values, state, isFree(state) ? EASES_S : OPENS_S),
-    // A bottle that is carried would fall.
+    // A carried bottle would fall.
     easesOff: (state) => values.get(state, 'stage') === Stage.Breathe && !isFree(state),
     awayFromUse(state, grip) {
       const dispenser = bar.dispensers[grips[grip]?.dispenser ?? -1];
@@ -32,7 +32,7 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
 
 type Body = WorldStateT['bodies'][number] | undefined;
 
-/** From the nozzle of a dispenser to its place over the glass [m]. */
+/** Vector from a dispenser's nozzle to its place over the glass [m]. */
 function nozzleToGlass(bar: Bar, { nozzle_m }: BarDispenser, dispenser: Body, glass: Body): Position | undefined {
   const at = dispenser?.positionM, turn = dispenser?.orientationXyzw, goal = glass?.positionM;
   if (!at || !turn || !goal) return undefined;
@@ -40,7 +40,7 @@ function nozzleToGlass(bar: Bar, { nozzle_m }: BarDispenser, dispenser: Body, gl
   return { x: goal.x - nozzle.x, y: goal.y - nozzle.y, z: goal.z + bar.glass.height_m / 2 + OVER_GLASS_M - nozzle.z };
 }
 
-/** A step may end a tolerance early, and the help fills it to the line. After it nothing is held either. */
+/** Whether the hand must let go. A step may end a tolerance early, and the help fills it to the line. Nothing is held after it. */
 function isToLetGo(values: ExerciseValues, state: WorldStateT, lag_s: number): boolean {
   const stage = values.get(state, 'stage');
   if (stage !== Stage.LetGo) return stage > Stage.LetGo && stage !== Stage.Breathe;

@@ -2,7 +2,7 @@ import type { ExerciseWords } from '../exercise';
 import { text, textOf } from './i18n';
 import { stepPicture } from './pictures';
 
-/** What is said of the bar before it is played. */
+/** The description of the bar before it is played. */
 export const barWords: ExerciseWords = {
   title: () => text('welcome.title'),
   lead: () => text('welcome.lead'),

@@ -1,4 +1,4 @@
-// A cabin without weight: a quilted wall with a wide window, a handrail, light of the day below. The frame is the stage's.
+// A cabin in weightlessness: a quilted wall with a wide window, a handrail, daylight from below. The frame is the stage's.
 import {
   CapsuleGeometry, Color, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, Path, PlaneGeometry, RepeatWrapping, Shape, ShapeGeometry,
   type Texture,
@@ -10,7 +10,7 @@ import { graded, numbers, picture } from '../../scene/textures';
 import { orbitTexture } from './orbit';
 
 const WALL_Z = -0.62;
-/** The window: its middle aside of the stage's and over its floor, half sizes and corners [m]. */
+/** The window: offset of its middle from the stage's and height over its floor, half sizes and corner radius [m]. */
 export const WINDOW = { x: 0.12, y: 0.12, half_x: 0.385, half_y: 0.25, corner: 0.17 } as const;
 const FRAME_M = 0.034;
 const QUILT_M = 0.16;
@@ -61,7 +61,7 @@ function quilted(quality: Quality): Mesh {
   shape.lineTo(-half_x, half_y);
   shape.holes.push(rounded(new Path(), 0));
   const map = quiltTexture();
-  map.repeat.set(1 / QUILT_M, 1 / QUILT_M);   // a shape's texture is laid by its metres
+  map.repeat.set(1 / QUILT_M, 1 / QUILT_M);   // the texture coordinates of a Shape are in metres
   const mesh = new Mesh(new ShapeGeometry(shape, 24), surface(quality, { map, color: new Color('#fff8ee'), roughness: 0.9 }));
   mesh.position.z = WALL_Z;
   mesh.receiveShadow = true;
@@ -89,7 +89,7 @@ function bolts(quality: Quality): Group {
   return root;
 }
 
-/** A rail to hold on to, under the window and out of reach. */
+/** A handrail under the window, out of reach. */
 function handrail(quality: Quality): Group {
   const root = new Group(), y = WINDOW.y - WINDOW.half_y - 0.105, cloth = surface(quality, { color: new Color('#d98a2b'), roughness: 0.6 });
   const steel = surface(quality, { color: new Color('#c9ced1'), metalness: quality === 'high' ? 0.9 : 0, roughness: 0.3 });
@@ -117,11 +117,11 @@ function view(): Mesh {
 function wall(quality: Quality, right: boolean): Group {
   const root = new Group();
   root.add(view(), quilted(quality), frame(quality, 0, FRAME_M, 0.018, '#b9c0c2', 0.75), frame(quality, -0.008, 0.004, 0.03, '#2b3136', 0.2), bolts(quality), handrail(quality));
-  if (!right) root.position.x = -2 * WINDOW.x;   // the window is where the hand leaves room
+  if (!right) root.position.x = -2 * WINDOW.x;   // the window is mirrored for a left hand, away from the arm
   return root;
 }
 
-/** @param right the hand's side */
+/** @param right whether the hand is a right one */
 export const cabin = (right: boolean): Setting => ({
   mood: { key: '#f4f6ff', rim: '#9fd0ff', lamps: '#fff1dc', sky: '#fbf6ee', ground: '#4f7fb8', groundLow: '#8fa3bd' },
   wall: (quality) => wall(quality, right),

@@ -1,4 +1,4 @@
-// Free grasping in the picture: the things, the sign of the one that is proposed, the stars in the window.
+// Free grasping in the picture: the objects, the sign of the proposed one, the stars in the window.
 import { Group, Mesh, RingGeometry, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, turnOf, type CameraPlace } from '../../scene/camera';
@@ -17,11 +17,11 @@ import { Stars } from './stars';
 import type { Thing } from './things';
 
 const SIGN = { wide_m: 0.085, over_m: 0.02 } as const;
-/** The ring round the thing that is proposed [m]. */
+/** Size of the ring around the proposed object [m]. */
 const RING_M = 0.012;
 const STARS_Z_M = -0.63;
 
-/** Distance of a thing's farthest point from its middle [m]. */
+/** Distance of an object's farthest point from its middle [m]. */
 function reachOf({ kind, shape }: Thing): number {
   const h = shape.halfExtentsM;
   return kind === 'cube' && h ? Math.hypot(h.x, h.y, h.z) : kind === 'sphere' ? shape.radiusM : Math.hypot(shape.radiusM, shape.lengthM / 2);
@@ -33,7 +33,7 @@ export class CabinView implements ExerciseView {
   readonly setting: Setting;
   private readonly program = new Group();
   private readonly models: Group[];
-  private readonly window = new Group();   // stands as the room does
+  private readonly window = new Group();   // turned like the room
   private readonly stars: Stars;
   private readonly sign = new Sign(SIGN.wide_m);
   private readonly ring = new Group();
@@ -92,7 +92,7 @@ export class CabinView implements ExerciseView {
     return { goal: undefined, target: model && toThree(model.position) };
   }
 
-  /** A ring round the thing, behind it as the eye sees it, and its name over it. */
+  /** Shows a ring around an object, behind it as seen from the camera, and its name above it. */
   private propose(state: WorldStateT, eye: Vector3): void {
     const thing = this.things[this.shown.proposed], at = thing && state.bodies[thing.body]?.positionM;
     this.ring.visible = this.sign.root.visible = at !== undefined && at !== null;

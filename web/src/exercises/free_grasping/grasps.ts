@@ -1,13 +1,13 @@
-// Which things were held: two parts of the hand press one thing from opposite sides, for a while. Pure.
+// Detects held objects: two parts of the hand press one object from opposite sides for HOLD_S. Pure.
 import type { ContactPointT } from '../../protocol';
 
 type Touch = Pick<ContactPointT, 'capsule' | 'body' | 'forceN'>;
 
-/** A thing counts as held after so long [s]. */
+/** An object counts as held after this time [s]. */
 export const HOLD_S = 1;
-/** Weaker touches hold nothing [N]. */
+/** Weaker contacts do not count as holding [N]. */
 const LEAST_N = 0.1;
-/** States farther apart than this are no stretch of time that was watched [s]. */
+/** A longer gap between two states is not counted [s]. */
 const GAP_S = 0.25;
 
 /** Whether two capsules press a body from opposite sides. */
@@ -29,7 +29,7 @@ export class Grasps {
     this.since_s = bodies.map(() => 0);
   }
 
-  /** Takes a state; says what was held for the first time. */
+  /** Processes a state; reports objects that were held for the first time. */
   look(contacts: readonly Touch[], now_s: number): News {
     const dt_s = now_s - this.last_s, before = this.count;
     this.last_s = now_s;
@@ -51,12 +51,12 @@ export class Grasps {
   get count(): number { return this.held.filter(Boolean).length; }
   get all(): boolean { return this.count === this.held.length; }
 
-  /** The thing in the hand; -1: none. */
+  /** The object in the hand; -1: none. */
   get now(): number { return this.since_s.findIndex((since_s) => since_s > 0); }
 
-  /** For how long it has been held, as a share of what counts. */
+  /** Holding time of an object as a share of HOLD_S. */
   share(i: number): number { return Math.min(1, (this.since_s[i] ?? 0) / HOLD_S); }
 
-  /** What to hold: what is in the hand and does not count yet, else the first that was not held; -1: all were. */
+  /** The object to hold next: the one in the hand if it does not count yet, else the first that was not held; -1: all were. */
   get proposed(): number { return this.now >= 0 && !this.held[this.now] ? this.now : this.held.indexOf(false); }
 }

@@ -1,4 +1,4 @@
-// The things as they look: each has the shape that is felt, a colour and a pattern of its own. In the body's frame, z up.
+// Models of the objects: each has its collision shape, a colour and a pattern of its own. In the body's frame, z up.
 import { BoxGeometry, Color, CylinderGeometry, Group, Mesh, SphereGeometry, type BufferGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
@@ -37,7 +37,7 @@ function cubeSide(color: string): Texture {
   });
 }
 
-/** Round the tube: stripes that climb. */
+/** The side of the tube: climbing stripes. */
 function tubeSide(color: string): Texture {
   return painted(512, 384, color, (pen) => {
     pen.strokeStyle = '#8A6100';

@@ -1,4 +1,4 @@
-// What is seen through the cabin's window, painted once: stars, and the Earth in the morning.
+// The view through the cabin's window, painted once: stars, and the Earth in the morning.
 import type { Texture } from 'three';
 import { graded, numbers, picture, type Pen } from '../../scene/textures';
 
@@ -58,7 +58,7 @@ function earth(pen: Pen): void {
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   land(pen);
   clouds(pen);
-  // Night on the left.
+  // The night side on the left.
   pen.fillStyle = graded(pen.createLinearGradient(0, 0, WIDTH, 0), [[0, 'rgba(4,10,30,.72)'], [0.42, 'rgba(4,10,30,0)']]);
   pen.fillRect(0, 0, WIDTH, HEIGHT);
   pen.restore();

@@ -1,10 +1,10 @@
-// Drawings of the card and of the welcome.
+// Drawings for the task card and the welcome card.
 import { drawing } from '../../shared/dom';
 import type { ThingKind } from './things';
 
 const INK = '#2A1C14';
 
-/** A thing about 60 wide, in the middle of 100 by 100. */
+/** Pictures of the objects, about 60 wide, in the middle of 100 by 100. */
 const SHAPES: Readonly<Record<ThingKind, string>> = {
   cube: '<path d="M50 20l27 14v32L50 80 23 66V34z"/><path d="M23 34l27 14 27-14M50 48v32" fill="none"/>',
   cylinder: '<path d="M32 28v44q18 12 36 0V28"/><ellipse cx="50" cy="28" rx="18" ry="8"/><path d="M32 44q18 12 36 0M32 58q18 12 36 0" fill="none"/>',
@@ -12,7 +12,7 @@ const SHAPES: Readonly<Record<ThingKind, string>> = {
   disk: '<path d="M18 46v12q32 28 64 0V46"/><ellipse cx="50" cy="46" rx="32" ry="16"/><ellipse cx="50" cy="46" rx="16" ry="8" fill="none"/>',
 };
 
-/** A disc with the thing before the night. */
+/** A disc with the object before a night sky. */
 export function thingDisc(kind: ThingKind, color: string): SVGElement {
   return drawing(`<svg class="swatch" viewBox="0 0 100 100" aria-hidden="true"><circle cx="50" cy="50" r="47" fill="#FFF6E6" stroke="${INK}" stroke-width="4"/>
     <g fill="${color}" stroke="${INK}" stroke-width="4" stroke-linejoin="round">${SHAPES[kind]}</g></svg>`);
@@ -32,7 +32,7 @@ function hand(skin: string, closed: boolean): string {
     + `<path d="M196 78L252 106" stroke="${INK}" stroke-width="44"/><path d="M198 79L254 107" stroke="#3A4A57" stroke-width="36"/>`;
 }
 
-/** Reach, hold, a star; the hand in the tone that the person chose. */
+/** The steps reach, hold and star; the hand has the chosen skin tone. */
 export function stepPicture(step: 1 | 2 | 3, skin: string): SVGElement {
   const content = {
     1: `${thing('sphere', '#A31D38', 62, 58, 0.9)}${thing('cube', '#3B6FD1', 24, 104, 0.55)}${thing('disk', '#0B6B58', 34, 20, 0.6)}${hand(skin, false)}`,

@@ -1,4 +1,4 @@
-// Free grasping in the game: four things that may be held, in any order.
+// Free grasping in the game: four objects to be held, in any order.
 import type { WorldStateT } from '../../protocol';
 import type { Bells, Chime, ExerciseWords, FlowSound, Marks, Phase, Play, Prompt, TaskCard, TaskStep } from '../exercise';
 import type { ExercisePanel } from '../panel';
@@ -7,10 +7,10 @@ import { text } from './i18n';
 import { stepPicture, thingDisc } from './pictures';
 import type { Thing } from './things';
 
-/** Each thing that is held rings one tone higher. */
+/** Each held object sounds one tone higher. */
 const TONES_HZ = [523, 587, 659, 784] as const;
 const ALL: Bells = { tones_hz: [523, 659, 784, 1047], apart_s: 0.24 };
-/** For the sound: a firm hold [N]. */
+/** Force of a firm hold, for the sound [N]. */
 const FIRM_N = 6;
 
 export class GraspPlay implements Play {
@@ -67,13 +67,13 @@ export class GraspPlay implements Play {
     return { label: this.shown.title, count: text('count', { n: grasps.count, m: things.length }), title: this.shown.title, steps };
   }
 
-  /** A tone while something is in the hand, higher with each star that is lit. */
+  /** A tone while something is in the hand, higher with each lit star. */
   flow(state: WorldStateT): { rate: number; level: number; sound: FlowSound } {
     const force_n = state.contacts.reduce((sum, { forceN }) => sum + (forceN ? Math.hypot(forceN.x, forceN.y, forceN.z) : 0), 0);
     return { rate: this.grasps.now >= 0 ? force_n / FIRM_N : 0, level: this.grasps.count / this.things.length, sound: 'tone' };
   }
 
-  heard(): Chime | undefined {
+  takeChime(): Chime | undefined {
     const { chime } = this;
     this.chime = undefined;
     return chime;

@@ -1,14 +1,14 @@
-// The stars in the window: one is lit for each thing that was held. When all are, they join, and the sun comes.
+// The stars in the window: one is lit for each held object. When all are lit, they are joined, and the sun rises.
 import { AdditiveBlending, BufferGeometry, Color, Group, Line, LineBasicMaterial, Sprite, SpriteMaterial, Vector3, type Texture } from 'three';
 import { glowTexture, graded, picture } from '../../scene/textures';
 import { WINDOW } from './cabin';
 
-/** Where they stand in the window, as parts of its half sizes: on the hand's side, over the arm. */
+/** Positions in the window, relative to its half sizes: on the hand's side, over the arm. */
 const PLACES = [[0.4, 0.78], [0.56, 0.36], [0.74, 0.62], [0.9, 0.2]] as const;
-/** Where the sun comes over the Earth's edge. */
+/** Position of the sunrise over the Earth's edge. */
 const SUN = [-0.6, -0.25] as const;
 const SIZE_M = { dark: 0.022, lit: 0.12, sun: 0.6 } as const;
-/** From dark to lit, and until the sun is there [s]. */
+/** Time from dark to lit, and until the sun is up [s]. */
 const FADE_S = 0.6;
 const SUNRISE_S = 2.5;
 
@@ -33,7 +33,7 @@ function rayTexture(): Texture {
 const light = (map: Texture, color: Color): Sprite =>
   new Sprite(new SpriteMaterial({ map, color, transparent: true, blending: AdditiveBlending, depthWrite: false, toneMapped: false }));
 
-/** Moves a share towards another within a time. */
+/** Moves a share towards another at a constant rate, from 0 to 1 within `whole_s`. */
 export function towards(share: number, wanted: number, dt_s: number, whole_s: number): number {
   const step = dt_s / whole_s;
   return share + Math.min(step, Math.max(-step, wanted - share));
@@ -46,7 +46,7 @@ export class Stars {
   private readonly sun = light(glowTexture(), new Color('#fff1cf'));
   private morning = 0;
 
-  /** @param colors of the things @param side 1: a right hand; -1: mirrored */
+  /** @param colors colours of the objects @param side 1: a right hand; -1: mirrored */
   constructor(colors: readonly string[], side: 1 | -1) {
     const rays = rayTexture(), x = side * WINDOW.x, at = ([a, b]: readonly [number, number]) => new Vector3(x + side * a * WINDOW.half_x, WINDOW.y + b * WINDOW.half_y, 0);
     const places = colors.map((_, i) => at(PLACES[i % PLACES.length]!));

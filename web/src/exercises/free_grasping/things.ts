@@ -1,4 +1,4 @@
-// The weightless things of this exercise: cube, cylinder, sphere, disk.
+// The weightless objects of this exercise: cube, cylinder, sphere, disk.
 import { ShapeType, type SceneT, type ShapeT } from '../../protocol';
 
 export type ThingKind = 'cube' | 'cylinder' | 'sphere' | 'disk';
@@ -19,7 +19,7 @@ function kindOf({ type, radiusM, lengthM }: ShapeT): ThingKind | undefined {
   return type !== ShapeType.Cylinder ? undefined : lengthM < radiusM ? 'disk' : 'cylinder';
 }
 
-/** Undefined where the exercise is another one, or its scene another than things that float. */
+/** The objects of a scene; undefined for another exercise, or a scene without floating objects. */
 export function thingsOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): Thing[] | undefined {
   if (!scene || scene.bodies.length === 0 || !isOfKind(String(scene.exerciseJson ?? ''))) return undefined;
   const things = scene.bodies.flatMap(({ name, fixed, shapes, color }, body): Thing[] => {

@@ -1,36 +1,36 @@
-// What shows a first-timer the next step: a ring at the handle, an arrow along or about its joint or onto what is pressed, the
-// body as it is to be or where it is to be put, a gauge that fills with the force, a hand that closes or opens.
+// Cues for the next step: a ring at the handle, an arrow along or about its joint or onto the pressed point, a ghost of the
+// body in its goal pose or a region to put it in, a gauge for the force, a hand that closes or opens.
 import { BoxGeometry, DoubleSide, Group, Mesh, PlaneGeometry, Quaternion, Vector3, type BufferGeometry } from 'three';
 import { ShapeType, type BodyT, type ShapeT } from '../../protocol';
 import { toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { picture } from '../../scene/textures';
 import type { Position } from '../exercise';
-import { armOf, moved, pointOf, type Placed } from './joint';
+import { armOf, moved, pointOf, type Placement } from './joint';
 import { HANDS, PASSES } from './pictures';
 import { Ribbon, type HalfWidth } from './ribbon';
 import { hasBar, type Handle, type Joint, type KitchenStep } from './task';
 
 const ARROW = { points: 49, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028, least_m: 0.1 } as const;
 const RING = { points: 73, half_m: 0.0035, round_m: 0.02 } as const;
-/** A goal nearer than this needs no arrow [m or rad]. */
+/** A goal nearer than this has no arrow [m or rad]. */
 const NEAR = 0.006;
-/** Of the frame round a front that is to be there, and its dark edge [m]. */
+/** Width of the frame around the goal of a front, and of its dark edge [m]. */
 const FRAME_M = 0.005;
 const EDGE_M = 0.003;
 const INK = '#1c1410';
-/** Of the gauge that fills with the force that is asked for. */
+/** Size of the gauge for the asked force. */
 const FORCE = { wide_m: 0.1, half_m: 0.007, over_m: 0.06 } as const;
 const SIGN = { wide_m: 0.055, over_m: 0.045 } as const;
 
 const even: HalfWidth = (_, edge_m) => RING.half_m + edge_m;
 const thick: HalfWidth = (_, edge_m) => FORCE.half_m + edge_m;
-/** A shaft, and a head at its end. */
+/** Outline of an arrow: a shaft, and a head at its end. */
 const pointed: HalfWidth = (left_m, edge_m) =>
   left_m <= ARROW.head_m ? ARROW.head_half_m * left_m / ARROW.head_m + edge_m * (left_m > 0 ? 1.6 : 0) : ARROW.half_m + edge_m;
 
-/** To the goal, along the way of a point of the body, three.js's frame. A short way begins straight behind the point, so that its direction is seen. */
-export function wayOf(now: Placed, joint: Joint, dq: number, point: Position): Vector3[] {
+/** Path of a point of the body to the goal, in three.js's frame. A short path begins straight behind the point, so that its direction is visible. */
+export function wayOf(now: Placement, joint: Joint, dq: number, point: Position): Vector3[] {
   const far_m = Math.abs(dq) * armOf(now, joint, point), more_m = Math.max(0, ARROW.least_m - far_m), from = pointOf(now, point);
   const back = from.clone().sub(pointOf(moved(now, joint, Math.sign(dq) * 1e-3), point)).normalize();
   return Array.from({ length: ARROW.points }, (_, i) => {
@@ -39,7 +39,7 @@ export function wayOf(now: Placed, joint: Joint, dq: number, point: Position): V
   });
 }
 
-/** Onto a point, three.js's frame. @param way where it is pressed to, the program's frame */
+/** Path onto a point, in three.js's frame. @param way direction of pressing, in the program's frame */
 function ontoOf(point: Vector3, way: Vector3): Vector3[] {
   return Array.from({ length: ARROW.points }, (_, i) => toThree(point.clone().addScaledVector(way, ARROW.least_m * (i / (ARROW.points - 1) - 1) - RING.round_m)));
 }
@@ -50,7 +50,7 @@ function barOver(middle: Vector3, eye: Vector3): Vector3[] {
   return Array.from({ length: RING.points }, (_, i) => middle.clone().addScaledVector(up, FORCE.over_m).addScaledVector(aside, FORCE.wide_m * (i / (RING.points - 1) - 0.5)));
 }
 
-/** A long round around a bar. */
+/** A loop around a bar. */
 function around(middle: Vector3, along: Vector3, half_m: number, eye: Vector3): Vector3[] {
   const aside = along.clone().cross(middle.clone().sub(eye)).normalize(), straight = Math.max(0, half_m - RING.round_m);
   return Array.from({ length: RING.points }, (_, i) => {
@@ -81,7 +81,7 @@ function handSign(kind: keyof typeof HANDS): Mesh {
   return new Mesh(new PlaneGeometry(SIGN.wide_m, SIGN.wide_m), flat('#ffffff', { map, transparent: true }));
 }
 
-/** The body as it is to be: what is taken or pushed of it pale, and a frame around its front. @param piece one child for each shape */
+/** The body in its goal pose: the taken or pushed part pale, and a frame around its front. @param piece one child for each shape */
 export function makeGhost(piece: Group, body: BodyT, front: ShapeT | undefined): Group {
   const { shapes } = body, barred = hasBar(body), ghost = new Group(), pale = flat('#fff6df', { transparent: true, opacity: 0.22, depthWrite: false });
   piece.children.forEach((child, i) => {
@@ -108,18 +108,18 @@ export function makeGhost(piece: Group, body: BodyT, front: ShapeT | undefined):
   return ghost;
 }
 
-export interface Shown {
+export interface CueInput {
   readonly step: KitchenStep;
-  readonly now: Placed;
+  readonly now: Placement;
   readonly handle: Handle;
-  /** Where the hand is to be, the body's frame. */
+  /** Goal of the hand, in the body's frame. */
   readonly point: Position;
-  /** It has a bar there. */
+  /** The body has a bar at this point. */
   readonly barred: boolean;
   readonly joint: Joint | undefined;
   readonly q: number;
   readonly held_s: number;
-  /** Share of the force that is asked for. */
+  /** Share of the asked force. */
   readonly force: number;
 }
 
@@ -133,13 +133,13 @@ export class Cues {
   private readonly region = new Mesh(new BoxGeometry(), flat('#fff6df', { transparent: true, opacity: 0.28, depthWrite: false }));
   private readonly signs = { open: handSign('open'), closed: handSign('closed') } as const;
 
-  /** @param ghosts of the bodies by their index; they stand in the program's frame */
+  /** @param ghosts ghosts by the index of their bodies, in the program's frame */
   constructor(private readonly ghosts: ReadonlyMap<number, Group>) {
     this.root.add(this.track.root, this.ring.root, this.mark.root, this.arrow.root, ...this.force.map(({ root }) => root), this.region, this.signs.open, this.signs.closed);
   }
 
-  /** @param shown undefined: nothing is asked for */
-  update(shown: Shown | undefined, eye: Vector3): void {
+  /** @param shown undefined: there is no task */
+  update(shown: CueInput | undefined, eye: Vector3): void {
     const verb = shown?.step.verb, rings = verb === 'reach' || verb === 'take' || verb === 'hold' || verb === 'press';
     const dq = shown?.step.verb === 'move' && shown.step.to !== undefined ? shown.step.to - shown.q : 0;
     const goes = shown?.joint !== undefined && Math.abs(dq) > NEAR, puts = verb === 'put' && shown?.step.center_m !== undefined;
@@ -175,15 +175,15 @@ export class Cues {
     }
   }
 
-  private go({ step }: Shown, goal: Placed, way: readonly Vector3[], eye: Vector3): void {
+  private go({ step }: CueInput, goal: Placement, way: readonly Vector3[], eye: Vector3): void {
     this.arrow.lay(way, eye, pointed);
     const ghost = this.ghosts.get(step.body);
     ghost?.position.copy(goal.at);
     ghost?.quaternion.copy(goal.turn);
   }
 
-  /** Over to where the body's centre is to be, in a low arc. */
-  private put(shown: Shown, eye: Vector3): void {
+  /** Shows a low arc to the goal of the body's centre. */
+  private put(shown: CueInput, eye: Vector3): void {
     const { now, step } = shown, goal = new Vector3(...step.center_m!), [x, y, z] = step.half_size_m ?? [0.02, 0.02, 0.02], way = goal.clone().sub(now.at);
     const path = Array.from({ length: ARROW.points }, (_, i) => {
       const t = i / (ARROW.points - 1);
@@ -195,8 +195,8 @@ export class Cues {
   }
 }
 
-/** Where to what is pressed is to go, the program's frame: along its joint where it has one, to its farther end. */
-function pressedTo({ step, now, joint, q, point }: Shown): Vector3 {
+/** Direction of pressing, in the program's frame: along its joint if there is one, to its farther end. */
+function pressedTo({ step, now, joint, q, point }: CueInput): Vector3 {
   if (!joint) return new Vector3(...(step.met?.toward ?? [1, 0, 0]));
   const least = joint.least ?? -Infinity, most = joint.most ?? Infinity, dq = most - q >= q - least ? 1e-3 : -1e-3;
   return pointOf(moved(now, joint, dq), point).sub(pointOf(now, point)).normalize();

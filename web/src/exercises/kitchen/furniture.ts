@@ -1,4 +1,4 @@
-// The bodies of a task as kitchen furniture, by their shapes: boxes are fronts of wood with round edges, thin bars are metal.
+// The bodies of a task as kitchen furniture, by their shapes: boxes are wooden fronts with round edges, thin bars are metal.
 // The program's frame, z up.
 import { Color, Group, LatheGeometry, Mesh, RepeatWrapping, Vector2, type Material, type Texture } from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
@@ -8,14 +8,14 @@ import { makeBody } from '../../scene/plain_bodies';
 import type { Quality } from '../../scene/quality';
 import { numbers, picture } from '../../scene/textures';
 
-/** Boxes with no side longer than this, and bars that are thinner, are metal [m]. */
+/** Boxes with no side longer than this, and thinner bars, are metal [m]. */
 const SMALL_M = 0.06;
 const THIN_M = 0.022;
 const EDGE_M = 0.005;
 
 export type Size = readonly [x: number, y: number, z: number];
 
-/** Pale grain, to be coloured. */
+/** A pale wood grain, to be tinted. */
 export function grain(): Texture {
   const random = numbers(41), w = 512, h = 512;
   const texture = picture(w, h, (pen) => {
@@ -41,7 +41,7 @@ export class Workshop {
   private readonly woods = new Map<string, Material>();
 
   constructor(readonly quality: Quality) {
-    this.metal = surface(quality, { color: new Color('#565d63'), metalness: quality === 'high' ? 0.75 : 0, roughness: 0.36, envMapIntensity: 1.4 });   // darker than every skin
+    this.metal = surface(quality, { color: new Color('#565d63'), metalness: quality === 'high' ? 0.75 : 0, roughness: 0.36, envMapIntensity: 1.4 });   // darker than every skin tone
   }
 
   wood(color: string): Material {
@@ -50,7 +50,7 @@ export class Workshop {
     return made;
   }
 
-  /** Smooth: what is pushed and lifted. */
+  /** Smooth paint for bodies that are pushed or lifted. */
   paint(color: string): Material {
     return surface(this.quality, { color: new Color(color), roughness: 0.4, clearcoat: 0.35, clearcoatRoughness: 0.3 });
   }
@@ -59,7 +59,7 @@ export class Workshop {
     return put(new Mesh(new RoundedBoxGeometry(x, y, z, this.quality === 'high' ? 4 : 2, Math.min(edge_m, 0.45 * Math.min(x, y, z))), material), at);
   }
 
-  /** Its ends are round. Along z. */
+  /** A bar with round ends, along z. */
   bar(radius_m: number, length_m: number, material: Material): Mesh {
     const round = Math.min(0.35 * radius_m, 0.2 * length_m), half = length_m / 2;
     const end = [1, 0.6, 0.3, 0].map((t) => { const a = t * Math.PI / 2; return [radius_m - round + round * Math.sin(a), half - round + round * Math.cos(a)] as const; });
@@ -88,7 +88,7 @@ function partOf(shape: ShapeT, body: BodyT, shop: Workshop, painted: boolean): M
   return undefined;
 }
 
-/** A body by its shapes, in its own frame. @param painted it has no grain */
+/** Models a body from its shapes, in its own frame. @param painted without grain */
 export function makePiece(body: BodyT, shop: Workshop, painted = false): Group {
   const root = new Group();
   for (const shape of body.shapes) {
@@ -110,7 +110,7 @@ export function frontOf(body: BodyT): ShapeT | undefined {
   }).sort((a, b) => area(b) - area(a))[0];
 }
 
-/** Things for the table on a drawer's floor; nothing where a body has no floor. In the body's frame. */
+/** Tableware on a drawer's floor, in the body's frame; empty if a body has no floor. */
 export function makeContents(body: BodyT, shop: Workshop): Group {
   const root = new Group(), floor = body.shapes.find((shape) => shape.type === ShapeType.Box && sizeOf(shape)[2] < 0.2 * Math.min(sizeOf(shape)[0], sizeOf(shape)[1]));
   const at = floor?.inBody?.positionM;

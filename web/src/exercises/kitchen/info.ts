@@ -1,4 +1,4 @@
-// What console, replay and report say of a task of the kitchen beside its panel.
+// Texts of a kitchen task for console, replay and report, in addition to its panel.
 import { fixed } from '../../shared/format';
 import type { SceneT } from '../../protocol';
 import type { ExerciseInfo, ExerciseReport } from '../info';
@@ -23,7 +23,7 @@ export function kitchenInfo({ steps }: KitchenTask): ExerciseInfo {
 
 const isKitchen = (scene: SceneT | undefined): boolean => taskOf(scene) !== undefined;
 
-/** The tasks that were done: a row for each. */
+/** A report with a row for each finished task. */
 export const kitchenReport: ExerciseReport = {
   better: {},
   thing: () => undefined,

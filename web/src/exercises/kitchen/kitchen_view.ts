@@ -1,4 +1,4 @@
-// A task of the kitchen in the picture: its bodies as furniture, the kitchen around them, the cue of the present step.
+// A kitchen task in the picture: its bodies as furniture, the kitchen around them, the cue of the present step.
 import { Group, Vector3, type SpotLight } from 'three';
 import type { SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
@@ -10,24 +10,24 @@ import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Cues, makeGhost } from './cues';
 import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
-import { moved, placedOf, pointOf, type Placed } from './joint';
+import { moved, placedOf, pointOf, type Placement } from './joint';
 import { kitchen, makeBase, makeInside, makeRow, makeThings, makeWall, makeWorktop, wallBehind, type Extent } from './room';
 import { askedOf, handleOf, hasBar, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
-/** A fixed body is a worktop if it is this flat; the widest is. */
+/** A fixed body of at most this relative thickness is a worktop; the widest one is used. */
 const FLAT = 0.25;
-/** Where the scene has no worktop: how far it comes before what is taken, how thick it is [m], and its colour. */
+/** If the scene has no worktop: its extent in front of the targets, its thickness [m], and its colour. */
 const BEFORE_M = 0.25;
 const SLAB_M = 0.03;
 const BEECH = '#d9b98c';
-/** A fixed upright board at least so wide and tall is the wall [m]; what stands before it leaves so much room to each side. */
+/** A fixed vertical board of at least this width and height is the wall [m]; objects in front of it leave this free on each side. */
 const WALL_M = 0.35;
 const FREE_M = 0.22;
-/** Of fronts that no task uses. */
+/** Colour of fronts that no task uses. */
 const SAGE = '#8fb0a0';
-/** The picture looks at what is so far under the worktop of something built in [m]. */
+/** The camera looks this far below the worktop at something built in [m]. */
 const LOOK_UNDER_M = 0.24;
-/** Beyond a handle's ends there is room for its cue [m]. */
+/** Room for the cue beyond a handle's ends [m]. */
 const CUE_M = 0.05;
 
 export class KitchenView implements ExerciseView {
@@ -73,7 +73,7 @@ export class KitchenView implements ExerciseView {
     return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: this.outline(state) };
   }
 
-  placeBehind(): void { /* Nothing here turns with the picture. */ }
+  placeBehind(): void { /* Nothing here turns with the camera. */ }
 
   update(state: WorldStateT, eye: Vector3): void {
     this.pieces.forEach((piece, body) => {
@@ -103,7 +103,7 @@ export class KitchenView implements ExerciseView {
 
   anchors(): Anchors { return { goal: undefined, target: this.target?.clone() }; }
 
-  /** The hand, and handles now and where they are to be. */
+  /** Corners of the hand, and of handles now and at their goals. */
   private outline(state: WorldStateT | undefined): Vector3[] {
     if (!state) return [];
     const now = this.task.steps[this.values.get(state, 'instruction')], q = this.values.get(state, 'joint_q');
@@ -116,7 +116,7 @@ export class KitchenView implements ExerciseView {
     return [...outlineOfScene({ capsules: this.scene.capsules, bodies: [] }, { links: state.links, bodies: [] }), ...handles];
   }
 
-  /** Builds what stands around the bodies, where they are at first. */
+  /** Builds the surroundings of the bodies at their initial poses. */
   private furnish(state: WorldStateT): CameraPlace {
     const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = placedOf(state.bodies[body]);
     const row_x = placed ? pointOf(placed, handleOf(scene.bodies[body]!).at_m).x : -DEFAULT_PLACE.row_z;
@@ -127,7 +127,7 @@ export class KitchenView implements ExerciseView {
     const around = fixed.filter((one) => one !== slab && one !== wall), front = this.shutFront(state), wall_x = wall ? wall.low[0] : wallBehind(row_x);
     const top_z = slab ? slab.high[2] : Math.max(DEFAULT_PLACE.counter_y, Math.min(0, ...around.map(({ low }) => low[2])));
     const place = { right: scene.rightHand, counter_y: top_z, row_z: -row_x };
-    // The slab goes on along the wall.
+    // A slab along the wall replaces the body's own.
     slab?.piece.clear();
     wall?.piece.clear();
     if (wall) program.add(makeWall(wall_x, shop));
@@ -149,7 +149,7 @@ export class KitchenView implements ExerciseView {
     for (const { body, joint } of task.things) {
       const front = joint && hasBar(scene.bodies[body]!) ? frontOf(scene.bodies[body]!) : undefined, placed = placedOf(state.bodies[body]);
       if (!joint || !front || !placed) continue;
-      // Of other bodies than the present step's no coordinate is told: they are where they begin.
+      // The program reports only the coordinate of the present step's body; the others are at their initial pose.
       const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
       return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!), turns: joint.type === 'hinge' };
     }
@@ -157,8 +157,8 @@ export class KitchenView implements ExerciseView {
   }
 }
 
-/** Around the boxes and bars of a body that stands upright. */
-function extentOf(placed: Placed | undefined, shapes: readonly ShapeT[]): Extent {
+/** Bounds of the boxes and bars of an upright body. */
+function extentOf(placed: Placement | undefined, shapes: readonly ShapeT[]): Extent {
   const at = placed?.at ?? new Vector3();
   return unionOf(shapes.map(({ inBody, halfExtentsM: h, radiusM: r, lengthM }) => {
     const p = inBody?.positionM, x = at.x + (p?.x ?? 0), y = at.y + (p?.y ?? 0), z = at.z + (p?.z ?? 0), [a, b, c] = [h?.x || r, h?.y || r, h?.z || lengthM / 2 || r];

@@ -1,4 +1,4 @@
-// Drawings of the card and of the welcome: one sign for each verb.
+// Drawings for the task card and the welcome card: one sign for each verb.
 import { drawing } from '../../shared/dom';
 import type { Verb } from './task';
 
@@ -13,7 +13,7 @@ export const HANDS = {
 } as const;
 export const SKIN = '#E7B58E';
 
-/** In two passes: its outline, and itself. */
+/** Two passes: the outline, and the drawing itself. */
 export const PASSES = [[INK, 7], [SKIN, 0]] as const;
 
 const hand = (kind: keyof typeof HANDS): string => PASSES.map(([color, more]) =>
@@ -42,7 +42,7 @@ function arm(skin: string, x: number, closed: boolean): string {
     + `<path d="M${x + 26} 78L${x + 74} 90" stroke="${INK}" stroke-width="40"/><path d="M${x + 28} 78L${x + 76} 90" stroke="#3A4A57" stroke-width="32"/>`;
 }
 
-/** Take hold, move, let go; the hand in the tone that the person chose. */
+/** The steps take hold, move and let go; the hand has the chosen skin tone. */
 export function stepPicture(step: 1 | 2 | 3, skin: string): SVGElement {
   const arrow = `<path d="M70 14H142M124 3L144 14 124 25" fill="none" stroke="${INK}" stroke-width="14" stroke-linecap="round" stroke-linejoin="round"/><path d="M70 14H142M124 3L144 14 124 25" fill="none" stroke="#FFB938" stroke-width="7" stroke-linecap="round" stroke-linejoin="round"/>`;
   const content = {

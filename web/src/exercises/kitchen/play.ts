@@ -1,4 +1,4 @@
-// A task of the kitchen in the game: its steps as a card, what to do now, praise. The words of the task are its panel's.
+// A kitchen task in the game: its steps as a card, instruction, praise. The task's texts are its panel's.
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
 import { labelOf, type ExercisePanel } from '../panel';
@@ -9,15 +9,15 @@ import { stepPicture, verbDisc } from './pictures';
 import { armOf, placedOf } from './joint';
 import { askedOf, jointOf, metAt, pointMet, type KitchenStep, type KitchenTask, type Verb } from './task';
 
-/** Scores from which on a done task has two stars, and three. */
+/** Minimum scores for two and for three stars. */
 const TWO_STARS = 70;
 const THREE_STARS = 90;
-/** The card has room for so many beside a meter: the last, the present one, the next. */
+/** Number of rows on a card beside a meter: the last, the present one, the next. */
 const MOST_ROWS = 3;
 const STEP: Bells = { tones_hz: [523, 784], apart_s: 0.14 };
 const ALL: Bells = { tones_hz: [392, 523, 659, 784, 1047], apart_s: 0.17 };
 
-/** Slower than this nothing is heard, so fast it is loud; it knocks at its end, this near, when it came so fast [m/s, m]. */
+/** Sound of motion: silent below the first speed, loud at the second; it knocks within this distance of its end when it came at this speed [m/s, m]. */
 const STILL_M_S = 0.006;
 const FAST_M_S = 0.15;
 const KNOCKS_M_S = 0.02;
@@ -26,7 +26,7 @@ const KNOCK: Bells = { tones_hz: [196, 147], apart_s: 0.03 };
 
 const PHASES: Readonly<Record<Verb, Phase>> = { reach: 'reach', take: 'squeeze', move: 'hold', hold: 'hold', press: 'hold', put: 'hold', let_go: 'letgo' };
 
-/** Share of a step that is done, 0 .. 1. @param from where its joint was when it began */
+/** Share of a step that is done, 0 .. 1. @param from the joint's coordinate when the step began */
 export function shareOf({ verb, to, for_s }: KitchenStep, q: number, from: number, held_s: number): number {
   const share = verb === 'move' && to !== undefined && Math.abs(to - from) > 1e-6 ? (q - from) / (to - from)
     : for_s ? held_s / for_s : 0;
@@ -41,9 +41,9 @@ export class KitchenPlay implements Play {
   private readonly plain: PanelPlay;
   private wasDone = true;
   private step = -1;
-  private from = 0;   // of the present step's joint, when it began
+  private from = 0;   // coordinate of the present step's joint when it began
   private last: { readonly q: number; readonly time_s: number } | undefined;
-  private speed_m_s = 0;   // of what is moved, where it is met
+  private speed_m_s = 0;   // speed of the moved body at the contact point
   private knocks = false;
 
   constructor(private readonly task: KitchenTask, private readonly shown: ExercisePanel, private readonly scene: SceneT) {
@@ -56,7 +56,7 @@ export class KitchenPlay implements Play {
     };
   }
 
-  /** It begins when it is not done any more. */
+  /** The exercise starts again after a restart. */
   follow(state: WorldStateT): boolean {
     const done = this.shown.done(state), begins = this.wasDone && !done, step = this.values.get(state, 'instruction');
     if (step !== this.step) this.from = this.values.get(state, 'joint_q');
@@ -81,7 +81,7 @@ export class KitchenPlay implements Play {
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
   watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
 
-  /** While a handle is on its way nothing is waited for. */
+  /** No task is named while a handle moves. */
   todo(state: WorldStateT): string {
     const step = this.now(state);
     return step && (step.verb !== 'hold') ? `${this.values.get(state, 'instruction')} ${step.verb === 'move' ? this.values.get(state, 'joint_q').toFixed(2) : ''}` : '';
@@ -89,7 +89,7 @@ export class KitchenPlay implements Play {
 
   goal(): null { return null; }
 
-  /** Where the joint is in its range, or for how much force is asked. */
+  /** A meter of the joint's coordinate in its range, or of the asked force. */
   meter(state: WorldStateT): Meter | null {
     const { values } = this, low = values.get(state, 'goal_low'), high = values.get(state, 'goal_high'), step = this.now(state);
     const joint = step && jointOf(this.task, step.body);
@@ -104,7 +104,7 @@ export class KitchenPlay implements Play {
     return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: labelOf(this.scene, 'joint_q') || text(`verb.${step.verb}`) };
   }
 
-  /** A row for each step; of many those about the present one. */
+  /** A row for each step; of many steps those around the present one. */
   card(state: WorldStateT): TaskCard {
     const { steps } = this.task, all = this.shown.done(state) ? steps.length : this.values.get(state, 'instruction');
     const rows = steps.map((step, i): TaskStep => {
@@ -123,14 +123,14 @@ export class KitchenPlay implements Play {
     return { ...this.plain.praise(state), effort: text('done.effort'), stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1 };
   }
 
-  /** What moves is heard: wood on wood, higher the faster. */
+  /** The sound of motion: wood on wood, higher with speed. */
   flow(): { rate: number; level: number; sound: FlowSound } {
     const rate = this.speed_m_s < STILL_M_S ? 0 : Math.min(1, this.speed_m_s / FAST_M_S);
     return { rate, level: rate, sound: 'slide' };
   }
 
-  /** A knock where it meets its end. */
-  heard(): Chime | undefined {
+  /** A knock when the body meets its end. */
+  takeChime(): Chime | undefined {
     const knocks = this.knocks;
     this.knocks = false;
     return knocks ? KNOCK : undefined;
@@ -150,12 +150,12 @@ export class KitchenPlay implements Play {
     this.knocks ||= left < END_M && was_m_s > KNOCKS_M_S && this.speed_m_s < was_m_s / 2;
   }
 
-  /** Nothing is held that is let go of. */
+  /** Whether the step releases a body that was not closed around, so that there is nothing to hold. */
   private leaves({ verb }: KitchenStep): boolean { return verb === 'let_go' && metAt(this.task, this.step)?.means === 'push'; }
 
   private now(state: WorldStateT): KitchenStep | undefined { return this.task.steps[this.values.get(state, 'instruction')]; }
 
-  /** What a step asks for, and how far it is. */
+  /** The asked amount of a step, and the amount so far. */
   private amounts(step: KitchenStep, state: WorldStateT): { askedWords: string; doneWords: string } {
     const a = this.values.get(state, 'held_s').toFixed(1);
     if (step.for_s) return { askedWords: text('hold', { a: step.for_s }), doneWords: text('holdOf', { a, b: step.for_s }) };

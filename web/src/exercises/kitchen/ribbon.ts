@@ -1,14 +1,14 @@
-// A band along a path that turns its flat side to the eye: arrows and rings of the cues.
+// A band along a path that turns its flat side to the camera: arrows and rings of the cues.
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, Mesh, Vector3 } from 'three';
 import { flat } from '../../scene/materials';
 
 const AMBER = '#ffb938';
 const INK = '#1c1410';
-/** Of the dark edge around it, and how far that is behind [m]. */
+/** Width of the dark edge around it, and its distance behind the band [m]. */
 const EDGE_M = 0.0026;
 const BEHIND_M = 0.001;
 
-/** Half width at a place of the path. @param left_m how far it is to the end */
+/** Half width at a point of the path. @param left_m remaining length to the end */
 export type HalfWidth = (left_m: number, edge_m: number) => number;
 
 function band(points: number, color: string, above: boolean): Mesh<BufferGeometry> {
@@ -25,14 +25,14 @@ export class Ribbon {
   readonly root = new Group();
   private readonly bands: readonly (readonly [Mesh<BufferGeometry>, number])[];
 
-  /** @param above the hand does not hide it */
+  /** @param above drawn over the hand */
   constructor(private readonly points: number, { color = AMBER, above = false } = {}) {
     this.bands = [[band(points, INK, above), EDGE_M], [band(points, color, above), 0]];
     this.bands[1]![0].renderOrder += 1;
     this.root.add(...this.bands.map(([mesh]) => mesh));
   }
 
-  /** @param path as many points as it was made for @param share of the path that is drawn, 0 .. 1 */
+  /** @param path as many points as given to the constructor @param share drawn share of the path, 0 .. 1 */
   lay(path: readonly Vector3[], eye: Vector3, half: HalfWidth, share = 1): void {
     const left = new Float64Array(this.points);
     for (let i = this.points - 2; i >= 0; i--) left[i] = left[i + 1]! + path[i]!.distanceTo(path[i + 1]!);

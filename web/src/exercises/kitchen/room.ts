@@ -1,4 +1,4 @@
-// The kitchen around: a tiled wall, a worktop of beech, the row of fronts in which a task's cabinet stands, things on the worktop.
+// The surroundings: a tiled wall, a beech worktop, the row of fronts around a task's cabinet, objects on the worktop.
 import { Color, Group, LatheGeometry, Matrix4, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, Vector3, type BufferGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import { turnOf } from '../../scene/camera';
@@ -9,20 +9,20 @@ import type { Size, Workshop } from './furniture';
 
 const WALL_Z = -0.62;
 const TILE = { wide_m: 0.15, tall_m: 0.075, across: 6, down: 8 } as const;
-/** How far fronts are apart, how wide those beside are, and how far the plinth is behind them [m]. */
+/** Gap between fronts, width of neighbouring ones, and offset of the plinth behind them [m]. */
 const GAP_M = 0.005;
 const NEIGHBOUR_M = 0.42;
 const PLINTH_M = 0.05;
-/** Of fronts under a worktop on which everything stands: how far it hangs over, how tall they are [m], how many there are to each side. */
+/** Fronts under a worktop that carries everything: its overhang, their height [m], and their number on each side. */
 const OVERHANG_M = 0.02;
 const BASE_M = 0.3;
-/** The plinth reaches so far down: out of every picture [m]. */
+/** Depth of the plinth, below every picture [m]. */
 const FLOOR_M = 0.9;
 const BASE_FRONTS = 4;
-/** A shelf begins so far behind a door [m]. */
+/** A shelf begins this far behind a door [m]. */
 const INSIDE_M = 0.02;
 
-/** Glazed tiles in a running bond, no two quite of one tone. */
+/** Glazed tiles in a running bond with slightly different tones. */
 function tileTexture(): Texture {
   const random = numbers(23), px = 128, w = TILE.across * 2 * px, h = TILE.down * px;
   const texture = picture(w, h, (pen) => {
@@ -49,7 +49,7 @@ function tileTexture(): Texture {
   return texture;
 }
 
-/** Staves of beech. */
+/** A texture of beech staves. */
 function beech(): Texture {
   const random = numbers(31), w = 1024, h = 512, rows = 8;
   const texture = picture(w, h, (pen) => {
@@ -80,7 +80,7 @@ function tiles(quality: Quality): Mesh {
   return mesh;
 }
 
-/** The wall stands along the row of fronts, not as the picture does. @param right the hand's side */
+/** The wall stands along the row of fronts and does not turn with the camera. @param right whether the hand is a right one */
 export const kitchen = (right: boolean): Setting => ({
   mood: { key: '#fff3df', rim: '#d8ecf2', lamps: '#ffe9c8', sky: '#fffaf0', ground: '#a08260', groundLow: '#b39c80' },
   wall(quality) {
@@ -92,10 +92,10 @@ export const kitchen = (right: boolean): Setting => ({
   counter: undefined,
 });
 
-/** Where the stage's wall is along x, in the program's frame. @param row_x where the stage stands */
+/** x of the stage's wall in the program's frame. @param row_x x of the stage */
 export const wallBehind = (row_x: number): number => row_x - WALL_Z;
 
-/** A wall of tiles in the program's frame, nearer than the stage's. */
+/** A tiled wall in the program's frame, nearer than the stage's. */
 export function makeWall(x: number, shop: Workshop): Mesh {
   const mesh = tiles(shop.quality);
   mesh.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(new Vector3(0, -1, 0), new Vector3(0, 0, 1), new Vector3(-1, 0, 0)));
@@ -103,10 +103,10 @@ export function makeWall(x: number, shop: Workshop): Mesh {
   return mesh;
 }
 
-/** A slab along the whole wall, the program's frame. */
+/** A slab along the whole wall, in the program's frame. */
 export function makeWorktop(near_x: number, top_z: number, thick_m: number, far_x: number, color: string, shop: Workshop): Mesh {
   const map = beech(), deep = far_x - near_x, mesh = shop.board([deep, WALL.width_m, thick_m], [(near_x + far_x) / 2, 0, top_z - thick_m / 2], surface(shop.quality, { map, color: new Color(color), roughness: 0.42, clearcoat: 0.35, clearcoatRoughness: 0.35 }), 0.006);
-  // Laid by its metres, staves along y.
+  // Texture coordinates in metres, staves along y.
   const { position, uv } = mesh.geometry.attributes;
   for (let i = 0; i < uv!.count; i++) uv!.setXY(i, position!.getY(i) / 1.1, (position!.getX(i) + position!.getZ(i)) / 0.5);
   return mesh;
@@ -119,7 +119,7 @@ function vase(shop: Workshop, outline: readonly (readonly [number, number])[], c
   return mesh;
 }
 
-/** Things that stand at the back of the worktop: jars, a board, a bowl of fruit, herbs. @param free_m of the worktop's middle stays free */
+/** Objects at the back of the worktop: jars, a board, a bowl of fruit, herbs. @param free_m width in the worktop's middle that stays free */
 export function makeThings(wall_x: number, z: number, side: number, free_m: number, shop: Workshop): Group {
   const root = new Group(), x = wall_x - 0.1;
   const stand = (mesh: Mesh, y: number, dx = 0, up = 0): void => {
@@ -151,7 +151,7 @@ export function makeThings(wall_x: number, z: number, side: number, free_m: numb
   return root;
 }
 
-/** An upright box of the world [m]. */
+/** An axis-aligned box of the world [m]. */
 export interface Extent { readonly low: Size; readonly high: Size }
 
 const boardIn = ({ low, high }: Extent, material: Material, edge_m: number, shop: Workshop): Mesh =>
@@ -159,7 +159,7 @@ const boardIn = ({ low, high }: Extent, material: Material, edge_m: number, shop
 
 const shadeOf = (shop: Workshop): Material => surface(shop.quality, { color: new Color('#4a3829'), roughness: 0.95 });
 
-/** What is seen behind a door that opens: a dark back, a shelf, bowls on it. @param around the boards of its cupboard */
+/** The inside behind an opening door: a dark back, a shelf, bowls on it. @param around bounds of its cupboard */
 export function makeInside(front: Extent, { low, high }: Extent, shop: Workshop): Group {
   const root = new Group(), from_x = front.high[0] + INSIDE_M, to_x = Math.max(high[0], from_x + 0.1) - 0.005, middle_y = (low[1] + high[1]) / 2, shelf_z = (low[2] + high[2]) / 2 - 0.03;
   const box = (x0: number, x1: number, z0: number, z1: number): Extent => ({ low: [x0, low[1] + 0.005, z0], high: [x1, high[1] - 0.005, z1] });
@@ -172,7 +172,7 @@ export function makeInside(front: Extent, { low, high }: Extent, shop: Workshop)
   return root;
 }
 
-/** The kitchen around a front that is built in under a worktop: fronts beside it, the shade behind, a plinth. */
+/** The kitchen around a front that is built in under a worktop: fronts beside it, shade behind, a plinth. */
 export function makeRow(front: Extent, around: Extent, worktop: Extent, color: string, shop: Workshop): Group {
   const root = new Group(), wood = shop.wood(color), shade = shadeOf(shop);
   const near_x = front.low[0], thick = front.high[0] - near_x, under_z = worktop.low[2], seam_z = front.low[2] - GAP_M / 2;
@@ -190,7 +190,7 @@ export function makeRow(front: Extent, around: Extent, worktop: Extent, color: s
   return root;
 }
 
-/** Fronts under a worktop on which everything stands: the shade behind them, a bar on each, a plinth. */
+/** Fronts under a worktop that carries everything: shade behind them, a bar on each, a plinth. */
 export function makeBase({ low, high }: Extent, color: string, shop: Workshop): Group {
   const root = new Group(), wood = shop.wood(color), near_x = low[0] + OVERHANG_M, top_z = low[2] - GAP_M, low_z = top_z - BASE_M;
   const board = (from: Size, to: Size, material: Material, edge_m: number): void => { root.add(boardIn({ low: from, high: to }, material, edge_m, shop)); };

@@ -4,15 +4,15 @@ import { ExerciseValues } from '../values';
 import { armOf, moved, placedOf, pointOf } from './joint';
 import { askedOf, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
-/** What is pressed is pressed with so much of the force that is asked for. */
+/** Range of the pressing force, relative to the asked force. */
 const FIRMLY = { low: 1.1, high: 2.2 } as const;
-/** Between these a handle is held well [N]. */
+/** Range of grip force in which a handle is held well [N]. */
 const HELD = { low_n: 2, high_n: 6 } as const;
-/** On a hinge the hand is led along the arc, so far ahead at most [rad, m]. */
+/** On a hinge the hand is led along the arc, at most this far ahead [rad, m]. */
 const AHEAD_RAD = 0.5;
 const AHEAD_M = 0.02;
 
-/** The handles of the bodies that the steps use. */
+/** The handles of the bodies that the steps use, as grasp targets. */
 export function kitchenTargets(task: KitchenTask, scene: SceneT): GraspTargets {
   const values = new ExerciseValues(scene.valueNames), bodies = usedBodies(task);
   const grips = bodies.map((body) => ({ body, at_m: pointMet(task, scene.bodies[body]!, body, undefined) }));
@@ -36,7 +36,7 @@ export function kitchenTargets(task: KitchenTask, scene: SceneT): GraspTargets {
       return { at_m: pointMet(task, scene.bodies[body]!, body, met), base_m: triple(met.base_m), pushes: met.means === 'push' ? triple(met.toward) : undefined };
     },
     goesOn: (state) => values.get(state, 'instruction') < task.steps.length - 1,
-    /** The way of the handle to where its joint is to be. */
+    /** Path of the handle to the goal of its joint. */
     awayFromUse(state, grip): Position | undefined {
       const step = stepOf(state), body = bodies[grip], joint = body === undefined ? undefined : jointOf(task, body);
       const now = body === undefined ? undefined : placedOf(state.bodies[body]);

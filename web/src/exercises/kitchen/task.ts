@@ -1,4 +1,4 @@
-// A task of the kitchen as data: what its TOML file says, as the scene message tells it. Pure.
+// A kitchen task as data: the content of its TOML file, from the scene message. Pure.
 import type { BodyT, PoseT, SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { ShapeType } from '../../protocol';
 import type { Position } from '../exercise';
@@ -10,36 +10,36 @@ export interface KitchenStep {
   readonly verb: Verb;
   /** Index of the body in the scene. */
   readonly body: number;
-  /** Where its joint is to be [m or rad]. */
+  /** Goal of its joint [m or rad]. */
   readonly to?: number;
   readonly for_s?: number;
-  /** That is asked for [N], before the live parameter force_ratio. */
+  /** The asked force [N], before the live parameter force_ratio. */
   readonly force_n?: number;
-  /** Where its centre is to be: an upright box of the world. */
+  /** Centre of the goal region, an axis-aligned box of the world. */
   readonly center_m?: Triple;
   readonly half_size_m?: Triple;
-  readonly met?: Met;
+  readonly met?: ContactManner;
 }
 
 type Triple = readonly [number, number, number];
 
-/** What the hand does to the body of a step: closes around it, pushes it with straight fingers, or closes so that it comes towards the palm. */
-export interface Met {
+/** How the hand meets the body of a step: it closes around it, pushes it with straight fingers, or closes so that it moves towards the palm. */
+export interface ContactManner {
   readonly means: 'grasp' | 'push' | 'squeeze';
-  /** Of a push, in the world. */
+  /** Direction of a push, in the world. */
   readonly toward: Triple;
-  /** From the grip to the point that is met, body's frame. */
+  /** From the grip to the contact point, in the body's frame. */
   readonly side_m: Triple;
-  /** Device coordinates of the hand, less the point that is met. */
+  /** Device coordinates of the hand minus the contact point. */
   readonly base_m: Triple;
 }
 
-/** A body slides along an axis, or turns about it. Axis and point: world, at the start. */
+/** A joint: a body slides along an axis, or turns about it. Axis and point: world, at the start. */
 export interface Joint {
   readonly type: 'hinge' | 'slide';
   readonly axis: Triple;
   readonly point_m: Triple;
-  readonly least: number | null;   // m or rad; null: it has no end
+  readonly least: number | null;   // m or rad; null: no end
   readonly most: number | null;
 }
 
@@ -47,12 +47,12 @@ export interface Thing { readonly body: number; readonly joint?: Joint; readonly
 
 export interface KitchenTask { readonly steps: readonly KitchenStep[]; readonly things: readonly Thing[] }
 
-/** Undefined where the exercise is another one, or its task has nothing that the scene shows. */
+/** The task of a scene; undefined for another exercise, or a task whose bodies the scene does not contain. */
 export function taskOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): KitchenTask | undefined {
-  const told = scene && parsed(String(scene.exerciseJson ?? ''));
-  if (told?.kind !== 'kitchen' || !told.steps?.length) return undefined;
-  const isThere = told.steps.every(({ verb, body }) => VERBS.includes(verb) && scene!.bodies[body] !== undefined);
-  return isThere ? { steps: told.steps, things: told.things ?? [] } : undefined;
+  const parsedTask = scene && parsed(String(scene.exerciseJson ?? ''));
+  if (parsedTask?.kind !== 'kitchen' || !parsedTask.steps?.length) return undefined;
+  const isThere = parsedTask.steps.every(({ verb, body }) => VERBS.includes(verb) && scene!.bodies[body] !== undefined);
+  return isThere ? { steps: parsedTask.steps, things: parsedTask.things ?? [] } : undefined;
 }
 
 function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | null {
@@ -66,32 +66,32 @@ function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | nul
 /** The joint of a body; undefined: it moves freely, or not at all. */
 export const jointOf = (task: KitchenTask, body: number): Joint | undefined => task.things.find((thing) => thing.body === body)?.joint;
 
-/** The force that a step asks for now [N]. */
+/** The present force that a step asks for [N]. */
 export function askedOf({ force_n = 0 }: KitchenStep, { parameters }: Pick<SceneT, 'parameters'>, { parameters: now }: Pick<WorldStateT, 'parameters'>): number {
   const ratio = now?.[parameters?.findIndex(({ name }) => String(name) === 'force_ratio') ?? -1] ?? 1;
   return force_n * ratio;
 }
 
-/** How the body of a step is met; where it is let go of, as it was met before. */
-export function metAt({ steps }: KitchenTask, now: number): Met | undefined {
+/** How the body of a step is met; for a release, as it was met before. */
+export function metAt({ steps }: KitchenTask, now: number): ContactManner | undefined {
   let i = Math.min(now, steps.length - 1);
   while (i > 0 && steps[i]!.verb === 'let_go') i -= 1;
   return steps[i]?.met;
 }
 
-/** Where a body is taken or pushed, its own frame. */
-export function pointMet(task: KitchenTask, body: BodyT, index: number, met: Met | undefined): Position {
+/** Point where a body is taken or pushed, in its own frame. */
+export function pointMet(task: KitchenTask, body: BodyT, index: number, met: ContactManner | undefined): Position {
   const grip_m = task.things.find((thing) => thing.body === index)?.grip_m, [dx, dy, dz] = met?.side_m ?? [0, 0, 0];
   if (!grip_m) return handleOf(body).at_m;
   const [x, y, z] = grip_m;
   return { x: x + dx, y: y + dy, z: z + dz };
 }
 
-/** The bodies that are used, in the order in which the task asks for them. */
+/** The used bodies, in the order of the task. */
 export const usedBodies = (task: KitchenTask): readonly number[] => [...new Set(task.steps.map(({ body }) => body))];
 
 export interface Handle {
-  readonly at_m: Position;     // its middle, the body's frame
+  readonly at_m: Position;     // its middle, in the body's frame
   readonly turn: PoseT['orientationXyzw'];
   readonly radius_m: number;
   readonly length_m: number;
@@ -99,10 +99,10 @@ export interface Handle {
 
 const barsOf = ({ shapes }: Pick<BodyT, 'shapes'>): ShapeT[] => shapes.filter(({ type }) => type === ShapeType.Cylinder || type === ShapeType.Capsule);
 
-/** Whether it has something to close a hand around. */
+/** Whether the body has a bar that a hand can close around. */
 export const hasBar = (body: Pick<BodyT, 'shapes'>): boolean => barsOf(body).length > 0;
 
-/** What of a body is taken: its longest bar; of one without a bar its middle. */
+/** The grasped part of a body: its longest bar, or its middle if it has no bar. */
 export function handleOf(body: Pick<BodyT, 'shapes'>): Handle {
   const bars = barsOf(body);
   const bar = bars.reduce<(typeof bars)[number] | undefined>((best, one) => (best && best.lengthM >= one.lengthM ? best : one), undefined);

@@ -6,14 +6,14 @@ import type { Quality } from '../../scene/quality';
 export interface BalloonColors { readonly main: string; readonly stripe: string }
 
 const GORES = 12;
-/** The basket's middle under the envelope's, of a balloon of radius 1. */
+/** Height of the basket's middle relative to the envelope's, for a balloon of radius 1. */
 export const BASKET_Y = -1.86;
-/** The burner, over the basket. */
+/** Height of the burner, over the basket. */
 const FLAME_Y = -1.68;
-/** Half outline over the mouth, of a balloon of radius 1: from the mouth to the crown. */
+/** Half profile of a balloon of radius 1, from the mouth to the crown. */
 const OUTLINE = [[0.2, -1.28], [0.36, -1.12], [0.62, -0.78], [0.86, -0.38], [0.98, 0], [0.99, 0.22], [0.9, 0.52], [0.7, 0.78], [0.4, 0.95], [0, 1]] as const;
 
-/** @param radius_m of the envelope; the origin is its middle */
+/** @param radius_m radius of the envelope; the origin is its middle */
 export function makeBalloon(radius_m: number, { main, stripe }: BalloonColors, quality: Quality): Group {
   const root = new Group(), around = quality === 'high' ? 4 * GORES : 2 * GORES;
   const geometry = new LatheGeometry(OUTLINE.map(([r, y]) => new Vector2(r, y)), around).toNonIndexed();
@@ -43,7 +43,7 @@ export function makeBalloon(radius_m: number, { main, stripe }: BalloonColors, q
   return root;
 }
 
-/** The burner's flame under the mouth, of a balloon of radius 1; it stands on its foot. */
+/** The burner's flame under the mouth, for a balloon of radius 1; its origin is its foot. */
 export function makeFlame(): Group {
   const root = new Group();
   for (const [radius, tall, color] of [[0.2, 0.66, '#FF9A2E'], [0.11, 0.44, '#FFF0B0']] as const) {

@@ -1,16 +1,16 @@
-// The balloon's course in the window: two ribbons that bound the band, what of its time is held, and chevrons.
+// The balloon's course in the window: two ribbons that bound the band, the held share of its time, and chevrons.
 import { DoubleSide, Group, Mesh, PlaneGeometry, Shape, ShapeGeometry, type Material } from 'three';
 import { flat } from '../../scene/materials';
 import type { Flight } from './flight';
 
-/** Of the basket's way: its foot and its head over the counter, and how wide the ribbons are [m]. */
+/** The basket's course: lowest and highest point over the counter, and width of the ribbons [m]. */
 export const COURSE = { low_m: 0.105, high_m: 0.44, wide_m: 0.26 } as const;
 const RIBBON_M = 0.004;
 const EDGE_M = 0.0085;
-/** Chevrons beside the basket [m]. */
+/** Size of the chevrons beside the basket [m]. */
 const CHEVRON = { wide_m: 0.034, tall_m: 0.017, thick_m: 0.0075, apart_m: 0.02, aside_m: 0.07 } as const;
 
-/** Height over the counter of 0 .. 1 of the course [m]. */
+/** Height over the counter for 0 .. 1 of the course [m]. */
 export const overCounter = (height: number): number => COURSE.low_m + (COURSE.high_m - COURSE.low_m) * height;
 
 const plane = (wide: number, tall: number, material: Material, z: number): Mesh => {
@@ -25,7 +25,7 @@ function ribbon(): Group {
   return root;
 }
 
-/** Points up. @param grow of its edge [m] */
+/** A chevron that points up. @param grow width of its edge [m] */
 function chevron(color: string, grow: number): Mesh {
   const { wide_m, tall_m, thick_m } = CHEVRON, half = wide_m / 2 + grow, shape = new Shape();
   shape.moveTo(-half, -grow);

@@ -1,9 +1,9 @@
-// When all is done, the valley's other balloons rise, once, and stay.
+// After the last band the valley's other balloons rise once, and stay.
 import { Group } from 'three';
 import type { Quality } from '../../scene/quality';
 import { makeBalloon, type BalloonColors } from './balloon';
 
-/** Where each stays, aside of the stage's middle and over the counter, its size [m], and when it begins to rise [s]. */
+/** Final position of each relative to the stage's middle and over the counter, its size [m], and the time when it begins to rise [s]. */
 const FLEET: readonly { readonly x: number; readonly y: number; readonly radius: number; readonly from_s: number; readonly colors: BalloonColors }[] = [
   { x: -0.27, y: 0.33, radius: 0.016, from_s: 0.2, colors: { main: '#F6C636', stripe: '#FFF6E6' } },
   { x: -0.08, y: 0.24, radius: 0.013, from_s: 0.6, colors: { main: '#3B6FD1', stripe: '#FBF4E6' } },
@@ -15,7 +15,7 @@ const FLEET: readonly { readonly x: number; readonly y: number; readonly radius:
 const RISE_S = 2.4;
 const FROM_M = 0.1;
 
-/** Where a rising balloon is after so long, 0 .. 1 of its way. */
+/** Progress of a rising balloon at a time, 0 .. 1. */
 export function risen(since_s: number, from_s: number): number {
   const share = Math.min(1, Math.max(0, (since_s - from_s) / RISE_S));
   return share * share * (3 - 2 * share);
@@ -32,7 +32,7 @@ export class Fleet {
     this.root.add(...this.balloons);
   }
 
-  /** @param still nothing moves: they are there at once */
+  /** @param still no motion: they appear at once */
   update(done: boolean, still: boolean, dt_s: number): void {
     this.since_s = !done ? 0 : still ? Infinity : this.since_s + dt_s;
     this.balloons.forEach((balloon, i) => {

@@ -1,4 +1,4 @@
-// How the balloon shows the task: its basket's height is the squeeze, and two ribbons are the band. Pure.
+// The balloon as a display of the task: its basket's height is the squeeze, and two ribbons are the band. Pure.
 import type { WorldStateT } from '../../protocol';
 import type { ExerciseValues } from '../values';
 import { Instruction } from './grip';
@@ -9,10 +9,10 @@ const FULL_N = 8;
 /** Flow at which the burner's flame is as high as it is modelled [ml/s]. */
 const FULL_ML_S = 2;
 
-/** 0 .. 1 of the balloon's way up. */
+/** Height of the balloon, 0 .. 1. */
 export const heightOf = (force_n: number): number => Math.min(1, Math.max(0, force_n / FULL_N));
 
-/** Where to go: to the grip, up, down, stay, open the hand; 'none' when all is done. */
+/** The next action: to the grip, up, down, stay, open the hand; 'none' when all is done. */
 export type Cue = 'grip' | 'up' | 'down' | 'stay' | 'open' | 'none';
 
 const CUES: Readonly<Record<number, Cue>> = {
@@ -22,18 +22,18 @@ const CUES: Readonly<Record<number, Cue>> = {
 
 export interface Flight {
   readonly cue: Cue;
-  readonly height: number;                                                  // of the balloon, 0 .. 1
-  readonly band: { readonly low: number; readonly high: number } | null;    // where it is to be held
-  readonly flame: number;                                                   // of the burner, 0 .. 1: the flow out of the grip
-  readonly held: number;                                                    // share of the band's time, 0 .. 1
-  readonly lit: number;                                                     // bands that are done
+  readonly height: number;                                                  // height of the balloon, 0 .. 1
+  readonly band: { readonly low: number; readonly high: number } | null;    // goal range of the height
+  readonly flame: number;                                                   // burner flame, 0 .. 1: the flow out of the grip
+  readonly held: number;                                                    // held share of the band's time, 0 .. 1
+  readonly lit: number;                                                     // number of finished bands
   readonly bands: number;
 }
 
-/** @param hold_s how long a band is to be held */
+/** @param hold_s holding time of a band */
 export function flightOf(values: ExerciseValues, state: Pick<WorldStateT, 'values'>, hold_s: number): Flight {
   const cue = CUES[values.get(state, 'instruction')] ?? 'none';
-  // While the hand is to open, the goal is no squeeze at all.
+  // While the hand must open, the goal is zero squeeze.
   const banded = cue !== 'open' && cue !== 'none';
   return {
     cue, height: heightOf(values.get(state, 'squeeze_n')),

@@ -1,4 +1,4 @@
-// What the scene of this exercise has: the grip, and the counter under it.
+// The bodies of this exercise's scene: the grip, and the counter below it.
 import { ShapeType, type SceneT } from '../../protocol';
 
 export interface Grip {
@@ -12,7 +12,7 @@ export interface Grip {
 /** The value `instruction` (src/exercises/squeeze_to_level/squeeze_task.hpp). */
 export const Instruction = { Reach: 0, More: 1, Hold: 2, Less: 3, LetGo: 4, Done: 5 } as const;
 
-/** The grip of a scene: its fixed cylinder. Undefined where the exercise is another one. */
+/** The grip of a scene: its fixed cylinder. Undefined for another exercise. */
 export function gripOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): Grip | undefined {
   if (!scene || !isOfKind(String(scene.exerciseJson ?? ''))) return undefined;
   const find = (type: ShapeType) => scene.bodies.findIndex(({ fixed, shapes }) => fixed && shapes.length === 1 && shapes[0]!.type === type);

@@ -1,4 +1,4 @@
-// The soft handle that is squeezed: leather with a wave, brass rings, and the rod that it hangs on.
+// The soft handle to squeeze: leather with a wave, brass rings, and the rod that it hangs on.
 import { Color, CylinderGeometry, Group, LatheGeometry, Mesh, RepeatWrapping, Vector2, type BufferAttribute, type BufferGeometry, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
@@ -6,10 +6,10 @@ import { brass } from '../../scene/stage';
 import { numbers, picture } from '../../scene/textures';
 import type { Grip } from './grip';
 
-/** How far the rod goes up, out of the picture [m]. */
+/** Length of the rod, which ends above the picture [m]. */
 const ROD_M = 0.6;
 
-/** Blue leather: its grain, and pale stitches round it. */
+/** Blue leather: its grain, and pale stitches around it. */
 function leather(): Texture {
   const random = numbers(29), w = 512, h = 1024;
   const texture = picture(w, h, (pen) => {
@@ -39,7 +39,7 @@ function leather(): Texture {
   return texture;
 }
 
-/** Its straight side is in `rows` pieces: it yields where it is squeezed. */
+/** The straight side has `rows` segments, so that it can deform. */
 function body({ radius_m: r, height_m }: Grip, quality: Quality): Mesh<BufferGeometry> {
   const half = height_m / 2, rows = quality === 'high' ? 40 : 2, low = -half + 0.012, high = half - 0.012;
   const side = Array.from({ length: rows }, (_, i) => [r, low + (high - low) * i / (rows - 1)] as const);
@@ -62,7 +62,7 @@ export function makeHandle(grip: Grip, quality: Quality): { root: Group; side: B
     root.add(mesh);
   };
   root.add(leathern);
-  // Nothing sticks out of the cylinder that is felt.
+  // No part exceeds the collision cylinder.
   part(0.8 * grip.radius_m, 0.012, half + 0.006);
   part(0.4 * grip.radius_m, 0.012, half + 0.018);
   part(0.0042, ROD_M, half + 0.024 + ROD_M / 2);

@@ -11,13 +11,13 @@ const WALL_Z = -0.62;
 const VALLEY_Z = -0.72;
 /** Size of the valley's painting [m]. */
 const VALLEY = { width_m: 1.1, height_m: 0.55, low_m: -0.02 } as const;
-/** The window, and the distance of its posts. Within one pane nothing is before the balloon. */
+/** The window, and the distance of its posts. Within one pane nothing hides the balloon. */
 export const WINDOW = { low_m: 0.035, high_m: 0.52, pane_m: 0.38, post_m: 0.022 } as const;
-/** Where a post stands, aside of the stage's middle [m]; the balloon's pane is on the side of the fingers. */
+/** Position of a post relative to the stage's middle [m]; the balloon's pane is on the side of the fingers. */
 export const POST_X_M = 0.03;
 const PLANK_M = 0.09;
 
-/** Planks, lying, with their grain and seams. */
+/** Horizontal planks with grain and seams. */
 function plankTexture(): Texture {
   const random = numbers(19), w = 1024, h = 512, rows = 4;
   const texture = picture(w, h, (pen) => {
@@ -81,7 +81,7 @@ function wall(quality: Quality, right: boolean): Group {
   return root;
 }
 
-/** The hut in the morning. @param right the hand's side */
+/** The hut in the morning. @param right whether the hand is a right one */
 export const hut = (right: boolean): Setting => ({
   mood: { key: '#fff2dc', rim: '#bfe0f2', lamps: undefined, sky: '#eaf4fb', ground: '#8a6a48', groundLow: '#96795c' },
   wall: (quality) => wall(quality, right),

@@ -1,4 +1,4 @@
-// Squeezing to a level in the picture: the handle, and the balloon that it lifts over the valley.
+// Squeezing to a level in the picture: the handle, and the balloon over the valley that shows the squeeze.
 import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
 import type { SkinUniforms } from '../../hand/skin_shader';
 import type { SceneT, WorldStateT } from '../../protocol';
@@ -22,14 +22,14 @@ import { text } from './i18n';
 import { Lantern } from './lanterns';
 import { holdOf } from './play';
 
-/** The balloon's pane: its middle, aside of the stage's; and before the window [m]. */
+/** The balloon's course: middle of its pane, relative to the stage's middle, and distance in front of the window [m]. */
 const COURSE_X_M = POST_X_M - WINDOW.pane_m / 2;
 const COURSE_Z_M = -0.56;
 const BALLOON_M = 0.036;
 const LANTERN = { apart_m: 0.085, z_m: -0.55 } as const;
-/** The sign over the handle [m]. */
+/** Size and offset of the sign over the handle [m]. */
 const SIGN = { wide_m: 0.15, over_m: 0.045, before_m: 0.02 } as const;
-/** The balloon follows the squeeze within this [s]: cloth is slow. */
+/** Time constant of the balloon, which follows the squeeze slowly [s]. */
 const FOLLOW_S = 0.12;
 
 export class HutView implements ExerciseView {
@@ -40,7 +40,7 @@ export class HutView implements ExerciseView {
   private readonly hold_s: number;
   private readonly handle: Group;
   private readonly dent: Dent | undefined;
-  private readonly outside = new Group();   // stands as the room does
+  private readonly outside = new Group();   // turned like the room
   private readonly balloon: Group;
   private readonly flame = makeFlame();
   private readonly course = new Course();
@@ -59,7 +59,7 @@ export class HutView implements ExerciseView {
     this.hold_s = holdOf(scene);
     const { root, side } = makeHandle(grip, quality);
     this.handle = root;
-    // Plain materials do without, as a finger is at most a few millimetres inside.
+    // Plain materials need no dent, as a finger is at most a few millimetres inside.
     this.dent = quality === 'high' ? new Dent(side, grip.radius_m) : undefined;
     this.balloon = makeBalloon(BALLOON_M, { main: '#C8452F', stripe: '#FFE3A3' }, quality);
     this.balloon.add(this.flame);
@@ -96,7 +96,7 @@ export class HutView implements ExerciseView {
     this.burns += (flight.flame - this.burns) * follow;
     this.flame.visible = this.burns > 0.02;
     this.flame.scale.set(0.6 + 0.4 * this.burns, Math.max(this.burns, 0.02), 0.6 + 0.4 * this.burns);
-    // The basket is what stands between the ribbons.
+    // The basket is the part between the ribbons.
     this.balloon.position.set(this.side * COURSE_X_M, overCounter(this.height) - BASKET_Y * BALLOON_M, COURSE_Z_M + 0.03);
     this.course.update({ ...flight, height: this.height });
     this.fleet.update(flight.cue === 'none' && flight.bands > 0, this.still.matches, dt_s);
@@ -116,7 +116,7 @@ export class HutView implements ExerciseView {
     if (!at?.positionM || !at.orientationXyzw) return;
     toThree(at.positionM, this.handle.position);
     quaternionToThree(at.orientationXyzw, this.handle.quaternion);
-    // Over the handle as the eye sees it.
+    // Over the handle as seen from the camera.
     const top = this.handle.position.clone().add(new Vector3(0, this.grip.height_m / 2 + SIGN.over_m, 0));
     this.sign.root.position.copy(top).addScaledVector(eye.clone().sub(top).normalize(), SIGN.before_m);
     this.sign.root.rotation.y = this.outside.rotation.y;

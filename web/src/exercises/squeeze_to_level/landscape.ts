@@ -1,10 +1,10 @@
-// The valley in the morning, painted once: sky, ranges in haze, a lake.
+// The valley in the morning, painted once: sky, mountain ranges in haze, a lake.
 import { MirroredRepeatWrapping, type Texture } from 'three';
 import { graded, numbers, picture, type Pen } from '../../scene/textures';
 
 const WIDTH = 2048;
 const HEIGHT = 1024;
-/** Ranges from far to near: foot and height as parts of the picture, roughness, colours of crest and foot. */
+/** Ranges from far to near: foot and height relative to the picture, roughness, colours of crest and foot. */
 const RANGES = [
   { foot: 0.66, rise: 0.34, rough: 1, seed: 11, crest: '#8fa9c4', base: '#d9cfc6', snow: true },
   { foot: 0.72, rise: 0.25, rough: 0.8, seed: 23, crest: '#6d8fa6', base: '#c3c6bd', snow: true },
@@ -12,7 +12,7 @@ const RANGES = [
   { foot: 0.8, rise: 0.09, rough: 0.45, seed: 41, crest: '#3c6561', base: '#6f9382', snow: false },
 ] as const;
 
-/** A crest: midpoints displaced by ever smaller amounts, 0 .. 1. */
+/** A crest by midpoint displacement, 0 .. 1. */
 function crest(seed: number, rough: number): number[] {
   const random = numbers(seed * 7919);
   let line = [0.35, 0.8, 0.45, 0.95, 0.4];
@@ -36,7 +36,7 @@ function mountains(pen: Pen): void {
     pen.fillStyle = graded(pen.createLinearGradient(0, (foot - rise) * HEIGHT, 0, foot * HEIGHT), [[0, high], [1, base]]);
     pen.fill();
     if (!snow) continue;
-    // Snow lies on what is high.
+    // Snow covers the high parts.
     pen.save();
     pen.clip();
     pen.fillStyle = 'rgba(255,246,234,.78)';
@@ -92,7 +92,7 @@ function water(pen: Pen): void {
   }
 }
 
-/** Wide enough for the middle of the window; beside it, it is mirrored. */
+/** Wide enough for the middle of the window; it is mirrored to both sides. */
 export function valleyTexture(): Texture {
   const texture = picture(WIDTH, HEIGHT, (pen) => {
     sky(pen);

@@ -1,4 +1,4 @@
-// Lanterns on the sill, one for each band: lit when it was held.
+// Lanterns on the sill, one for each band: lit after it was held.
 import { AdditiveBlending, Color, ConeGeometry, CylinderGeometry, Group, Mesh, Sprite, SpriteMaterial, TorusGeometry, type MeshLambertMaterial } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
@@ -7,7 +7,7 @@ import { glowTexture } from '../../scene/textures';
 
 const DARK = new Color('#5f6f74');
 const LIT = new Color('#ffd777');
-/** From dark to lit [s]. */
+/** Time from dark to lit [s]. */
 const FADE_S = 0.4;
 
 export class Lantern {
@@ -40,7 +40,7 @@ export class Lantern {
     this.root.add(this.glow);
   }
 
-  /** @param light 0 .. 1, what it is to become */
+  /** @param light target brightness, 0 .. 1 */
   update(light: number, dt_s: number): void {
     const step = dt_s / FADE_S;
     this.light += Math.min(step, Math.max(-step, light - this.light));

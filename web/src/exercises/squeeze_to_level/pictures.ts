@@ -1,9 +1,9 @@
-// Drawings of the card and of the welcome.
+// Drawings for the task card and the welcome card.
 import { drawing } from '../../shared/dom';
 
 const INK = '#2A1C14';
 
-/** A disc with a balloon at its height over the hills. @param of how many heights there are */
+/** A disc with a balloon at its height over the hills. @param of number of heights */
 export function heightDisc(height: number, of: number): SVGElement {
   const y = 66 - 34 * (of > 1 ? height / (of - 1) : 0);
   return drawing(`<svg class="swatch" viewBox="0 0 100 100" aria-hidden="true"><defs><clipPath id="height-${height}"><circle cx="50" cy="50" r="47"/></clipPath></defs>
@@ -22,7 +22,7 @@ const ribbon = (y: number): string => `<path d="M20 ${y}h220" stroke="${INK}" st
 const fingers = (skin: string): string => [[INK, 7], [skin, 0]].map(([color, more]) => `<g stroke="${color}" stroke-linecap="round" fill="none"><path d="M112 46h22M110 62h24M112 78h22" stroke-width="${13 + Number(more)}"/><path d="M190 74L160 50 122 40" stroke-width="${17 + Number(more)}"/><path d="M172 66L192 80" stroke-width="${34 + Number(more)}"/></g>`).join('')
   + `<path d="M204 84L258 112" stroke="${INK}" stroke-width="44"/><path d="M206 85L260 113" stroke="#3A4A57" stroke-width="36"/>`;
 
-/** Take hold, squeeze, hold; the hand in the tone that the person chose. */
+/** The steps take hold, squeeze and hold; the hand has the chosen skin tone. */
 export function stepPicture(step: 1 | 2 | 3, skin: string): SVGElement {
   const content = {
     1: `${handle(114)}${fingers(skin)}`,

@@ -1,4 +1,4 @@
-// Squeezing to a level in the game: the bands as a card, what to do now, praise.
+// Squeezing to a level in the game: the bands as a card, instruction, praise.
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
 import type { ExercisePanel } from '../panel';
@@ -8,10 +8,10 @@ import { flightOf, type Cue, type Flight } from './flight';
 import { text } from './i18n';
 import { heightDisc, stepPicture } from './pictures';
 
-/** Scores from which on a done exercise has two stars, and three. */
+/** Minimum scores for two and for three stars. */
 const TWO_STARS = 70;
 const THREE_STARS = 90;
-/** A band that is held rings one tone higher than the last. */
+/** Each held band sounds one tone higher than the last. */
 const ENTERED: Bells = { tones_hz: [587], apart_s: 0.12 };
 const HELD: Bells = { tones_hz: [587, 880], apart_s: 0.2 };
 const ALL: Bells = { tones_hz: [440, 587, 740, 880], apart_s: 0.22 };
@@ -23,7 +23,7 @@ const MORE: Readonly<Record<Cue, () => string>> = {
 
 const PHASES: Readonly<Record<Cue, Phase>> = { grip: 'reach', up: 'squeeze', stay: 'hold', down: 'hold', open: 'letgo', none: 'success' };
 
-/** How long a band is to be held: the range of the value that counts it [s]. */
+/** Holding time of a band: the range of the value that counts it [s]. */
 export function holdOf(scene: Pick<SceneT, 'panel'>): number {
   return scene.panel?.values.find(({ name }) => String(name) === 'held_s')?.upper ?? 2;
 }
@@ -49,7 +49,7 @@ export class LevelPlay implements Play {
     };
   }
 
-  /** It begins when it is not done any more. */
+  /** The exercise starts again after a restart. */
   follow(state: WorldStateT): boolean {
     const done = this.shown.done(state), begins = this.wasDone && !done;
     this.wasDone = done;
@@ -66,7 +66,7 @@ export class LevelPlay implements Play {
   donePrompt(): Prompt { return { title: text('done.title'), more: text('more.none') }; }
   watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
 
-  /** Nothing is waited for while the balloon is on its way up, or held. */
+  /** No task is named while the balloon rises, or is held. */
   todo(state: WorldStateT): string {
     const { cue, height, lit } = this.flight(state);
     return cue === 'grip' || cue === 'open' || (cue === 'up' && height === 0) ? `${cue} ${lit}` : '';
@@ -97,7 +97,7 @@ export class LevelPlay implements Play {
     };
   }
 
-  /** The burner: as loud as what flows out of the grip. */
+  /** The burner: its volume follows the flow out of the grip. */
   flow(state: WorldStateT): { rate: number; level: number; sound: FlowSound } {
     const { flame, height } = this.flight(state);
     return { rate: 2 * flame, level: height, sound: 'air' };

@@ -1,4 +1,4 @@
-// A woven runner on the counter, under the handle: as flat as the counter that is felt.
+// A woven runner on the counter, under the handle: as flat as the collision shape of the counter.
 import { Mesh, PlaneGeometry, RepeatWrapping, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
@@ -27,7 +27,7 @@ function weave(): Texture {
         pen.fill();
       }
     }
-    // A star of eight in the middle.
+    // An eight-pointed star in the middle.
     for (let i = 0; i < 8; i++) {
       const turn = i * Math.PI / 4, at = (r: number, more: number): [number, number] => [128 + r * Math.cos(turn + more), 250 + r * Math.sin(turn + more)];
       pen.beginPath();

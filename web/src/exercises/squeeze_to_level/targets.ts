@@ -3,7 +3,7 @@ import type { GraspTargets } from '../exercise';
 import { ExerciseValues } from '../values';
 import { Instruction, type Grip } from './grip';
 
-/** The grip, as what the hand grasps: it is squeezed into the band that is asked for, and let go of when that was held. */
+/** The grip as a grasp target: it is squeezed into the current band, and released after the band was held. */
 export function gripTargets(grip: Grip, scene: SceneT): GraspTargets {
   const values = new ExerciseValues(scene.valueNames);
   return {

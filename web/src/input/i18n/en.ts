@@ -1,20 +1,20 @@
 import type { Way } from '../wish';
 
-/** One line of help: what to use, and what it does. */
+/** One line of help: the keys, and their effect. */
 export interface HelpLine { keys: string[]; does: string }
 
 export interface InputTexts {
   ways: Record<Way, string>;
   help: Record<Way, HelpLine[]>;
-  /** What is pressed once where an exercise does the rest with full help. */
+  /** The single press, where an exercise does the rest with full help. */
   oneButton: Partial<Record<Way, string>>;
-  /** How a squeeze that is held is ended. */
+  /** How to end a squeeze that is held. */
   letGo: Record<Way, string>;
-  /** How to squeeze where the person does everything. */
+  /** How to squeeze without help. */
   hold: Record<Way, string>;
   touch: { squeeze: string; higher: string; lower: string };
   webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended', string>;
-  /** While the camera is on: what to do before it steers, and in the play. */
+  /** Texts while the camera is on: before it steers, and during play. */
   camera: Record<'ask' | 'askMore' | 'load' | 'loadMore' | 'frame' | 'frameMore' | 'noHand' | 'noHandMore' | 'otherWay' | 'again', string>;
 }
 

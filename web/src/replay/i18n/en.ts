@@ -1,4 +1,4 @@
-/** Everything that the replay says. The other languages have the same shape. */
+/** The texts of the replay. The other languages have the same keys. */
 export const en = {
   title: '{name}: replay', brand: 'Replay',
   report: 'Report', reportOf: 'Report of {name}',

@@ -1,4 +1,4 @@
-/** Everything that the report says. The other languages have the same shape. */
+/** The texts of the report. The other languages have the same keys. */
 export const en = {
   title: 'Report: {name}', report: 'Report', replay: 'Look at it again', print: 'Print', therapy: 'Therapy', engineering: 'Engineering',
   pageOf: 'Page {n} of {m}', program: 'Program {version}', notDiagnosis: 'Not a diagnosis. Every number comes from the recording.',

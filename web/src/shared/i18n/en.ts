@@ -1,4 +1,4 @@
-// English. One line per text; {x} stands for what the page fills in.
+// English texts, one on each line; {x} stands for a value that the page fills in.
 export const en = {
   // ---- names
 
@@ -132,7 +132,7 @@ export const en = {
   'webgl.lostSoft': 'It mostly comes back by itself. If not, load this page again.',
   'webgl.backTitle': 'The picture is back',
 
-  // ---- why an order was refused: protocol Refusal by its names; {reason} is the program's own, in English
+  // ---- reasons of refused orders: protocol Refusal by its names; {reason} is the program's own, in English
   'refusal.Unreadable': 'The program could not read what this page sent. Load the page again.',
   'refusal.OtherVersion': 'The page and the program do not match. Load the page again.',
   'refusal.Replayed': 'The order came twice or out of turn. Try again.',
@@ -174,7 +174,7 @@ export const en = {
   'line.lost': 'The connection was lost.',
   'line.away': 'You left the page meanwhile. Press again.',
 
-  // ---- what stops or limits: Scene.fault_names
+  // ---- faults that stop or limit: Scene.fault_names
   'fault.device read failed': 'the device gave no position',
   'fault.device write failed': 'the device refused an effort',
   'fault.non-finite device position': 'a device position is no number',

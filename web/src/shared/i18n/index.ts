@@ -1,4 +1,4 @@
-// The words of both pages, in three languages, one file each.
+// The texts of all pages in three languages, one file each.
 import { de } from './de';
 import { en } from './en';
 import { fr } from './fr';
@@ -11,7 +11,7 @@ export const LANGUAGES: readonly Language[] = ['de', 'fr', 'en'];
 const ALL: Readonly<Record<Language, Texts>> = { en, de, fr };
 const STORED = 'wholehand.language';
 
-/** The first wish that is one of ours: "de-CH" is "de"; English when none is. */
+/** The first wish that is an available language: "de-CH" gives "de"; English if none is. */
 export function chooseLanguage(wishes: readonly (string | null | undefined)[]): Language {
   for (const wish of wishes) {
     const found = LANGUAGES.find((language) => language === wish?.slice(0, 2).toLowerCase());
@@ -20,25 +20,25 @@ export function chooseLanguage(wishes: readonly (string | null | undefined)[]): 
   return 'en';
 }
 
-/** Puts values in the places of a text: {x} takes values.x. */
+/** Fills the placeholders of a text: {x} is replaced by values.x. */
 export function fill(text: string, values: Readonly<Record<string, string | number>> = {}): string {
   return text.replace(/\{(\w+)\}/g, (place, name: string) => (name in values ? String(values[name]) : place));
 }
 
 export function hasText(key: string): key is TextKey { return key in en; }
 
-/** Reads what a person chose earlier; private windows may refuse. */
+/** Reads a stored choice; private windows may refuse. */
 export function stored(key: string): string | null {
   try { return localStorage.getItem(key); } catch { return null; }
 }
 export function store(key: string, value: string): void {
-  try { localStorage.setItem(key, value); } catch { /* the choice lasts for this visit */ }
+  try { localStorage.setItem(key, value); } catch { /* without storage the choice lasts for this visit */ }
 }
 
 let current: Language = 'en';
 const listeners = new Set<(language: Language) => void>();
 
-/** Address (?lang=), then stored choice, then the browser's languages. Call once at the start. */
+/** Language of the address (?lang=), else the stored choice, else the browser's. Call once at the start. */
 export function startLanguage(): Language {
   current = chooseLanguage([new URLSearchParams(location.search).get('lang'), stored(STORED), ...navigator.languages]);
   document.documentElement.lang = current;
@@ -54,7 +54,7 @@ export function setLanguage(wanted: Language): void {
   for (const callback of listeners) callback(wanted);
 }
 
-/** Called after every change of language; returns what ends it. */
+/** Calls back after every change of language; returns a function that ends this. */
 export function onLanguage(callback: (language: Language) => void): () => void {
   listeners.add(callback);
   return () => { listeners.delete(callback); };
@@ -65,7 +65,7 @@ export function text(key: TextKey, values?: Readonly<Record<string, string | num
   return fill(ALL[current][key], values);
 }
 
-/** A bit of Scene.fault_names; one that this page does not know in the program's words. */
+/** The text of a fault in Scene.fault_names; an unknown one in the program's words. */
 export function faultWord(name: string): string {
   const key = `fault.${name}`;
   return hasText(key) ? text(key) : name;

@@ -6,8 +6,9 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity.Samples
 {
-    /// <summary>Put it on an empty object and press Play, with `wholehand run --udp 8091` in a terminal: the bar, its
-    /// bodies and the hand, what the exercise says and counts, and buttons that take the controls, arm and stop.</summary>
+    /// <summary>Add it to an empty object and press Play, with `wholehand run --udp 8091` in a terminal: the bar, its
+    /// bodies and the hand, the exercise's instruction and values, and buttons that take the controls, arm and
+    /// stop.</summary>
     [DefaultExecutionOrder(100)]
     public sealed class Bar : MonoBehaviour
     {
@@ -15,7 +16,7 @@ namespace Wholehand.Unity.Samples
 
         private struct ShownValue
         {
-            public int Index; // of HandState.Values
+            public int Index; // index of HandState.Values
             public string Label, Unit, Format;
             public double Factor;
         }
@@ -31,7 +32,7 @@ namespace Wholehand.Unity.Samples
 
         public WholehandConnection Connection { get { return connection; } }
 
-        /// <summary>What the program said to the last press; empty: accepted, or nothing was pressed.</summary>
+        /// <summary>The program's answer to the last press; empty: accepted, or nothing was pressed.</summary>
         public string Answer { get { return answer; } }
 
         private void Awake()
@@ -73,7 +74,7 @@ namespace Wholehand.Unity.Samples
             asked = connection.Client.EmergencyStop();
         }
 
-        // What a page shows of any exercise: docs/exercises.md of Wholehand.
+        // Reads the panel that pages show for any exercise: docs/exercises.md of Wholehand.
         private void ReadPanel(Scene scene)
         {
             shown.Clear();

@@ -18,7 +18,7 @@ namespace Wholehand.Unity.Tests
         [Test]
         public void QuarterTurnToTheLeft_IsMinusNinetyDegreesAboutUp()
         {
-            // About z in Wholehand; Unity turns clockwise about y, seen from above.
+            // A rotation about z in Wholehand; Unity's is clockwise about y, seen from above.
             float s = Mathf.Sqrt(0.5f);
             Quaternion turn = new Rotation(0, 0, s, s).ToQuaternion();
             Assert.Less((turn * Vector3.forward - Vector3.left).magnitude, Near, "forward becomes left");

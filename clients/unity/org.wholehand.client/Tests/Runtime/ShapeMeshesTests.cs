@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Wholehand.Unity.Tests
 {
-    /// <summary>A mesh's signed volume is positive where its corners run clockwise seen from outside.</summary>
+    /// <summary>A mesh's signed volume is positive if its vertices are ordered clockwise seen from outside.</summary>
     public sealed class ShapeMeshesTests
     {
         public static float Volume(Mesh mesh)
@@ -21,7 +21,8 @@ namespace Wholehand.Unity.Tests
             Assert.Less(Mathf.Abs(Volume(ShapeMeshes.Box(new Vector3(0.5f, 1.0f, 1.5f))) - 6.0f), 1e-4f, "1 x 2 x 3");
         }
 
-        // A prism of 24 corners has sin(2π/24) / (2π/24) = 0.9886 of its circle; a sphere's rings cost as much again.
+        // A prism of 24 corners has sin(2π/24) / (2π/24) = 0.9886 of its circle's area; a sphere's rings have the same
+        // loss.
         [Test]
         public void RoundShapes_HaveTheirVolumesButForTheirCorners()
         {

@@ -1,4 +1,4 @@
-// What the pages say of the cocktail bar. One line a text; {x} stands for what the page fills in.
+// Texts of the cocktail bar, one on each line; {x} stands for a value that the page fills in.
 export const en = {
   'liquid.lemon': 'Lemon',
   'liquid.cherry': 'Cherry',

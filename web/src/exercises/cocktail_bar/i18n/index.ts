@@ -13,17 +13,17 @@ export function text(key: BarTextKey, values?: Readonly<Record<string, string | 
   return fill(ALL[language()][key], values);
 }
 
-/** A text that may not be there; undefined then. */
+/** A text that may be missing; undefined then. */
 export function textOf(key: string): string | undefined {
   return key in en ? text(key as BarTextKey) : undefined;
 }
 
-/** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
+/** The name of a liquid or drink of a file; an unknown one is returned with a capital. */
 export function nameOf(kind: 'liquid' | 'drink', name: string): string {
   return textOf(`${kind}.${name}`) ?? name.charAt(0).toUpperCase() + name.slice(1).replace(/[-_]/g, ' ');
 }
 
-/** A liquid as a sentence takes it, "le citron"; an unknown one by its name. */
+/** A liquid inside a sentence, "le citron"; an unknown one by its name. */
 export function inSentence(liquid: string): string {
   return textOf(`inSentence.${liquid}`) ?? nameOf('liquid', liquid);
 }

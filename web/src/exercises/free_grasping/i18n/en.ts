@@ -1,4 +1,4 @@
-// What the pages say of free grasping. One line a text; {x} stands for what the page fills in.
+// Texts of free grasping, one on each line; {x} stands for a value that the page fills in.
 export const en = {
   cube: 'Cube',
   cylinder: 'Tube',

@@ -1,4 +1,4 @@
-// What the pages say of the kitchen's verbs. One line a text; {x} stands for what the page fills in.
+// Texts of the kitchen's verbs, one on each line; {x} stands for a value that the page fills in.
 export const en = {
   'verb.reach': 'Reach',
   'verb.take': 'Take hold',

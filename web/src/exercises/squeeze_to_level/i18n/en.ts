@@ -1,4 +1,4 @@
-// What the pages say of squeezing to a level. One line a text; {x} stands for what the page fills in.
+// Texts of squeezing to a level, one on each line; {x} stands for a value that the page fills in.
 export const en = {
   'sign.grip': 'Take hold here',
   'sign.open': 'Open your hand',
