@@ -94,6 +94,7 @@ realtime_clang() {
 }
 
 # Node versions that vite 6 supports. web/package.json has the same line; a test compares them.
+# shellcheck disable=SC2034
 node_engines='^18.19.0 || ^20.0.0 || >=22.0.0'
 node_engines_in_words='Node 18.19 or a later 18, any 20, or 22 and newer'
 node_fits() { # <version as node prints it>

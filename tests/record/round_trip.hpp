@@ -13,7 +13,7 @@ namespace wholehand::synthetic {
 /// Four chunks; two under a sanitizer.
 inline const std::uint64_t kManyTicks = test::kReducedCounts ? 500 : 1000;
 
-/// Writes ticks and reads them back; judge(written, read) compares them.
+/// Writes ticks and reads them back; check(written, read) compares them.
 template <class Check>
 void roundTrip(const std::vector<TickRecord>& ticks, Check&& check,
                const RecordingMeta& as = meta()) {

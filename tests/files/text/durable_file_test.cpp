@@ -18,7 +18,7 @@
 namespace {
 /// Operations requested from the disk, in order; null: not recorded.
 std::vector<std::string>* asked = nullptr;  // NOLINT
-int sync_error = 0;                         // error of syncing a file
+int sync_error = 0;                         // NOLINT: error of syncing a file
 
 template <class Function>
 Function real(const char* name) {
