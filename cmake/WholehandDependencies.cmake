@@ -67,19 +67,36 @@ set(tick_modules "^(loop|exercises|lab|devices/plugin|devices/host)(/|$)")
 # precompiled headers, which would require -O2.
 set(arithmetic_modules loop/dynamics)
 option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branches of the readers of untrusted bytes an input takes" OFF)
-# Under a sanitizer the compiler takes half as long without optimisation, and code with little computation runs as fast.
-# Only long computations are optimised (docs/adr/0072): these modules, and targets for which wholehand_computes() is
-# called.
+# The compiler takes half as long without optimisation. Two kinds of builds use that (docs/adr/0072):
+# - under a sanitizer only these modules and the targets of wholehand_computes() are optimised;
+# - with WHOLEHAND_QUICK, as ./start and ./check build, the targets of wholehand_cold() are not.
+option(WHOLEHAND_QUICK "Compile without optimisation what is not hot: programs' commands, the clinic, unit tests" OFF)
 set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/exercise loop/safety
     loop/physics loop/physics/analytic loop/device/simulated loop/renderer ${engine_modules} files certify
     exercises rig/registry record devices/commissioning devices/commissioning/identification station/server)
+set(cold_modules "^(clinic|devices/conformance|devices/commissioning)(/|$)")
 if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=(address|thread)")
   set(WHOLEHAND_SANITIZED ON)
   target_compile_options(wholehand_options INTERFACE
                          $<$<NOT:$<BOOL:$<TARGET_PROPERTY:WHOLEHAND_COMPUTES>>>:-O0>)
+elseif(WHOLEHAND_QUICK)  # fortified functions of the C library need an optimising compiler
+  target_compile_options(wholehand_options INTERFACE
+                         "$<$<BOOL:$<TARGET_PROPERTY:WHOLEHAND_COLD>>:-O0;-U_FORTIFY_SOURCE>")
 endif()
 function(wholehand_computes)
   set_target_properties(${ARGN} PROPERTIES WHOLEHAND_COMPUTES ON)
+endfunction()
+function(wholehand_cold)
+  set_target_properties(${ARGN} PROPERTIES WHOLEHAND_COLD ON)
+endfunction()
+# wholehand_is_unoptimised(<target> <variable>)
+function(wholehand_is_unoptimised target variable)
+  get_target_property(computes ${target} WHOLEHAND_COMPUTES)
+  get_target_property(cold ${target} WHOLEHAND_COLD)
+  set(${variable} OFF PARENT_SCOPE)
+  if((WHOLEHAND_SANITIZED AND NOT computes) OR (WHOLEHAND_QUICK AND NOT WHOLEHAND_SANITIZED AND cold))
+    set(${variable} ON PARENT_SCOPE)
+  endif()
 endfunction()
 function(wholehand_checked target)
   if(WHOLEHAND_FUZZ)
@@ -117,22 +134,23 @@ function(wholehand_all_precompiled_headers suffix)
     wholehand_precompiled_tests("${suffix}")
     list(APPEND all wholehand_precompiled_tests${suffix})
   endif()
-  if(NOT suffix)
+  if(suffix)
+    wholehand_cold(${all})
+  else()
     wholehand_computes(${all})
   endif()
 endfunction()
 if(WHOLEHAND_PRECOMPILED)
   wholehand_all_precompiled_headers("")
-  if(WHOLEHAND_SANITIZED)
+  if(WHOLEHAND_SANITIZED OR WHOLEHAND_QUICK)
     wholehand_all_precompiled_headers(_unoptimised)
   endif()
 endif()
 
-# wholehand_read_precompiled(<target> <headers>): uses headers precompiled with the target's optimisation. Call it after
-# wholehand_computes().
+# wholehand_read_precompiled(<target> <headers>): of its own optimisation. After wholehand_computes() and wholehand_cold().
 function(wholehand_read_precompiled target headers)
-  get_target_property(computes ${target} WHOLEHAND_COMPUTES)
-  if(WHOLEHAND_SANITIZED AND NOT computes)
+  wholehand_is_unoptimised(${target} unoptimised)
+  if(unoptimised)
     string(APPEND headers _unoptimised)
   endif()
   if(WHOLEHAND_PRECOMPILED)

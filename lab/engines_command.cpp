@@ -1,4 +1,4 @@
-#include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/tools/experiment/experiment_command.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"

@@ -1,4 +1,4 @@
-#include "apps/wholehand/sweep/sweep_command.hpp"
+#include "apps/tools/sweep/sweep_command.hpp"
 
 #include <array>
 

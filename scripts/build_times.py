@@ -2,6 +2,7 @@
 """Prints what the builds and the tests spent their time on.
 
 usage: build_times.py [--top N] [--headers] [BUILD_FOLDER ...]     default: build/release
+       build_times.py --costs > scripts/step_costs.txt                 of a release build, for the time left
 
 From the ninja log of each folder: the costliest steps and targets; from ctest's record: the costliest
 tests. --headers compiles every source of build/analysis once more with clang -ftime-trace (some
@@ -81,8 +82,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--top", type=int, default=15)
     parser.add_argument("--headers", action="store_true")
+    parser.add_argument("--costs", action="store_true")
     parser.add_argument("folders", nargs="*", type=Path, default=[ROOT / "build" / "release"])
     options = parser.parse_args()
+    if options.costs:
+        for output, seconds in sorted(read_ninja_log(options.folders[0]).items()):
+            print(max(1, round(10 * seconds)), output)
+        return
     for folder in options.folders:
         if not (folder / ".ninja_log").exists():
             sys.exit(f"{folder}/.ninja_log is missing: nothing was built there; run ./start or ./check")

@@ -294,10 +294,28 @@ configure() {
   fi
 }
 
-# show_progress <what>: on a terminal, one line that is updated; elsewhere a line every tenth of the way. The remaining
-# time is estimated after a minute of compiling.
+# Cost of each step of a release build, in tenths of a second on some machine, written by scripts/build_times.py --costs.
+# Only ratios matter, for the remaining time. A step that is not listed costs $usual_cost.
+declare -A step_cost=()
+usual_cost=20
+read_step_costs() {
+  local cost output
+  while read -r cost output; do step_cost[$output]=$cost; done <"$root/scripts/step_costs.txt"
+}
+
+# cost_of_steps: reads lines of ninja, prints the sum of their costs.
+cost_of_steps() {
+  local line sum=0
+  while IFS= read -r line; do
+    [[ $line =~ ^\[[0-9]+/[0-9]+\] ]] && sum=$((sum + ${step_cost[${line##* }]:-$usual_cost}))
+  done
+  echo "$sum"
+}
+
+# show_progress <what> <cost of all steps>: on a terminal, one line that is updated; elsewhere a line every tenth of the
+# way. The remaining time is estimated after a minute of compiling, by the costs of the steps.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0 compiling=0 reported=0 left=""
+  local line done_ of name tenth last=-1 terminal=0 compiling=0 reported=0 left="" spent=0
   local start=$SECONDS took
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
@@ -308,9 +326,10 @@ show_progress() {
       say "$1: ${BASH_REMATCH[2]} steps ..."
     fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+    spent=$((spent + ${step_cost[${line##* }]:-$usual_cost}))
     if ((!compiling)); then continue; fi
     took=$((SECONDS - start))
-    if ((took >= 60)); then left=", about $(duration $((took * (of - done_) / done_))) left"; fi
+    if ((took >= 60 && spent > 0 && $2 >= spent)); then left=", about $(duration $((took * ($2 - spent) / spent))) left"; fi
     if ((terminal)); then
       name=${line##*/}
       printf '\r%s: %d of %d%s, %.40s\033[K' "$1" "$done_" "$of" "$left" "${name%.o}"
@@ -325,12 +344,14 @@ show_progress() {
 
 # build <preset> <target ...>: builds the targets.
 build() {
-  local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS jobs
+  local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS jobs all
   shift
   make_log "$log"
   jobs=$(build_jobs)
+  read_step_costs
+  all=$(ninja -C "$root/build/$preset" -n "$@" 2>/dev/null | cost_of_steps)
   if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
-    show_progress "Building $preset"; then
+    show_progress "Building $preset" "$all"; then
     if out_of_space "$log"; then fail "Building $preset failed: $disk_is_full Full log: $log"; fi
     grep -vE '^(\[|ninja: )' "$log" | grep -E -A12 -m3 '^FAILED|error|Error' >&2 ||
       tail -n 30 "$log" >&2

@@ -17,11 +17,11 @@ one_at_a_time
 install_packages run package
 pages_are_current || { install_node && build_web; }
 if [[ ! -f build/release/build.ninja ]]; then
-  configure release -DWHOLEHAND_BUILD_TESTS=OFF -DWHOLEHAND_LAB=OFF
+  configure release -DWHOLEHAND_BUILD_TESTS=OFF -DWHOLEHAND_LAB=OFF -DWHOLEHAND_QUICK=OFF
 else
-  configure release -DWHOLEHAND_LAB=OFF # finds what was installed since
+  configure release -DWHOLEHAND_LAB=OFF -DWHOLEHAND_QUICK=OFF # finds what was installed since
 fi
-build release wholehand wholehand_clinic_program wholehand_python
+build release wholehand wholehand_tools wholehand_clinic_program wholehand_python
 make_packages
 for package in build/packages/*.deb; do
   say "$package $(($(stat -c %s "$package") / 1000)) kB"

@@ -1,6 +1,6 @@
 #include "experiments/sweep/grid.hpp"
 
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "files/toml/toml_file.hpp"
 #include "rig/engines.hpp"
 

@@ -1,6 +1,6 @@
 #include "experiments/sweep/journal.hpp"
 
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "files/text/text_file.hpp"
 #include "loop/core/crc32.hpp"
 

@@ -1,6 +1,6 @@
 #include "experiments/sweep/sweep.hpp"
 
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "experiments/sweep/journal.hpp"
 #include "experiments/worker_pool.hpp"
 #include "loop/core/sha256.hpp"

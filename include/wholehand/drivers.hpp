@@ -14,7 +14,7 @@
 /// write() may be called in the tick.
 
 // IWYU pragma: begin_exports
-#include "devices/commissioning/passport.hpp"  // checkArmingPermit(): passport and today's check
+#include "devices/passport/passport.hpp"  // checkArmingPermit(): passport and today's check
 #include "devices/host/device_host.hpp"        // DeviceHost: holds a device for another process
 #include "devices/host/host_segment.hpp"       // listHosts(): which hosts there are
 #include "devices/host/hosted_driver.hpp"      // HostedDriver: a device that a host holds

@@ -29,7 +29,7 @@ struct RigOptions {
     CertificateFingerprint fingerprint;
   };
   std::optional<NamedCertificate> certificate = std::nullopt;
-  /// The device at the worst corners of its passport (devices/commissioning/passport.hpp). The
+  /// The device at the worst corners of its passport (devices/passport/passport.hpp). The
   /// gains must also be certified at each corner, and the energy tank uses the least damping of all
   /// corners. Empty: not measured.
   std::vector<DeviceModel> measured = {};

@@ -1,5 +1,5 @@
-#include "devices/commissioning/passport.hpp"
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/passport.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "exercises/load_exercise.hpp"
 #include "files/device/device_file.hpp"
 #include "files/device/rendering_file.hpp"

@@ -8,7 +8,7 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "clinic/presets/presets.hpp"
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 #include "devices/host/hosted_driver.hpp"
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"

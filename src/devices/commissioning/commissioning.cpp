@@ -2,8 +2,8 @@
 
 #include "devices/commissioning/bench.hpp"
 #include "devices/commissioning/identification/identify_axis.hpp"
-#include "devices/commissioning/passport.hpp"
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/passport.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/core/sha256.hpp"
 

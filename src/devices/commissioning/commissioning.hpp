@@ -1,7 +1,7 @@
 #pragma once
 
 #include "devices/commissioning/bench.hpp"
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 #include "files/page/chart_page.hpp"
 
 #include <array>

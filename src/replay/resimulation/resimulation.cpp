@@ -1,6 +1,6 @@
 #include "replay/resimulation/resimulation.hpp"
 
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 #include "files/toml/toml_file.hpp"
 #include "loop/core/tick_digest.hpp"
 #include "loop/realtime/thread_setup.hpp"

@@ -18,7 +18,7 @@ namespace wholehand {
                                               const std::string& recording_path);
 
 /// Device models at the worst corners of the recording's passport
-/// (devices/commissioning/passport.hpp); none without a passport.
+/// (devices/passport/passport.hpp); none without a passport.
 [[nodiscard]] Expected<std::vector<DeviceModel>> recordedCorners(const RecordingMeta& meta,
                                                                  const DeviceModel& device,
                                                                  const std::string& recording_path);

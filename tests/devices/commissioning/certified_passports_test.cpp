@@ -3,7 +3,7 @@
 // unstable. The loop is that of tests/loop/control (AxisSimulation).
 #include "certify/certified_sets.hpp"
 #include "devices/commissioning/identification/identify_axis.hpp"
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 #include "loop/control/axis_simulation.hpp"
 #include "random_axes.hpp"
 #include "support/constants.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "devices/commissioning/passport.hpp"
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/passport.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "files/device/device_file.hpp"
 #include "loop/core/sha256.hpp"
 #include "support/figure.hpp"

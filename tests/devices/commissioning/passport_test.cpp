@@ -1,5 +1,5 @@
 // The passport's file: it is read back as written, and every defect is refused by name.
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 
 #include "files/device/device_file.hpp"
 #include "files/page/chart_page.hpp"

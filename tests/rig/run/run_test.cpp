@@ -1,7 +1,7 @@
 // A run when something fails: what is left open, what is reported, which signals end it gently.
 #include "rig/run/run.hpp"
 
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
 #include "loop/runtime/statistics.hpp"
 #include "replay/resimulation/resimulation.hpp"

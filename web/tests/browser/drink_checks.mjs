@@ -64,11 +64,14 @@ const WAYS = [
   { name: 'left', press: 'click', side: 'left' },
 ].map((way) => ({ ...DESKTOP, ...way }));
 
+export const drinksByEveryWay = (t) => drinksBy(t, WAYS);
+export const firstDrinkByMouse = (t) => drinksBy(t, WAYS.filter(({ name }) => name === 'mouse'));
+
 /** A new page for each input method: each is somebody's first drink. */
-export async function drinksByEveryWay(t) {
+async function drinksBy(t, ways) {
   const took = [], late = [];
   let program, watcher, side;
-  for (const way of WAYS) {
+  for (const way of ways) {
     if (way.side !== side) {
       await watcher?.page.context().close();
       await program?.stop();
@@ -82,6 +85,8 @@ export async function drinksByEveryWay(t) {
     took.push(words);
     if (time_s > DRINK_S || spilt_l > NOTHING_L) late.push(words);
   }
+  await watcher.page.context().close();
+  await program.stop();
   expect(late.length === 0, late.join('; '));
   return took.join('; ');
 }

@@ -1,8 +1,9 @@
 // Tests in a real browser against the real program:
-//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [part of a test's name ...]
+//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [--first] [part of a test's name ...]
 // FILE: build/release/wholehand. FOLDER: for pictures and figures, web/test-output/browser. The pages are those that
 // the program finds; WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
 // I/N: runs only the I-th of every N tests, so that N shares can run in parallel.
+// --first: those that ./check runs without --deep.
 // WHOLEHAND_FULL=1 also runs the tests whose names end in _slow, and keeps pictures.
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -16,7 +17,7 @@ import * as checks from './checks.mjs';
 import * as clinic from './clinic_checks.mjs';
 import { commissionedThroughThePage } from './commission_checks.mjs';
 import { besideAConsole, costOf } from './cost_checks.mjs';
-import { drinksByEveryWay } from './drink_checks.mjs';
+import { drinksByEveryWay, firstDrinkByMouse } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
 import { hourOfPlayLeaksNothing } from './hour_checks.mjs';
 import { newcomerFinds } from './newcomer_checks.mjs';
@@ -36,7 +37,9 @@ import * as trouble from './trouble_checks.mjs';
 // Tests in real time, since a page that plays or holds a button loses the controls after 200 ms of silence. A failure is
 // judged only if the machine did not delay a sleeping thread meanwhile.
 const PACED = { paced: true };
+const FIRST = { first: true }, FIRST_PACED = { ...PACED, ...FIRST };
 const TESTS = [
+  ['a first drink by mouse', firstDrinkByMouse, FIRST_PACED],
   ['a game beside a console_slow', besideAConsole, PACED],
   ['cost of the game_slow', (t) => costOf(t, 'game', '/'), PACED],
   ['cost of the console_slow', (t) => costOf(t, 'console', '/console'), PACED],
@@ -47,7 +50,7 @@ const TESTS = [
   ['unrecorded session is reported', recorded.unrecordedSessionIsReported],
   ['keys fill a glass without help_slow', checks.keysFillAGlassAlone, PACED],
   ['touch moves and squeezes', checks.touchMovesAndSqueezes, PACED],
-  ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, PACED],
+  ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, FIRST_PACED],
   ['reconnects after a restart', checks.reconnects, PACED],
   ['pages are accessible', checks.pagesAreAccessible],
   ['a missing camera is reported', cameras.missingCameraIsReported],
@@ -62,7 +65,7 @@ const TESTS = [
   ['a therapist leads while a patient plays', roles.therapistLeadsWhileAPatientPlays, PACED],
   ['a player rests and goes on', roles.playerRestsAndGoesOn, PACED],
   ['a stopped game gives the controls back', roles.stoppedGameGivesTheControlsBack, PACED],
-  ['consoles show the limit that holds', roles.consolesShowTheLimitThatHolds],
+  ['consoles show the limit that holds', roles.consolesShowTheLimitThatHolds, FIRST],
   ['a half-typed number stays', roles.halfTypedNumberStays],
   ['tokens open their roles', roles.tokensOpenTheirRoles],
   ['levels leak no graphics memory', roles.levelsLeakNoGraphicsMemory],
@@ -78,10 +81,10 @@ const TESTS = [
   ['long and foreign names of profiles', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],
   ['kitchen: a drawer is opened and shut', drawerIsOpenedAndShut],
-  ['kitchen: a newcomer does the first task', newcomerDoesTheFirstTask, PACED],
+  ['kitchen: a newcomer does the first task', newcomerDoesTheFirstTask, FIRST_PACED],
   ['profiles are kept', panels.profilesAreKept],
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
-  ['a therapist treats a patient', clinic.therapistTreatsAPatient, PACED],
+  ['a therapist treats a patient', clinic.therapistTreatsAPatient, FIRST_PACED],
   ['names are hidden and typed text is kept', clinic.namesDisappear, PACED],
   ['records are killed in a session', clinic.recordsAreKilled, PACED],
   ['a session without records is gentle', clinic.sessionWithoutRecords, PACED],
@@ -105,10 +108,10 @@ const TESTS = [
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const { values: options, positionals: wanted } = parseArgs({
-  options: { program: { type: 'string' }, out: { type: 'string' }, share: { type: 'string', default: '1/1' } }, allowPositionals: true,
+  options: { program: { type: 'string' }, out: { type: 'string' }, share: { type: 'string', default: '1/1' }, first: { type: 'boolean' } }, allowPositionals: true,
 });
 const [share, shares] = options.share.split('/').map(Number);
-const chosen = TESTS.filter(([name]) => (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
+const chosen = TESTS.filter(([name, , how]) => (!options.first || how?.first) && (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
 const output = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 mkdirSync(output, { recursive: true });
 // The program stores recordings in its folder: a temporary one leaves nothing behind.

@@ -1,8 +1,8 @@
-#include "apps/wholehand/sweep/sweep_command.hpp"
+#include "apps/tools/sweep/sweep_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
-#include "apps/wholehand/shared/shipped_files.hpp"
+#include "apps/wholehand/shared/sweep_files.hpp"
 #include "experiments/sweep/sweep.hpp"
 #include "files/text/text_file.hpp"
 #include "loop/core/printable.hpp"
@@ -66,15 +66,6 @@ Expected<std::optional<SweepShare>> shareAsked(const SweepOptions& options) {
     return std::optional(*share);
   }
   return shareOfRank();
-}
-
-/// Finds files named in a grid: a path that ends in .toml is relative to the grid's folder, any
-/// other name means a shipped file.
-FindFile filesBeside(const std::string& grid) {
-  return [folder = fs::path(grid).parent_path()](const std::string& kind, const std::string& name) {
-    if (fs::path(name).extension() == ".toml") return (folder / name).string();
-    return shippedFile("config/" + kind + "/" + name + ".toml");
-  };
 }
 
 /// Duration as text: "1 min 20 s".
@@ -214,19 +205,10 @@ ChartPage pageOf(const SweepGrid& grid, const std::vector<FilledMap>& maps) {
   return page;
 }
 
-/// Summary of a grid: "80 cells (2 patient × 40 stiffness)".
-std::string summary(const SweepGrid& grid) {
-  std::string axes;
-  for (const SweepAxis& axis : grid.axes) {
-    axes += fmt::format("{}{} {}", axes.empty() ? "" : " × ", axis.size(), axis.name);
-  }
-  return fmt::format("{} cells ({})", grid.cells(), axes);
-}
-
 void describe(const SweepGrid& grid, const std::optional<SweepShare>& share, int processes) {
   std::string who = fmt::format("{} process{}", processes, processes == 1 ? "" : "es");
   if (share) who += fmt::format(", share {} of {}", share->first + 1, share->step);
-  std::printf("%s: %s; %s\n", grid.name.c_str(), summary(grid).c_str(), who.c_str());
+  std::printf("%s: %s; %s\n", grid.name.c_str(), summaryOf(grid).c_str(), who.c_str());
   std::fflush(stdout);
 }
 
@@ -292,20 +274,6 @@ std::optional<SweepShare> shareOfRank() {
   return std::nullopt;
 }
 #endif
-
-Expected<std::string> summarizeSweep(const std::string& path) {
-  auto grid = loadSweepGrid(path);
-  if (!grid) return grid.errors();
-  Diagnostics missing;
-  std::error_code ignored;
-  for (const std::string& file : filesOf(*grid, filesBeside(path))) {
-    if (fs::exists(file, ignored)) continue;
-    missing.push_back(keyFault(path, "axes", file, "is not there",
-                               "name a shipped file, or a path ending in .toml beside the grid"));
-  }
-  if (!missing.empty()) return missing;
-  return summary(*grid);
-}
 
 int sweepCommand(const SweepOptions& options) {
   const InterruptScope interrupts;

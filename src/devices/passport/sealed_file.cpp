@@ -1,4 +1,4 @@
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 
 #include "files/toml/toml_file.hpp"
 #include "loop/core/sha256.hpp"

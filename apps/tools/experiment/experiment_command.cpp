@@ -1,8 +1,9 @@
-#include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/tools/experiment/experiment_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
+#include "apps/wholehand/shared/tools.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -102,7 +103,7 @@ Expected<ModelFiles> barModelFiles(const BarFiles& files) {
 
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
                     int& code) {
-  CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
+  CLI::App* e = app.add_subcommand("experiment", toolHelp("experiment"));
   e->require_subcommand(1);
   CLI::App* grasping = e->add_subcommand("grasping", "Fig. 5: grasp, carry and hold four shapes");
   CLI::App* timing =

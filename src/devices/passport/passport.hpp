@@ -1,7 +1,7 @@
 #pragma once
 
 #include "devices/commissioning/identification/identify_axis.hpp"
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
 #include "loop/core/expected.hpp"

@@ -1,4 +1,4 @@
-#include "apps/wholehand/device/device_host_command.hpp"
+#include "apps/wholehand/device_host/device_host_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"

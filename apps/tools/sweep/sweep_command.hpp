@@ -1,7 +1,6 @@
 #pragma once
 
 #include "experiments/sweep/sweep.hpp"
-#include "loop/core/expected.hpp"
 
 #include <optional>
 #include <string>
@@ -25,9 +24,5 @@ struct SweepOptions {
 
 /// Runs every cell of a grid (docs/sweeps.md). Returns the exit code.
 int sweepCommand(const SweepOptions& options);
-
-/// Summary of a grid: "80 cells (2 patient × 40 stiffness)". Refused: a faulty grid, and one whose
-/// cells read a missing file.
-[[nodiscard]] Expected<std::string> summarizeSweep(const std::string& path);
 
 }  // namespace wholehand

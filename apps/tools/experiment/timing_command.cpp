@@ -1,4 +1,4 @@
-#include "apps/wholehand/experiment/experiment_command.hpp"
+#include "apps/tools/experiment/experiment_command.hpp"
 #include "apps/wholehand/run/run_summary.hpp"
 #include "apps/wholehand/run/status_line.hpp"
 #include "apps/wholehand/shared/exit_code.hpp"

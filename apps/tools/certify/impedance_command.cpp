@@ -1,4 +1,4 @@
-#include "apps/wholehand/certify/impedance_command.hpp"
+#include "apps/tools/certify/impedance_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"

@@ -1,4 +1,4 @@
-#include "apps/wholehand/device/commission_command.hpp"
+#include "apps/tools/device/commission_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
@@ -6,7 +6,7 @@
 #include "apps/wholehand/shared/result_files.hpp"
 #include "devices/commissioning/commissioning.hpp"
 #include "devices/commissioning/console/console_operator.hpp"
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "devices/commissioning/simulated/simulated_plant.hpp"
 #include "devices/host/hosted_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"

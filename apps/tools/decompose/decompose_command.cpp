@@ -1,8 +1,9 @@
-#include "apps/wholehand/decompose/decompose_command.hpp"
+#include "apps/tools/decompose/decompose_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/options.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
+#include "apps/wholehand/shared/tools.hpp"
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/convex_pieces.hpp"
 #include "files/mesh/mesh_file.hpp"
@@ -476,7 +477,7 @@ int decomposeCommand(const DecomposeOptions& options) {
 }  // namespace
 
 void addDecompose(CLI::App& app, DecomposeOptions& o, int& code) {
-  CLI::App* d = app.add_subcommand("decompose", "Divide a mesh into convex pieces for a scene");
+  CLI::App* d = app.add_subcommand("decompose", toolHelp("decompose"));
   d->add_option("mesh", o.mesh, "Closed mesh: STL, OBJ, DAE or GLB")->required();
   d->add_option("--out", o.out, "Folder of the pieces, a URDF and a scene")->required();
   d->add_option("--pieces", o.pieces, "At most so many pieces")

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/wholehand/device/commission_command.hpp"
+#include "apps/tools/device/commission_command.hpp"
 #include "devices/conformance/conformance.hpp"
 #include "devices/plugin/plugin_driver.hpp"
 

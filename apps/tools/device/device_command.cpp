@@ -1,7 +1,8 @@
-#include "apps/wholehand/device/device_command.hpp"
+#include "apps/tools/device/device_command.hpp"
 
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/result_files.hpp"
+#include "apps/wholehand/shared/tools.hpp"
 #include "devices/host/device_host.hpp"
 #include "devices/host/host_segment.hpp"
 #include "devices/plugin/plugin_device.hpp"
@@ -281,7 +282,7 @@ int writeJson(const std::string& path, const Json& json) {
 }
 
 void addDevice(CLI::App& app, DeviceOptions& o, int& code) {
-  CLI::App* device = app.add_subcommand("device", "Real devices: their drivers and hosts");
+  CLI::App* device = app.add_subcommand("device", toolHelp("device"));
   device->require_subcommand(1);
   CLI::App* list = device->add_subcommand(
       "list", "Drivers that ship with the program, and hosts that run on this machine");

@@ -1,6 +1,6 @@
-#include "devices/commissioning/passport.hpp"
+#include "devices/passport/passport.hpp"
 
-#include "devices/commissioning/sealed_file.hpp"
+#include "devices/passport/sealed_file.hpp"
 #include "files/page/chart_page.hpp"
 #include "files/toml/toml_file.hpp"
 #include "loop/core/printable.hpp"

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "experiments/sweep/cell_values.hpp"
+#include "experiments/sweep/grid.hpp"
+#include "loop/core/expected.hpp"
+
+#include <string>
+
+namespace wholehand {
+
+/// Finds files by the names of a grid: a path that ends in .toml stands beside the grid, any other
+/// name is that of a shipped file.
+[[nodiscard]] FindFile filesBeside(const std::string& grid);
+
+/// "80 cells (2 patient × 40 stiffness)"
+[[nodiscard]] std::string summaryOf(const SweepGrid& grid);
+
+/// The summary of a grid file. Refused: a faulty grid, and one whose cells read a file that is
+/// missing.
+[[nodiscard]] Expected<std::string> summarizeSweep(const std::string& path);
+
+}  // namespace wholehand
