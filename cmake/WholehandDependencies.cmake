@@ -81,7 +81,7 @@ if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize
                          $<$<NOT:$<BOOL:$<TARGET_PROPERTY:WHOLEHAND_COMPUTES>>>:-O0>)
 elseif(WHOLEHAND_QUICK)  # fortified functions of the C library need an optimising compiler
   target_compile_options(wholehand_options INTERFACE
-                         "$<$<BOOL:$<TARGET_PROPERTY:WHOLEHAND_COLD>>:-O0;-U_FORTIFY_SOURCE>")
+                         "$<$<BOOL:$<TARGET_PROPERTY:WHOLEHAND_COLD>>:-O0;SHELL:-U _FORTIFY_SOURCE>")
 endif()
 function(wholehand_computes)
   set_target_properties(${ARGN} PROPERTIES WHOLEHAND_COMPUTES ON)

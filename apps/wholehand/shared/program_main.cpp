@@ -100,7 +100,7 @@ int parseCommandLine(CLI::App& app, int argc, char** argv, const int& code) {
   try {
     app.parse(argc, given.data());
   } catch (const CLI::ParseError& error) {
-    return tellUsage(app, error, std::vector<std::string>(words.begin() + 1, words.end()));
+    return printUsage(app, error, std::vector<std::string>(words.begin() + 1, words.end()));
   }
   return code;
 }
