@@ -14,13 +14,13 @@
 /// write() may be called in the tick.
 
 // IWYU pragma: begin_exports
-#include "devices/passport/passport.hpp"  // checkArmingPermit(): passport and today's check
-#include "devices/host/device_host.hpp"        // DeviceHost: holds a device for another process
-#include "devices/host/host_segment.hpp"       // listHosts(): which hosts there are
-#include "devices/host/hosted_driver.hpp"      // HostedDriver: a device that a host holds
-#include "devices/plugin/device_driver.hpp"    // ObservedDriver: what its newest sample says
-#include "devices/plugin/plugin_device.hpp"    // PluginDevice: a driver as a HapticDevice
-#include "devices/plugin/plugin_driver.hpp"    // PluginDriver: loads a shared object
+#include "devices/host/device_host.hpp"      // DeviceHost: holds a device for another process
+#include "devices/host/host_segment.hpp"     // listHosts(): which hosts there are
+#include "devices/host/hosted_driver.hpp"    // HostedDriver: a device that a host holds
+#include "devices/passport/passport.hpp"     // checkArmingPermit(): passport and today's check
+#include "devices/plugin/device_driver.hpp"  // ObservedDriver: what its newest sample says
+#include "devices/plugin/plugin_device.hpp"  // PluginDevice: a driver as a HapticDevice
+#include "devices/plugin/plugin_driver.hpp"  // PluginDriver: loads a shared object
 // IWYU pragma: end_exports
 
 namespace wholehand {

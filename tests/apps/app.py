@@ -65,6 +65,14 @@ class AppTest(unittest.TestCase):
         return Result(subprocess.run(command, cwd=cwd or self.folder, timeout=timeout, text=True, errors="replace",
                                      stdin=subprocess.DEVNULL, capture_output=True, **how))
 
+    @staticmethod
+    def copy_programs(folder):
+        """Copies the program and wholehand-tools into a folder; returns the program's copy."""
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in ("wholehand", "wholehand-tools"):
+            shutil.copy(BINARY.with_name(name), folder)
+        return folder / "wholehand"
+
     def start_app(self, *arguments, **how):
         """Starts the program in the background; it is killed at the end of the test at the latest."""
         process = subprocess.Popen([str(BINARY), *map(str, arguments)], cwd=self.folder, text=True,

@@ -4,7 +4,7 @@ import math
 import re
 import shutil
 
-from app import (BAD_INPUT, BINARY, CONFIG, DONE, AppTest, expect_known_sentences, main, read_recording,
+from app import (BAD_INPUT, CONFIG, DONE, AppTest, expect_known_sentences, main, read_recording,
                  report_data, sentences_of)
 from device_app import passport_of
 
@@ -217,10 +217,7 @@ class Certify(AppTest):
             self.assertTrue(chart["y"]["from"] < working["y"][0] < chart["y"]["to"], name)
 
     def test_charts_without_built_pages_are_refused_before_anything_is_written(self):
-        tree = self.folder / "tree/bin"
-        tree.mkdir(parents=True)
-        binary = tree / "wholehand"
-        shutil.copy(BINARY, binary)
+        binary = self.copy_programs(self.folder / "tree/bin")
         (self.folder / "tree/config").symlink_to(CONFIG)
         result = self.run_app("certify", "--charts", "z.html", "--json", "z.json", binary=binary)
         self.expect_refused(result, "web/dist/charts.html", "npm run build", lines=1)

@@ -6,7 +6,7 @@ import signal
 import time
 import unittest
 
-from app import (BINARY, CONFIG, DONE, FULL, HANG_S, INTERRUPTED, LAB, SOURCE, AppTest, expect_known_sentences, main,
+from app import (CONFIG, DONE, FULL, HANG_S, INTERRUPTED, LAB, SOURCE, AppTest, expect_known_sentences, main,
                  report_data)
 
 
@@ -43,9 +43,7 @@ class Grasping(AppTest):
 
     def test_results_without_built_pages_are_written_but_not_drawn(self):
         """Runs as on a machine without Node: the program and its shipped files, without web/dist."""
-        program = self.folder / "bin/wholehand"
-        program.parent.mkdir()
-        shutil.copy(BINARY, program)
+        program = self.copy_programs(self.folder / "bin")
         for name in ("config", "data"):
             (self.folder / name).symlink_to(SOURCE / name)
         trial = ("experiment", "grasping", "--only", "pinch sphere floating", "--jittered", "0", "--out", "out")

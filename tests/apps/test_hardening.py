@@ -8,10 +8,10 @@ from app import BINARY, LAB, main
 
 BUILD = BINARY.parent
 SHIPPED = ["composite", "force_dimension", "frame", "moteus"]
-PROGRAMS = [BINARY, BUILD / "wholehand-read-mesh", *(BUILD / "drivers" / f"{name}.so" for name in SHIPPED)]
+PROGRAMS = [BINARY, BUILD / "wholehand-tools", BUILD / "wholehand-read-mesh", *(BUILD / "drivers" / f"{name}.so" for name in SHIPPED)]
 ASSERTION = re.compile(r"__glibcxx_assert_fail|__replacement_assert")
 # Libraries that only the tick uses.
-TICK = ["control", "dynamics", "safety", "physics_bullet", "renderer"]
+TICK = ["loop_control", "loop_dynamics", "loop_safety", "loop_physics_bullet", "loop_renderer"]
 
 
 def said(*command):
