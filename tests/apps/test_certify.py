@@ -2,7 +2,6 @@
 import json
 import math
 import re
-import shutil
 
 from app import (BAD_INPUT, CONFIG, DONE, AppTest, expect_known_sentences, main, read_recording,
                  report_data, sentences_of)

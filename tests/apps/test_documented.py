@@ -29,7 +29,7 @@ FENCED = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.S | re.M)
 
 # The pieces of each page in their order: the test of this file or another file that runs it, or why nothing does.
 PIECES = {
-    "../README.md": ["test_both_commands_run"],
+    "../README.md": ["test_both_commands_run", "test_idea_of_the_readme_is_the_example"],
     "architecture.md": ["not run: the table of a tick", "not run: a drawing"],
     "certificate.md": ["test_every_option_exists"],
     "clinic.md": 5 * ["tests/apps/test_clinic.py"],
@@ -88,6 +88,13 @@ class Pages(AppTest):
         for script, mentions in zip(commands("../README.md"), ("--lab", "--full")):
             said = subprocess.run([SOURCE / script[0], "--help"], text=True, capture_output=True, check=True).stdout
             self.assertIn(mentions, said)
+
+    def test_idea_of_the_readme_is_the_example(self):
+        """Every call of README's twelve lines stands in the example that they point to, which is built and run."""
+        example = (SOURCE / "examples/08_rig_alone.cpp").read_text()
+        calls = set(re.findall(r"\b([a-z]\w*)\(", re.sub(r"//.*", "", pieces("../README.md")[1][1]))) - {"while", "move"}
+        self.assertGreater(len(calls), 7)
+        self.assertEqual({name for name in calls if f"{name}(" not in example}, set())
 
     def options_of(self, program, words):
         """The options in the --help of the longest subcommand that the words contain."""
