@@ -29,11 +29,13 @@ int main(int argc, char** argv) {
   const RigOptions options;  // 1 kHz
   auto gains = checkGains(*models, options.period_s);
   if (!gains || !gains->refused.empty()) return refuse(gains ? gains->refused : gains.errors());
-  auto rehearsal = rehearse(*models, restPose(*models), options);
+  AxisPosition back = restPose(*models);  // the hand withdrawn from the four shapes
+  back[models->device.axisIndex("x")] = models->device.axes[models->device.axisIndex("x")].lower;
+  auto rehearsal = rehearse(*models, back, options);
   if (!rehearsal) return refuse(rehearsal.errors());
   std::printf("certified; rehearsed: %s\n", describe(*rehearsal).c_str());
 
-  auto rig = buildRig(*models, intentionOf(*models, nullptr), options);
+  auto rig = buildRig(*models, Intention::throughWaypoints({{0.0, back}}), options);
   if (!rig) return refuse(rig.errors());
   HapticRenderer& renderer = *(*rig)->renderer;
   if (auto armed = renderer.arm(rehearsal->passed); !armed) return refuse(armed.errors());
