@@ -172,7 +172,7 @@ struct CertificateInput {
 /// @pre device and rendering have the same axes, the inertias as many rows; period_s > 0
 [[nodiscard]] Certificate certify(const CertificateInput& input);
 
-/// Parts of certify(), for searches.
+/// Steps of certify(), which a search for gains calls one by one.
 [[nodiscard]] AxisCase axisCase(const CertificateInput& input, int axis);
 [[nodiscard]] AxisCertificate certifyAxis(const AxisCase& c);
 /// Worst spectral radius over Φ = 0, ⅛ .. 1, persons (no arm, relaxed arm, stiff arm) and the

@@ -40,7 +40,7 @@ TEST(WatchedMainCase, DISABLED_FailsWhateverTheMachineDoes) {
   standStill();
   EXPECT_EQ(1, 2) << kAlways << "late";
 }
-TEST(WatchedMainCase, DISABLED_FailsAfterAStallAndSeesNoRealTime) {
+TEST(WatchedMainCase, DISABLED_FailsAfterAStallInATestWithoutRealTime) {
   standStill();
   g_sees_real_time = false;
   FAIL() << "by itself";

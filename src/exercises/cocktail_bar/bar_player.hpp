@@ -57,7 +57,7 @@ class BarPlayer final : public approach::ReachingPlayer {
     double tremor_phase = 0.0;
   };
 
-  /// Statuses of the last kMemory milliseconds.
+  /// Length of the memory of statuses [ms], and the interval between two of them.
   static constexpr int kMemory = 512;
   static constexpr double kLook_s = 1e-3;
 

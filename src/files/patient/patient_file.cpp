@@ -361,7 +361,7 @@ PatientAxis readAxis(TomlTable& table, const std::string& name, AxisKind kind, d
   return axis;
 }
 
-/// The table of a behaviour: required if an axis takes part in it, else forbidden.
+/// The table of a habit, such as [tremor]: required if an axis uses it, else refused.
 std::optional<TomlTable> habitTable(TomlTable& root, const std::string& name, bool any_axis,
                                     const std::string& axis_key) {
   std::optional<TomlTable> table = root.optionalTable(name);

@@ -1,6 +1,6 @@
 #include "loop/renderer/haptic_renderer.hpp"
 
-// Arming of a renderer.
+// Arming, stopping and one tick of the renderer.
 
 #include "loop/control/bilateral_coupling.hpp"
 #include "loop/core/axis_array.hpp"

@@ -51,7 +51,7 @@ export class AloneScreen implements Screen {
     this.training.refresh();
     const runs = running(this.context);
     this.stop.disabled = !runs;
-    // Parameters that are set before the start would not be gentle, so the controls are hidden.
+    // Values set before the start would replace the gentle preset, so the controls are hidden until then.
     this.training.controls.hidden = !runs && !this.ofVisit;
     if (!runs) void this.lower();
     this.leave.hidden = runs || this.context.clinic.stage !== 'in';

@@ -37,7 +37,7 @@ export class Trigger {
     this.met = well || (this.met && this.down);
     if (down && !this.down) {
       this.held_s = 0;
-      // A press squeezes and a release lets go, so this press ends an earlier tap's squeeze.
+      // An earlier tap has left the hand closed. This press takes the squeeze over, and its release opens the hand.
       this.ends = this.latched && !same && !well && this.up_s > AGAIN_S;
       this.latched &&= !this.ends;
     } else if (down) {

@@ -35,6 +35,7 @@ export abstract class Orders {
 
   /** @param endingsSeen the value of `endings` when the pressed button was shown */
   arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
+  /** Ends the session gently. The button Stop sends SocketConnection.emergencyStop() (connection.ts) instead. */
   stop(): Promise<Answer> { return this.order(new StopT()); }
   /** A gentle stop that the same page may end by arming again. */
   rest(): Promise<Answer> { return this.order(new RestT()); }
