@@ -301,12 +301,12 @@ void addDevice(CLI::App& app, DeviceOptions& o, int& code) {
 }
 
 int deviceInspectCommand(const DeviceOptions& options) {
-  const auto printLine = [](const std::string& line) {
+  const auto print_line = [](const std::string& line) {
     std::printf("%s\n", printable(line, 1000).c_str());
   };
   const auto facts = pluginFacts(options.driver.path);
   if (!facts) return refuse(facts.errors());
-  const auto loaded = PluginDriver::load(options.driver, printLine, CalledBy::kHost);
+  const auto loaded = PluginDriver::load(options.driver, print_line, CalledBy::kHost);
   if (!loaded) return refuse(loaded.errors());
   PluginDriver& driver = **loaded;
   wh_sample sample{};

@@ -18,13 +18,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <thread>
 #include <unistd.h>
 
 namespace wholehand {
-namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;

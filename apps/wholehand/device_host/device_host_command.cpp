@@ -80,7 +80,7 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   for (const SetupLine& line : *setup) {
     if (!line.granted) std::printf("  machine  %s: %s\n", line.what.c_str(), line.sentence.c_str());
   }
-  const auto printEvents = [&] {
+  const auto print_events = [&] {
     HostEvent event;
     while (host.nextEvent(event)) {
       const std::string line = lineAbout(event);
@@ -92,11 +92,11 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   while (thread.running()) {
     std::this_thread::sleep_for(kLookEvery);
     if (InterruptScope::interrupted()) host.requestEnd();
-    printEvents();
+    print_events();
   }
   thread.join();
   interrupts.loops.fetch_sub(1);
-  printEvents();
+  print_events();
   return Done{};
 }
 
@@ -108,10 +108,10 @@ int deviceHostCommand(const DeviceHostOptions& options) {
   auto model = loadDeviceFile(options.device);
   if (!model) return refuse(model.errors());
   const InterruptScope interrupts;
-  const auto printLine = [&options](const std::string& line) {
+  const auto print_line = [&options](const std::string& line) {
     std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
   };
-  auto driver = PluginDriver::load(options.driver, printLine, CalledBy::kHost);
+  auto driver = PluginDriver::load(options.driver, print_line, CalledBy::kHost);
   if (!driver) return refuse(driver.errors());
   // Any delay is accepted here; the loop, which knows its period, checks it.
   auto fits = PluginDevice::make(*driver, *model, kDelayOfAnyLoop_s);

@@ -109,23 +109,23 @@ int GameBodies::movingCount() const noexcept {
 void GameBodies::spawn(const SpawnOrder& order) noexcept {
   if (order.slot < 0 || order.slot >= count()) return refuse(order.slot, BodyRefusal::kNoSuchSlot);
   Slot& slot = slots_[order.slot];
-  const auto refuseSlot = [&](BodyRefusal refusal) noexcept { refuse(order.slot, refusal); };
+  const auto refuse_slot = [&](BodyRefusal refusal) noexcept { refuse(order.slot, refusal); };
   // Refuses invalid orders and those that exceed the budget.
-  if (slot.state != SlotState::kParked) return refuseSlot(BodyRefusal::kSlotTaken);
-  if (order.generation < 1) return refuseSlot(BodyRefusal::kWrongGeneration);
-  if (!alive_) return refuseSlot(BodyRefusal::kSilent);
+  if (slot.state != SlotState::kParked) return refuse_slot(BodyRefusal::kSlotTaken);
+  if (order.generation < 1) return refuse_slot(BodyRefusal::kWrongGeneration);
+  if (!alive_) return refuse_slot(BodyRefusal::kSilent);
   const ShapeSets::Set* set = sets_.find(order.shape_set);
-  if (set == nullptr) return refuseSlot(BodyRefusal::kNoSuchShapes);
+  if (set == nullptr) return refuse_slot(BodyRefusal::kNoSuchShapes);
   if (!isBodyPose(order.pose) || !isBodyOwner(order.owner) ||
       !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
-    return refuseSlot(BodyRefusal::kBadPose);
+    return refuse_slot(BodyRefusal::kBadPose);
   }
   if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
       !(order.friction >= 0.0 && order.friction <= kMostBodyFriction)) {
-    return refuseSlot(BodyRefusal::kBadMass);
+    return refuse_slot(BodyRefusal::kBadMass);
   }
   if (order.owner != BodyOwner::kFixed && movingCount() >= budget_.awake) {
-    return refuseSlot(BodyRefusal::kBudget);
+    return refuse_slot(BodyRefusal::kBudget);
   }
   slot = Slot{};
   slot.generation = order.generation;
