@@ -28,7 +28,7 @@ BASE = "bf19dc6c42cee3ad028ee6f52f1b6a88dc80c82c"  # the rule holds for the comm
 LONGEST = 72
 NO_VERBS = set("""
     A An The Of In On At By For From With Without As All Any Every Each No None Not Nothing New Old One Two What Who Why
-    When Where Which Whose How Names Name Words Word Tests Test Files File More Less Most Last First Likewise So Also It
+    When Where Which Whose How Names Words Word Tests Test Files File More Less Most Last First Likewise So Also It
     Its This That These Those There Here And Or But If Is Are Was Were Has Have Had
 """.split())
 VERBS_IN_ED_OR_ING = {"Bring", "Embed", "Feed", "Need", "Ping", "Seed", "Shed", "Speed", "String", "Swing"}
