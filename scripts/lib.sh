@@ -349,7 +349,7 @@ build() {
   make_log "$log"
   jobs=$(build_jobs)
   read_step_costs
-  all=$(ninja -C "$root/build/$preset" -n "$@" 2>/dev/null | cost_of_steps)
+  all=$(ninja -C "$root/build/$preset" -n "$@" 2>/dev/null | cost_of_steps) || all=0 # the build says what is wrong
   if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
     show_progress "Building $preset" "$all"; then
     if out_of_space "$log"; then fail "Building $preset failed: $disk_is_full Full log: $log"; fi
