@@ -87,7 +87,7 @@ TEST(WatchedMain, FailedTest_IsExcusedOnlyByAStall) {
       {"FailsAtOnce", true, "real time: 1 judged, 0 not judged"},
       {"FailsAfterAStall", false, "real time: 0 judged, 1 not judged"},
       {"FailsWhateverTheMachineDoes", true, "real time: 1 judged, 0 not judged"},
-      {"FailsAfterAStallAndSeesNoRealTime", true, "real time: 0 judged, 0 not judged"},
+      {"FailsAfterAStallInATestWithoutRealTime", true, "real time: 0 judged, 0 not judged"},
       {"PassesAfterAStall", false, "real time: 1 judged, 0 not judged"},
   }};
   for (const Case& c : cases) {
