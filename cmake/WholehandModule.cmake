@@ -86,8 +86,8 @@ endfunction()
 # their sources with wholehand_tests(<name> ...).
 #
 # LABEL: when it runs.
-#   unit      under AddressSanitizer and UndefinedBehaviorSanitizer; in a release build only with
-#             WHOLEHAND_FULL_TESTS, or by its name
+#   unit      with the program's objects, and under AddressSanitizer and UndefinedBehaviorSanitizer; with reduced
+#             counts but for WHOLEHAND_FULL_TESTS
 #   figure    release; long measurements of code that other tests also run
 #   sessions  release, on the real clock; sleeps most of the time
 #   realtime  release, on the real clock, with nothing else running
@@ -118,6 +118,10 @@ function(wholehand_test_program name)
   if(WHOLEHAND_FULL_TESTS)
     set(filter "*")
   endif()
+  set(counts "")
+  if(arg_LABEL STREQUAL unit AND NOT WHOLEHAND_FULL_TESTS)
+    set(counts WHOLEHAND_REDUCED_COUNTS=1)
+  endif()
   math(EXPR last "${arg_SHARDS} - 1")
   foreach(shard RANGE ${last})
     set(test ${name})
@@ -128,7 +132,7 @@ function(wholehand_test_program name)
     add_test(NAME ${test} COMMAND ${target} --gtest_filter=${filter})
     # The timeout ends hanging tests; it leaves room for a busy machine.
     set_tests_properties(${test} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${WHOLEHAND_TEST_TIMEOUT_S}
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};${WHOLEHAND_TEST_ENVIRONMENT}")
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard};${counts};${WHOLEHAND_TEST_ENVIRONMENT}")
     if(arg_LABEL STREQUAL realtime)
       set_tests_properties(${test} PROPERTIES RUN_SERIAL ON)
     endif()

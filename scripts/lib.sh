@@ -42,12 +42,30 @@ missing_packages() {
   done
 }
 
+# The name of this system, and true if it is Debian 12. Tests name another file.
+system_name=$(sed -n 's/^PRETTY_NAME="\{0,1\}\([^"]*\)"\{0,1\}$/\1/p' "${WHOLEHAND_OS_RELEASE:-/etc/os-release}" 2>/dev/null) || true
+is_debian_12() {
+  local -A of=()
+  local key value
+  while IFS='=' read -r key value; do of[$key]=${value//\"/}; done 2>/dev/null <"${WHOLEHAND_OS_RELEASE:-/etc/os-release}"
+  [[ ${of[ID]:-} == debian && ${of[VERSION_ID]:-} == 12 ]]
+}
+
+# go_on_elsewhere <package ...>: on another system nothing is installed; continues if the tools are there.
+go_on_elsewhere() {
+  local tool missing=()
+  say "This is ${system_name:-no system with /etc/os-release}, not Debian 12; install with its own tools what Debian calls: $*"
+  for tool in clang++ cmake ninja git pkg-config flatc; do
+    command -v "$tool" >/dev/null || missing+=("$tool")
+  done
+  ((${#missing[@]} == 0)) || fail "Missing here: ${missing[*]}. Install them and start again (docs/platforms.md)."
+}
+
 # Installs the missing packages of the given sections, or prints what to do and ends.
 install_packages() {
-  command -v dpkg-query >/dev/null ||
-    fail "This is no Debian: install by hand what scripts/packages.txt lists, then build as README.md says."
   local wanted missing as_root=()
   mapfile -t wanted < <(packages_of "$@")
+  if ! is_debian_12; then go_on_elsewhere "${wanted[@]}" && return; fi
   mapfile -t missing < <(missing_packages "${wanted[@]}")
   ((${#missing[@]} == 0)) && return
   local command="apt-get install --no-install-recommends ${missing[*]}"
@@ -121,6 +139,7 @@ install_node() {
     dpkg -S "$(readlink -f "$node")" >/dev/null 2>&1 ||
       fail "Node $version ($node) is there but its npm is not, and it is not Debian's. Install npm from where this node came."
   fi
+  is_debian_12 || fail "There is no node: the pages need $node_engines_in_words, and npm."
   install_packages web
   have_node || fail "What Debian installed cannot build the pages: they need $node_engines_in_words, and npm."
 }

@@ -14,7 +14,7 @@ copy_tree() { # <to>
   git ls-files -z -- CMakeLists.txt CMakePresets.json LICENSE cmake protocol clients src include drivers experiments apps \
     packaging data scripts start check | tar --null -T - -c | tar -x -C "$1"
 }
-target=wholehand_page
+target=wholehand_files_page
 # in_tree <tree> <command ...>: runs it as ./start and ./check do.
 in_tree() {
   # shellcheck disable=SC2016

@@ -7,7 +7,7 @@ trap 'rm -rf "$tree"' EXIT
 repo=$tree/repo bin=$tree/bin
 mkdir -p "$repo/scripts" "$repo/protocol" "$repo/web/src" "$repo/build/release" "$bin"
 cp start "$repo/"
-cp scripts/lib.sh scripts/packages.txt "$repo/scripts/"
+cp scripts/lib.sh scripts/packages.txt scripts/step_costs.txt "$repo/scripts/"
 mkdir -p "$repo/apps/wholehand/run" "$repo/apps/wholehand/shared"
 cp apps/wholehand/run/run_command.cpp "$repo/apps/wholehand/run/"
 cp apps/wholehand/shared/options.hpp "$repo/apps/wholehand/shared/"
@@ -74,6 +74,16 @@ refuse 'Missing packages'
 if start --seed -1 --port=0; then wrong "./start went on without packages"; fi
 expect 'Missing packages'
 
+# On another system nothing is installed: one line names it and the packages. Without the tools ./start stops.
+printf 'PRETTY_NAME="Ubuntu 24.04 LTS"\nID=ubuntu\nVERSION_ID="24.04"\n' >"$tree/ubuntu"
+export WHOLEHAND_OS_RELEASE=$tree/ubuntu
+elsewhere="This is Ubuntu 24.04 LTS, not Debian 12; install with its own tools what Debian calls: $(packages_of run | tr '\n' ' ')"
+if start; then wrong "./start went on without a compiler"; fi
+expect_line "${elsewhere% }"
+expect_line 'Missing here: clang++ cmake ninja git pkg-config flatc. Install them and start again (docs/platforms.md).'
+refuse 'Missing packages'
+unset WHOLEHAND_OS_RELEASE
+
 # From here on all of [run] is installed and the program is built: it reports its arguments.
 packages_of run >"$tree/installed"
 echo "CMAKE_HOME_DIRECTORY:INTERNAL=$repo" >"$repo/build/release/CMakeCache.txt"
@@ -103,6 +113,14 @@ afresh() { # no node, no npm, no pages, no network
     "$tree/apt-installs" "$tree/node-is-debians"
 }
 without_pages='Going on without pages: the address below says how to build them.'
+
+for tool in clang++ cmake git pkg-config flatc; do stand_in "$tool" <<<'exit 0'; done
+afresh # with the tools ./start goes on, also without node
+WHOLEHAND_OS_RELEASE=$tree/ubuntu went_on --level 2
+expect_line "${elsewhere% }"
+expect_line "There is no node: the pages need $node_engines_in_words, and npm."
+expect_line "$without_pages"
+expect_line 'wholehand run --level 2'
 
 if start --lab --level 2; then wrong "./start --lab went on without MuJoCo"; fi
 expect_line 'Missing packages: libmujoco-dev'

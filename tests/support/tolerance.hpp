@@ -24,9 +24,11 @@ inline bool fullCounts() {
   return underFull() && WHOLEHAND_SANITIZED == 0;
 }
 
-/// True under a sanitizer with reduced counts, as ./check runs unit tests. ./check --full runs them
-/// in a release build with every large count.
-inline const bool kReducedCounts = WHOLEHAND_SANITIZED != 0 && !underFull();
+/// True with reduced counts: as ./check runs unit tests (tests/CMakeLists.txt), and under a
+/// sanitizer. ./check --full runs them in a release build with every large count.
+inline const bool kReducedCounts =
+    !underFull() &&
+    (WHOLEHAND_SANITIZED != 0 || std::getenv("WHOLEHAND_REDUCED_COUNTS") != nullptr);
 
 /// Number of random cases to try: thirty times as many with full counts, a tenth with
 /// kReducedCounts.

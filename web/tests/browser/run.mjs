@@ -1,9 +1,9 @@
 // Tests in a real browser against the real program:
-//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [--first] [part of a test's name ...]
+//   node web/tests/browser/run.mjs [--program FILE] [--out FOLDER] [--share I/N] [--first | --rest] [--list] [part of a test's name ...]
 // FILE: build/release/wholehand. FOLDER: for pictures and figures, web/test-output/browser. The pages are those that
 // the program finds; WHOLEHAND_PAGES names others. CHROMIUM names another browser than /usr/bin/chromium.
 // I/N: runs only the I-th of every N tests, so that N shares can run in parallel.
-// --first: those that ./check runs without --deep.
+// --first: those that ./check runs without --deep; --rest: the others; --list: prints their names.
 // WHOLEHAND_FULL=1 also runs the tests whose names end in _slow, and keeps pictures.
 import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -108,10 +108,14 @@ const TESTS = [
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const { values: options, positionals: wanted } = parseArgs({
-  options: { program: { type: 'string' }, out: { type: 'string' }, share: { type: 'string', default: '1/1' }, first: { type: 'boolean' } }, allowPositionals: true,
+  options: { program: { type: 'string' }, out: { type: 'string' }, share: { type: 'string', default: '1/1' }, first: { type: 'boolean' }, rest: { type: 'boolean' }, list: { type: 'boolean' } }, allowPositionals: true,
 });
 const [share, shares] = options.share.split('/').map(Number);
-const chosen = TESTS.filter(([name, , how]) => (!options.first || how?.first) && (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
+const chosen = TESTS.filter(([name, , how]) => (!options.first || how?.first) && !(options.rest && how?.first) && (FULL || !name.endsWith('_slow')) && (wanted.length === 0 || wanted.some((part) => name.includes(part))));
+if (options.list) {
+  console.log(chosen.map(([name]) => name).join('; '));
+  process.exit(0);
+}
 const output = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 mkdirSync(output, { recursive: true });
 // The program stores recordings in its folder: a temporary one leaves nothing behind.
