@@ -1,8 +1,8 @@
 #include "files/mesh/convex_hull.hpp"
 
 #include "files/mesh/mesh_checks.hpp"
+#include "loop/model/principal_axes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -36,8 +36,7 @@ bool isFlat(const std::vector<Vector3d>& points) {
   const Vector3d middle = sum / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Vector3d& p : points) spread += (p - middle) * (p - middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-  const Vector3d thin = axes.eigenvectors().col(0);
+  const Vector3d thin = principalAxesOf(spread).axes.col(0);
   double below = 0.0, above = 0.0;
   for (const Vector3d& p : points) {
     below = std::min(below, thin.dot(p - points.front()));

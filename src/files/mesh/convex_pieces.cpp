@@ -4,9 +4,9 @@
 #include "files/mesh/mesh_checks.hpp"
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh/solid.hpp"
+#include "loop/model/principal_axes.hpp"
 #include "loop/model/scene_model.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -254,8 +254,8 @@ class Decomposition {
     hull.points_m = part.hull.points;
     hull.triangles = part.hull.triangles;
     const Matrix3d inertia = moments(hull).inertia_m5;
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(inertia / inertia.trace());
-    for (int i = 0; i < 3; ++i) directions.emplace_back(axes.eigenvectors().col(i));
+    const Matrix3d axes = principalAxesOf(inertia / inertia.trace()).axes;
+    for (int i = 0; i < 3; ++i) directions.emplace_back(axes.col(i));
     return directions;
   }
 

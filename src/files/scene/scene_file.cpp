@@ -8,8 +8,8 @@
 #include "loop/core/geometry.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/core/tick_record.hpp"
+#include "loop/model/principal_axes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -512,8 +512,7 @@ class BodyReader {
     if (const double aside_m = box.exteriorDistance(m.com_m); aside_m > 0.0) {
       return fmt::format("centre of mass is {:.3g} m outside of its colliders", aside_m);
     }
-    const Vector3d principal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m.inertia_kg_m2).eigenvalues();
+    const Vector3d principal = principalAxesOf(m.inertia_kg_m2).moments;
     if (const double most = m.mass_kg * reach_m * reach_m; principal.maxCoeff() > most) {
       return fmt::format(
           "largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within {:.3g} m of their centre "

@@ -1,8 +1,9 @@
 #include "loop/model/game_shapes.hpp"
 
+#include "loop/model/principal_axes.hpp"
 #include "loop/model/scene_model.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -117,10 +118,10 @@ void principalAxes(const Eigen::Matrix3d& inertia, PreparedShapes& out) {
     out.moments_per_kg = inertia.diagonal();
     return;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  out.from_body = solver.eigenvectors();
+  const PrincipalAxes principal = principalAxesOf(inertia);
+  out.from_body = principal.axes;
   if (out.from_body.determinant() < 0.0) out.from_body.col(2) = -out.from_body.col(2);
-  out.moments_per_kg = solver.eigenvalues();
+  out.moments_per_kg = principal.moments;
 }
 
 Command command(CommandType type, int index, double value) {

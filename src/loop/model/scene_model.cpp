@@ -1,8 +1,8 @@
 #include "loop/model/scene_model.hpp"
 
 #include "loop/core/world_query.hpp"
+#include "loop/model/principal_axes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -250,9 +250,7 @@ MassProperties moved(const MassProperties& m, const Pose& inner_in_outer) {
 }
 
 std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia_kg_m2,
-                                                              Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d& principal = solver.eigenvalues();  // ascending
+  const Eigen::Vector3d principal = principalAxesOf(inertia_kg_m2).moments;
   const std::string moments = fmt::format("(principal moments {:.4g}, {:.4g}, {:.4g} kg·m²)",
                                           principal[0], principal[1], principal[2]);
   if (!(principal[0] > 0.0)) return "is not positive definite " + moments;

@@ -1,5 +1,6 @@
 #include "loop/physics/bullet/bullet_shapes.hpp"
 
+#include "loop/model/principal_axes.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -8,7 +9,7 @@
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 #include <cmath>
 
@@ -27,10 +28,9 @@ Pose principalFrame(const SceneBody& body, btVector3& moments) {
     moments.setValue(inertia(0, 0), inertia(1, 1), inertia(2, 2));
     return {Eigen::Matrix3d::Identity(), body.com_m};
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  Eigen::Matrix3d axes = solver.eigenvectors();
+  auto [axes, principal] = principalAxesOf(inertia);
   if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
-  moments = toBt(Eigen::Vector3d(solver.eigenvalues()));
+  moments = toBt(principal);
   return {axes, body.com_m};
 }
 
