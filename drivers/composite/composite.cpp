@@ -3,21 +3,28 @@
 #include "loop/core/sha256.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wholehand {
 namespace {
 
-// Status bits that need both parts. Any other bit is set if one part sets it.
-constexpr std::uint32_t kOfBoth = WH_ENABLED | WH_HOMED;
+constexpr std::int64_t kAhead_ns = 1'000'000;  // a sample may be so far in the future
+
+bool isFinite(const wh_command& command) noexcept {
+  return std::all_of(command.effort, command.effort + command.axes,
+                     [](double effort) { return std::isfinite(effort); });
+}
 
 }  // namespace
 
 Expected<std::unique_ptr<Composite>> Composite::make(const CompositeConfig& config,
-                                                     const Parts& parts) {
-  std::unique_ptr<Composite> whole(new Composite(parts, config.longest_skew_s));
+                                                     const Parts& parts,
+                                                     std::int64_t (*now_ns)() noexcept) {
+  std::unique_ptr<Composite> whole(new Composite(parts, config.longest_skew_s, now_ns));
   Diagnostics refused;
   for (std::size_t p = 0; p < parts.size(); ++p) {
+    whole->state_[p].longest_gap_ns = std::llround(config.parts[p].longest_gap_s * 1e9);
     const std::vector<wh_axis>& has = parts[p]->axes();
     for (const std::string& name : config.parts[p].axes) {
       const auto found = std::find_if(has.begin(), has.end(),
@@ -56,10 +63,7 @@ DriverIdentity Composite::identity() const {
 Expected<Done> Composite::control(std::uint32_t verb, double argument) {
   if (verb == WH_DROP_WATCHDOG) return dropWatchdogs();
   if (verb == WH_ENABLE) return enable(wh_command{});
-  if (verb == WH_DISABLE) {
-    dropped_ = false;
-    starved_ = {};
-  }
+  if (verb == WH_DISABLE) beginAnew(false);
   Diagnostics refused;
   for (const auto& part : parts_) {
     if (auto done = part->control(verb, argument); !done) {
@@ -74,9 +78,18 @@ bool Composite::enablesAtNeutral() const noexcept {
   return parts_[0]->enablesAtNeutral() && parts_[1]->enablesAtNeutral();
 }
 
+// Forgets losses and tests of the last session.
+void Composite::beginAnew(bool enabled) noexcept {
+  enabled_ = enabled;
+  commanded_ = dropped_ = false;
+  for (PartState& part : state_) {
+    part.lost = part.starved = part.current = false;
+    if (enabled) part.begun = false;
+  }
+}
+
 Expected<Done> Composite::enable(const wh_command& neutral) {
-  lost_ = begun_ = starved_ = {};
-  dropped_ = false;
+  beginAnew(false);
   const std::array<wh_command, 2> commands = divide(neutral);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Expected<Done> enabled = parts_[p]->enable(commands[p]);
@@ -84,51 +97,77 @@ Expected<Done> Composite::enable(const wh_command& neutral) {
     for (const auto& part : parts_) (void)part->control(WH_DISABLE, 0.0);
     return enabled;
   }
+  beginAnew(true);
   return Done{};
 }
 
 Expected<Done> Composite::dropWatchdogs() {
   dropped_ = true;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    starved_[p] = !parts_[p]->control(WH_DROP_WATCHDOG, 0.0).ok();
+    state_[p].starved = !parts_[p]->control(WH_DROP_WATCHDOG, 0.0).ok();
   }
   return Done{};
 }
 
 std::uint32_t Composite::statusOfBoth() const noexcept {
-  const std::uint32_t first = newest_[0].status, second = newest_[1].status;
-  const std::uint32_t status = (first & second & kOfBoth) | ((first | second) & ~kOfBoth);
-  if (!dropped_) return status;
-  const auto let_go = [](std::uint32_t part) {
-    return (part & WH_SILENCED) != 0 || (part & WH_ENABLED) == 0;
-  };
-  if (let_go(first) && let_go(second)) return status | WH_SILENCED;
-  return (status & ~static_cast<std::uint32_t>(WH_SILENCED)) | WH_ENABLED;
+  const std::uint32_t first = state_[0].newest.status, second = state_[1].newest.status;
+  // Bits that need both parts; any other is set if one part sets it. A part that stays enabled
+  // after WH_DISABLE must not be hidden by the other.
+  const std::uint32_t of_both = enabled_ ? WH_ENABLED | WH_HOMED : WH_HOMED;
+  std::uint32_t status = (first & second & of_both) | ((first | second) & ~of_both);
+  if (dropped_) {
+    const auto let_go = [](std::uint32_t part) {
+      return (part & WH_SILENCED) != 0 || (part & WH_ENABLED) == 0;
+    };
+    const bool both = let_go(first) && let_go(second);
+    status &= ~static_cast<std::uint32_t>(WH_SILENCED);
+    status |= both ? WH_SILENCED : WH_ENABLED;
+  }
+  const bool lost = state_[0].lost || state_[1].lost;
+  return enabled_ && lost ? status & ~static_cast<std::uint32_t>(WH_ENABLED) : status;
 }
 
-// Reads a part; true when the sample is new. The part is lost when the read fails or its samples
-// run backwards.
-bool Composite::readPart(std::size_t part) noexcept {
+// True when the samples of a part stand still, are too old or of the future. Times are compared
+// from the first new sample on: some drives send one only after a command.
+bool Composite::isOverdue(const PartState& part) noexcept {
+  if (part.read_ns - part.new_ns > part.longest_gap_ns) return true;
+  const std::int64_t age_ns = part.read_ns - part.newest.monotonic_ns;
+  return part.current && (age_ns > part.longest_gap_ns || age_ns < -kAhead_ns);
+}
+
+// Reads a part; true when the sample is new. The part may be lost by what it reads.
+bool Composite::readPart(std::size_t at) noexcept {
+  PartState& part = state_[at];
+  if (!enabled_) part.lost = false;
   wh_sample sample{};
   sample.size = sizeof(sample);
-  const wh_sample& last = newest_[part];
-  if (parts_[part]->read(sample) < 0) {
-    lost_[part] = true;
+  if (parts_[at]->read(sample) < 0) {
+    part.lost = true;
     return false;
   }
-  const bool backwards = sample.sequence < last.sequence || sample.monotonic_ns < last.monotonic_ns;
-  if (begun_[part] && backwards) lost_[part] = true;
-  const bool fresh = !begun_[part] || sample.sequence > last.sequence;
-  begun_[part] = true;
-  newest_[part] = sample;
-  return fresh && !lost_[part];
+  const std::int64_t now_ns = now_ns_();  // taken late, because a part of a host may wait
+  // Before the first command nobody may have read for a while.
+  const bool paused = !commanded_ && now_ns - part.read_ns > part.longest_gap_ns;
+  const bool backwards = part.begun && (sample.sequence < part.newest.sequence ||
+                                        sample.monotonic_ns < part.newest.monotonic_ns);
+  const bool newer = part.begun && sample.sequence > part.newest.sequence;
+  const bool fresh = newer || !part.begun;
+  part.current = newer || (part.current && !paused);
+  if (fresh || paused) part.new_ns = now_ns;
+  part.begun = true;
+  part.read_ns = now_ns;
+  part.newest = sample;
+  if (backwards || isOverdue(part)) part.lost = true;
+  // A command must not bring back a part that was silenced; the other part would hide it.
+  if (enabled_ && part.current && (sample.status & WH_SILENCED) != 0) part.starved = true;
+  return fresh && !part.lost;
 }
 
 // Parts whose axes are valid: not lost, and not too far behind the other part.
 std::array<bool, 2> Composite::agreeing() noexcept {
-  std::array<bool, 2> valid = {!lost_[0], !lost_[1]};
+  std::array<bool, 2> valid = {!state_[0].lost, !state_[1].lost};
   if (!valid[0] || !valid[1]) return valid;
-  const std::int64_t ahead_ns = newest_[0].monotonic_ns - newest_[1].monotonic_ns;
+  const std::int64_t ahead_ns = state_[0].newest.monotonic_ns - state_[1].newest.monotonic_ns;
   const std::int64_t skew_ns = ahead_ns < 0 ? -ahead_ns : ahead_ns;
   largest_skew_ns_ = std::max(largest_skew_ns_, skew_ns);
   if (skew_ns > longest_skew_ns_) valid[ahead_ns > 0 ? 1 : 0] = false;
@@ -137,21 +176,21 @@ std::array<bool, 2> Composite::agreeing() noexcept {
 
 int Composite::read(wh_sample& sample) noexcept {
   const bool first_fresh = readPart(0), second_fresh = readPart(1);
-  if (lost_[0] && lost_[1]) return WH_FAILED;
+  if (bothLost()) return WH_FAILED;
   const bool fresh = first_fresh || second_fresh;
   if (fresh) ++samples_;
   const std::array<bool, 2> valid = agreeing();
+  const wh_sample &first = state_[0].newest, &second = state_[1].newest;
   sample.status = statusOfBoth();
-  if (lost_[0] || lost_[1]) sample.status &= ~static_cast<std::uint32_t>(WH_ENABLED);
   sample.sequence = samples_;
-  const std::size_t old = lost_[0] || newest_[1].monotonic_ns < newest_[0].monotonic_ns ? 1 : 0;
-  sample.monotonic_ns = newest_[lost_[1] ? 0 : old].monotonic_ns;
-  sample.vendor_code =
-      newest_[0].vendor_code != 0 ? newest_[0].vendor_code : newest_[1].vendor_code;
+  const bool second_counts =
+      state_[0].lost || (!state_[1].lost && second.monotonic_ns < first.monotonic_ns);
+  sample.monotonic_ns = (second_counts ? second : first).monotonic_ns;
+  sample.vendor_code = first.vendor_code != 0 ? first.vendor_code : second.vendor_code;
   sample.valid = 0;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place at = places_[i];
-    const wh_sample& from = newest_[at.part];
+    const wh_sample& from = state_[at.part].newest;
     if (valid[at.part] && (from.valid >> at.axis & 1U) != 0) sample.valid |= 1U << i;
     sample.position[i] = from.position[at.axis];
     sample.effort[i] = from.effort[at.axis];
@@ -174,16 +213,17 @@ std::array<wh_command, 2> Composite::divide(const wh_command& command) const noe
 }
 
 int Composite::write(const wh_command& command) noexcept {
-  if (command.axes != places_.size()) return WH_FAILED;
+  if (!enabled_ || command.axes != places_.size() || !isFinite(command)) return WH_FAILED;
+  commanded_ = true;
   const std::array<wh_command, 2> commands = divide(command);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    if (starved_[p]) continue;
+    if (state_[p].starved) continue;
     // While the watchdog is tested, a released drive may refuse the command.
-    if (parts_[p]->write(commands[p]) < 0 && !dropped_) lost_[p] = true;
+    if (parts_[p]->write(commands[p]) < 0 && !dropped_) state_[p].lost = true;
   }
   // Not a failure while one part is healthy: otherwise the loop would not know that this part
   // follows its ramp. The next sample reports the loss.
-  return lost_[0] && lost_[1] ? WH_FAILED : WH_OK;
+  return bothLost() ? WH_FAILED : WH_OK;
 }
 
 }  // namespace wholehand

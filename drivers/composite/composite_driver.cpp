@@ -25,8 +25,23 @@ namespace {
 wh_plugin& plugin();
 int enable(wh_device* device, const wh_command* neutral);
 
+// Says all errors in one line, which is what say() takes.
 void report(const wh_host& host, const wholehand::Diagnostics& errors) {
-  host.say(host.context, wholehand::format(errors).c_str());
+  std::string line = wholehand::format(errors);
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  host.say(host.context, line.c_str());
+}
+
+// Result of a verb. WH_UNSUPPORTED: no part failed, and one cannot do it.
+int result(const wh_device& device, const wholehand::Expected<wholehand::Done>& done) {
+  if (done) return WH_OK;
+  const bool unsupported = std::all_of(
+      done.errors().begin(), done.errors().end(), [](const wholehand::Diagnostic& error) {
+        return error.problem.starts_with(wholehand::kUnsupportedPrefix);
+      });
+  if (unsupported) return WH_UNSUPPORTED;
+  report(device.host, done.errors());
+  return WH_FAILED;
 }
 
 wholehand::Expected<std::unique_ptr<wh_device>> openParts(const wh_host& host,
@@ -85,15 +100,11 @@ int describe(wh_device* device, wh_axis* axes, std::uint32_t capacity, std::uint
 }
 
 int control(wh_device* device, std::uint32_t verb, double argument) {
-  const auto done = device->whole->control(verb, argument);
-  if (!done) report(device->host, done.errors());
-  return done ? WH_OK : WH_FAILED;
+  return result(*device, device->whole->control(verb, argument));
 }
 
 int enable(wh_device* device, const wh_command* neutral) {
-  const auto done = device->whole->enable(*neutral);
-  if (!done) report(device->host, done.errors());
-  return done ? WH_OK : WH_FAILED;
+  return result(*device, device->whole->enable(*neutral));
 }
 
 int readSample(wh_device* device, wh_sample* sample) {

@@ -12,6 +12,7 @@ CompositePart readPart(TomlTable& table) {
   part.driver.path = table.text("driver");
   part.driver.locator = table.text("device_at", "");
   part.driver.settings = table.text("settings", "");
+  part.longest_gap_s = table.number("longest_gap_s", above(0.0, 10.0, "s"), part.longest_gap_s);
   part.axes = table.texts("axes");
   return part;
 }

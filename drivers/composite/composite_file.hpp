@@ -12,6 +12,7 @@ namespace wholehand {
 /// One of the two devices, and its axes that belong to the whole.
 struct CompositePart {
   DriverLocation driver;
+  double longest_gap_s = 0.02;    ///< longest time without a new sample [s], in (0, 10]
   std::vector<std::string> axes;  ///< in the order of the whole
 };
 

@@ -29,8 +29,9 @@ class Obedient final : public PlainDriver {
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     const auto is = [this](const char* word) { return std::strcmp(kind.load(), word) == 0; };
     if (is("unplug")) return WH_FAILED;
+    const bool nothing_new = is("nothing_new");
     if (!is("frozen")) {
-      ++samples_;
+      if (!nothing_new) ++samples_;
       taken_ns_ = clock != nullptr ? clock->now_ns() : monotonicNow_ns();
     }
     sample.sequence = is("backwards") ? 1'000'000 - samples_ : 1'000'000 + samples_;
@@ -42,7 +43,7 @@ class Obedient final : public PlainDriver {
     if (is("silenced")) sample.status |= WH_SILENCED;
     sample.valid = (1U << axes().size()) - 1U;
     if (is("missing")) sample.valid &= ~1U;
-    return WH_OK;
+    return nothing_new ? WH_NOTHING_NEW : WH_OK;
   }
   [[nodiscard]] int write(const wh_command&) noexcept override {
     return !enabled || std::strcmp(kind.load(), "refuse") == 0 ? WH_FAILED : WH_OK;
@@ -66,7 +67,7 @@ class Obedient final : public PlainDriver {
 // Returns a permanent copy of a fault name of the table.
 const char* lasting(const std::string& kind) {
   for (const char* known : {"unplug", "missing", "drive", "enable", "unhomed", "silenced",
-                            "backwards", "clock", "frozen", "refuse"}) {
+                            "backwards", "clock", "frozen", "nothing_new", "refuse"}) {
     if (kind == known) return known;
   }
   throw std::runtime_error("no such fault: " + kind);
@@ -86,11 +87,11 @@ class Direct final : public FaultAdapter {
 /// The composite of two drivers, as one driver.
 class Pair final : public DeviceDriver {
  public:
-  explicit Pair(const Composite::Parts& parts) {
+  Pair(const Composite::Parts& parts, std::int64_t (*now_ns)() noexcept) {
     CompositeConfig config;
     config.parts[0].axes = {"x", "y"};
     config.parts[1].axes = {"z"};
-    whole_ = orThrow(Composite::make(config, parts));
+    whole_ = orThrow(Composite::make(config, parts, now_ns));
   }
   [[nodiscard]] std::string where() const override { return "the pair"; }
   [[nodiscard]] std::string name() const override { return "pair"; }
@@ -113,7 +114,10 @@ class OfTwo final : public FaultAdapter {
  public:
   OfTwo() : FaultAdapter(desktopModel()) { base_->clock = hand_->clock = this; }
   [[nodiscard]] std::shared_ptr<DeviceDriver> driver() override {
-    return std::make_shared<Pair>(Composite::Parts{base_, hand_});
+    static const FaultAdapter* clock = nullptr;
+    clock = this;
+    return std::make_shared<Pair>(Composite::Parts{base_, hand_},
+                                  []() noexcept { return clock->now_ns(); });
   }
   void injectFault(const std::string& kind) override {
     static int turn = 0;

@@ -3,15 +3,22 @@
 
 #include "loop/realtime/allocation_counter.hpp"
 #include "support/figure.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace wholehand::test {
 namespace {
+
+std::int64_t simulated_ns = 0;  // the clock of the parts and of the whole
 
 /// A driver whose times, sequences and answers the test sets.
 class SetDriver final : public DeviceDriver {
@@ -46,6 +53,7 @@ class SetDriver final : public DeviceDriver {
   void take(std::int64_t monotonic_ns) {
     ++sample.sequence;
     sample.monotonic_ns = monotonic_ns;
+    simulated_ns = std::max(simulated_ns, monotonic_ns);
   }
 
   wh_sample sample{};
@@ -61,11 +69,13 @@ class SetDriver final : public DeviceDriver {
 class CompositeParts : public testing::Test {
  protected:
   CompositeParts() {
+    simulated_ns = 0;
     CompositeConfig config;
     config.longest_skew_s = 0.005;
     config.parts[0].axes = {"y", "x"};
     config.parts[1].axes = {"finger_flexion"};
-    whole_ = orThrow(Composite::make(config, {base_, hand_}));
+    whole_ =
+        orThrow(Composite::make(config, {base_, hand_}, []() noexcept { return simulated_ns; }));
     both(1'000'000, 1'000'000);
     EXPECT_TRUE(whole_->control(WH_ENABLE, 0.0));
   }
@@ -185,6 +195,70 @@ TEST_F(CompositeParts, PartWithoutASample_IsLostAndTheOtherStillTakesEfforts) {
   EXPECT_EQ(read().valid, 7U);
 }
 
+// Arming reads the position first: a loss of the last session must not refuse it.
+TEST_F(CompositeParts, LossOfASession_EndsWithWhDisable) {
+  (void)read();
+  hand_->read_result = WH_FAILED;
+  EXPECT_EQ(read().valid, 3U);
+  ASSERT_TRUE(whole_->control(WH_DISABLE, 0.0));
+  EXPECT_EQ(read().valid, 3U) << "it still gives no sample";
+  hand_->read_result = WH_OK;
+  both(2'000'000, 2'000'000);
+  EXPECT_EQ(read().valid, 7U);
+}
+
+TEST_F(CompositeParts, PartThatStaysEnabledAfterWhDisable_IsReported) {
+  for (SetDriver* stays : {base_.get(), hand_.get()}) {
+    base_->sample.status = hand_->sample.status = WH_ENABLED | WH_HOMED;
+    ASSERT_TRUE(whole_->control(WH_ENABLE, 0.0));
+    ASSERT_TRUE(whole_->control(WH_DISABLE, 0.0));
+    base_->sample.status = hand_->sample.status = WH_HOMED;
+    EXPECT_EQ(read().status & WH_ENABLED, 0U);
+    stays->sample.status = WH_ENABLED | WH_HOMED;
+    EXPECT_NE(read().status & WH_ENABLED, 0U);
+  }
+}
+
+TEST_F(CompositeParts, CommandThatIsNotFiniteOrWhileDisabled_ReachesNeitherPart) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      base_->given = hand_->given = {};
+      wh_command wrong = command();
+      wrong.effort[axis] = bad;
+      EXPECT_EQ(whole_->write(wrong), WH_FAILED);
+      EXPECT_EQ(base_->given.axes, 0U);
+      EXPECT_EQ(hand_->given.axes, 0U);
+    }
+  }
+  EXPECT_EQ(whole_->write(command()), WH_OK) << "the command after it";
+  ASSERT_TRUE(whole_->control(WH_DISABLE, 0.0));
+  base_->given = hand_->given = {};
+  EXPECT_EQ(whole_->write(command()), WH_FAILED);
+  EXPECT_EQ(base_->given.axes, 0U);
+  EXPECT_EQ(hand_->given.axes, 0U);
+}
+
+TEST_F(CompositeParts, PartWhoseWatchdogReleased_GetsNoCommandUntilWhEnable) {
+  for (SetDriver* silent : {base_.get(), hand_.get()}) {
+    SetDriver* well = silent == base_.get() ? hand_.get() : base_.get();
+    (void)read();
+    silent->sample.status = WH_ENABLED | WH_HOMED | WH_SILENCED;
+    both(simulated_ns + 1'000'000, simulated_ns + 1'000'000);
+    (void)read();
+    silent->sample.status = WH_ENABLED | WH_HOMED;
+    both(simulated_ns + 1'000'000, simulated_ns + 1'000'000);
+    (void)read();
+    base_->given = hand_->given = {};
+    EXPECT_EQ(whole_->write(command()), WH_OK);
+    EXPECT_EQ(silent->given.axes, 0U);
+    EXPECT_NE(well->given.axes, 0U) << "it follows the loop's ramp";
+    ASSERT_TRUE(whole_->control(WH_ENABLE, 0.0));
+    EXPECT_EQ(whole_->write(command()), WH_OK);
+    EXPECT_NE(silent->given.axes, 0U);
+  }
+}
+
 TEST_F(CompositeParts, SamplesThatRunBackwards_LoseTheirPart) {
   both(10'000'000, 10'000'000);
   (void)read();
@@ -195,6 +269,29 @@ TEST_F(CompositeParts, SamplesThatRunBackwards_LoseTheirPart) {
   EXPECT_EQ(read().valid, 7U);
   hand_->take(9'000'000);
   EXPECT_EQ(read().valid, 3U);
+}
+
+TEST_F(CompositeParts, SampleOfTheFuture_LosesItsPart) {
+  (void)read();
+  both(2'000'000, 2'000'000);
+  (void)read();
+  both(3'000'000, 5'000'001);
+  simulated_ns = 4'000'000;
+  EXPECT_EQ(read().valid, 3U) << "1 ms ahead is allowed";
+}
+
+// Nobody reads between WH_ENABLE and the first tick, and some drives send a sample after a command.
+TEST_F(CompositeParts, PauseBeforeTheFirstCommand_LosesNoPart) {
+  (void)read();
+  simulated_ns += 900'000'000;
+  EXPECT_EQ(read().valid, 7U);
+  EXPECT_EQ(whole_->write(command()), WH_OK);
+  simulated_ns += 19'000'000;
+  EXPECT_EQ(read().valid, 7U);
+  simulated_ns += 2'000'000;
+  EXPECT_EQ(result_, WH_NOTHING_NEW);
+  (void)read();
+  EXPECT_EQ(result_, WH_FAILED) << "neither part gave a new sample for 21 ms";
 }
 
 TEST_F(CompositeParts, BothLost_FailsReadsAndWrites) {
@@ -249,6 +346,115 @@ TEST_F(CompositeParts, DroppedWatchdogs_AreReportedOnceBothHaveLetGo) {
   base_->sample.status = WH_ENABLED | WH_HOMED | WH_SILENCED;
   hand_->sample.status = WH_ENABLED | WH_HOMED;
   EXPECT_NE(read().status & WH_SILENCED, 0U) << "in use one is enough";
+}
+
+/// Two parts that give samples at rates of their own. From some time on, one gives nothing new, and
+/// its times go on.
+struct Rates {
+  std::array<std::int64_t, 2> every_ns{}, longest_gap_ns{};
+  int silent = -1;  ///< the part that falls silent; -1: none
+  std::int64_t silent_ns = 0;
+};
+
+/// Reads and writes once a period for `until_ns`. Returns the time from the last new sample of the
+/// silent part to the first sample of the whole that says so; -1: none says so.
+std::int64_t faultAfter_ns(const Rates& rates, std::int64_t period_ns, std::int64_t until_ns) {
+  simulated_ns = 1'000'000'000;
+  const std::int64_t begun_ns = simulated_ns;
+  const std::array<std::shared_ptr<SetDriver>, 2> parts = {
+      std::make_shared<SetDriver>(std::vector<std::string>{"x"}),
+      std::make_shared<SetDriver>(std::vector<std::string>{"y"})};
+  CompositeConfig config;
+  config.longest_skew_s = 1.0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    config.parts[p].axes = {p == 0 ? "x" : "y"};
+    config.parts[p].longest_gap_s = static_cast<double>(rates.longest_gap_ns[p]) * 1e-9;
+    parts[p]->take(simulated_ns);
+  }
+  const auto whole = orThrow(
+      Composite::make(config, {parts[0], parts[1]}, []() noexcept { return simulated_ns; }));
+  EXPECT_TRUE(whole->control(WH_ENABLE, 0.0));
+  std::array<std::int64_t, 2> last_ns = {simulated_ns, simulated_ns};
+  wh_command command{};
+  command.size = sizeof(command);
+  command.axes = 2;
+  for (; simulated_ns < begun_ns + until_ns; simulated_ns += period_ns) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const bool silent =
+          static_cast<int>(p) == rates.silent && simulated_ns >= begun_ns + rates.silent_ns;
+      parts[p]->read_result = WH_NOTHING_NEW;
+      if (silent) {
+        parts[p]->sample.monotonic_ns = simulated_ns;
+      } else if (simulated_ns - last_ns[p] >= rates.every_ns[p]) {
+        parts[p]->take(simulated_ns);
+        parts[p]->read_result = WH_OK;
+        last_ns[p] = simulated_ns;
+      }
+    }
+    wh_sample sample{};
+    sample.size = sizeof(sample);
+    const int result = whole->read(sample);
+    ++command.sequence;
+    (void)whole->write(command);
+    const bool whole_is_well =
+        result >= 0 && sample.valid == 3U && (sample.status & WH_ENABLED) != 0;
+    if (whole_is_well) continue;
+    const std::size_t lost = rates.silent < 0 ? 0 : static_cast<std::size_t>(rates.silent);
+    if (result >= 0) EXPECT_EQ(sample.valid, lost == 0 ? 2U : 1U) << "the axis of the silent part";
+    EXPECT_EQ(sample.status & WH_ENABLED, 0U);
+    return simulated_ns - last_ns[lost];
+  }
+  return -1;
+}
+
+Rates randomRates(std::mt19937_64& random) {
+  Rates rates;
+  for (std::size_t p = 0; p < 2; ++p) {
+    rates.longest_gap_ns[p] = std::llround(uniform(random, 4.0, 40.0) * 1e6);
+    const double most_ms = 0.5 * static_cast<double>(rates.longest_gap_ns[p]) * 1e-6;
+    rates.every_ns[p] = std::llround(uniform(random, 0.25, most_ms) * 1e6);
+  }
+  return rates;
+}
+
+TEST(CompositeOfRates, PartThatGivesNothingNewWithFreshTimes_IsFoundWithinItsOwnGap) {
+  auto random = seededRandom(5871);
+  std::int64_t most_beyond_ns = 0;
+  for (int run = 0; run < 400; ++run) {
+    Rates rates = randomRates(random);
+    rates.silent = run % 2;
+    rates.silent_ns = std::llround(uniform(random, 60.0, 200.0) * 1e6);
+    const std::int64_t period_ns = std::llround(uniform(random, 0.25, 1.5) * 1e6);
+    const std::int64_t own_gap_ns = rates.longest_gap_ns[static_cast<std::size_t>(rates.silent)];
+    const std::int64_t after_ns = faultAfter_ns(rates, period_ns, 400'000'000);
+    ASSERT_GT(after_ns, own_gap_ns) << "run " << run << ": too early";
+    ASSERT_LE(after_ns, own_gap_ns + period_ns) << "run " << run;
+    most_beyond_ns = std::max(most_beyond_ns, after_ns - own_gap_ns);
+  }
+  figure("silent part of a composite, found after its own longest gap, at most",
+         static_cast<double>(most_beyond_ns) * 1e-6, "ms");
+}
+
+TEST(CompositeOfRates, PartWithoutAStatedGap_IsFoundWithin20ms) {
+  for (const int silent : {0, 1}) {
+    const Rates rates{{1'000'000, 1'000'000},
+                      {std::llround(CompositePart{}.longest_gap_s * 1e9),
+                       std::llround(CompositePart{}.longest_gap_s * 1e9)},
+                      silent,
+                      100'000'000};
+    const std::int64_t after_ns = faultAfter_ns(rates, 1'000'000, 400'000'000);
+    EXPECT_GT(after_ns, 20'000'000);
+    EXPECT_LE(after_ns, 21'000'000);
+  }
+}
+
+TEST(CompositeOfRates, PartsWithinTheirGaps_AreNeverFaulted) {
+  auto random = seededRandom(5872);
+  for (int run = 0; run < 100; ++run) {
+    const Rates rates = randomRates(random);
+    const std::int64_t period_ns = std::llround(uniform(random, 0.25, 1.5) * 1e6);
+    ASSERT_EQ(faultAfter_ns(rates, period_ns, 2'000'000'000), -1) << "run " << run;
+  }
 }
 
 }  // namespace
