@@ -11,8 +11,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <set>
 #include <string>
+#include <tuple>
 
 namespace wholehand::test {
 namespace {
@@ -222,6 +224,139 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OneAxisBroken, testing::ValuesIn(sampleTenth(kBr
                          nameOfRail);
 INSTANTIATE_TEST_SUITE_P(More, OneAxisBroken, testing::ValuesIn(sampleTenth(kMoreBrokenRails)),
                          nameOfRail);
+
+/// Composite of two parts, each with one axis.
+class PairOf {
+ public:
+  struct Part {
+    std::string driver, settings, axis;
+  };
+  PairOf(const Part& first, const Part& second) {
+    std::ofstream file(path_);
+    file << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n";
+    for (const Part& part : {first, second}) {
+      file << "[[parts]]\ndriver = \"" << builtAt(part.driver).path << "\"\naxes = [\"" << part.axis
+           << "\"]\n";
+      if (!part.settings.empty()) file << "settings = \"" << part.settings << "\"\n";
+    }
+  }
+  [[nodiscard]] DriverLocation location() const { return builtAt("composite", path_); }
+
+ private:
+  Folder folder_;
+  std::string path_ = folder_.file("pair.toml");
+};
+
+/// A part that breaks one rule, beside a part that breaks none.
+struct BadPart {
+  const char* defect;
+  const char* check;  ///< the check that finds it in the whole
+  bool kept = false;  ///< the whole keeps the rule by itself: the check passes
+};
+
+std::string nameOfPart(const testing::TestParamInfo<std::tuple<BadPart, bool>>& tested) {
+  return std::string(std::get<0>(tested.param).defect) +
+         (std::get<1>(tested.param) ? "_first" : "_second");
+}
+
+class OneBadPart : public testing::TestWithParam<std::tuple<BadPart, bool>> {};
+
+TEST_P(OneBadPart, Defect_IsFoundInTheWholeOrKeptFromIt) {
+  const auto& [part, bad_first] = GetParam();
+  const bool of_x = std::string(part.defect) == "hot";  // the defect of one axis
+  const PairOf::Part bad{"broken", part.defect, of_x ? "x" : "y"};
+  const PairOf::Part good{"broken", "", of_x ? "y" : "x"};
+  const PairOf pair(bad_first ? bad : good, bad_first ? good : bad);
+  const bool uncounted =
+      std::string(part.check) == "time.read_allocations" && !allocationCountingAvailable();
+  const CheckFinding found =
+      findingOf(part.check, with(pair.location(), part.check, 2.0), part.kept || uncounted ? 1 : 5);
+  if (uncounted) return;
+  EXPECT_EQ(found.outcome, part.kept ? Outcome::kPassed : Outcome::kFailed) << found.text;
+}
+const std::vector<BadPart> kBadParts = {
+    {"exits", "lifecycle.open"},
+    {"shared", "lifecycle.open_twice"},
+    {"eager", "lifecycle.open_disabled"},
+    {"chatty", "faults.lines"},
+    {"leaks", "lifecycle.files"},
+    {"millimetres", "description.travel_plausible"},
+    {"inverted", "description.travel_ordered"},
+    {"limitless", "description.effort_finite"},
+    {"milliseconds", "description.delay_plausible"},
+    {"unwatched", "description.watchdog"},
+    {"strict", "lifecycle.disable_first"},
+    {"stuck", "lifecycle.disable"},
+    // The whole takes the axes of a part that is lost as not measured.
+    {"backwards", "samples.valid"},
+    {"frozen", "samples.valid"},
+    {"clock", "samples.valid"},
+    {"walltime", "samples.valid"},
+    {"stale", "samples.valid"},
+    {"hollow", "samples.valid"},
+    {"missing", "samples.valid"},
+    {"nan", "samples.position_finite"},
+    {"beyond", "samples.travel"},
+    {"coarse", "samples.resolution"},
+    {"hot", "samples.temperature"},
+    {"codeless", "faults.code"},
+    {"remembers", "commands.enabled_neutral"},
+    {"rigid", "commands.sequence_restarts"},
+    {"reversed", "commands.sign"},
+    {"unclipped", "commands.beyond_limit"},
+    {"blocks", "time.read_wall"},
+    {"sleeps", "time.read_waits"},
+    {"computes", "time.read_cpu"},
+    {"allocates", "time.read_allocations"},
+    {"talks", "time.read_says"},
+    {"forks", "time.read_processes"},
+    {"ponders", "time.write_waits"},
+    // The other part's watchdog is reported; the effort remains.
+    {"sleepless", "watchdog.neutral"},
+    {"tardy", "watchdog.neutral"},
+    {"impatient", "watchdog.before_first"},
+    {"undroppable", "watchdog.dropped"},
+    {"mute", "faults.open_says", true},
+    {"overfills", "boundary.capacity", true},
+    {"oversized", "boundary.older_sample", true},
+    {"obliging", "lifecycle.unknown_verb", true},
+    {"willing", "lifecycle.write_disabled", true},
+    {"ghosts", "samples.valid_described", true},
+    {"countless", "commands.more_axes", true},
+    {"gullible", "commands.nan", true},
+    {"forgiving", "watchdog.latched", true},
+};
+INSTANTIATE_TEST_SUITE_P(Kinds, OneBadPart,
+                         testing::Combine(testing::ValuesIn(sampleTenth(kBadParts)),
+                                          testing::Bool()),
+                         nameOfPart);
+
+class OneBadRail : public testing::TestWithParam<BrokenRail> {};
+
+// The order of the parts is drawn.
+TEST_P(OneBadRail, Defect_IsFoundInTheWholeWithTheAxisOrKeptFromIt) {
+  const auto& [defect, id, axis, of_all] = GetParam();
+  const PairOf::Part bad{"broken_rails", std::string(defect) + " y", "y"}, good{"rails", "", "x"};
+  const bool bad_first = (seed() + std::string(defect).size()) % 2 == 0;
+  const PairOf pair(bad_first ? bad : good, bad_first ? good : bad);
+  ConformanceOptions options = with(pair.location(), id);
+  options.known = {{"y", 0.25, 0.0}};
+  const bool kept = std::string(id) == "commands.nan";  // the whole itself refuses NaN
+  const CheckFinding found = findingOf(id, options, kept ? 1 : 3);
+  EXPECT_EQ(found.outcome, kept ? Outcome::kPassed : Outcome::kFailed) << found.text;
+  if (!of_all && !kept) EXPECT_TRUE(contains(found.text, axis)) << found.text;
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, OneBadRail, testing::ValuesIn(sampleTenth(kBrokenRails)),
+                         nameOfRail);
+
+TEST(Conformance, CompositeOfCorrectParts_PassesEveryCheck) {
+  const PairOf rails({"broken_rails", "", "y"}, {"rails", "", "x"});
+  ConformanceOptions options = with(rails.location(), "");
+  options.known = {{"y", 0.25, 0.0}};
+  EXPECT_EQ(failures(conform(options)), "");
+  const PairOf moving({"broken", "moving", "x"}, {"broken", "moving", "y"});
+  EXPECT_EQ(failures(conform(with(moving.location(), "samples."))), "");
+}
 
 TEST(Conformance, DriverThatCrashes_FailsTheRunningCheckAndNoOtherGroup) {
   const auto results = conform(with(builtAt("broken", "crashes"), "samples."));
