@@ -3,6 +3,7 @@
 The driver stores every effort of the host with its time (tests/devices/pushed_driver.c). The host may be as late as
 this machine delays it: its gaps between two writes are added to the allowed time.
 """
+import json
 import os
 import pathlib
 import re
@@ -197,6 +198,27 @@ class DeviceHost(DeviceTest):
         time.sleep(0.3)
         run.send_signal(signal.SIGINT)
         self.assertIn("faulted: ", "".join(run.communicate(timeout=HANG_S)))
+
+    def listed(self):
+        """This host in `device list`."""
+        self.run_app("device", "list", "--json", "hosts.json")
+        hosts = json.loads((self.folder / "hosts.json").read_text())["hosts"]
+        return next(h for h in hosts if h["name"] == NAME)
+
+    def test_drive_that_turns_off_is_shown_with_its_age(self):
+        host = self.start_host("faulty", "enable@20000")  # from sample 20,000 on, 5 s, it says that it is not enabled
+        loop = subprocess.Popen([BINARY.parent / "host_partner", "loop", NAME, "forever"], cwd=self.folder)
+        self.addCleanup(loop.wait)
+        self.addCleanup(loop.kill)
+        self.wait_until(host, lambda: f"enabled by process {loop.pid}" in self.host_says())
+        loop.kill()
+        off = "drive is off: no effort reaches its motors"
+        self.wait_until(host, lambda: off in self.host_says())
+        self.assertRegex(self.host_says(), rf"the {off} \(heard \d+\.\d ms ago\); this host enables it only when")
+        self.wait_until(host, lambda: self.listed()["state"] == f"its {off}")
+        drive = self.listed()["drive"]
+        self.assertFalse(drive["on"])
+        self.assertGreaterEqual(drive["since_s"], drive["heard_s"])
 
     def test_mismatched_device_is_refused_by_name(self):
         host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")

@@ -119,7 +119,7 @@ TEST_F(ForeignMemory, NotSetUp_IsRefused) {
 }
 TEST_F(ForeignMemory, OtherLayoutVersion_IsRefusedWithBothVersions) {
   make()->layout = kFrameLayout + 1;
-  expectRefused("version 4, this is 3");
+  expectRefused("version 5, this is 4");
 }
 TEST_F(ForeignMemory, OtherStatedSize_IsRefused) {
   make()->size = 77;

@@ -28,7 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kStandsStill_s = 1.0;
 constexpr std::size_t kLongestLine = 1000;  // characters
 
 std::vector<fs::path> shippedDrivers() {
@@ -66,13 +65,6 @@ Json listDrivers() {
   return out;
 }
 
-std::string stateOf(const HostFacts& host) {
-  if (!host.lives) return "gone";
-  if (host.sample_age_s < 0.0) return "starts";
-  if (host.sample_age_s > kStandsStill_s) return "stands still";
-  return describe(host.phase);
-}
-
 Json listOneHost(const HostFacts& host) {
   const std::string name = printable(host.name);
   if (!host.problem.empty()) {
@@ -83,11 +75,22 @@ Json listOneHost(const HostFacts& host) {
   std::printf("  %-20s %-28s %zu axes, process %lld, %s%s\n", name.c_str(),
               printable(host.driver).c_str(), host.axes.size(), static_cast<long long>(host.pid),
               stateOf(host).c_str(), host.in_use ? ", in use" : "");
+  const bool heard = host.lives && host.drive_heard_s >= 0.0;
+  if (heard) {
+    std::printf("  %-20s its drive %s, for %.1f s (heard %.1f ms ago)\n", "", describe(host.drive),
+                host.drive_since_s, host.drive_heard_s * 1e3);
+  }
   if (let_go) std::printf("  %-20s it let go last: %s\n", "", describe(host.reason));
   Json json{{"name", host.name},     {"driver", host.driver}, {"axes", host.axes.size()},
             {"pid", host.pid},       {"lives", host.lives},   {"in_use", host.in_use},
             {"state", stateOf(host)}};
   if (host.sample_age_s >= 0.0) json["sample_age_s"] = host.sample_age_s;
+  if (heard) {
+    json["drive"] = {{"on", host.drive == DriveState::kOn},
+                     {"state", describe(host.drive)},
+                     {"since_s", host.drive_since_s},
+                     {"heard_s", host.drive_heard_s}};
+  }
   if (let_go) json["let_go"] = describe(host.reason);
   return json;
 }

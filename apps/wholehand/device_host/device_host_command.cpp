@@ -31,6 +31,13 @@ constexpr double kDelayOfAnyLoop_s = 1.0;
 
 // Line for an event; empty: not worth reporting.
 std::string lineAbout(const HostEvent& event) {
+  if (event.of_drive) {
+    const double heard_ms = static_cast<double>(event.heard_ns) * 1e-6;
+    const bool on = event.drive == DriveState::kOn;
+    return fmt::format("session {}: the drive {} (heard {:.1f} ms ago){}", event.session,
+                       describe(event.drive), heard_ms,
+                       on ? "" : "; this host enables it only when a loop arms");
+  }
   const double silent_ms = static_cast<double>(event.silent_ns) * 1e-6;
   const double gap_ms = static_cast<double>(event.longest_gap_ns) * 1e-6;
   switch (event.phase) {

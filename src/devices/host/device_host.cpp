@@ -1,6 +1,9 @@
 #include "devices/host/device_host.hpp"
 
+#include "devices/plugin/plugin_device.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <string>
@@ -8,6 +11,10 @@
 
 namespace wholehand {
 namespace {
+
+// A shorter change of the drive's state is not reported: some drives are on a sample after
+// WH_ENABLE.
+constexpr std::int64_t kReportAfter_ns = 10'000'000;
 
 template <std::size_t N>
 void copyText(char (&to)[N], const std::string& text) {
@@ -42,6 +49,7 @@ GuardConfig guardConfig(const DeviceDriver& driver, const DeviceModel& model, do
   const auto axes = static_cast<int>(driver.axes().size());
   GuardConfig config;
   config.period_s = period_s;
+  config.longest_still_ns = std::llround(longestStill_s(model) * 1e9);
   config.neutral = AxisEffort(axes);
   config.limit = AxisEffort(axes);
   config.most_change = AxisEffort(axes);
@@ -111,15 +119,18 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   }
   guard_ = advanceGuard(guard_, commanded_ ? &command_ : nullptr, let_go, elapsed_periods, now_ns,
                         config_);
-  if (guard_.phase != HostPhase::kIdle || held_) {
+  const bool written = shouldBeOn(guard_.phase, held_);
+  if (written) {
     ++out_.sequence;
     for (int i = 0; i < config_.neutral.size(); ++i) {
       out_.effort[i] = guard_.ramp.sent[i];
     }
     sample_.write_result = driver_.write(out_);
   }
+  hearDrive(read_result, written, now_ns);
   if (asked && guard_.phase != HostPhase::kRamping) serve();
   reportChange(before, now_ns);
+  reportDrive(now_ns);
   publish(read_result, now_ns);
   if (!ending || guard_.phase == HostPhase::kRamping) return true;
   if (guard_.phase == HostPhase::kIdle && !held_) return false;
@@ -135,7 +146,53 @@ void DeviceHost::publish(int read_result, std::int64_t now_ns) noexcept {
   sample_.phase = guard_.phase;
   sample_.reason = guard_.reason;
   sample_.read_result = read_result;
+  sample_.held = held_ ? 1 : 0;
   frame_.sample.publish(sample_);
+}
+
+DriveState DeviceHost::driveState(int read_result, bool written,
+                                  std::int64_t now_ns) const noexcept {
+  if (read_result < 0) return DriveState::kUnreadable;
+  if (now_ns - still_since_ns_ > config_.longest_still_ns) return DriveState::kStill;
+  const std::uint32_t status = sample_.sample.status;
+  if ((status & WH_DRIVE_FAULT) != 0) return DriveState::kFault;
+  if ((status & WH_SILENCED) != 0) return DriveState::kSilenced;
+  if ((status & WH_ENABLED) == 0) return DriveState::kOff;
+  return written && sample_.write_result < 0 ? DriveState::kRefuses : DriveState::kOn;
+}
+
+// Notes what the drive said in this cycle. Its samples count by their sequence: the times of a
+// drive that gives nothing new may go on.
+void DeviceHost::hearDrive(int read_result, bool written, std::int64_t now_ns) noexcept {
+  const bool began = still_since_ns_ == 0;
+  const bool first = sample_.drive_heard_ns == 0;
+  const bool newer = read_result >= 0 && (first || sample_.sample.sequence != heard_);
+  const bool refused = written && sample_.write_result < 0;
+  if (newer || began) still_since_ns_ = now_ns;
+  if (newer || refused) sample_.drive_heard_ns = now_ns;
+  if (newer) heard_ = sample_.sample.sequence;
+  const DriveState state = driveState(read_result, written, now_ns);
+  if (state == sample_.drive) return;
+  sample_.drive = state;
+  sample_.drive_since_ns = now_ns;
+}
+
+// Reports a drive that should be on and is not, once for each state, and when it is on again.
+void DeviceHost::reportDrive(std::int64_t now_ns) noexcept {
+  if (!shouldBeOn(guard_.phase, held_)) {
+    told_ = DriveState::kOn;
+    return;
+  }
+  if (sample_.drive == told_ || now_ns - sample_.drive_since_ns < kReportAfter_ns) return;
+  told_ = sample_.drive;
+  HostEvent event;
+  event.of_drive = true;
+  event.phase = guard_.phase;
+  event.drive = sample_.drive;
+  event.session = guard_.session;
+  event.at_ns = now_ns;
+  event.heard_ns = now_ns - sample_.drive_heard_ns;
+  (void)events_.try_push(event);
 }
 
 void DeviceHost::reportChange(HostPhase before, std::int64_t now_ns) noexcept {
@@ -173,7 +230,7 @@ void DeviceHost::serve() {
     copyText(answer.text, error.what());
   }
   answered_ = request_.number;
-  last_cycle_ns_ = 0;  // the duration of a verb does not count as a gap
+  last_cycle_ns_ = still_since_ns_ = 0;  // the duration of a verb does not count as a gap
   frame_.answer.publish(answer);
 }
 
@@ -197,9 +254,29 @@ void DeviceHost::carryOut(const HostRequest& request, HostAnswer& answer) {
   answer.session = guard_.session;
 }
 
+// Enables the drive unless it is held and still on. A drive that let go may need WH_DISABLE before;
+// that comes second, because a part of the device may still carry its weight.
 Expected<Done> DeviceHost::enable() {
-  if (std::exchange(held_, false)) return Done{};
-  return driver_.enable(neutralOf(config_));
+  if (held_ && sample_.drive == DriveState::kOn) {
+    held_ = false;
+    return Done{};
+  }
+  const wh_command neutral = neutralOf(config_);
+  Expected<Done> enabled = driver_.enable(neutral);
+  if (held_ && (!enabled || !isOn())) {
+    (void)driver_.control(WH_DISABLE, 0.0);
+    enabled = driver_.enable(neutral);
+  }
+  if (enabled) held_ = false;
+  return enabled;
+}
+
+// True when a new reading says that efforts reach the motors.
+bool DeviceHost::isOn() noexcept {
+  constexpr std::uint32_t kOff = WH_SILENCED | WH_DRIVE_FAULT;
+  wh_sample sample{};
+  if (driver_.read(sample) < 0) return false;
+  return (sample.status & WH_ENABLED) != 0 && (sample.status & kOff) == 0;
 }
 
 Expected<Done> DeviceHost::disable() {

@@ -12,9 +12,13 @@
 
 namespace wholehand {
 
-/// An event of a host, for people and logs.
+/// An event of a host, for people and logs: a phase began, or the drive is no longer on although
+/// the host has enabled it, or it is on again.
 struct HostEvent {
-  HostPhase phase = HostPhase::kIdle;  ///< phase that began
+  bool of_drive = false;               ///< about the drive; else a phase began
+  HostPhase phase = HostPhase::kIdle;  ///< phase that began, or goes on
+  DriveState drive = DriveState::kUnheard;
+  std::int64_t heard_ns = 0;  ///< age of what the drive said last
   ReleaseReason reason = ReleaseReason::kNone;
   std::uint64_t session = 0;
   std::int64_t at_ns = 0;           ///< CLOCK_MONOTONIC
@@ -40,7 +44,8 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
 /// the loop's newest command and writes the effort that the guard allows.
 ///
 /// A device with weight is enabled with its neutral efforts, and keeps them between two sessions
-/// until the host ends.
+/// until the host ends. If its drive is off meanwhile, the host says so and enables it again only
+/// when a loop arms.
 ///
 /// Only the thread of cycle() calls the driver. It also carries out the verbs of the loop while
 /// nothing is rendered; such a cycle takes as long as the verb.
@@ -65,6 +70,10 @@ class DeviceHost {
  private:
   void publish(int read_result, std::int64_t now_ns) noexcept;
   void reportChange(HostPhase before, std::int64_t now_ns) noexcept;
+  void hearDrive(int read_result, bool written, std::int64_t now_ns) noexcept;
+  void reportDrive(std::int64_t now_ns) noexcept;
+  [[nodiscard]] DriveState driveState(int read_result, bool written,
+                                      std::int64_t now_ns) const noexcept;
   void serve();
   // True when the command belongs to this session and is newer than the last one taken; false when
   // the guard takes no more commands.
@@ -72,6 +81,7 @@ class DeviceHost {
   [[nodiscard]] bool isRendering() const noexcept;
   void carryOut(const HostRequest& request, HostAnswer& answer);
   [[nodiscard]] Expected<Done> enable();
+  [[nodiscard]] bool isOn() noexcept;
   [[nodiscard]] Expected<Done> disable();
 
   DeviceDriver& driver_;
@@ -86,8 +96,11 @@ class DeviceHost {
   std::uint64_t answered_ = 0;  ///< number of the last completed request
   std::uint64_t sessions_ = 0;
   std::int64_t last_cycle_ns_ = 0, longest_gap_ns_ = 0;
-  bool commanded_ = false;  ///< a command was received
-  bool held_ = false;       ///< enabled between two sessions
+  bool commanded_ = false;             ///< a command was received
+  bool held_ = false;                  ///< enabled between two sessions
+  std::uint64_t heard_ = 0;            ///< sequence of the drive's newest sample
+  std::int64_t still_since_ns_ = 0;    ///< time since which the drive gives nothing new
+  DriveState told_ = DriveState::kOn;  ///< state of the drive in the last event
   std::atomic<bool> end_{false};
   SpscQueue<HostEvent> events_{64};
 };

@@ -21,6 +21,8 @@ struct GuardConfig {
   AxisEffort most_change;  ///< slew limit: largest change in a millisecond [N or N·m]
   double period_s = 250e-6;
   NeutralRampConfig ramp;
+  /// A drive that gives no new sample for longer says nothing new (longestStill_s()).
+  std::int64_t longest_still_ns = 20'000'000;
 };
 
 /// The command with which the device is enabled.

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPulseEvery{1};
 constexpr std::chrono::milliseconds kPulseWithin{1000};
+constexpr double kStandsStill_s = 1.0;  // a host gives no sample while it carries out a verb
 constexpr const char* kStartHost = "start it with wholehand device-host";
 
 Diagnostic no(const std::string& name, const std::string& problem, const std::string& remedy) {
@@ -131,9 +132,17 @@ HostFacts look(const std::string& path, const std::string& name) {
   HostSample sample{};
   out.sample_age_s = -1.0;
   if (!frame.sample.take(sample)) return out;
-  out.sample_age_s = static_cast<double>(monotonicNow_ns() - sample.monotonic_ns) * 1e-9;
+  const std::int64_t now_ns = monotonicNow_ns();
+  const auto since_s = [now_ns](std::int64_t at_ns) {
+    return static_cast<double>(now_ns - at_ns) * 1e-9;
+  };
+  out.sample_age_s = since_s(sample.monotonic_ns);
   out.phase = sample.phase;
   out.reason = sample.reason;
+  out.drive = sample.drive;
+  out.held = sample.held != 0;
+  out.drive_heard_s = sample.drive_heard_ns != 0 ? since_s(sample.drive_heard_ns) : -1.0;
+  out.drive_since_s = since_s(sample.drive_since_ns);
   return out;
 }
 
@@ -291,6 +300,38 @@ const char* describe(HostPhase phase) noexcept {
       return "let go, at neutral";
   }
   return "unknown";
+}
+
+const char* describe(DriveState drive) noexcept {
+  switch (drive) {
+    case DriveState::kUnheard:
+      return "has said nothing yet";
+    case DriveState::kOn:
+      return "is on";
+    case DriveState::kOff:
+      return "is off: no effort reaches its motors";
+    case DriveState::kSilenced:
+      return "is off: its watchdog let go";
+    case DriveState::kFault:
+      return "is off: it is in fault";
+    case DriveState::kUnreadable:
+      return "gives no sample";
+    case DriveState::kStill:
+      return "says nothing new";
+    case DriveState::kRefuses:
+      return "refuses commands";
+  }
+  return "is in an unknown state";
+}
+
+std::string stateOf(const HostFacts& host) {
+  if (!host.lives) return "gone";
+  if (host.sample_age_s < 0.0) return "starts";
+  if (host.sample_age_s > kStandsStill_s) return "stands still";
+  if (shouldBeOn(host.phase, host.held) && host.drive != DriveState::kOn) {
+    return std::string("its drive ") + describe(host.drive);
+  }
+  return host.held ? "enabled, at neutral, between two sessions" : describe(host.phase);
 }
 
 }  // namespace wholehand

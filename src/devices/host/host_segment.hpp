@@ -23,6 +23,18 @@ enum class HostPhase : std::uint32_t {
   kLatched = 4     ///< holds neutral until a loop enables again
 };
 
+/// What the drive said last, by its samples and by its answers to commands.
+enum class DriveState : std::uint32_t {
+  kUnheard = 0,     ///< it has given no sample yet
+  kOn = 1,          ///< efforts reach the motors
+  kOff = 2,         ///< they do not, for example after its stop button
+  kSilenced = 3,    ///< its watchdog released the effort
+  kFault = 4,       ///< it has stopped itself
+  kUnreadable = 5,  ///< its read fails
+  kStill = 6,       ///< it gives nothing new
+  kRefuses = 7      ///< it refused the last command
+};
+
 /// Message from host to loop, once per cycle of the host.
 struct HostSample {
   std::uint64_t cycle;        ///< increments every cycle
@@ -32,6 +44,10 @@ struct HostSample {
   ReleaseReason reason;
   std::int32_t read_result;   ///< result of wh_plugin.read
   std::int32_t write_result;  ///< result of the last wh_plugin.write; 0 before
+  DriveState drive;
+  std::uint32_t held;           ///< 1: enabled at the neutral effort between two sessions
+  std::int64_t drive_heard_ns;  ///< time at which the drive last said anything new; 0: never
+  std::int64_t drive_since_ns;  ///< time since which it has been in this state
   wh_sample sample;
 };
 
@@ -62,7 +78,7 @@ struct HostAnswer {
 
 inline constexpr std::uint64_t kFrameMagic = 0x57484f4c'45484e44ULL;
 /// Layout version of the shared memory.
-inline constexpr std::uint32_t kFrameLayout = 3;
+inline constexpr std::uint32_t kFrameLayout = 4;
 
 /// Memory shared by a host and a loop. The host creates and fills it, then sets `magic`.
 struct SharedFrame {
@@ -157,8 +173,17 @@ struct HostFacts {
   double sample_age_s = 0;  ///< time since its last cycle; < 0: no cycle yet
   HostPhase phase = HostPhase::kIdle;
   ReleaseReason reason = ReleaseReason::kNone;
+  DriveState drive = DriveState::kUnheard;
+  bool held = false;         ///< enabled at the neutral effort between two sessions
+  double drive_heard_s = 0;  ///< age of what the drive said last; < 0: it said nothing yet
+  double drive_since_s = 0;  ///< time for which it has been in this state
   std::vector<wh_axis> axes;
 };
+
+/// True when the host has enabled the drive, so that the drive should be on.
+[[nodiscard]] constexpr bool shouldBeOn(HostPhase phase, bool held) noexcept {
+  return held || phase != HostPhase::kIdle;
+}
 
 /// Hosts whose shared memory is in /dev/shm, sorted by name, including ended processes. Not
 /// real-time safe.
@@ -166,5 +191,11 @@ struct HostFacts {
 
 /// Name of a phase for people: "rendering".
 [[nodiscard]] const char* describe(HostPhase phase) noexcept;
+
+/// State of a drive for people, after "the drive ": "is off".
+[[nodiscard]] const char* describe(DriveState drive) noexcept;
+
+/// State of a host for people: its phase, or its drive's state if that should be on and is not.
+[[nodiscard]] std::string stateOf(const HostFacts& host);
 
 }  // namespace wholehand
