@@ -102,7 +102,9 @@ void SafetyLog::measure(const TickRecord& record, SafetyTransition& out) const {
                                        : axis.lower - axis.workspace_margin;
     out.unit = axis.positionUnit();
   } else if (any(out.faults & (Fault::kSpeedLimit | Fault::kEncoderJump)) && follows) {
-    out.value = std::abs(record.q_m[out.axis] - last_q_m_[out.axis]) / elapsed_s;
+    const double speed = std::abs(record.q_m[out.axis] - last_q_m_[out.axis]) / elapsed_s;
+    if (speed <= axis.speed_limit) return;  // a spike, judged when it was over
+    out.value = speed;
     out.limit = axis.speed_limit;
     out.unit = std::string(axis.positionUnit()) + "/s";
   }

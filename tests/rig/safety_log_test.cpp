@@ -75,6 +75,35 @@ TEST(SafetyLog, AxisTooFast_IsReportedWithSpeedAndLimit) {
       contains(describe(fault), "rendering -> faulted: speed limit exceeded on y, 2 m/s of 1.5"));
 }
 
+/// Rests, but for one reading that is `spike_m` away on y. Not declared as simulated, so its
+/// encoders are watched.
+class SpikingDevice final : public RestingDevice {
+ public:
+  explicit SpikingDevice(double spike_m) : spike_m_(spike_m) {}
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    reading.q_m = AxisPosition(6);
+    if (++reads_ == 500) reading.q_m[1] = spike_m_;
+    return Fault::kNone;
+  }
+
+ private:
+  double spike_m_;
+  int reads_ = 0;
+};
+
+// The push that answers a reading of 1 mm elsewhere must not be called a stuck encoder.
+TEST(SafetyLog, SpikeOfOneReading_IsReportedAsAJumpWithoutASpeed) {
+  for (const double spike_m : {1e-3, -1e-3}) {
+    const auto rig = build(load(shippedFiles()), std::make_unique<SpikingDevice>(spike_m));
+    const auto transitions = play(*rig, 3000);
+    ASSERT_EQ(transitions.size(), 3U);
+    const SafetyTransition& fault = transitions.back();
+    EXPECT_EQ(fault.faults, Fault::kEncoderJump) << describe(fault);
+    EXPECT_EQ(fault.axis, 1);
+    EXPECT_TRUE(describe(fault).ends_with("encoder jumped on y")) << describe(fault);
+  }
+}
+
 // The axis leaves the range slowly by more than the margin of 5 mm.
 TEST(SafetyLog, WorkspaceLeft_IsReportedWithPositionAndEnd) {
   const auto rig = scripted([](int read) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -12,7 +13,17 @@ namespace {
 constexpr double kTolerance = 1e-6;  // relative to the file's value
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
 constexpr double kMeanOver_s = 0.1;
-constexpr double kAstrayOfLimit = 0.1, kAstrayOfSent = 0.25;
+// Tolerances of measured efforts: the sensor's, as a share of the effort limit, and the drive's
+// gain, as a share of the effort sent.
+constexpr double kSensorOfLimit = 0.1, kGainOfSent = 0.25;
+constexpr double kLags = 5.0;               // time constants after which a drive has settled ..
+constexpr double kUnsettled = 0.006737947;  // .. but for this share, e^-5
+
+std::string number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
 
 class Comparison {
  public:
@@ -38,12 +49,6 @@ class Comparison {
   [[nodiscard]] Diagnostics take() { return std::move(out_); }
 
  private:
-  static std::string number(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g", value);
-    return text.data();
-  }
-
   const DeviceModel& model_;
   const DeviceDriver& driver_;
   Diagnostics out_;
@@ -65,10 +70,15 @@ PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceMod
       most_mean_age_s_((model.output_delay_ticks + 1) * period_s),
       most_still_periods_(static_cast<int>(std::ceil(most_age_s_ / period_s))),
       now_ns_(now_ns),
-      effort_limit_(axes_) {
-  for (int a = 0; a < axes_; ++a) effort_limit_[a] = model.axes[a].effort_limit;
+      window_ns_(static_cast<std::int64_t>(1e9 * (most_mean_age_s_ + kLags * model.drive_lag_s))) {
   neutral_.size = sizeof(neutral_);
   neutral_.axes = static_cast<std::uint32_t>(driver_->axes().size());
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    const wh_axis& axis = driver_->axes()[i];
+    // What a brake, or an axis without a motor, measures is the person's.
+    judged_[i] = axis.effort_meaning == WH_EFFORT && axis.effort_limit > 0.0;
+    tolerance_[i].effort = kSensorOfLimit * axis.effort_limit;
+  }
 }
 
 Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
@@ -86,7 +96,11 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
       compare.refuse(axis, "has no such axis", "name the axes as the driver does");
       continue;
     }
-    device->place_[a] = static_cast<int>(found - offered.begin());
+    const auto place = static_cast<std::size_t>(found - offered.begin());
+    device->place_[a] = static_cast<int>(place);
+    device->listed_[place] = true;
+    device->tolerance_[place] = {(kSensorOfLimit + 2.0 * kUnsettled) * axis.effort_limit,
+                                 kGainOfSent};
     const bool turns = axis.kind == AxisKind::kRotation;
     if ((found->kind == WH_ROTATION) != turns) {
       compare.refuse(axis, turns ? "has a translation" : "has a rotation",
@@ -182,14 +196,38 @@ Expected<Done> PluginDevice::enable() {
     return undone({no("the device is not enabled",
                       "release its emergency stop, or press its enable button")});
   }
+  beginEfforts(sample);
+  if (Expected<Done> at_neutral = idle(sample); !at_neutral) return undone(at_neutral.errors());
   enabled_ = true;
   current_ = false;
   begun_ = true;
   last_ = sample;
   command_ = neutral_;
-  mean_sent_ = mean_measured_ = AxisEffort(axes_);
-  for (int a = 0; a < axes_; ++a) {
-    mean_sent_[a] = mean_measured_[a] = neutral_.effort[place_[a]];
+  return Done{};
+}
+
+// A disabled drive gives no effort; enabling brings the neutral one. An axis that the file does not
+// list keeps what it gives.
+void PluginDevice::beginEfforts(const wh_sample& sample) noexcept {
+  judged_ns_ = sample.monotonic_ns;
+  derated_ns_ = std::numeric_limits<std::int64_t>::min();
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    const double kept = std::isfinite(sample.effort[i]) ? sample.effort[i] : 0.0;
+    judges_[i].begin(listed_[i] ? 0.0 : kept, listed_[i] ? neutral_.effort[i] : kept, now_ns_(),
+                     tolerance_[i]);
+  }
+}
+
+// Refuses an effort that is not the neutral one.
+Expected<Done> PluginDevice::idle(const wh_sample& sample) {
+  const bool derates = (sample.status & WH_DERATING) != 0;
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    if (judges_[i].allows(sample.effort[i], judged_ns_ - window_ns_, derates)) continue;
+    const wh_axis& axis = driver_->axes()[i];
+    return keyFault(driver_->where(), "axes", axis.name,
+                    "measures an effort of " + number(sample.effort[i]) + " at neutral, " +
+                        number(neutral_.effort[i]),
+                    "tare its sensor, or have the drive looked at");
   }
   return Done{};
 }
@@ -218,23 +256,16 @@ Fault PluginDevice::checkAge(const wh_sample& sample) noexcept {
   return mean_age_s_ > most_mean_age_s_ ? Fault::kSampleDelay : Fault::kNone;
 }
 
-// Compares means of sent and measured efforts. Both means lag equally, so the drive's delay has
-// little effect.
+// Judges every sample once. An effort acts late, so a drive that derated may still give less.
 Fault PluginDevice::checkEfforts(const wh_sample& sample) noexcept {
-  const double share = std::min(period_s_ / kMeanOver_s, 1.0);
-  const bool derates = (sample.status & WH_DERATING) != 0;
+  if (!enabled_ || sample.monotonic_ns <= judged_ns_) return Fault::kNone;
+  judged_ns_ = sample.monotonic_ns;
+  if ((sample.status & WH_DERATING) != 0) derated_ns_ = judged_ns_;
+  const std::int64_t since_ns = judged_ns_ - window_ns_;
   Fault faults = Fault::kNone;
-  for (int a = 0; a < axes_; ++a) {
-    const double measured = sample.effort[place_[a]];
-    const double sent = command_.effort[place_[a]];
-    if (!enabled_ || !std::isfinite(measured)) continue;
-    mean_sent_[a] += share * (sent - mean_sent_[a]);
-    mean_measured_[a] += share * (measured - mean_measured_[a]);
-    const double mean = mean_sent_[a];
-    const double due =
-        derates ? std::clamp(mean_measured_[a], std::min(mean, 0.0), std::max(mean, 0.0)) : mean;
-    const double apart = std::abs(mean_measured_[a] - due);
-    if (apart > kAstrayOfLimit * effort_limit_[a] + kAstrayOfSent * std::abs(mean)) {
+  for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
+    if (!judged_[i]) continue;
+    if (judges_[i].isAstray(sample.effort[i], since_ns, derated_ns_ >= since_ns)) {
       faults |= Fault::kEffortAstray;
     }
   }
@@ -259,10 +290,15 @@ Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
 Fault PluginDevice::write(const AxisEffort& effort) noexcept {
   if (!enabled_) return Fault::kDeviceWrite;
   ++command_.sequence;
+  wh_command command = command_;
+  for (int a = 0; a < axes_; ++a) command.effort[place_[a]] = effort[a];
+  if (driver_->write(command) < 0) return Fault::kDeviceWrite;  // it holds the last one
+  command_ = command;
+  const std::int64_t now_ns = now_ns_();
   for (int a = 0; a < axes_; ++a) {
-    command_.effort[place_[a]] = effort[a];
+    judges_[static_cast<std::size_t>(place_[a])].send(effort[a], now_ns);
   }
-  return driver_->write(command_) < 0 ? Fault::kDeviceWrite : Fault::kNone;
+  return Fault::kNone;
 }
 
 void PluginDevice::close() noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "devices/plugin/device_driver.hpp"
+#include "devices/plugin/effort_judge.hpp"
 #include "loop/device/haptic_device.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
@@ -59,14 +60,16 @@ class PluginDevice final : public HapticDevice {
   /// Checks that the device is homed and that no drive is in fault.
   [[nodiscard]] Expected<Done> ready() override;
   [[nodiscard]] Expected<Done> cleared() const override;
-  /// Enables the device. Refused, and disabled again, when efforts do not reach the motors.
+  /// Enables the device. Refused, and disabled again, when efforts do not reach the motors, or when
+  /// a measured effort is not the neutral one.
   [[nodiscard]] Expected<Done> enable() override;
   /// Reads a sample. Sets kDeviceRead when the driver fails or an axis is missing; kDriveFault,
   /// kEnableLost and kDriveHot as the device reports; kStaleSample when a sample is older than
   /// longestStill_s() or from the future, or when samples stand still or go back in time;
   /// kSampleDelay when their mean age over the last tenth of a second exceeds the certificate's
-  /// delay plus a period; kEffortAstray when the mean of a measured effort differs from the mean of
-  /// the efforts sent.
+  /// delay plus a period; kEffortAstray when three of the last seven measured efforts of an axis do
+  /// not follow from the efforts sent (EffortJudge). The effort of an axis that the file does not
+  /// list must stay as it was when the device was enabled.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   /// Disables the device; the driver stays open.
@@ -77,6 +80,8 @@ class PluginDevice final : public HapticDevice {
                std::int64_t (*now_ns)() noexcept);
   [[nodiscard]] Fault checkAge(const wh_sample& sample) noexcept;
   [[nodiscard]] Fault checkEfforts(const wh_sample& sample) noexcept;
+  void beginEfforts(const wh_sample& sample) noexcept;
+  [[nodiscard]] Expected<Done> idle(const wh_sample& sample);
   [[nodiscard]] Expected<Done> mayFall() const;
   [[nodiscard]] Diagnostic no(const std::string& why, const std::string& remedy) const;
   [[nodiscard]] Fault check(const wh_sample& sample, int elapsed_periods) noexcept;
@@ -97,8 +102,14 @@ class PluginDevice final : public HapticDevice {
   int still_periods_ = 0;
   double mean_age_s_ = 0.0;
   wh_sample last_{};
-  wh_command command_{};
-  AxisEffort effort_limit_, mean_sent_, mean_measured_;  ///< for the file's axes
+  wh_command command_{};         ///< the last one that the driver accepted
+  std::int64_t window_ns_;       ///< delay and 5 time constants of the drives
+  std::int64_t judged_ns_ = 0;   ///< time of the last sample whose efforts were judged
+  std::int64_t derated_ns_ = 0;  ///< time of the last sample of a derating drive
+  std::array<EffortTolerance, WH_MAX_AXES> tolerance_{};  ///< for each axis of the driver
+  std::array<bool, WH_MAX_AXES> judged_{};                ///< this axis of the driver has a motor
+  std::array<bool, WH_MAX_AXES> listed_{};  ///< the file lists this axis of the driver
+  std::array<EffortJudge, WH_MAX_AXES> judges_{};
 };
 
 }  // namespace wholehand

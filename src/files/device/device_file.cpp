@@ -176,6 +176,7 @@ WatchLimits readWatch(TomlTable table) {
 void readDevice(TomlTable& root, DeviceModel& device) {
   device.name = root.text("name");
   device.output_delay_ticks = static_cast<int>(root.integer("output_delay_ticks", 0, 8));
+  device.drive_lag_s = root.number("drive_lag_s", between(0.0, 0.02, "s"), device.drive_lag_s);
   device.power_limit_w = root.number("power_limit_w", above(0.0, 1e5, "W"), device.power_limit_w);
   const std::optional<TomlTable> watch = root.optionalTable("watch");
   device.watch = watch ? readWatch(*watch) : kWatch;

@@ -53,6 +53,7 @@ struct DeviceModel {
   std::string name;              ///< "lambda-pride"
   std::vector<DeviceAxis> axes;  ///< 1 .. kMaxAxes
   int output_delay_ticks = 0;    ///< whole samples between write and effect, 0 .. 8
+  double drive_lag_s = 0.002;    ///< time constant with which the drives follow an effort, >= 0
   /// Limit of the power that all axes together deliver [W], > 0; +inf: none stated.
   double power_limit_w = std::numeric_limits<double>::infinity();
   WatchLimits watch;

@@ -12,6 +12,8 @@ constexpr double kJump = 3.0;    // kEncoderJump: multiple of the speed limit
 constexpr double kCounts = 2.0;  // encoder counts between two readings of one motion
 // Encoder counts: a broken encoder may alternate between two values.
 constexpr double kStillCounts = 1.5;
+// Two readings, each up to kCounts wrong, of an axis that did not move; farther away is a spike.
+constexpr double kSpikeCounts = 2.0 * kCounts;
 constexpr double kTravel = 5.0;  // travel of the other axes, in ranges, while an encoder is
                                  // stuck
 // change of the axis's own effort meanwhile, as a fraction of its limit
@@ -94,6 +96,9 @@ void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffo
   for (int i = 0; i < config.axes; ++i) {
     const double moved = std::abs(q_m[i] - state.still_at[i]);
     if (moved > kStillCounts * config.encoder_step[i] || atStop(q_m[i], i, config)) {
+      state.spiked[i] = moved > kSpikeCounts * config.encoder_step[i] && state.still_s[i] == 0.0 &&
+                        std::abs(q_m[i] - state.left[i]) <= kStillCounts * config.encoder_step[i];
+      state.left[i] = state.still_at[i];
       state.still_at[i] = q_m[i];
       state.still_s[i] = 0.0;
       state.travelled_before[i] = state.travelled;
@@ -107,9 +112,13 @@ void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffo
         config.carries[i] && state.travelled - state.travelled_before[i] > kTravel;
     const bool should_move =
         arm_moved || state.most[i] - state.least[i] > kEffortOfLimit * config.effort_limit[i];
-    if (state.still_s[i] >= config.watch.stuck_encoder_s && should_move) {
-      add(finding, Fault::kEncoderStuck, i);
+    if (state.still_s[i] < config.watch.stuck_encoder_s) continue;
+    if (!should_move) {
+      state.spiked[i] = false;  // what the effort does from now on has another cause
+      continue;
     }
+    const bool by_spike = state.spiked[i] && !arm_moved;
+    add(finding, by_spike ? Fault::kEncoderJump : Fault::kEncoderStuck, i);
   }
 }
 
@@ -161,7 +170,7 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
     watchArmed(state.q, q_m, config, finding);
     state = DeviceWatchState{};
     state.fresh = false;
-    state.still_at = q_m;
+    state.still_at = state.left = q_m;
     state.least = state.most = sent;
   } else {
     const double elapsed_s = elapsed_periods * config.period_s;

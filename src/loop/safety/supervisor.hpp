@@ -52,6 +52,10 @@ struct DeviceWatchState {
   std::array<int, kMaxAxes> fast_ticks{};  ///< consecutive ticks beyond the speed limit
   AxisPosition q;         ///< position at the last tick; before the first tick, at arming
   AxisPosition still_at;  ///< position at which an axis has stood still
+  AxisPosition left;      ///< position at which it stood still before
+  /// The standstill began with one sample far away and back: what its effort then did is no
+  /// evidence of a stuck encoder.
+  std::array<bool, kMaxAxes> spiked{};
   std::array<double, kMaxAxes> still_s{};  ///< duration of the standstill
   /// Value of `travelled` when the standstill began.
   std::array<double, kMaxAxes> travelled_before{};
@@ -63,7 +67,9 @@ struct DeviceWatchState {
 ///   kSpeedLimit    |Δq| > q̇_max kT + 2δ in two consecutive ticks, because a late reading makes
 ///                  the next one early. In the first tick: the axis is more than a twentieth of its
 ///                  range away from its position at arming
-///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: faster than any hand moves
+///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: faster than any hand moves. Also instead of
+///                  kEncoderStuck if one sample was more than 4 counts away from where the axis
+///                  stands before and after it: that sample changed the effort
 ///   kWorkspace     beyond the range by more than the margin
 ///   kEncoderStuck  within 1.5 counts for stuck_encoder_s, not at a stop, while the axis's own
 ///                  effort changed by a fifth of its limit or, on a base axis, the other base axes

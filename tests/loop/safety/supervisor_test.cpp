@@ -229,6 +229,64 @@ TEST_F(DeviceWatch, EncoderThatFlickersOneCount_IsStuckAndTwoCountsAreMotion) {
   EXPECT_EQ(stuckAfter(config_, 5000, flickers(2.0)), -1);
 }
 
+/// Rests, but for one reading that is `size` away, to which the efforts react.
+struct SpikeAtRest {
+  double size, period_s;
+  int axis, at;
+  double kick;              ///< change of the effort, as a share of its limit
+  double later_kick = 0.0;  ///< again, after three seconds
+};
+/// The first fault of a run of five seconds.
+Finding firstFault(SupervisorConfig config, const SpikeAtRest& spike) {
+  DeviceWatchState state;
+  const int second = static_cast<int>(std::lround(1.0 / spike.period_s));
+  for (int k = 0; k < 5 * second; ++k) {
+    AxisPosition q = at(0.02, 0.01, 1.5);
+    AxisEffort sent(3);
+    if (k == spike.at) q[spike.axis] += spike.size;
+    const double limit = config.effort_limit[spike.axis];
+    const double since_s = spike.period_s * (k - spike.at - 1);
+    if (since_s >= 0.0) sent[spike.axis] = spike.kick * limit * std::exp(-since_s / 0.005);
+    if (k > spike.at + 3 * second) sent[spike.axis] += spike.later_kick * limit;
+    const Finding finding = watchDevice(state, q, sent, 1, config);
+    if (any(finding.faults)) return finding;
+  }
+  return {};
+}
+
+// The damping answers one wrong reading with a push. The axis rests on, and its effort changed: the
+// cause is the reading, not a stuck encoder.
+TEST_F(DeviceWatch, SpikeOfOneReadingAtRest_IsAJumpAndNoStuckEncoder) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double period_s : {1e-3, 0.25e-3, 0.125e-3}) {
+      for (const double sign : {1.0, -1.0}) {
+        for (const double counts : {6.0, 30.0, 100.0}) {  // 100 counts of x are 1 mm
+          config_ = makeSupervisor(threeAxes(), period_s, false);
+          const double size = sign * counts * config_.encoder_step[axis];
+          const Finding found = firstFault(config_, {size, period_s, axis, 700, -0.5 * sign});
+          // Back and forth between one and three times the speed limit are two ticks too fast.
+          const double steps = (std::abs(size) - 2.0 * config_.encoder_step[axis]) /
+                               (config_.speed_limit[axis] * period_s);
+          const bool too_fast = steps > 1.0 && steps <= 3.0;
+          EXPECT_EQ(found.faults, too_fast ? Fault::kSpeedLimit : Fault::kEncoderJump)
+              << axis << " " << period_s << " " << size;
+          EXPECT_EQ(found.axis, axis);
+          // A push that is no evidence of a stuck encoder ends nothing.
+          if (std::abs(size) < config_.speed_limit[axis] * period_s) {
+            EXPECT_EQ(firstFault(config_, {size, period_s, axis, 700, 0.1}).faults, Fault::kNone);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_F(DeviceWatch, EncoderThatSticksLongAfterASpike_IsStuck) {
+  EXPECT_EQ(firstFault(config_, {1e-3, kT_s, 0, 700, 0.1, 0.5}).faults, Fault::kEncoderStuck);
+  EXPECT_EQ(firstFault(config_, {3.0 * kCount, kT_s, 0, 700, 0.5}).faults, Fault::kEncoderStuck)
+      << "within the counts of an axis at rest";
+}
+
 // A late reading makes one step long and the next short; that is no excess speed.
 TEST_F(DeviceWatch, EverySecondReadingLate_IsNoSpeedFault) {
   for (int k = 0; k < 100; ++k) {
