@@ -517,13 +517,7 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
     return refused(Refusal::kOther,
                    "another visit was opened just now: look whose, then set the limit again");
   }
-  if (live_) {
-    Command command;
-    command.type = CommandType::kParameter;
-    command.index = static_cast<std::int32_t>(found - parameters.begin());
-    command.value = order.value;
-    if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
-  }
+  if (live_) live_->setParameter(static_cast<int>(found - parameters.begin()), order.value);
   person_.set(order.name, order.value, asked);
   return {true, ""};
 }
@@ -1162,12 +1156,7 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
   }
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
     const double value = person_.valueOf(scene_->parameters[i]);
-    if (value == parameters[i]) continue;
-    Command command;
-    command.type = CommandType::kParameter;
-    command.index = static_cast<std::int32_t>(i);
-    command.value = value;
-    (void)push(command);
+    if (value != parameters[i]) live_->setParameter(static_cast<int>(i), value);
   }
 }
 

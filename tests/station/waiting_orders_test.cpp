@@ -65,7 +65,7 @@ struct Person {
 
 class WaitingOrders : public Bar {
  protected:
-  void begin(bool arm_at_once = false) {
+  void begin(bool arm_at_once = false, const std::function<void(const TickRecord&)>& sink = {}) {
     StationConfig config = barConfig();
     config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
     if (!hand_.empty()) config.files.hand = hand_;
@@ -85,6 +85,7 @@ class WaitingOrders : public Bar {
           Intention::throughWaypoints({{0.0, AxisPosition(models.device.axisCount())}}));
     };
     load(config);
+    if (sink) station_->addSink(sink);
     run(arm_at_once);
   }
   Person person() { return {++persons_, 0, std::make_shared<Requester>()}; }
@@ -272,6 +273,43 @@ TEST_F(WaitingOrders, RefusedArm_SaysWhy) {
   release();
   EXPECT_EQ(armed.get().refusal, Refusal::kRefusedBefore);
   EXPECT_EQ(devices.opened, 0);
+}
+
+// A limit that the station accepts at any moment of an arming is in force in the first tick.
+// Before, 2 N accepted while the device was being enabled was reached after 0.84 s.
+TEST_F(WaitingOrders, LimitAcceptedDuringAnArming_IsInForceInTheFirstTick) {
+  TickRecord first;
+  std::atomic<bool> has_first{false};
+  begin(false, [&](const TickRecord& record) {
+    if (record.tick != 0) return;
+    first = record;
+    has_first = true;
+  });
+  auto random = seededRandom(5802);
+  const std::vector<const char*> limits = {"effort_limit_hand_tip_n", "effort_limit_arm_n"};
+  for (int i = 0; i < cases(100) && !HasFailure(); ++i) {
+    const auto accepts = [&] {
+      for (auto orders = random() % 12; orders > 0; --orders) {
+        const char* name = limits[random() % 2];
+        EXPECT_TRUE(ask(parameter(name, uniform(random, 2.0, 10.0))).accepted);
+      }
+    };
+    std::vector<double> accepted;
+    when_it_begins = while_it_is_built = accepts;
+    devices.when_enabled = [&] {
+      accepts();
+      for (const char* name : limits) accepted.push_back(value(name));
+    };
+    has_first = false;
+    ASSERT_TRUE(ask(orders::Arm{}).accepted);
+    ASSERT_TRUE(becomes([&] { return has_first.load(); }));
+    ASSERT_EQ(accepted.size(), 2U);
+    EXPECT_EQ(first.parameters[0], accepted[0]);
+    EXPECT_EQ(first.parameters[1], accepted[1]);
+    EXPECT_EQ(first.effort_limit[0], accepted[1]) << "x is an axis of the arm";
+    when_it_begins = while_it_is_built = devices.when_enabled = nullptr;
+    EXPECT_TRUE(stopAndWait().accepted);
+  }
 }
 
 // A load while rendering continues by the same rule; otherwise it leaves the session stopped or

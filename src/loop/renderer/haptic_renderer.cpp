@@ -109,9 +109,17 @@ bool HapticRenderer::mayPush(const TickRecord& record) const noexcept {
 void HapticRenderer::takeCommands(TickRecord& record) noexcept {
   for (int i = 0; i < record.command_count; ++i) {
     const Command& command = record.commands[i];
-    if (command.type == CommandType::kParameter) parameters_.ask(command.index, command.value);
+    if (command.type == CommandType::kParameter) {
+      // No effort was sent before the first tick, so there is nothing to ramp from.
+      if (first_tick_) {
+        parameters_.set(command.index, command.value);
+      } else {
+        parameters_.ask(command.index, command.value);
+      }
+    }
     if (command.type == CommandType::kHolderAlive) holder_alive_ = command.value != 0.0;
   }
+  first_tick_ = false;
   if (!holder_alive_) record.faults |= Fault::kHolderSilent;
   parameters_.advance(static_cast<int>(record.elapsed_periods), config_.period_s);
   config_.live.apply(parameters_.values(), config_.safety.effort_limit, config_.damping,
@@ -366,6 +374,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
   parameters_.reset();
+  first_tick_ = true;
   contacts_ = ContactList{};
   query_ = WorldQuery{};
   probe_->reset();

@@ -193,6 +193,7 @@ class HapticRenderer {
   AdaptiveDampingState damping_;
   bool device_open_ = false, was_open_ = false;  ///< now, and before prepare()
   bool prepared_ = false;
+  bool first_tick_ = false;  ///< the next tick is the first one after arm()
 };
 
 }  // namespace wholehand

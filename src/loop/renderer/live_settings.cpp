@@ -29,6 +29,11 @@ void ParameterRamps::ask(int index, double value) noexcept {
   if (value >= lower_[index] && value <= upper_[index]) wanted_[index] = value;  // false for NaN
 }
 
+void ParameterRamps::set(int index, double value) noexcept {
+  if (index < 0 || index >= count_) return;
+  if (value >= lower_[index] && value <= upper_[index]) value_[index] = wanted_[index] = value;
+}
+
 void ParameterRamps::advance(int elapsed_periods, double period_s) noexcept {
   for (int i = 0; i < count_; ++i) {
     const double most = rate_per_s_[i] * elapsed_periods * period_s;

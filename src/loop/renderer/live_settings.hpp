@@ -24,6 +24,9 @@ class ParameterRamps {
   /// Sets a parameter's target. Ignores unknown indices, NaN and values out of range. Real-time
   /// safe.
   WHOLEHAND_RT void ask(int index, double value) noexcept;
+  /// Sets a parameter's value and target at once, before any effort was sent. Ignores what ask()
+  /// ignores. Real-time safe.
+  WHOLEHAND_RT void set(int index, double value) noexcept;
   /// Advances the ramps by one tick. Real-time safe.
   WHOLEHAND_RT void advance(int elapsed_periods, double period_s) noexcept;
 

@@ -3,6 +3,7 @@
 #include "loop/realtime/thread_setup.hpp"
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -12,7 +13,10 @@ Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer),
       config_(config),
       queue_(config.queue_bytes),
-      commands_(config.queue_commands) {}
+      commands_(config.queue_commands) {
+  for (std::atomic<double>& value : wanted_) value = std::numeric_limits<double>::quiet_NaN();
+  taken_.fill(std::numeric_limits<double>::quiet_NaN());
+}
 
 Session::~Session() {
   // Only a running loop gets the request; otherwise the next session's renderer would find it.
@@ -105,10 +109,24 @@ void Session::takeCommands() noexcept {
     record_.command_count = 1;
     reported_alive_ = alive;
   }
+  takeParameters();
   while (record_.command_count < kMaxCommands) {
     Command& command = record_.commands[record_.command_count];
     if (!commands_.try_pop(command)) break;
     ++record_.command_count;
+  }
+}
+
+// Parameters beyond the record's room follow in the next ticks.
+void Session::takeParameters() noexcept {
+  for (int i = 0; i < kMaxLiveParameters && record_.command_count < kMaxCommands; ++i) {
+    const double value = wanted_[i].load();
+    if (std::isnan(value) || value == taken_[i]) continue;
+    Command& command = record_.commands[record_.command_count++];
+    command = Command{};
+    command.type = CommandType::kParameter;
+    command.index = i;
+    command.value = taken_[i] = value;
   }
 }
 

@@ -93,6 +93,14 @@ class Session {
     return commands_.try_push(command);
   }
 
+  /// Sets the target of a live parameter. Only the latest value of each parameter counts, and a
+  /// full command queue cannot lose it. A value set before the first tick is in force in it,
+  /// without a ramp: the effort limits are the first parameters, so the first tick takes them all.
+  /// Ignores unknown indices. Any thread.
+  void setParameter(int index, double value) noexcept {
+    if (index >= 0 && index < kMaxLiveParameters) wanted_[index].store(value);
+  }
+
   /// Number of commands that wait for the loop; a tick takes at most 8. For the thread that queues
   /// commands it is an upper bound.
   [[nodiscard]] std::size_t waitingCommands() const noexcept { return commands_.size(); }
@@ -120,6 +128,7 @@ class Session {
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
   void followInterrupts() noexcept;
   void takeCommands() noexcept;
+  void takeParameters() noexcept;
   void count(std::uint64_t allocations) noexcept;
 
   HapticRenderer& renderer_;
@@ -131,7 +140,9 @@ class Session {
   std::uint64_t next_tick_ = 0;
   bool time_is_over_ = false;
   std::atomic<bool> holder_alive_{true};
-  bool interrupted_ = false, reported_alive_ = true;  ///< ticking thread only
+  std::array<std::atomic<double>, kMaxLiveParameters> wanted_;  ///< by setParameter(); NaN: none
+  std::array<double, kMaxLiveParameters> taken_{};              ///< ticking thread only
+  bool interrupted_ = false, reported_alive_ = true;            ///< ticking thread only
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
                                             ///< destroyed

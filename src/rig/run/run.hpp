@@ -111,6 +111,7 @@ class Run {
   void requestGentleStop() noexcept { session_->requestGentleStop(); }
   void requestEmergencyStop() noexcept { session_->requestEmergencyStop(); }
   void setHolderAlive(bool alive) noexcept { session_->setHolderAlive(alive); }
+  void setParameter(int index, double value) noexcept { session_->setParameter(index, value); }
   [[nodiscard]] bool running() const { return session_->running(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
   /// Number of ticks missing in the recording because the queue of the loop, the recorder's thread

@@ -49,6 +49,18 @@ TEST(ParameterRamps, NewRequestMidway_TurnsWithoutAJump) {
   EXPECT_EQ(ramps.values()[0], 4.0 - 4.0 / 1024.0);
 }
 
+TEST(ParameterRamps, SetValue_HoldsAtOnceAndOnlyWithinTheRange) {
+  ParameterRamps ramps = twoRamps();
+  ramps.ask(0, 8.0);
+  ramps.set(0, 1.5);
+  for (const double value : {0.999, 8.001, kNaN}) ramps.set(0, value);
+  ramps.set(-1, 1.0);
+  ramps.set(2, 1.0);
+  ramps.advance(512, kRampPeriod_s);
+  EXPECT_EQ(ramps.values()[0], 1.5);
+  EXPECT_EQ(ramps.values()[1], 0.0);
+}
+
 TEST(ParameterRamps, SkippedPeriods_CountAsIfEachHadRun) {
   ParameterRamps one_by_one = twoRamps();
   ParameterRamps stalled = twoRamps();

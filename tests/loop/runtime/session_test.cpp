@@ -6,6 +6,8 @@
 #include "loop/control/bilateral_coupling.hpp"
 #include "loop/physics/analytic/analytic_world.hpp"
 #include "support/fault_injector.hpp"
+#include "support/figure.hpp"
+#include "support/seed.hpp"
 #include "support/watched_main.hpp"
 
 #include <gtest/gtest.h>
@@ -50,7 +52,7 @@ AnalyticScene stopAt(double x_m) {
 /// A person whose 200 N/m pull 4 cm beyond a stop at 1 cm.
 struct Rail {
   explicit Rail(const SessionConfig& session_config, std::vector<InjectedFault> faults = {},
-                double fade_out_s = 0.0) {
+                double fade_out_s = 0.0, double ramp_s = 0.08) {
     device_model.axes[0].damping = 6.0;
     device_model.axes[0].neutral_effort = 1.5;
     person.axes[0] = {"x", 0.5, 15.0, 200.0};
@@ -72,6 +74,8 @@ struct Rail {
     config.safety.effort_limit = AxisEffort(1, 20.0);
     config.safety.neutral = device_model.neutral();
     config.safety.ramp.fade_out_s = fade_out_s;
+    config.safety.ramp.ramp_s = ramp_s;
+    config.live = LiveSettings(device_model, config.damping);
     config.moves_nobody = true;  // although everything is monitored
     renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, SceneModel{}, config);
     EXPECT_TRUE(renderer->arm());
@@ -224,6 +228,69 @@ TEST(SimulatedSession, LostHolder_IsReportedEvenIfTheCommandQueueIsFull) {
   });
   for (std::size_t k = 0; k < records.size(); ++k) {
     ASSERT_EQ(any(records[k].faults & Fault::kHolderSilent), k >= 20 && k < 40) << k;
+  }
+}
+
+void fillTheQueue(Session& session) {
+  Command action;
+  action.type = CommandType::kAction;
+  while (session.tryCommand(action)) {
+  }
+}
+
+// A limit that was accepted while the device was being enabled holds from the first tick, however
+// many orders came before it.
+TEST(SimulatedSession, ParametersSetBeforeTheFirstTick_AreInForceInIt) {
+  SessionConfig config;
+  config.queue_bytes = 0;  // the shortest
+  Rail rail(config, {}, 0.0, kSessionPeriod_s);
+  const std::vector<LiveParameter> parameters = rail.renderer->liveParameters();
+  ASSERT_EQ(parameters.front().name, "effort_limit_arm_n");
+  const auto ends = [&](const TickRecord&) { rail.session->requestStop(); };
+  rail.session->runSimulated(ends);
+  auto random = seededRandom(5801);
+  const int drawn = fullCounts() ? 100'000 : cases(2000);
+  for (int i = 0; i < drawn && !testing::Test::HasFailure(); ++i) {
+    std::vector<double> expected;
+    for (const LiveParameter& p : parameters) {
+      expected.push_back(uniform(random, p.lower, p.upper));
+    }
+    rail.renderer->startParametersAt(expected);
+    ASSERT_TRUE(rail.renderer->arm());
+    rail.session = std::make_unique<Session>(*rail.renderer, config);
+    for (auto orders = random() % 20; orders > 0; --orders) {
+      const std::size_t p = random() % parameters.size();
+      expected[p] = uniform(random, parameters[p].lower, parameters[p].upper);
+      rail.session->setParameter(static_cast<int>(p), expected[p]);
+    }
+    if (random() % 2 == 0) fillTheQueue(*rail.session);
+    rail.session->setHolderAlive(random() % 2 == 0);
+    rail.session->runSimulated([&](const TickRecord& r) {
+      if (r.tick != 0) return;
+      for (std::size_t p = 0; p < expected.size(); ++p) {
+        EXPECT_EQ(r.parameters[p], expected[p]) << parameters[p].name;
+      }
+      EXPECT_EQ(r.effort_limit[0], std::min(expected[0], 20.0));
+      ends(r);
+    });
+  }
+  figure("first ticks with the limits accepted last", drawn, "");
+}
+
+TEST(SimulatedSession, ParameterSetWhileItRuns_RampsEvenIfTheCommandQueueIsFull) {
+  SessionConfig config;
+  config.duration_ticks = 40;
+  Rail rail(config);
+  const LiveParameter limit = rail.renderer->liveParameters().front();
+  const std::vector<TickRecord> records = runAll(rail, [&](const TickRecord& r) {
+    fillTheQueue(*rail.session);
+    rail.session->setParameter(-1, limit.lower);
+    rail.session->setParameter(kMaxLiveParameters, limit.lower);
+    if (r.tick == 9) rail.session->setParameter(0, limit.lower);
+  });
+  for (int k = 0; k < 40; ++k) {
+    const double ramped_s = std::max(k - 9, 0) * kSessionPeriod_s;
+    ASSERT_NEAR(records[k].parameters[0], limit.value - limit.rate_per_s * ramped_s, 1e-9) << k;
   }
 }
 
