@@ -7,6 +7,7 @@
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
 #include "rig/run/run.hpp"
+#include "station/press_permit.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
 #include "station/scene_facts.hpp"
@@ -117,8 +118,10 @@ class Station::Core {
   [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
                                                           const std::vector<double>& parameters,
                                                           RunPlan plan) const;
-  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task,
+  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task, const PressPermit* permit,
                    const std::vector<double>& parameters, std::optional<double> place);
+  [[nodiscard]] std::shared_ptr<PressPermit> permitOf(const Task& task) const;
+  OrderReply effortBegins(const PressPermit* permit);
   void restoreStatus(LoopStatus before, const Task& task, bool had_latest,
                      std::unique_ptr<Run> unused);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
@@ -238,7 +241,7 @@ class Station::Core {
   bool keep_recording_ = false;          ///< somebody took part before the session's end was due
   bool renewing_ = false;                ///< this session ends, and the program arms the next one
   StationClock::time_point began_at_;    ///< of the running session
-  std::uint32_t claim_ = 0;              ///< newest claim on the controls
+  std::atomic<std::uint32_t> claim_{0};  ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
   bool holder_alive_ = true;             ///< latest value; passed to a session that begins
   std::optional<Command> unsent_steer_;  ///< steering command that waits because the queue was full
@@ -285,6 +288,7 @@ std::string sideName(const HandModel& hand) {
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
+constexpr auto kFirstTickWithin = std::chrono::seconds(1);
 constexpr double kLongestRun_s = 1e9;  // bound that keeps durations within the clock's range
 constexpr auto kLogWithin = std::chrono::seconds(1);
 
@@ -323,14 +327,11 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
                                "look, then ask again",
                                task.waited_s.count(), kLongestWait.count()));
   }
-  if (order.requester && !order.requester->connected) {
-    return refused(Refusal::kNotHolder, "the client that asked is gone");
-  }
-  const bool lost = order.requester && order.requester->claim != order.claim;
-  if (order.claim != 0 && (lost || order.claim < claim_)) {
-    return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
-  }
+  if (OrderReply may = PressPermit::refuseAbsent(order, claim_); !may.accepted) return may;
   if (!task.starts) return {true, ""};
+  if (order.requester) {
+    if (OrderReply may = PressPermit::refuseLate(now() - task.asked_at); !may.accepted) return may;
+  }
   if (stop_history_.stoppedSince(task.asked) || InterruptScope::interrupted()) {
     return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
   }
@@ -525,7 +526,7 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
 // An earlier holder's order must not take effect after one of the current holder.
 bool Station::Core::superseded(const Order& order) {
   if (!order.stops() && order.claim != 0 && order.claim < claim_) return true;
-  claim_ = std::max(claim_, order.claim);
+  claim_ = std::max(claim_.load(), order.claim);
   return false;
 }
 
@@ -1052,6 +1053,8 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   plan.interrupts = &InterruptScope::shared();
   plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
+  const std::shared_ptr<PressPermit> permit = permitOf(task);
+  plan.permit = permit;
   const std::optional<double> place = placeOfRest();
   const bool had_latest = forgetLatest();
   LoopStatus before;
@@ -1071,10 +1074,10 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   OrderReply reply;
   if (prepared) {
     unused = std::move(*prepared);
-    reply = adopt(unused, task, parameters, place);
+    reply = adopt(unused, task, permit.get(), parameters, place);
     if (reply.accepted) {
       auto begun = live_->begin();
-      if (begun) return sessionRuns(std::move(reply), record);
+      if (begun) return sessionRuns(effortBegins(permit.get()), record);
       reply = stillDo(task);  // a stop came while the device was enabled
       if (reply.accepted) reply = refused(Refusal::kCannotStart, format(begun.errors()));
     }
@@ -1083,6 +1086,27 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   }
   restoreStatus(std::move(before), task, had_latest, std::move(unused));
   return reply;
+}
+
+std::shared_ptr<PressPermit> Station::Core::permitOf(const Task& task) const {
+  if (!task.order.requester) return nullptr;  // the program itself
+  return std::make_shared<PressPermit>(
+      task.order, task.asked_at, [this] { return now(); }, claim_);
+}
+
+// Waits for the first tick, which judges the permit. A session whose permit no longer holds stays
+// at neutral and ends as after a stop.
+OrderReply Station::Core::effortBegins(const PressPermit* permit) {
+  if (permit == nullptr) return {true, ""};
+  const auto until = StationClock::now() + kFirstTickWithin;
+  while (permit->verdict() == PressPermit::Verdict::kOpen && live_->running() &&
+         StationClock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (permit->verdict() != PressPermit::Verdict::kVoid) return {true, ""};
+  const std::lock_guard lock(mutex_);
+  status_.run_state = RunState::kStopping;
+  return permit->refusal();
 }
 
 // Restores the published state after a session that never began, and destroys its run.
@@ -1124,10 +1148,13 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
 // the order may not be carried out any more, for example after a stop during construction, the run
 // is discarded and not published.
 OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
-                                const std::vector<double>& parameters,
+                                const PressPermit* permit, const std::vector<double>& parameters,
                                 std::optional<double> place) {
   const std::lock_guard lock(mutex_);
   if (OrderReply may = mayStillDo(task); !may.accepted) return may;
+  if (permit != nullptr) {
+    if (OrderReply may = permit->refuseNow(); !may.accepted) return may;
+  }
   live_ = std::move(run);
   status_.latched = Fault::kNone;
   const bool steered = renewing_ && status_.steering == Steering::kPerson;
@@ -1181,7 +1208,7 @@ OrderReply Station::Core::armForClient(const Task& task) {
   }
   const std::string record = newRecording();
   OrderReply reply = arm(task, record, ticksLeft(), true);
-  if (!reply.accepted) files_.giveBack(record);
+  if (!reply.accepted && !live_) files_.giveBack(record);
   return reply;
 }
 

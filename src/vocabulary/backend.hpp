@@ -178,6 +178,9 @@ struct LoopStatus {
 struct Requester {
   std::atomic<bool> connected{true};
   std::atomic<std::uint32_t> claim{0};  ///< the client's current claim on the controls; 0: none
+  /// Time of its newest message [ns, monotonic]; 0: none yet. An order starts the device only while
+  /// its client is heard.
+  std::atomic<std::int64_t> heard_ns{0};
 };
 
 /// The kinds of orders, each with its own fields; the names are those of the schema. Their form is

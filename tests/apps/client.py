@@ -184,10 +184,17 @@ class Page:
         that waited too long behind others, such as a slow end of a session, is repeated, as the program advises."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
-        accepted, reason = self.answer(self.say(ARM, ("I", endings_seen)))
+        accepted, reason = self._answer_while_heard(self.say(ARM, ("I", endings_seen)))
         while not accepted and reason.endswith("look, then ask again"):
-            accepted, reason = self.answer(self.say(ARM, ("I", endings_seen)))
+            accepted, reason = self._answer_while_heard(self.say(ARM, ("I", endings_seen)))
         return accepted, reason
+
+    def _answer_while_heard(self, number):
+        """Sends heartbeats until the answer: nothing starts for a client that is not heard."""
+        until = time.monotonic() + HANG_S
+        while (answer := self.answer(number, 0.05)) is None and time.monotonic() < until:
+            self.say(HEARTBEAT)
+        return answer
 
     def hold_controls(self):
         assert self.answer(self.say(TAKE_CONTROLS))[0]

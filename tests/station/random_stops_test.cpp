@@ -45,9 +45,10 @@ class Page {
   bool lookUntil(Condition&& condition) {
     looked_ = false;
     for (const auto until = Clock::now() + kHang; !condition();) {
-      const auto frame = socket_->receive(100ms);
+      const auto frame = socket_->receive(50ms);
       if (frame && frame->opcode == 2) handle(replies::message(*frame));
       if (Clock::now() > until || (!frame && socket_->closed())) return false;
+      socket_->send(words::heartbeat(0));  // nothing starts for a client that is not heard
     }
     return true;
   }

@@ -10,7 +10,9 @@
 #include "support/resting_device.hpp"
 #include "support/seed.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 
 namespace wholehand::test {
 namespace {
@@ -50,7 +52,12 @@ class CountedDevice final : public RestingDevice {
 /// A client as the server knows it.
 struct Person {
   std::uint32_t number = 0, claim = 0;
-  std::shared_ptr<Requester> requester = std::make_shared<Requester>();
+  std::shared_ptr<Requester> requester = alwaysHeard();
+  [[nodiscard]] static std::shared_ptr<Requester> alwaysHeard() {
+    auto requester = std::make_shared<Requester>();
+    requester->heard_ns = std::numeric_limits<std::int64_t>::max();
+    return requester;
+  }
   [[nodiscard]] Order asks(Order order) const {
     order.client = number;
     order.claim = claim;
@@ -88,7 +95,7 @@ class WaitingOrders : public Bar {
     if (sink) station_->addSink(sink);
     run(arm_at_once);
   }
-  Person person() { return {++persons_, 0, std::make_shared<Requester>()}; }
+  Person person() { return {.number = ++persons_}; }
 
   /// Blocks the station's thread in an answer until release().
   void hold() {
@@ -104,6 +111,7 @@ class WaitingOrders : public Bar {
   }
   void release() { released_.set_value(); }
   void passes(std::int64_t ms) { now_ms_ += ms; }
+  [[nodiscard]] std::int64_t nowMs() const { return now_ms_; }
   OrderReply stopAndWait() {
     OrderReply reply = ask(orders::EmergencyStop{});
     EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
@@ -183,6 +191,7 @@ class ArmAmidOthers : public WaitingOrders {
       fate = {false, " refused before"};
     }
     armed = askLater(asks.asks(of(orders::Arm{})));
+    asked_ms = nowMs();
     if (chance(20)) (void)askLater(asks.asks(of(orders::LoadProfile{"nobody"})));
     waits_ms = static_cast<std::int64_t>(random() % (chance(70) ? 3001 : 60'001));
     passes(waits_ms);
@@ -192,7 +201,8 @@ class ArmAmidOthers : public WaitingOrders {
     while_it_is_built = [this] { itsOwnWork(8); };
   }
   void itsOwnWork(unsigned percent) {
-    passes(static_cast<std::int64_t>(random() % 60'001));
+    passes(static_cast<std::int64_t>(random() % 20'001));
+    if (nowMs() - asked_ms > 30'000) fate = {false, fate.what + " took too long"};
     happens(percent);
   }
   void check() {
@@ -225,14 +235,13 @@ class ArmAmidOthers : public WaitingOrders {
   Person asks, other;
   Fate fate;
   std::future<OrderReply> armed;
-  std::int64_t waits_ms = 0, longest_ms = 0;
+  std::int64_t waits_ms = 0, longest_ms = 0, asked_ms = 0;
   int started = 0;
 };
 
 // Rule: an order to arm starts if and only if its client is connected, has not lost the controls
 // with which it asked, no ending came after the order, no earlier order of the client was refused
-// while it waited, and it waited behind others for 3 s at most. Its own execution may take any
-// time.
+// while it waited, it waited behind others for 3 s at most, and the device is enabled within 30 s.
 TEST_F(ArmAmidOthers, ArmInRandomInterleavings_StartsOnlyIfAllowed) {
   begin();
   const int drawn = fullCounts() ? 30000 : cases(200);
@@ -247,6 +256,139 @@ TEST_F(ArmAmidOthers, ArmInRandomInterleavings_StartsOnlyIfAllowed) {
   if (kStatisticsMeaningful) {
     EXPECT_GT(started, drawn / 10);
     EXPECT_LT(started, drawn * 9 / 10);
+  }
+}
+
+// ---- the press and the instant that effort may begin
+
+/// A person presses Start and sends beats until it leaves. The device takes long to be enabled.
+class PressAndEffort : public WaitingOrders {
+ protected:
+  static constexpr std::int64_t kStays = std::numeric_limits<std::int64_t>::max();
+
+  void begin() {
+    WaitingOrders::begin(false, [this](const TickRecord& record) {
+      pushed_ = pushed_ || record.authority > 0.0 || largest(record.sent) > 0.0;
+    });
+  }
+  /// Time passes, with a beat every 50 ms until `leaves_ms`.
+  void beats(std::int64_t ms) {
+    passes(ms);
+    const std::int64_t last_ms = std::min(nowMs(), leaves_ms_);
+    asks_.requester->heard_ns = (last_ms - last_ms % 50) * 1'000'000;
+  }
+  /// Presses Start, leaves after a time, and returns the reply.
+  OrderReply press(std::int64_t builds_ms, std::int64_t enables_ms, std::int64_t leaves_ms) {
+    asks_ = person();
+    const std::int64_t pressed_ms = nowMs();
+    leaves_ms_ = leaves_ms == kStays ? kStays : pressed_ms + leaves_ms;
+    beats(0);
+    while_it_is_built = [this, builds_ms] { beats(builds_ms); };
+    devices.when_enabled = [this, enables_ms] { beats(enables_ms); };
+    pushed_ = false;
+    const OrderReply reply = ask(asks_.asks(of(orders::Arm{})));
+    while_it_is_built = devices.when_enabled = nullptr;
+    return reply;
+  }
+  /// Checks that the device is at neutral as after a stop, and that somebody must see it.
+  void expectNothingBegan(std::uint32_t endings) {
+    EXPECT_TRUE(becomes([&] { return devices.open == 0; }));
+    EXPECT_TRUE(becomes([&] {
+      const RunState now = station_->status().run_state;
+      return now == RunState::kStopped || now == RunState::kDisarmed;
+    }));
+    EXPECT_FALSE(pushed_) << kAlways << "an effort began with nobody there";
+    EXPECT_GE(station_->status().endings, endings);
+  }
+
+  Person asks_;
+  std::int64_t leaves_ms_ = kStays;
+  std::atomic<bool> pushed_{false};
+};
+
+TEST_F(PressAndEffort, PressOfSomebodyWhoLeft_NeverBeginsAndOfSomebodyWhoStaysAlwaysBegins) {
+  begin();
+  auto random = seededRandom(5803);
+  int left = 0, stayed = 0;
+  for (int i = 0; i < cases(60) && !HasFailure(); ++i) {
+    const auto builds_ms = static_cast<std::int64_t>(random() % 5000);
+    const auto enables_ms = static_cast<std::int64_t>(random() % 24'900);
+    // A beat is at most 50 ms older than the moment of leaving.
+    const std::int64_t all_ms = builds_ms + enables_ms;
+    const bool stays = all_ms <= 250 || random() % 2 == 0;
+    const auto leaves_ms = static_cast<std::int64_t>(random() % std::max<std::int64_t>(all_ms, 1));
+    const std::uint32_t endings = station_->status().endings;
+    const OrderReply reply =
+        press(builds_ms, enables_ms, stays ? kStays : std::min(leaves_ms, all_ms - 250));
+    SCOPED_TRACE(std::to_string(builds_ms) + " ms + " + std::to_string(enables_ms) + " ms, left " +
+                 std::to_string(leaves_ms));
+    ASSERT_EQ(reply.accepted, stays) << reply.reason;
+    if (stays) {
+      ++stayed;
+      EXPECT_TRUE(becomes([&] { return pushed_.load(); }));
+      EXPECT_TRUE(stopAndWait().accepted);
+    } else {
+      ++left;
+      EXPECT_EQ(reply.refusal, Refusal::kNotHeard);
+      expectNothingBegan(endings);
+    }
+  }
+  figure("presses of somebody who left", left, "");
+  figure("presses of somebody who stayed, all started", stayed, "");
+}
+
+TEST_F(PressAndEffort, BeatOf200ms_StillCountsAndOneMillisecondMoreDoesNot) {
+  begin();
+  for (const std::int64_t silent_ms : {200, 201}) {
+    asks_ = person();
+    pushed_ = false;
+    devices.when_enabled = [&] {
+      asks_.requester->heard_ns = nowMs() * 1'000'000;
+      passes(silent_ms);
+    };
+    const OrderReply reply = ask(asks_.asks(of(orders::Arm{})));
+    EXPECT_EQ(reply.accepted, silent_ms == 200) << reply.reason;
+    devices.when_enabled = nullptr;
+    if (silent_ms == 200) {
+      EXPECT_TRUE(stopAndWait().accepted);
+    }
+  }
+  expectNothingBegan(0);
+}
+
+TEST_F(PressAndEffort, StartThatTakesMoreThan30s_IsVoid) {
+  begin();
+  EXPECT_TRUE(press(1000, 29'000, kStays).accepted);
+  EXPECT_TRUE(stopAndWait().accepted);
+  const std::uint32_t endings = station_->status().endings;
+  EXPECT_EQ(press(1000, 29'001, kStays).refusal, Refusal::kWaitedTooLong);
+  expectNothingBegan(endings + 1);
+  EXPECT_EQ(press(30'001, 0, kStays).refusal, Refusal::kWaitedTooLong);
+}
+
+// The line closes, or a later holder takes the controls, while the device is being enabled.
+TEST_F(PressAndEffort, PresserGoneOrOverruledWhileTheDeviceIsEnabled_BeginsNothing) {
+  begin();
+  using Happens = std::function<void()>;
+  const std::vector<Happens> cases = {
+      [&] { asks_.requester->connected = false; }, [&] { asks_.requester->claim = 0; },
+      [&] {
+        Person other = person();
+        other.takes(asks_.claim + 1);
+        EXPECT_TRUE(ask(other.asks(parameter("effort_limit_arm_n", 3.0))).accepted);
+      }};
+  std::uint32_t claim = 10;
+  for (const Happens& happens : cases) {
+    asks_ = person();
+    asks_.takes(claim += 10);
+    pushed_ = false;
+    const std::uint32_t endings = station_->status().endings;
+    devices.when_enabled = happens;
+    EXPECT_EQ(ask(asks_.asks(of(orders::Arm{}))).refusal, Refusal::kNotHolder);
+    devices.when_enabled = nullptr;
+    expectNothingBegan(endings + 1);
+    EXPECT_EQ(station_->status().run_state, RunState::kStopped);
+    EXPECT_FALSE(station_->status().rested);
   }
 }
 
@@ -709,7 +851,9 @@ TEST_F(ArmOverALine, LineClosedDuringTheRehearsal_StartsNothing) {
 TEST_F(ArmOverALine, LineThatStaysOpen_Starts) {
   open();
   const auto client = armsAndShowsTheRehearsal();
-  EXPECT_TRUE(replies::answer(*client).accepted);
+  EXPECT_TRUE(sees(*client, [](const replies::fb::WorldState& s) {
+    return s.run_state() == replies::fb::RunState::Rendering;
+  })) << refusals_;
   EXPECT_TRUE(rendersOn());
 }
 

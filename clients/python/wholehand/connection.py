@@ -26,6 +26,7 @@ from wholehand.prediction import MotionPredictor
 VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
 NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
 
+STARTS = ("Arm", "LoadExercise")
 HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
 REPEAT_STOP_S = 0.3
 ANSWER_WITHIN_S = 60.0      # arming includes a rehearsal of seconds, or more on a busy machine
@@ -118,7 +119,20 @@ class Connection:
         """Sends one of the schema's Order and waits for the answer. Raises Refused, Lost, Unanswered, and
         ValueError for invalid arguments, such as a number that is not finite.
         @param timeout_s replaces the connection's answer_within_s"""
-        await self._answered(order, self._ask(order, fields), timeout_s)
+        with self._heard(order):
+            await self._answered(order, self._ask(order, fields), timeout_s)
+
+    @contextlib.contextmanager
+    def _heard(self, order: str) -> typing.Iterator[None]:
+        """Sends heartbeats until an order that starts the device is answered: nothing starts for a silent client."""
+        beat = None
+        if order in STARTS and self._beat is None:
+            beat = asyncio.create_task(self._keep_beating())
+        try:
+            yield
+        finally:
+            if beat:
+                beat.cancel()
 
     async def take_controls(self, token: str = "") -> None:
         """Takes the controls and holds them by a heartbeat until release_controls() or the end of the connection."""

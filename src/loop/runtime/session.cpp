@@ -76,6 +76,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
+  judgePermit();
   followInterrupts();
   takeCommands();
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
@@ -90,6 +91,12 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
   count(allocationsSoFar() - allocated);
   return !renderer_.finished();
+}
+
+// The last moment before effort: what was judged before the device was enabled may have changed.
+void Session::judgePermit() noexcept {
+  if (counters_.ticks_run > 0 || config_.permit == nullptr) return;
+  if (!config_.permit->judge()) renderer_.requestStop();
 }
 
 // Stops the loop after a signal. This needs no other thread.

@@ -7,6 +7,7 @@
 #include "loop/realtime/stage_clock.hpp"
 #include "loop/renderer/haptic_renderer.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
+#include "loop/runtime/start_permit.hpp"
 
 #include <array>
 #include <atomic>
@@ -47,6 +48,9 @@ struct SessionConfig {
   /// Checked in every tick: the loop stops gently after a signal. Outlives the session; may be
   /// null.
   Interrupts* interrupts = nullptr;
+  /// Judged in the first tick; when it does not hold, that tick begins the ramp to neutral and no
+  /// effort is sent. Outlives the session; null: the effort may begin.
+  StartPermit* permit = nullptr;
   /// Counts the calling thread's allocations (loop/realtime/allocation_counter.hpp); null: not
   /// counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
@@ -126,6 +130,7 @@ class Session {
  private:
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
+  void judgePermit() noexcept;
   void followInterrupts() noexcept;
   void takeCommands() noexcept;
   void takeParameters() noexcept;

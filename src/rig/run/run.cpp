@@ -102,6 +102,7 @@ void Run::startSession() {
   config.listener = rig_->listener.get();
   config.black_box = black_box_.get();
   config.interrupts = plan_.interrupts;
+  config.permit = plan_.permit.get();
   config.queue_bytes = plan_.queue_bytes;
   config.count_allocations = plan_.count_allocations;
   if (plan_.duration_ticks > 0) config.duration_ticks = plan_.duration_ticks;

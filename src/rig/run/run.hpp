@@ -44,6 +44,7 @@ struct RunPlan {
   /// memory. Set it for a device that moves a person.
   bool real_time_required = false;
   std::optional<RehearsalPassed> rehearsed;  ///< for HapticRenderer::prepare()
+  std::shared_ptr<StartPermit> permit;  ///< judged in the first tick (SessionConfig); null: none
   /// Queue capacity; records beyond it are dropped.
   std::size_t queue_bytes = SessionConfig{}.queue_bytes;
   /// Functions that receive every record, outside the real-time thread; on the simulated clock in

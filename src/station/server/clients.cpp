@@ -257,6 +257,7 @@ void Clients::receive(std::uint32_t client, std::span<const std::uint8_t> messag
                       std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
+  entry->second.requester->heard_ns = now_ns;
   const bool within_rate = withinRate(entry, message.size(), now_ns);
   const auto decoded = text ? Expected<Order>(Diagnostic{}) : wire::decode(message);
   // Stops are exempt from the rate limit and from the order of command numbers.
@@ -613,6 +614,7 @@ void Clients::joinStandalone() {
 void Clients::receiveDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
+  entry->second.requester->heard_ns = now_ns;
   if (order.is<orders::Aim>()) {
     timeouts_.noteMessage(client, now_ns);
     aim(entry, order, now_ns);

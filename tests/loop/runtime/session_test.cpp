@@ -201,6 +201,40 @@ TEST(SimulatedSession, SignalBeforeAndWhileItRuns_StopsItGently) {
   }
 }
 
+/// A permit with a fixed verdict; counts how often it is judged.
+class FixedPermit final : public StartPermit {
+ public:
+  explicit FixedPermit(bool holds) : holds_(holds) {}
+  [[nodiscard]] bool judge() noexcept override {
+    ++judged;
+    return holds_;
+  }
+  int judged = 0;
+
+ private:
+  bool holds_;
+};
+
+TEST(SimulatedSession, PermitThatDoesNotHold_SendsTheNeutralEffortOnlyAndEnds) {
+  for (const bool holds : {false, true}) {
+    FixedPermit permit(holds);
+    SessionConfig config;
+    config.duration_ticks = 300;
+    config.permit = &permit;
+    Rail rail(config);
+    const std::vector<TickRecord> records = runAll(rail);
+    EXPECT_EQ(permit.judged, 1);
+    EXPECT_EQ(firstWith(records, Fault::kStopRequested), holds ? 300 : 0);
+    EXPECT_EQ(records.size(), (holds ? 300U : 0U) + kRampTicks);
+    for (const TickRecord& record : records) {
+      if (holds) break;
+      ASSERT_EQ(record.sent[0], 1.5) << record.tick;
+      ASSERT_EQ(record.authority, 0.0) << record.tick;
+    }
+    EXPECT_TRUE(rail.renderer->atNeutral());
+  }
+}
+
 TEST(RealTimeSession, WhileItTicks_IsCountedAsARunningLoop) {
   Interrupts interrupts;
   SessionConfig config;

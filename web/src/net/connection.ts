@@ -130,6 +130,10 @@ export class Connection extends Orders {
     if (this.controlHolding.away && !(order instanceof EmergencyStopT || order instanceof StopT || order instanceof RestT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
     const within_ms = order instanceof LoadExerciseT || order instanceof LoadProfileT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     const answer = this.pending.wait(id, within_ms, { accepted: false, reason: text('line.silent') });
+    if (order instanceof ArmT || order instanceof LoadExerciseT) {
+      this.controlHolding.onStartAsked();
+      void answer.then(() => this.controlHolding.onStartAnswered());
+    }
     socket.send(encodeCommand(id, order));
     return answer;
   }

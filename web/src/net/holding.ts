@@ -24,6 +24,7 @@ export class ControlHolding {
   /** The person has left the page. */
   away = false;
   private taking = 0;        // orders without an answer yet
+  private starting = 0;      // orders that start the device, without an answer yet
   private giving = false;    // the controls are being given back at the person's wish
   private wanted = false;    // the last order requested the controls instead of giving them back
   private heartbeatOn = false;   // as last set on the connection
@@ -31,7 +32,18 @@ export class ControlHolding {
   /** @param keep begins or ends the heartbeats that show that the page is alive */
   constructor(private readonly keep: (needsHeartbeat: boolean) => void) {}
 
-  get needsHeartbeat(): boolean { return !this.away && (this.hands.heldByYou || this.taking > 0); }
+  get needsHeartbeat(): boolean { return !this.away && (this.hands.heldByYou || this.taking > 0 || this.starting > 0); }
+
+  /** The page gives an order that starts the device. Heartbeats show that its person is there until it is answered: else nothing starts. */
+  onStartAsked(): void {
+    this.starting += 1;
+    this.updateHeartbeat();
+  }
+
+  onStartAnswered(): void {
+    this.starting -= 1;
+    this.updateHeartbeat();
+  }
 
   /** The page requests the controls. Heartbeats begin before the answer can be read: a busy page would lose the controls at once. */
   requestControls(): void {

@@ -169,6 +169,7 @@ export const en = {
   'refusal.WaitedTooLong': 'It waited too long behind other orders. Look at how things are, then ask again.',
   'refusal.RefusedBefore': 'What you asked for before it was refused. See why, then ask again.',
   'refusal.VisitOpen': 'A visit is open in the clinic’s records. Close it there first.',
+  'refusal.NotHeard': 'You were not heard while it was about to start, so it did not start. Check the connection, then start it again.',
   'line.none': 'There is no connection.',
   'line.silent': 'The program does not answer.',
   'line.lost': 'The connection was lost.',

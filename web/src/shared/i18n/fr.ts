@@ -164,6 +164,7 @@ export const fr: Texts = {
   'refusal.WaitedTooLong': 'L’ordre a attendu trop longtemps derrière d’autres. Voyez où en sont les choses, puis réessayez.',
   'refusal.RefusedBefore': 'Ce que vous aviez demandé avant a été refusé. Voyez pourquoi, puis réessayez.',
   'refusal.VisitOpen': 'Une visite est ouverte dans les dossiers. Terminez-la d’abord là.',
+  'refusal.NotHeard': 'Vous n’étiez plus entendu au moment du démarrage : rien n’a démarré. Vérifiez la liaison, puis démarrez à nouveau.',
   'line.none': 'Il n’y a pas de connexion.',
   'line.silent': 'Le programme ne répond pas.',
   'line.lost': 'La connexion a été perdue.',

@@ -1,0 +1,59 @@
+#include "station/press_permit.hpp"
+
+namespace wholehand {
+
+PressPermit::Flaw PressPermit::absence(const Order& order, std::uint32_t newest_claim) noexcept {
+  if (order.requester && !order.requester->connected) return Flaw::kGone;
+  const bool lost = order.requester && order.requester->claim != order.claim;
+  if (order.claim != 0 && (lost || order.claim < newest_claim)) return Flaw::kLostControls;
+  return Flaw::kNone;
+}
+
+PressPermit::Flaw PressPermit::flawNow() const noexcept {
+  const Flaw absent = absence(order_, newest_claim_.load());
+  if (absent != Flaw::kNone || !order_.requester) return absent;
+  const Clock::time_point now = now_();
+  if (now - asked_at_ > kLongest) return Flaw::kLate;
+  const Clock::time_point heard{std::chrono::nanoseconds(order_.requester->heard_ns.load())};
+  return now > heard && now - heard > kHeardWithin ? Flaw::kUnheard : Flaw::kNone;
+}
+
+OrderReply PressPermit::replyFor(Flaw flaw) {
+  switch (flaw) {
+    case Flaw::kNone:
+      break;
+    case Flaw::kGone:
+      return refused(Refusal::kNotHolder, "the client that asked is gone");
+    case Flaw::kLostControls:
+      return refused(Refusal::kNotHolder, "this client has lost the controls since it asked");
+    case Flaw::kUnheard:
+      return refused(Refusal::kNotHeard,
+                     "the client that asked was not heard for 0.2 s when the effort was to begin: "
+                     "it must send heartbeats until it is answered; look, then ask again");
+    case Flaw::kLate:
+      return refused(Refusal::kWaitedTooLong,
+                     "the start took more than 30 s: look, then ask again");
+  }
+  return {true, ""};
+}
+
+OrderReply PressPermit::refuseNow() const {
+  return replyFor(flawNow());
+}
+
+bool PressPermit::judge() noexcept {
+  const Flaw flaw = flawNow();
+  void_ = flaw;
+  verdict_ = flaw == Flaw::kNone ? Verdict::kBegun : Verdict::kVoid;
+  return flaw == Flaw::kNone;
+}
+
+OrderReply PressPermit::refuseAbsent(const Order& order, std::uint32_t newest_claim) {
+  return replyFor(absence(order, newest_claim));
+}
+
+OrderReply PressPermit::refuseLate(Clock::duration since) {
+  return replyFor(since > kLongest ? Flaw::kLate : Flaw::kNone);
+}
+
+}  // namespace wholehand
