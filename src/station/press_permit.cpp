@@ -12,6 +12,7 @@ PressPermit::Flaw PressPermit::absence(const Order& order, std::uint32_t newest_
 PressPermit::Flaw PressPermit::flawNow() const noexcept {
   const Flaw absent = absence(order_, newest_claim_.load());
   if (absent != Flaw::kNone || !order_.requester) return absent;
+  if (limit_raised_) return Flaw::kLimitRaised;
   const Clock::time_point now = now_();
   if (now - asked_at_ > kLongest) return Flaw::kLate;
   const Clock::time_point heard{std::chrono::nanoseconds(order_.requester->heard_ns.load())};
@@ -33,6 +34,9 @@ OrderReply PressPermit::replyFor(Flaw flaw) {
     case Flaw::kLate:
       return refused(Refusal::kWaitedTooLong,
                      "the start took more than 30 s: look, then ask again");
+    case Flaw::kLimitRaised:
+      return refused(Refusal::kBasisChanged,
+                     "another client raised a limit since this was shown: look, then ask again");
   }
   return {true, ""};
 }

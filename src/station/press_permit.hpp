@@ -40,6 +40,10 @@ class PressPermit final : public StartPermit {
   /// Result of judge(), and its reply. Any thread.
   [[nodiscard]] Verdict verdict() const noexcept { return verdict_.load(); }
   [[nodiscard]] OrderReply refusal() const { return replyFor(void_.load()); }
+  /// Notes that a client raised a limit after the permit was last judged. Any thread.
+  void noteRaisedLimit(std::uint32_t client) noexcept {
+    if (client != order_.client) limit_raised_ = true;
+  }
 
   /// Refuses an order whose client is gone or has lost the controls since it asked.
   [[nodiscard]] static OrderReply refuseAbsent(const Order& order, std::uint32_t newest_claim);
@@ -47,7 +51,7 @@ class PressPermit final : public StartPermit {
   [[nodiscard]] static OrderReply refuseLate(Clock::duration since);
 
  private:
-  enum class Flaw : std::uint8_t { kNone, kGone, kLostControls, kUnheard, kLate };
+  enum class Flaw : std::uint8_t { kNone, kGone, kLostControls, kUnheard, kLate, kLimitRaised };
   [[nodiscard]] static Flaw absence(const Order& order, std::uint32_t newest_claim) noexcept;
   [[nodiscard]] WHOLEHAND_RT Flaw flawNow() const noexcept;
   [[nodiscard]] static OrderReply replyFor(Flaw flaw);
@@ -56,6 +60,7 @@ class PressPermit final : public StartPermit {
   const Clock::time_point asked_at_;
   const Now now_;
   const std::atomic<std::uint32_t>& newest_claim_;
+  std::atomic<bool> limit_raised_{false};
   std::atomic<Flaw> void_{Flaw::kNone};
   std::atomic<Verdict> verdict_{Verdict::kOpen};
 };

@@ -7,6 +7,7 @@
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
 #include "rig/run/run.hpp"
+#include "station/basis.hpp"
 #include "station/press_permit.hpp"
 #include "station/profiles.hpp"
 #include "station/reports.hpp"
@@ -118,7 +119,8 @@ class Station::Core {
   [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
                                                           const std::vector<double>& parameters,
                                                           RunPlan plan) const;
-  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task, const PressPermit* permit,
+  OrderReply adopt(std::unique_ptr<Run>& run, const Task& task,
+                   const std::shared_ptr<PressPermit>& permit,
                    const std::vector<double>& parameters, std::optional<double> place);
   [[nodiscard]] std::shared_ptr<PressPermit> permitOf(const Task& task) const;
   OrderReply effortBegins(const PressPermit* permit);
@@ -186,7 +188,9 @@ class Station::Core {
   void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
   void sendUnsent();
-  OrderReply setParameter(const orders::SetParameter& order, std::uint64_t asked);
+  OrderReply setParameter(const orders::SetParameter& order, std::uint32_t client,
+                          std::uint64_t asked);
+  [[nodiscard]] Basis::Limits limitsNow() const;
   OrderReply push(const Command& command);
   OrderReply act(Act action);
   void endUnattended(const Order& order);
@@ -234,6 +238,8 @@ class Station::Core {
   // start, however far it has got.
   std::uint64_t orders_ = kFirstArming;
   StopHistory stop_history_;
+  Basis basis_;
+  std::shared_ptr<PressPermit> permit_;  ///< of the newest session; null: the program's own
   bool armed_for_client_ = false;        ///< true: a client armed; false: the program armed by
                                          ///< itself
   bool attended_ = false;                ///< somebody takes part in this session or in the next one
@@ -249,10 +255,8 @@ class Station::Core {
   LoopStatus status_;
   StationBodies bodies_;  ///< bodies of a game
   PersonSettings person_;
-  std::optional<StationClock::time_point> person_at_;  ///< when the person was loaded; none: at the
-                                                       ///< start
-  Profile loaded_;                                     ///< the loaded models as a profile, without
-                                                       ///< name and values
+  Profile loaded_;  ///< the loaded models as a profile, without
+                    ///< name and values
 
   TickRecord latest_;
   int level_done_ = -1;  ///< index of the event level_done in the loaded exercise; -1: none
@@ -265,8 +269,6 @@ class Station::Core {
 namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
-constexpr auto kUnseenWithin = std::chrono::seconds(1);  // time from opening a visit until people
-                                                         // have seen it
 
 OrderReply visitOpen(std::uint64_t visit) {
   return refused(Refusal::kVisitOpen,
@@ -340,7 +342,12 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
                    "another person or hand was loaded after this was asked: look who, then arm "
                    "again");
   }
-  return stop_history_.refuseUnacknowledged(task.acknowledged_stop);
+  if (OrderReply may = stop_history_.refuseUnacknowledged(task.acknowledged_stop); !may.accepted) {
+    return may;
+  }
+  const auto* arm = order.as<orders::Arm>();
+  if (arm == nullptr) return {true, ""};
+  return basis_.refuseUnseen(arm->basis_seen, order.client);
 }
 
 OrderReply Station::Core::stillDo(const Task& task) const {
@@ -499,7 +506,8 @@ void Station::Core::sendUnsent() {
   if (live_ && unsent_steer_ && live_->tryCommand(*unsent_steer_)) unsent_steer_.reset();
 }
 
-OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::uint64_t asked) {
+OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::uint32_t client,
+                                       std::uint64_t asked) {
   const auto& parameters = scene_->parameters;
   const auto found = std::find_if(parameters.begin(), parameters.end(),
                                   [&](const auto& p) { return p.name == order.name; });
@@ -511,12 +519,11 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
                    fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
   }
-  // The sender may still see the values of the previous person.
-  const bool unseen =
-      scene_->visit.number != 0 && person_at_ && now() - *person_at_ < kUnseenWithin;
-  if (unseen && isEffortLimit(order.name) && order.value > person_.valueOf(*found)) {
-    return refused(Refusal::kOther,
-                   "another visit was opened just now: look whose, then set the limit again");
+  // A sender that raises a limit may still see the values of another person.
+  if (isEffortLimit(order.name) && order.value > person_.valueOf(*found)) {
+    if (OrderReply may = basis_.refuseUnseen(order.basis_seen, client); !may.accepted) return may;
+    basis_.change(client, fmt::format("{} = {:.6g} {}", order.name, order.value, found->unit));
+    if (permit_) permit_->noteRaisedLimit(client);
   }
   if (live_) live_->setParameter(static_cast<int>(found - parameters.begin()), order.value);
   person_.set(order.name, order.value, asked);
@@ -585,22 +592,23 @@ void Station::Core::endUnattended(const Order& order) {
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
   return std::visit(
-      Overloaded{[&](const orders::Stop&) { return takeStop(order, asked); },
-                 [&](const orders::Rest&) { return takeStop(order, asked); },
-                 [&](const orders::EmergencyStop&) { return takeStop(order, asked); },
-                 [&](const orders::SetParameter& set) { return setParameter(set, asked); },
-                 [&](const orders::SetHelp& set) { return setHelp(set, asked); },
-                 [&](const orders::Aim& aim) { return this->aim(aim); },
-                 [&](const orders::Steer& steer) { return this->steer(steer.by); },
-                 [&](const orders::Action& action) { return act(action.act); },
-                 [&](const orders::HolderAlive& holder) { return setHolderAlive(holder.alive); },
-                 [&](const orders::Unattended&) { return markUnattended(order, asked); },
-                 [&](const orders::UnattendedEnds&) {
-                   return OrderReply{true, ""};
-                 },  // endUnattended() does the rest
-                 [&](const orders::Answer&) { return notCommissioned(); },
-                 [&](const orders::HoldToMove&) { return notCommissioned(); },
-                 [&](const auto&) { return notHere(order); }},
+      Overloaded{
+          [&](const orders::Stop&) { return takeStop(order, asked); },
+          [&](const orders::Rest&) { return takeStop(order, asked); },
+          [&](const orders::EmergencyStop&) { return takeStop(order, asked); },
+          [&](const orders::SetParameter& set) { return setParameter(set, order.client, asked); },
+          [&](const orders::SetHelp& set) { return setHelp(set, asked); },
+          [&](const orders::Aim& aim) { return this->aim(aim); },
+          [&](const orders::Steer& steer) { return this->steer(steer.by); },
+          [&](const orders::Action& action) { return act(action.act); },
+          [&](const orders::HolderAlive& holder) { return setHolderAlive(holder.alive); },
+          [&](const orders::Unattended&) { return markUnattended(order, asked); },
+          [&](const orders::UnattendedEnds&) {
+            return OrderReply{true, ""};
+          },  // endUnattended() does the rest
+          [&](const orders::Answer&) { return notCommissioned(); },
+          [&](const orders::HoldToMove&) { return notCommissioned(); },
+          [&](const auto&) { return notHere(order); }},
       order.what);
 }
 
@@ -649,6 +657,7 @@ LoopStatus Station::Core::status() const {
     status = status_;
     status.arming = arming();
     status.endings = stop_history_.count();
+    status.basis = basis_.number();
     status.rested = stop_history_.rested(status_.run_state);
     status.rest_before_start = status.rested && stop_history_.restBeforeStart();
     status.help = person_.help();
@@ -789,11 +798,18 @@ Profile Station::Core::profileNow() const {
   return profile;
 }
 
+Basis::Limits Station::Core::limitsNow() const {
+  Basis::Limits limits;
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    if (isEffortLimit(parameter.name)) limits[parameter.name] = person_.valueOf(parameter);
+  }
+  return limits;
+}
+
 void Station::Core::changePerson(const Task& task, const Profile* profile, bool may_raise_limits) {
   const bool visit = task.order.is<orders::OpenVisit>() || task.order.is<orders::CloseVisit>();
   person_.changePerson({profile, task.asked, visit, may_raise_limits}, config_.first_parameters,
                        scene_->parameters);
-  person_at_ = now();
   stop_history_.changePerson();
 }
 
@@ -1074,7 +1090,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, const Tas
   OrderReply reply;
   if (prepared) {
     unused = std::move(*prepared);
-    reply = adopt(unused, task, permit.get(), parameters, place);
+    reply = adopt(unused, task, permit, parameters, place);
     if (reply.accepted) {
       auto begun = live_->begin();
       if (begun) return sessionRuns(effortBegins(permit.get()), record);
@@ -1148,7 +1164,8 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
 // the order may not be carried out any more, for example after a stop during construction, the run
 // is discarded and not published.
 OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
-                                const PressPermit* permit, const std::vector<double>& parameters,
+                                const std::shared_ptr<PressPermit>& permit,
+                                const std::vector<double>& parameters,
                                 std::optional<double> place) {
   const std::lock_guard lock(mutex_);
   if (OrderReply may = mayStillDo(task); !may.accepted) return may;
@@ -1156,6 +1173,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, const Task& task,
     if (OrderReply may = permit->refuseNow(); !may.accepted) return may;
   }
   live_ = std::move(run);
+  permit_ = permit;
   status_.latched = Fault::kNone;
   const bool steered = renewing_ && status_.steering == Steering::kPerson;
   status_.steering = Steering::kVirtualPatient;
@@ -1487,8 +1505,12 @@ OrderReply Station::Core::load(const Task& task, const ModelFiles& files, const 
     // Rendering continues only if it was on until now and nobody stopped it. A stop or a fault
     // remains in force. No limit rises without a press of Start.
     const std::lock_guard lock(mutex_);
+    const std::shared_ptr<const SceneFacts> before = scene_;
+    const Basis::Limits limits_before = limitsNow();
     if (other_person) changePerson(task, profile, task.order.may_raise_limits && !rendered);
     show(std::move(scene), std::move(loaded), "");
+    const std::string what = Basis::differences(*before, limits_before, *scene_, limitsNow());
+    if (!what.empty()) basis_.change(task.order.client, what);
     std::swap(models_, *models);
     profile_ = std::move(name);
     rehearsed_ = std::move(rehearsal);

@@ -144,6 +144,9 @@ struct LoopStatus {
   /// Number of stops, emergency stops, faults and session ends, from 1. Loading an exercise while
   /// rendering continues does not count.
   std::uint32_t endings = 1;
+  /// Number of what a start is based on (station/basis.hpp), from 1. It belongs to `parameters`,
+  /// and to a scene that was read after this status or to an older one.
+  std::uint32_t basis = 1;
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;
   Fault latched = Fault::kNone;
@@ -190,6 +193,7 @@ namespace orders {
 
 struct Arm {
   std::uint32_t acknowledged_stop = 0;  ///< LoopStatus::endings as the client saw it; 0: unknown
+  std::uint32_t basis_seen = 0;         ///< LoopStatus::basis as the client saw it; 0: unknown
 };
 struct Stop {};
 struct EmergencyStop {};
@@ -200,6 +204,7 @@ struct LoadExercise {
 struct SetParameter {
   std::string name;
   double value = 0.0;
+  std::uint32_t basis_seen = 0;  ///< LoopStatus::basis as the client saw it; 0: unknown
 };
 struct Aim {
   AxisPosition q;

@@ -13,7 +13,7 @@ from app import HANG_S
 ARM, STOP, EMERGENCY_STOP, SET_PARAMETER, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT, SAVE_PROFILE = \
     1, 2, 3, 5, 6, 7, 8, 9, 11, 13
 WORLD_STATE, SCENE, WELCOME, REPLY, COMMAND = 1, 2, 4, 6, 7
-ENDINGS, DEVICE_STATE = 32, 33  # fields of WorldState
+ENDINGS, DEVICE_STATE, BASIS = 32, 33, 40  # fields of WorldState
 PERSON = 1
 
 
@@ -184,10 +184,15 @@ class Page:
         that waited too long behind others, such as a slow end of a session, is repeated, as the program advises."""
         if endings_seen > 1:
             self.wait_for_endings(endings_seen)
-        accepted, reason = self._answer_while_heard(self.say(ARM, ("I", endings_seen)))
-        while not accepted and reason.endswith("look, then ask again"):
-            accepted, reason = self._answer_while_heard(self.say(ARM, ("I", endings_seen)))
-        return accepted, reason
+        while True:
+            accepted, reason = self._answer_while_heard(self.say(ARM, ("I", endings_seen), ("I", self.basis())))
+            if accepted or not reason.endswith("look, then ask again"):
+                return accepted, reason
+
+    def basis(self):
+        """The number of the person, hand, level and limits that the program has shown."""
+        self.wait_for_endings(1)
+        return self.state.number(BASIS, "I")
 
     def _answer_while_heard(self, number):
         """Sends heartbeats until the answer: nothing starts for a client that is not heard."""

@@ -177,7 +177,7 @@ class Clinic(PacedTest):
         visit = self.begin_visit(patient)
         page = client.Page(int(self.url.split(":")[2]), role="therapist")
         # In the first second of a visit no limit may be raised, because a console may still show the earlier visit.
-        self.wait_until(self.run_, lambda: page.answer(page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", 9.5)))[0])
+        self.wait_until(self.run_, lambda: page.answer(page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", 9.5), ("I", page.basis())))[0])
         page.close()
         changed = {"effort_limit_arm_n": 9.5}
         self.wait_until(self.run_, lambda: self.ask("GET", f"/visits/{visit['id']}")["changed"] == changed)

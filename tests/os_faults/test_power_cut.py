@@ -48,7 +48,7 @@ class CutSession:
         while not self.ends.is_set():
             name, limit_n = f"p-{number % NAMES}", 2.0 + number % 180 / 10  # 2 to 20 N are allowed
             number += 1
-            if not self.page.answer(self.page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", limit_n)))[0]:
+            if not self.page.answer(self.page.say(client.SET_PARAMETER, "effort_limit_arm_n", ("d", limit_n), ("I", self.page.basis())))[0]:
                 # A cut copies the disk in this process: the page was silent for too long meanwhile.
                 self.page.answer(self.page.say(client.TAKE_CONTROLS))
                 continue

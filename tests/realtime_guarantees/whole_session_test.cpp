@@ -203,8 +203,8 @@ void expectSoundRecordings(const Station& station, std::size_t count) {
 
 /// Arms again as a person who has seen the end of the last session.
 bool armsAgain(const Station& station, Console& console) {
-  return console.ask([seen = station.status().endings](std::uint32_t id) {
-    return words::armAcknowledging(seen, id);
+  return console.ask([seen = station.status()](std::uint32_t id) {
+    return words::armAcknowledging(seen.endings, id, seen.basis);
   });
 }
 

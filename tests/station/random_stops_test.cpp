@@ -30,6 +30,8 @@ class Page {
   void leave() { socket_.reset(); }
   /// Number of the newest ending that the page has shown its person.
   [[nodiscard]] std::uint32_t shown() const { return endings_; }
+  /// Number of the person, hand, level and limits that the page has shown.
+  [[nodiscard]] std::uint32_t basis() const { return basis_; }
   [[nodiscard]] fb::RunState runState() const { return run_state_; }
 
   /// Sends a command and reads until its answer arrives.
@@ -58,6 +60,7 @@ class Page {
   void handle(const fb::Message& message) {
     if (const auto* state = message.payload_as_WorldState()) {
       endings_ = state->endings();
+      basis_ = state->basis();
       run_state_ = state->run_state();
       looked_ = true;
     } else if (const auto* reply = message.payload_as_Reply()) {
@@ -75,7 +78,7 @@ class Page {
 
   std::uint16_t port_;
   std::unique_ptr<WebSocket> socket_;
-  std::uint32_t id_ = 0, endings_ = 0;
+  std::uint32_t id_ = 0, endings_ = 0, basis_ = 0;
   fb::RunState run_state_ = fb::RunState::Disarmed;
   bool looked_ = false;
   std::map<std::uint32_t, Answer> answers_;
@@ -96,11 +99,11 @@ void take(Page& page) {
 // ---- presses of a person and the orders of the page: each script names the ending shown then
 
 void pressStart(Page& page, Random& random) {
-  const std::uint32_t seen = page.shown();
+  const std::uint32_t seen = page.shown(), basis = page.basis();
   take(page);
   page.send(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
   wait(random, 50);
-  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId(), basis));
   page.send(words::steer(page.nextId(), fb::Steering::Person));
   page.send(words::action(page.nextId(), fb::Act::Restart));
   page.send(words::releaseControls(page.nextId()));
@@ -113,10 +116,10 @@ void pressLoad(Page& page, Random& random) {
 }
 
 void pressArm(Page& page, Random& random) {
-  const std::uint32_t seen = page.shown();
+  const std::uint32_t seen = page.shown(), basis = page.basis();
   take(page);
   wait(random, 100);
-  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId(), basis));
   page.send(words::releaseControls(page.nextId()));
 }
 
@@ -131,7 +134,7 @@ void pressPauseAgainAndAgain(Page& page, Random& random) {
 
 /// The line breaks during the load; the remaining orders of the press go over the next line.
 void pressStartAndReconnect(Page& page, Random& random) {
-  const std::uint32_t seen = page.shown();
+  const std::uint32_t seen = page.shown(), basis = page.basis();
   take(page);
   page.sendOnly(words::load(page.nextId(), "", 1, ""));
   wait(random, 400);
@@ -139,17 +142,17 @@ void pressStartAndReconnect(Page& page, Random& random) {
   wait(random, 100);
   page.connect();
   take(page);
-  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId(), basis));
   page.send(words::releaseControls(page.nextId()));
 }
 
 /// A hidden page is suspended for a while between its orders.
 void pressStartAndHide(Page& page, Random& random) {
-  const std::uint32_t seen = page.shown();
+  const std::uint32_t seen = page.shown(), basis = page.basis();
   take(page);
   page.send(words::load(page.nextId(), "", 1, ""));
   wait(random, 1000);
-  page.send(words::armAcknowledging(seen, page.nextId()));
+  page.send(words::armAcknowledging(seen, page.nextId(), basis));
   page.send(words::releaseControls(page.nextId()));
 }
 
@@ -174,7 +177,8 @@ class RandomStops : public ServedBar {
     ASSERT_TRUE(page.lookUntil([&] {
       if (page.runState() == fb::RunState::Rendering) return true;
       page.send(words::takeControls(page.nextId()));
-      const Answer armed = page.send(words::armAcknowledging(page.shown(), page.nextId()));
+      const Answer armed =
+          page.send(words::armAcknowledging(page.shown(), page.nextId(), page.basis()));
       page.send(words::releaseControls(page.nextId()));
       return armed.accepted;
     }));

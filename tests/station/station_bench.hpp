@@ -116,10 +116,16 @@ class Bar : public testing::Test {
     return answer.get();
   }
   OrderReply ask(orders::Any what) { return ask(of(std::move(what))); }
-  /// An order of a client that has seen the present state: an order to arm names the newest ending.
+  /// An order of a client that has seen the present state: an order to arm names the newest ending
+  /// and the basis, an order to set a parameter the basis.
   [[nodiscard]] Order of(orders::Any what, std::uint32_t claim = 0) const {
     auto* arm = std::get_if<orders::Arm>(&what);
-    if (arm != nullptr && station_) arm->acknowledged_stop = station_->status().endings;
+    auto* set = std::get_if<orders::SetParameter>(&what);
+    if (station_ && (arm != nullptr || set != nullptr)) {
+      const LoopStatus shown = station_->status();
+      if (arm != nullptr) *arm = {shown.endings, shown.basis};
+      if (set != nullptr) set->basis_seen = shown.basis;
+    }
     Order order{std::move(what)};
     order.claim = claim;
     return order;

@@ -8,7 +8,7 @@ namespace {
 class StopNotSeen : public Bar {
  protected:
   std::uint32_t endings() { return station_->status().endings; }
-  static Order arm(std::uint32_t seen) { return {orders::Arm{seen}}; }
+  Order arm(std::uint32_t seen) { return {orders::Arm{seen, station_->status().basis}}; }
   static Order load(int level) { return {orders::LoadExercise{.level = level}}; }
 };
 

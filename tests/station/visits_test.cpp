@@ -20,7 +20,6 @@ class Visits : public Bar {
     StationConfig config = barConfig();
     config.rehearse = false;
     config.visit_hands_folder = folder_ + "/hands";
-    config.now = [this] { return Clock::now() + std::chrono::seconds(ahead_s_); };
     load(config);
     run(false);
   }
@@ -47,8 +46,6 @@ class Visits : public Bar {
     for (const PublishedParameter& p : station_->scene()->parameters) out[p.name] = p.initial;
     return out;
   }
-
-  std::atomic<int> ahead_s_{0};
 };
 
 orders::OpenVisit ofVisit(std::uint64_t visit) {
@@ -85,7 +82,6 @@ TEST_F(Visits, NextPatient_KeepsNoValueOfTheLastPatient) {
     EXPECT_EQ(station_->scene()->hand.name, visit.hand);
     EXPECT_EQ(station_->scene()->visit.number, visit.visit);
     // Values that the therapist sets during the visit end with it.
-    ahead_s_ += 2;
     for (const PublishedParameter& p : station_->scene()->parameters) {
       if (random() % 2 == 0) ASSERT_TRUE(set(p.name, uniform(random, p.lower, p.upper)).accepted);
     }
@@ -118,17 +114,117 @@ TEST_F(Visits, NextItemOfAVisit_KeepsALoweredLimit) {
 }
 
 // A console still shows the earlier patient and moves a slider although the next visit is already
-// open.
-TEST_F(Visits, LimitRaisedBeforeTheVisitWasSeen_IsRefused) {
+// open, however long ago.
+TEST_F(Visits, LimitRaisedForAnotherVisitThanShown_IsRefusedAndALowerOneIsObeyed) {
   begin();
+  const std::uint32_t shown = station_->status().basis;
   orders::OpenVisit visit = ofVisit(9);
   visit.parameters = {{"effort_limit_arm_n", 6.0}};
   ASSERT_TRUE(open(visit).accepted);
-  EXPECT_FALSE(set("effort_limit_arm_n", 15.0).accepted);
+  const auto sets = [&](std::uint32_t basis, double value) {
+    Order order{orders::SetParameter{"effort_limit_arm_n", value, basis}};
+    order.client = 7;
+    return ask(order);
+  };
+  const OrderReply stale = sets(shown, 15.0);
+  EXPECT_EQ(stale.refusal, Refusal::kBasisChanged);
+  EXPECT_NE(stale.reason.find("visit 9"), std::string::npos) << stale.reason;
+  EXPECT_EQ(sets(0, 15.0).refusal, Refusal::kOtherVersion);
   EXPECT_EQ(values()["effort_limit_arm_n"], 6.0);
-  EXPECT_TRUE(set("effort_limit_arm_n", 5.0).accepted) << "lower is safe whoever it was meant for";
-  ahead_s_ += 2;
+  EXPECT_TRUE(sets(shown, 5.0).accepted) << "lower is safe whoever it was meant for";
+  EXPECT_TRUE(sets(0, 4.0).accepted);
   EXPECT_TRUE(set("effort_limit_arm_n", 15.0).accepted);
+}
+
+// ---- the basis of a start
+
+/// A console, client 7, presses Start or raises a limit as its person was shown it.
+class BasisOfAStart : public Visits {
+ protected:
+  OrderReply asConsole(orders::Any what) {
+    Order order{std::move(what)};
+    order.client = 7;
+    return ask(order);
+  }
+  OrderReply arm(std::uint32_t basis) {
+    return asConsole(orders::Arm{station_->status().endings, basis});
+  }
+  OrderReply raise(double value, std::uint32_t basis) {
+    return asConsole(orders::SetParameter{"effort_limit_arm_n", value, basis});
+  }
+  [[nodiscard]] std::uint32_t basis() const { return station_->status().basis; }
+};
+
+// Before, a press 1 to 300 ms after the visit was opened started the next patient with the other
+// hand and another limit.
+TEST_F(BasisOfAStart, StartOnAConsoleThatShowsThePreviousVisit_StartsNothing) {
+  begin();
+  auto random = seededRandom(5805);
+  const std::vector<std::string> hands = {"man-p50-right", "woman-p05-left"};
+  for (int i = 1; i <= cases(60) && !HasFailure(); ++i) {
+    orders::OpenVisit visit = ofVisit(static_cast<std::uint64_t>(i));
+    visit.hand = hands[random() % hands.size()];
+    visit.parameters = {{"effort_limit_arm_n", uniform(random, 2.0, 20.0)}};
+    const std::uint32_t before = basis();
+    ASSERT_TRUE(open(visit).accepted);
+    ASSERT_GT(basis(), before);
+    const OrderReply stale = arm(before);
+    EXPECT_EQ(stale.refusal, Refusal::kBasisChanged);
+    EXPECT_NE(stale.reason.find("visit " + std::to_string(i)), std::string::npos) << stale.reason;
+    visit.item = 1;
+    visit.level = 2;
+    const std::uint32_t first_item = basis();
+    ASSERT_TRUE(open(visit).accepted);
+    EXPECT_EQ(arm(first_item).refusal, Refusal::kBasisChanged);
+    ASSERT_TRUE(ask(orders::CloseVisit{visit.visit}).accepted);
+  }
+  EXPECT_EQ(records_, 0U) << kAlways << "armed another person than shown";
+  EXPECT_EQ(station_->status().session, 0U);
+  EXPECT_EQ(arm(0).refusal, Refusal::kOtherVersion);
+  EXPECT_EQ(arm(basis() + 1).refusal, Refusal::kBasisChanged);
+  EXPECT_TRUE(arm(basis()).accepted) << "who was shown it may start";
+}
+
+TEST_F(BasisOfAStart, ChangesThatConcernTheStart_ChangeTheNumber) {
+  begin();
+  const auto changes = [&](orders::Any what) {
+    const std::uint32_t before = basis();
+    Order order = of(std::move(what));
+    order.may_raise_limits = true;
+    const OrderReply reply = ask(order);
+    EXPECT_TRUE(reply.accepted) << reply.reason;
+    return basis() != before;
+  };
+  EXPECT_TRUE(changes(kLoadLevel2));
+  EXPECT_FALSE(changes(kLoadLevel2)) << "the same level again";
+  EXPECT_TRUE(changes(orders::LoadExercise{.exercise = "free-grasping"}));
+  EXPECT_TRUE(changes(orders::LoadExercise{.hand = "woman-p05-left"}));
+  EXPECT_TRUE(changes(orders::LoadExercise{.hand = "woman-p05-right"}));
+  EXPECT_FALSE(changes(orders::SetParameter{"effort_limit_arm_n", 5.0})) << "lower is safer";
+  EXPECT_TRUE(changes(orders::SetParameter{"effort_limit_arm_n", 6.0}));
+  EXPECT_FALSE(changes(orders::SetParameter{"effort_limit_arm_n", 6.0}));
+  EXPECT_FALSE(changes(orders::SetParameter{"damping_decay_s", 0.5}));
+  EXPECT_FALSE(changes(orders::SetHelp{Help::kFull}));
+  EXPECT_FALSE(changes(orders::Stop{}));
+}
+
+// The game's Start with another level sends a load and an order to arm, both as the person saw it
+// before. A slider that is dragged upwards sends many orders.
+TEST_F(BasisOfAStart, ChangesByTheClientItself_DoNotRefuseItsStart) {
+  begin();
+  const std::uint32_t shown = basis();
+  ASSERT_TRUE(raise(2.0, shown).accepted) << "it lowers the limit";
+  for (int i = 0; i < 50; ++i) EXPECT_TRUE(raise(3.0 + 0.1 * i, shown).accepted);
+  ASSERT_TRUE(asConsole(kLoadLevel2).accepted);
+  ASSERT_GT(basis(), shown + 50);
+  EXPECT_TRUE(arm(shown).accepted);
+  ASSERT_TRUE(ask(orders::Stop{}).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(set("effort_limit_arm_n", 15.0).accepted) << "another client";
+  const OrderReply stale = arm(shown);
+  EXPECT_EQ(stale.refusal, Refusal::kBasisChanged);
+  EXPECT_NE(stale.reason.find("effort_limit_arm_n = 15 N"), std::string::npos) << stale.reason;
+  EXPECT_EQ(raise(20.0, shown).refusal, Refusal::kBasisChanged);
 }
 
 // Opening a visit can throw, as when memory runs out or a file disappears.

@@ -118,9 +118,7 @@ class WaitingOrders : public Bar {
     EXPECT_TRUE(becomes([&] { return station_->status().run_state != RunState::kStopping; }));
     return reply;
   }
-  static Order parameter(const char* name, double value) {
-    return {orders::SetParameter{name, value}};
-  }
+  Order parameter(const char* name, double value) { return of(orders::SetParameter{name, value}); }
   static Order level(int number) { return {orders::LoadExercise{.level = number}}; }
   double value(const char* name) {
     const auto scene = station_->scene();

@@ -62,13 +62,36 @@ test('Connection_Arm_ContainsTheEndingThatWasShown', () => {
   expect(connection.endings).toBe(0);
   const state = new WorldStateT();
   state.endings = 3;
+  state.basis = 7;
   sockets[0].sendMessage(Payload.WorldState, state);
   expect(connection.endings).toBe(3);
-  void connection.arm(2);  // pressed before the third ending was shown
-  expect((sockets[0].sent[0].table.order(new Arm()) as Arm).endingsSeen()).toBe(2);
+  expect(connection.basis).toBe(7);
+  void connection.arm(2, 5);  // pressed before the third ending and the seventh basis were shown
+  const arm = sockets[0].sent[0].table.order(new Arm()) as Arm;
+  expect([arm.endingsSeen(), arm.basisSeen()]).toEqual([2, 5]);
+  void connection.setParameter('effort_limit_arm_n', 9);
+  expect((sockets[0].sent[1].table.order(new SetParameter()) as SetParameter).basisSeen()).toBe(7);
   // Another run of the program counts from 0.
   sockets[0].welcome();
-  expect(connection.endings).toBe(0);
+  expect([connection.endings, connection.basis]).toEqual([0, 0]);
+});
+
+test('Connection_ArmAndLoad_SendHeartbeatsUntilTheAnswer', async () => {
+  const connection = connect();
+  sockets[0].welcome();
+  const beats = (): number => sockets[0].sent.filter(({ order }) => order === Order.Heartbeat).length;
+  vi.advanceTimersByTime(200);
+  expect(beats()).toBe(0);
+  for (const give of [() => connection.arm(1, 1), () => connection.loadExercise('', 2, '')]) {
+    const before = beats(), answer = give();
+    const { id } = sockets[0].sent.at(-1)!;
+    vi.advanceTimersByTime(200);
+    expect(beats()).toBe(before + 4);  // every 50 ms
+    sockets[0].sendMessage(Payload.Reply, new ReplyT(id, true, ''));
+    await answer;
+    await vi.advanceTimersByTimeAsync(200);
+    expect(beats()).toBe(before + 4);
+  }
 });
 
 test('Connection_Refusal_IsReportedInThePagesLanguage', async () => {
@@ -76,7 +99,7 @@ test('Connection_Refusal_IsReportedInThePagesLanguage', async () => {
   const connection = connect();
   sockets[0].welcome();
   const answerTo = (refusal: Refusal, reason: string): Promise<unknown> => {
-    const answer = connection.arm(1);
+    const answer = connection.arm(1, 1);
     sockets[0].sendMessage(Payload.Reply, new ReplyT(sockets[0].sent.at(-1)!.id, false, reason, refusal));
     return answer.then((given) => given.reason);
   };
@@ -99,7 +122,7 @@ test('Connection_Refusal_IsReportedInThePagesLanguage', async () => {
 test('Connection_Lost_RetriesWithGrowingWaitsAndKeepsIdsIncreasing', async () => {
   const connection = connect();
   sockets[0].welcome();
-  void connection.arm(1);
+  void connection.arm(1, 1);
   sockets[0].disconnect();
   expect(connection.status).toBe('lost');
   // 0.25 s, then twice as long after each failure, at most 2 s.
@@ -117,7 +140,7 @@ test('Connection_Lost_RetriesWithGrowingWaitsAndKeepsIdsIncreasing', async () =>
   socket.onopen?.({} as Event);
   socket.welcome();
   expect([connection.status, connection.attempts]).toEqual(['open', 0]);
-  void connection.arm(1);
+  void connection.arm(1, 1);
   expect(socket.sent[0].id).toBe(2);
   // The wait is short again.
   socket.disconnect();
@@ -127,9 +150,9 @@ test('Connection_Lost_RetriesWithGrowingWaitsAndKeepsIdsIncreasing', async () =>
 
 test('Connection_LostBeforeAnAnswer_RefusesTheOrder', async () => {
   const connection = connect();
-  expect(await connection.arm(1)).toEqual({ accepted: false, reason: 'There is no connection.' });
+  expect(await connection.arm(1, 1)).toEqual({ accepted: false, reason: 'There is no connection.' });
   sockets[0].welcome();
-  const arm = connection.arm(1);
+  const arm = connection.arm(1, 1);
   sockets[0].disconnect();
   expect(await arm).toEqual({ accepted: false, reason: 'The connection was lost.' });
   expect(connection.controls.heldByYou).toBe(false);
@@ -138,7 +161,7 @@ test('Connection_LostBeforeAnAnswer_RefusesTheOrder', async () => {
 test('Connection_ClosedWithAReason_RefusesPendingOrdersWithIt', async () => {
   const connection = connect();
   sockets[0].welcome();
-  const arm = connection.arm(1);
+  const arm = connection.arm(1, 1);
   sockets[0].disconnect('message: is damaged or cut short');
   expect(await arm).toEqual({ accepted: false, reason: 'message: is damaged or cut short' });
 });

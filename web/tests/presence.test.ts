@@ -51,7 +51,7 @@ describe('a page that is left', () => {
 
   it('orders nothing but stops', async () => {
     connection.leave();
-    for (const order of [connection.takeControls(), connection.arm(1), connection.aim([0]), connection.loadExercise('', 1, '')])
+    for (const order of [connection.takeControls(), connection.arm(1, 1), connection.aim([0]), connection.loadExercise('', 1, '')])
       expect(await order).toEqual({ accepted: false, reason: 'You left the page meanwhile. Press again.' });
     expect(last().sent).toHaveLength(0);
     void connection.stop();

@@ -22,12 +22,12 @@ function playing() {
   let leave = (): void => {};
   const state = { runState: RunState.Rendering, rested: false, steering: Steering.VirtualPatient, qM: [0], intention: [0], values: [], faults: 0 };
   const connection = {
-    status: 'open', on: (name: string, callback: () => void) => { if (name === 'leaving') leave = callback; return () => {}; }, endings: 4, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: state,
+    status: 'open', on: (name: string, callback: () => void) => { if (name === 'leaving') leave = callback; return () => {}; }, endings: 4, basis: 6, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: state,
     takeControls: async () => YES, releaseControls: async () => YES, arm: async () => YES, aim: async () => YES,
     steer: async (to: Steering) => { state.steering = to; return YES; },
     act: async (what: Act) => { acts.push(what); return YES; },
   };
-  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, framing: false, remember: () => {}, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
+  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, framing: false, remember: () => {}, endingsShown: 4, basisShown: 6, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
   const controls = { stopped: 0, stopWebcam() { this.stopped += 1; } }, sound = { unlock: () => {} };
   const presses = new Presses(connection as unknown as Connection, controls as unknown as Controls, memory as unknown as Memory, sound as Sound);
   const start = async (): Promise<Act | undefined> => {

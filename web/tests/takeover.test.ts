@@ -14,9 +14,9 @@ function waitingProgram() {
   let loaded: (answer: Answer) => void = () => {};
   const ask = (what: string) => async () => { asked.push(what); return YES; };
   const connection = {
-    endings: 4, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: { runState: RunState.Disarmed as RunState, rested: false },
+    endings: 4, basis: 6, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: { runState: RunState.Disarmed as RunState, rested: false },
     takeControls: ask('take'), releaseControls: ask('release'), steer: ask('steer'), act: ask('act'), aim: ask('aim'),
-    arm: async (seen: number) => { asked.push(`arm ${seen}`); return YES; },
+    arm: async (seen: number, basis: number) => { expect(basis).toBe(6); asked.push(`arm ${seen}`); return YES; },
     loadExercise: () => new Promise<Answer>((settle) => { asked.push('load'); loaded = settle; }),
   };
   return { asked, connection, asConnection: connection as unknown as Connection, finishLoading: () => loaded(YES) };
@@ -27,7 +27,7 @@ async function startWhile(happens: (program: ReturnType<typeof waitingProgram>, 
   vi.useFakeTimers();
   try {
     const program = waitingProgram();
-    const press = new Press(program.asConnection, program.connection.endings);
+    const press = new Press(program.asConnection, program.connection.endings, 6);
     const outcome = takeOver(program.asConnection, known, press, wishes);
     await vi.advanceTimersByTimeAsync(10);
     happens(program, press);
@@ -73,7 +73,7 @@ async function startUnheard(times: number): Promise<{ asked: string[]; is: strin
   connection.latestState.runState = RunState.Rendering;
   vi.useFakeTimers();
   try {
-    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), new Press(asConnection, connection.endings), wishes);
+    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), new Press(asConnection, connection.endings, 6), wishes);
     finishLoading();
     await vi.advanceTimersByTimeAsync(10_000);
     return { asked, is: (await outcome).is };
@@ -91,7 +91,7 @@ test('TakeOver_ControlsLostBySilence_AreTakenAgainByTheSamePress_ThreeTimesAtMos
 
 test('Press_OnAScreenFromBeforeAStop_NoLongerHolds', async () => {
   const { asked, connection, asConnection } = waitingProgram();
-  const press = new Press(asConnection, connection.endings - 1);
+  const press = new Press(asConnection, connection.endings - 1, 6);
   expect(press.holds).toBe(false);
   await letProgramPlay(asConnection, known, press);
   expect(asked).toEqual(['take', 'release']);
@@ -101,7 +101,7 @@ test('LetProgramPlay_UntilItHasBegun_HoldsTheControls', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   let begun: (answer: Answer) => void = () => {};
   Object.assign(connection, { arm: () => new Promise<Answer>((settle) => { asked.push('arm'); begun = settle; }) });
-  const shown = letProgramPlay(asConnection, known, new Press(asConnection, 4));
+  const shown = letProgramPlay(asConnection, known, new Press(asConnection, 4, 6));
   await Promise.resolve();
   expect(asked, 'what their holder asked for begins nothing once they are given back').toEqual(['take', 'arm']);
   begun(YES);
@@ -113,16 +113,16 @@ test('LetProgramPlay_AfterAPlayerPausedAndLeft_Continues', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   Object.assign(connection.latestState, { runState: RunState.Rendering, faults: 0, qM: [0], intention: [0] });
   const paused = (): PlayContext => ({ play: { isPaused: () => true } as unknown as PlayContext['play'], hardware: false });
-  await letProgramPlay(asConnection, paused, new Press(asConnection, 4));
+  await letProgramPlay(asConnection, paused, new Press(asConnection, 4, 6));
   expect(asked).toEqual(['take', 'act', 'release']);
   Object.assign(connection.controls, { held: true });
-  await letProgramPlay(asConnection, paused, new Press(asConnection, 4));
+  await letProgramPlay(asConnection, paused, new Press(asConnection, 4, 6));
   expect(asked, 'somebody rests here').toHaveLength(3);
 });
 
 test('ChangeLevel_StopPressedWhileItLoads_DoesNotSteer', async () => {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
-  const press = new Press(asConnection, connection.endings);
+  const press = new Press(asConnection, connection.endings, 6);
   const changed = changeLevel(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), press, 2);
   press.cancel();
   connection.scene.level = 2;
@@ -134,7 +134,7 @@ test('ChangeLevel_StopPressedWhileItLoads_DoesNotSteer', async () => {
 test('TakeOver_AfterARefusal_GivesTheControlsBack', async () => {
   const { asked, asConnection } = waitingProgram();
   const refusing = Object.assign(asConnection, { loadExercise: async () => ({ accepted: false, reason: 'no such level' }) });
-  const outcome = await takeOver(refusing, known, new Press(refusing, 4), wishes);
+  const outcome = await takeOver(refusing, known, new Press(refusing, 4, 6), wishes);
   expect(outcome).toEqual({ is: 'refused', reason: 'no such level' });
   expect(asked).toEqual(['take', 'release']);
 });
@@ -142,7 +142,7 @@ test('TakeOver_AfterARefusal_GivesTheControlsBack', async () => {
 test('TakeOver_TherapistLeadsAndNothingRuns_IsRefusedWithTheReason', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   connection.controls.led = true;
-  const outcome = await takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  const outcome = await takeOver(asConnection, known, new Press(asConnection, 4, 6), wishes);
   expect([outcome.is, asked]).toEqual(['refused', []]);
 });
 
@@ -151,7 +151,7 @@ test('TakeOver_TherapistLeadsAndItRuns_PlaysTheTherapistsChoice', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   connection.controls.led = true;
   connection.latestState.runState = RunState.Rendering;
-  const outcome = takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  const outcome = takeOver(asConnection, known, new Press(asConnection, 4, 6), wishes);
   await vi.advanceTimersByTimeAsync(10_000);
   vi.useRealTimers();
   expect((await outcome).is).toBe('playing');
@@ -164,7 +164,7 @@ test('TakeOver_AfterOnesOwnRest_ArmsWithTheEndingThatWasShown', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   Object.assign(connection.controls, { led: true });
   Object.assign(connection.latestState, { runState: RunState.Stopped, rested: true });
-  const outcome = takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  const outcome = takeOver(asConnection, known, new Press(asConnection, 4, 6), wishes);
   await vi.advanceTimersByTimeAsync(10_000);
   vi.useRealTimers();
   await outcome;

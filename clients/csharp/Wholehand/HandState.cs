@@ -10,6 +10,7 @@ namespace Wholehand
     public sealed class HandState : Snapshot
     {
         public uint Endings;           // counts stops, faults and ends of sessions; Arm needs the last one shown
+        public uint Basis;             // number of the person, hand, level and limits of LatestScene; Arm needs it
         public RunState RunState;
         public Steering Steering;
         public uint Faults;

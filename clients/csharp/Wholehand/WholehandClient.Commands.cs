@@ -26,15 +26,17 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Starts rendering. <paramref name="endingsSeen"/> is HandState.Endings as it was shown to the person
-        /// at the press; refused if anything was stopped since, and before the first state.</summary>
-        public Task<CommandReply> Arm(uint endingsSeen)
+        /// <summary>Starts rendering. <paramref name="endingsSeen"/> and <paramref name="basisSeen"/> are
+        /// HandState.Endings and HandState.Basis as they were shown to the person at the press; refused if anything
+        /// was stopped since, if another client changed the person, hand, level or limits, and before the first
+        /// state.</summary>
+        public Task<CommandReply> Arm(uint endingsSeen, uint basisSeen)
         {
             lock (gate)
             {
-                if (connected && !haveState) return Refused("no state has come yet: wait for the first (TryGetState), and give its Endings");
+                if (connected && !haveState) return Refused("no state has come yet: wait for the first (TryGetState), and give its Endings and Basis");
             }
-            return Ask(Order.Arm, b => wholehand.protocol.Arm.CreateArm(b, endingsSeen).Value);
+            return Ask(Order.Arm, b => wholehand.protocol.Arm.CreateArm(b, endingsSeen, basisSeen).Value);
         }
 
         /// <summary>Fades the exercise out and ramps to neutral.</summary>
@@ -81,11 +83,12 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Sets one of Scene.Parameters; the program ramps to the value.</summary>
-        public Task<CommandReply> SetParameter(string name, double value)
+        /// <summary>Sets one of Scene.Parameters; the program ramps to the value. <paramref name="basisSeen"/> is
+        /// HandState.Basis as it was shown to the person; only an order that raises an effort limit needs it.</summary>
+        public Task<CommandReply> SetParameter(string name, double value, uint basisSeen = 0)
         {
             return Ask(Order.SetParameter, b =>
-                wholehand.protocol.SetParameter.CreateSetParameter(b, b.CreateString(name ?? ""), value).Value);
+                wholehand.protocol.SetParameter.CreateSetParameter(b, b.CreateString(name ?? ""), value, basisSeen).Value);
         }
 
         /// <summary>Sets who controls the virtual patient's intention.</summary>

@@ -115,7 +115,26 @@ namespace Wholehand
         /// <paramref name="into"/>. Any thread.</summary>
         public bool TryGetState(HandState into)
         {
-            return TryCopy(ref newest, ref haveState, into);
+            if (!TryCopy(ref newest, ref haveState, into)) return false;
+            into.Basis = NewestBasis();
+            return true;
+        }
+
+        // From the states by WebSocket, which follow the scene: a datagram may overtake it.
+        private uint NewestBasis()
+        {
+            lock (gate)
+            {
+                try
+                {
+                    return haveWorld ? Words.StateOf(world.Bytes).Basis : 0;
+                }
+                catch (Exception e) when (IsOfRubbish(e))
+                {
+                    haveWorld = false;
+                    return 0;
+                }
+            }
         }
 
         /// <summary>Copies bodies and contacts of the newest state by WebSocket, 60 per second; false if

@@ -78,8 +78,8 @@ class Client:
     def release_controls(self) -> None:
         self._call(self._program.release_controls())
 
-    def arm(self, endings_seen: int | None = None) -> None:
-        self._call(self._program.arm(endings_seen))
+    def arm(self, endings_seen: int | None = None, basis_seen: int | None = None) -> None:
+        self._call(self._program.arm(endings_seen, basis_seen))
 
     def stop(self) -> None:
         self._call(self._program.stop())

@@ -144,13 +144,14 @@ class Connection:
         self._beat_stops()
         await self.order("ReleaseControls")
 
-    async def arm(self, endings_seen: int | None = None) -> None:
-        """Starts rendering. @param endings_seen of the state that was shown to the person at the request; None: the
-        newest"""
-        if endings_seen is None:
+    async def arm(self, endings_seen: int | None = None, basis_seen: int | None = None) -> None:
+        """Starts rendering. @param endings_seen, basis_seen of the state that was shown to the person at the request;
+        None: the newest"""
+        if endings_seen is None or basis_seen is None:
             state = await self._answered("Arm, which waits for a state", self._wait(lambda: self.state), None)
-            endings_seen = state.endings
-        await self.order("Arm", endings_seen=endings_seen)
+            endings_seen = state.endings if endings_seen is None else endings_seen
+            basis_seen = state.basis if basis_seen is None else basis_seen
+        await self.order("Arm", endings_seen=endings_seen, basis_seen=basis_seen)
 
     async def stop(self) -> None:
         await self.order("Stop")

@@ -76,9 +76,9 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
-  judgePermit();
   followInterrupts();
   takeCommands();
+  judgePermit();  // after the commands: it knows every limit that is in force in this tick
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
   if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
   renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &timer_);

@@ -69,9 +69,9 @@ const char* counterOf(const Diagnostics& errors) {
 }
 
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
-  return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
-         a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
-         a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
+  return a.session == b.session && a.endings == b.endings && a.basis == b.basis &&
+         a.run_state == b.run_state && a.steering == b.steering && a.latched == b.latched &&
+         a.rested == b.rested && a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
          a.parameters == b.parameters;
 }
 
@@ -406,16 +406,16 @@ void Clients::tick(std::int64_t now_ns) {
   const bool late = now_ns - std::exchange(ticked_ns_, now_ns) > ControlTimeouts::kLate_ns;
   followControls(now_ns);
   if (!late) dropSlow(now_ns);
+  // The status is read before the scene: a client that is shown a basis has already been sent its
+  // scene, or a newer one.
+  LoopStatus status;
+  if (!clients_.empty()) status = backend_.status();
   followScene();
   followCommissioning(now_ns);
   const bool shows = !clients_.empty() && encoder_;
-  LoopStatus status;
-  if (shows) {
-    // Bodies are reported before the events, so that a client knows which body has the slot that an
-    // event names.
-    status = backend_.status();
-    followBodies(status);
-  }
+  // Bodies are reported before the events, so that a client knows which body has the slot that an
+  // event names.
+  if (shows) followBodies(status);
   sendEvents();
   if (shows) sendState(std::move(status), now_ns);
 }

@@ -53,7 +53,7 @@ std::string text(const flatbuffers::String* s) {
 // Readers of the orders of the schema.
 
 orders::Arm read(const fb::Arm& in) {
-  return {in.endings_seen()};
+  return {in.endings_seen(), in.basis_seen()};
 }
 orders::Stop read(const fb::Stop&) {
   return {};
@@ -66,7 +66,7 @@ orders::LoadExercise read(const fb::LoadExercise& in) {
 }
 Expected<orders::SetParameter> read(const fb::SetParameter& in) {
   if (!std::isfinite(in.value())) return notFinite("parameter");
-  return orders::SetParameter{text(in.name()), in.value()};
+  return orders::SetParameter{text(in.name()), in.value(), in.basis_seen()};
 }
 
 Expected<orders::Aim> read(const fb::Aim& in) {

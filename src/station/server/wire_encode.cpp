@@ -235,6 +235,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_fault_value(static_cast<float>(status.fault_value));
   out.add_fault_limit(static_cast<float>(status.fault_limit));
   out.add_endings(status.endings);
+  if (detail == Detail::kFull) out.add_basis(status.basis);  // datagrams may overtake the scene
   out.add_rehearsed_ticks(status.rehearsed_ticks);
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));

@@ -285,12 +285,12 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            CommandReply early = client.Arm(1).Result;
+            CommandReply early = client.Arm(1, 1).Result;
             Check.True(!early.Accepted && early.Reason.Contains("no state has come yet"), early.Reason);
             program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(5));
             var state = new HandState();
             Check.Until(() => client.TryGetState(state), "a state");
-            client.Arm(1);
+            client.Arm(1, 1);
             Check.Equal(Order.Arm, program.HearCommand().OrderType, "it is asked now");
         }
     }
@@ -304,7 +304,7 @@ public static class ClientTests
             program.FallSilent();
             Check.Until(() => !client.Connected, "lost after two seconds");
             Check.Until(() => waits.IsCompleted && !waits.Result.Accepted, "what waits is given up");
-            Check.True(!client.Arm(1).Result.Accepted, "commands are refused meanwhile");
+            Check.True(!client.Arm(1, 1).Result.Accepted, "commands are refused meanwhile");
             program.Sequence = 0;
             program.Welcome();
             Check.Until(() => client.Connected, "found again");

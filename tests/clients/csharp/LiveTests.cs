@@ -132,10 +132,10 @@ public static class LiveTests
             Check.Until(() => client.LatestScene.HasValue, "the scene");
             Check.Equal(40, client.LatestScene.Value.CapsulesLength, "capsules");
             Check.Equal("lead_in_m", client.LatestScene.Value.Parameters(0).Value.Name, "parameter");
-            Refused(client.Arm(1)); // without the controls
+            Refused(client.Arm(1, 1)); // without the controls
             Accepted(client.TakeControls());
             Check.Until(() => client.HoldsControls, "holds the controls");
-            Accepted(client.Arm(1));
+            Accepted(client.Arm(1, 1));
             Shows(client, s => s.RunState == RunState.Rendering, "rendering");
             Accepted(client.SetParameter("lead_in_m", 0.0125));
             Shows(client, s => s.Values[LeadIn] == 0.0125, "the parameter");
@@ -148,8 +148,8 @@ public static class LiveTests
             Check.Until(() => client.LatestScene.Value.Session == 2, "the new scene");
             Accepted(client.Stop());
             Shows(client, s => s.RunState == RunState.Stopped && s.Endings == 2, "stopped");
-            Refused(client.Arm(1)); // pressed before the stop was shown
-            Accepted(client.Arm(2));
+            Refused(client.Arm(1, 1)); // pressed before the stop was shown
+            Accepted(client.Arm(2, 1));
             Accepted(client.ReleaseControls());
             Check.Until(() => !client.HoldsControls, "released");
         }
@@ -192,8 +192,8 @@ public static class LiveTests
             Refused(second.TakeControls());
             Shows(first, s => true, "a state");
             Shows(second, s => true, "a state");
-            Refused(second.Arm(1));
-            Accepted(first.Arm(1));
+            Refused(second.Arm(1, 1));
+            Accepted(first.Arm(1, 1));
             Shows(second, s => s.RunState == RunState.Rendering, "both see it");
             Accepted(second.EmergencyStop());
             Shows(first, s => s.RunState == RunState.Stopped, "stopped");

@@ -35,7 +35,7 @@ public static class RealBodyTests
             Check.Until(() => Client.LatestScene.HasValue && Client.TryGetState(state), "a state");
             Accepted(Client.TakeControls());
             if (!armed) return;
-            Accepted(Client.Arm(state.Endings));
+            Accepted(Client.Arm(state.Endings, state.Basis));
             Check.Until(() => Client.TryGetState(state) && state.RunState == RunState.Rendering
                 && Client.LatestScene.Value.Session == state.Session, "it renders");
         }

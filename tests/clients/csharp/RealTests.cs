@@ -36,7 +36,7 @@ public static class RealTests
             Check.Equal(0UL, state.Tick, "tick");
             Check.True(state.Endings > 0, "the number that Arm is to name");
             Answers.Accepted(client.TakeControls());
-            Answers.Accepted(client.Arm(state.Endings));
+            Answers.Accepted(client.Arm(state.Endings, state.Basis));
             Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Rendering, "it renders");
         }
     }

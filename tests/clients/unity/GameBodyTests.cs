@@ -31,7 +31,7 @@ public static class GameBodyTests
             Game.Connection.BodyEventReceived += Events.Add;
             Game.FramesUntil(() => Game.Connection.HasState, "a state");
             Accepted(Game.Connection.Client.TakeControls());
-            Accepted(Game.Connection.Client.Arm(Game.Connection.State.Endings));
+            Accepted(Game.Connection.Client.Arm(Game.Connection.State.Endings, Game.Connection.State.Basis));
             Game.FramesUntil(() => Game.Hand.DrawnSession == 1, "it renders");
             Truth = new Truth(program.Port);
         }

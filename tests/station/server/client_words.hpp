@@ -31,12 +31,13 @@ wire::Bytes command(std::uint32_t id, Make make, std::uint16_t version = wire::k
 }
 
 inline wire::Bytes arm(std::uint32_t id, std::uint16_t version = wire::kSchemaVersion,
-                       std::uint32_t acknowledged_stop = 1) {
+                       std::uint32_t acknowledged_stop = 1, std::uint32_t basis_seen = 1) {
   return command(
-      id, [&](Builder& b) { return fb::CreateArm(b, acknowledged_stop); }, version);
+      id, [&](Builder& b) { return fb::CreateArm(b, acknowledged_stop, basis_seen); }, version);
 }
-inline wire::Bytes armAcknowledging(std::uint32_t endings, std::uint32_t id) {
-  return arm(id, wire::kSchemaVersion, endings);
+inline wire::Bytes armAcknowledging(std::uint32_t endings, std::uint32_t id,
+                                    std::uint32_t basis_seen = 1) {
+  return arm(id, wire::kSchemaVersion, endings, basis_seen);
 }
 inline wire::Bytes stop(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateStop(b); });
@@ -56,8 +57,10 @@ inline wire::Bytes aim(std::uint32_t id, const std::vector<float>& q,
                        fb::Help by = fb::Help::Unspecified) {
   return command(id, [&](Builder& b) { return fb::CreateAimDirect(b, &q, by); });
 }
-inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value) {
-  return command(id, [&](Builder& b) { return fb::CreateSetParameterDirect(b, name, value); });
+inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value,
+                                std::uint32_t basis_seen = 1) {
+  return command(
+      id, [&](Builder& b) { return fb::CreateSetParameterDirect(b, name, value, basis_seen); });
 }
 inline wire::Bytes steer(std::uint32_t id, fb::Steering by) {
   return command(id, [&](Builder& b) { return fb::CreateSteer(b, by); });
@@ -148,12 +151,12 @@ inline wire::Bytes bodyTargets(std::uint32_t id, const std::vector<fb::BodyPlace
 
 /// One message of each kind, with ids from 1.
 inline std::vector<wire::Bytes> oneOfEach() {
-  return {arm(1),
+  return {arm(1, wire::kSchemaVersion, 1, 6),
           stop(2),
           emergencyStop(3),
           load(4, "cocktail-bar", 2, "adult"),
           aim(5, {0.1F, -0.2F}, fb::Help::None),
-          setParameter(6, "lead_in_m", 0.01),
+          setParameter(6, "lead_in_m", 0.01, 7),
           steer(7, fb::Steering::Person),
           action(8, fb::Act::Pause),
           takeControls(9, "a token of 18 char"),

@@ -51,6 +51,7 @@ class FakeProgram final : public ServerBackend {
     return scene_;
   }
   LoopStatus status() const override {
+    if (in_status) in_status();
     const std::lock_guard lock(mutex_);
     return status_;
   }
@@ -119,6 +120,7 @@ class FakeProgram final : public ServerBackend {
   /// Set it before the server is opened. It runs first in each tick of the server, and may run in
   /// other threads.
   std::function<void()> in_tick;
+  std::function<void()> in_status;            ///< called when the status is asked for
   std::shared_future<void> report_waits_for;  ///< if set, a report waits for it
   std::atomic<bool> report_begun{false};
   bool report_fails = false;

@@ -53,6 +53,7 @@ inline LoopStatus sampleStatus(std::vector<double> parameters) {
   LoopStatus s;
   s.session = 3;
   s.endings = 5;
+  s.basis = 8;
   s.run_state = RunState::kFaulted;
   s.steering = Steering::kPerson;
   s.latched = Fault::kDeviceRead;

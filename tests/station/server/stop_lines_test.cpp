@@ -1,5 +1,6 @@
 #include "station/server/clients.hpp"
 #include "station/server/fake_program.hpp"
+#include "station/server/sample_facts.hpp"
 #include "station/server/udp_host.hpp"
 #include "station/server/udp_test_game.hpp"
 #include "support/figure.hpp"
@@ -27,9 +28,15 @@ class RecordingConnection final : public ClientConnection {
     if (const auto* reply = said->payload_as_Reply()) {
       replies[reply->command()] = {
           reply->accepted(), reply->reason()->str(), static_cast<Refusal>(reply->refusal()), {}};
+    } else if (const auto* scene = said->payload_as_Scene()) {
+      level = scene->level();
     }
   }
-  [[nodiscard]] bool offer(SharedBytes, std::int64_t) override { return true; }
+  [[nodiscard]] bool offer(SharedBytes message, std::int64_t) override {
+    const auto* state = fb::GetMessage(message->data())->payload_as_WorldState();
+    if (state != nullptr) basis = state->basis();
+    return true;
+  }
   [[nodiscard]] std::size_t waiting() const override { return 0; }
   [[nodiscard]] std::int64_t writingSince_ns() const override { return writing_since_ns; }
   [[nodiscard]] std::string address() const override { return "here"; }
@@ -37,6 +44,7 @@ class RecordingConnection final : public ClientConnection {
   void cut() override { was_cut = true; }
 
   std::map<std::uint32_t, OrderReply> replies;
+  std::uint32_t level = 0, basis = 0;  ///< of the newest scene and state
   std::int64_t writing_since_ns = 0;
   bool was_cut = false;
 };
@@ -254,6 +262,37 @@ TEST(StopLines, WriteThatLastsThroughAStandstill_DoesNotCutTheLine) {
   lines.pass(16);
   lines.frame();
   EXPECT_TRUE(c.connection->was_cut) << "it reads nothing";
+}
+
+// A load happens at any moment of the server's frame. In this test every load has the number of its
+// basis as its level. A client that shows basis n has the scene n, or a newer one.
+TEST(ShownBasis, LoadAmidAFrame_IsNeverShownWithAnEarlierScene) {
+  std::mt19937_64 random = seededRandom(5806);
+  Lines lines(random);
+  std::uint32_t loaded = 0;
+  const auto load = [&] {
+    SceneFacts facts = sampleScene();
+    facts.level = facts.levels = static_cast<int>(++loaded);
+    lines.program.setScene(std::move(facts));
+    LoopStatus status;
+    status.basis = loaded;
+    lines.program.setStatus(status);
+  };
+  load();
+  const Both& client = lines.join(Role::kTherapist);
+  const auto sometimes = [&] {
+    if (random() % 4 == 0) load();
+  };
+  lines.program.in_tick = lines.program.in_status = sometimes;
+  for (int i = 0; i < cases(2000); ++i) {
+    lines.pass(16);
+    lines.frame();
+    ASSERT_LE(client.connection->basis, client.connection->level);
+  }
+  lines.program.in_tick = lines.program.in_status = {};
+  lines.pass(16);
+  lines.frame();
+  EXPECT_EQ(client.connection->basis, loaded);
 }
 
 struct RestRight : ::testing::Test {

@@ -52,6 +52,7 @@ TEST(WireState, FullRecord_IsReadBackUnchanged) {
   ASSERT_NE(s, nullptr);
   EXPECT_EQ(s->session(), 3U);
   EXPECT_EQ(s->endings(), 5U);
+  EXPECT_EQ(s->basis(), 8U);
   EXPECT_EQ(s->tick(), 123456789012U);
   EXPECT_EQ(s->time_s(), 123456.789);
   EXPECT_EQ(s->sent_monotonic_ns(), 555);
@@ -160,6 +161,7 @@ TEST(WireState, CompactStateOfAnyDevice_FitsADatagram) {
     EXPECT_LE(bytes.size(), 1150U) << axes << " axes";
     const auto* s = verified(bytes).payload_as_WorldState();
     EXPECT_EQ(s->values()->size(), 48U);
+    EXPECT_EQ(s->basis(), 0U) << "a datagram may overtake the scene";
     EXPECT_EQ(s->links(), nullptr);
     EXPECT_EQ(s->contacts(), nullptr);
     EXPECT_EQ(s->coupling() != nullptr, axes <= 9);
@@ -278,6 +280,7 @@ TEST(WireDecode, EveryOrder_IsDecoded) {
   for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
   for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
   EXPECT_EQ(std::get<orders::Arm>(m[0].what).acknowledged_stop, 1U);
+  EXPECT_EQ(std::get<orders::Arm>(m[0].what).basis_seen, 6U);
   EXPECT_TRUE(m[1].is<orders::Stop>());
   EXPECT_TRUE(m[2].is<orders::EmergencyStop>());
   const auto load = std::get<orders::LoadExercise>(m[3].what);
@@ -290,6 +293,7 @@ TEST(WireDecode, EveryOrder_IsDecoded) {
   EXPECT_EQ(aim.by, Help::kNone);
   EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).name, "lead_in_m");
   EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).value, 0.01);
+  EXPECT_EQ(std::get<orders::SetParameter>(m[5].what).basis_seen, 7U);
   EXPECT_EQ(std::get<orders::Steer>(m[6].what).by, Steering::kPerson);
   EXPECT_EQ(std::get<orders::Action>(m[7].what).act, Act::kPause);
   EXPECT_EQ(std::get<orders::TakeControls>(m[8].what).token, "a token of 18 char");

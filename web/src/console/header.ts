@@ -40,9 +40,9 @@ export class Header implements Panel {
   private readonly pause: HTMLButtonElement;
   private readonly resume: HTMLButtonElement;
   private readonly freshResume: FreshButtons;
-  /** The newest stop that the page showed beside "Start", and the one at the moment of the press. */
-  private endingsShown = 0;
-  private endingsPressed: number | undefined;
+  /** The newest stop and basis that the page showed beside "Start", and those at the moment of the press. */
+  private shown = { endings: 0, basis: 0 };
+  private pressed: { readonly endings: number; readonly basis: number } | undefined;
 
   constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void, engineer: boolean, private readonly own?: HeaderOwn) {
     const { t } = this;
@@ -50,7 +50,7 @@ export class Header implements Panel {
     this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
       this.pillIcon, h('span', {}, this.pillName, this.pillCause));
     this.arm = h('button', { type: 'button', class: 'b go', 'data-testid': 'arm' }, icon('play'), t.arm);
-    for (const press of ['pointerdown', 'keydown']) this.arm.addEventListener(press, () => { this.endingsPressed = this.endingsShown; });
+    for (const press of ['pointerdown', 'keydown']) this.arm.addEventListener(press, () => { this.pressed = this.shown; });
     this.arm.addEventListener('click', () => this.start());
     // Space pauses, wherever the focus is, and never starts.
     this.arm.addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); });
@@ -77,9 +77,9 @@ export class Header implements Panel {
 
   private start(): void {
     const { model, t } = this;
-    const seen = this.endingsPressed ?? this.endingsShown;
-    this.endingsPressed = undefined;
-    void model.command(t.arm, () => model.connection.arm(seen));
+    const { endings, basis } = this.pressed ?? this.shown;
+    this.pressed = undefined;
+    void model.command(t.arm, () => model.connection.arm(endings, basis));
   }
 
   refresh(): void {
@@ -132,7 +132,7 @@ export class Header implements Panel {
   private refreshButtons(): void {
     const { model, t } = this;
     const { name } = model.status;
-    this.endingsShown = model.connection.endings;
+    this.shown = { endings: model.connection.endings, basis: model.connection.basis };
     const here = this.own ? this.own.startable() : true;
     this.arm.disabled = !model.startable || !here;
     this.arm.hidden = here === undefined;

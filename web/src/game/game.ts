@@ -66,6 +66,7 @@ export class Game {
     if (memory.unseen === 'back' && now !== 'unseen') memory.unseen = 'no';
     this.screen.show(now, state);
     memory.endingsShown = connection.endings;
+    memory.basisShown = connection.basis;
   }
 
   private takeScene(scene: SceneT): void {

@@ -46,6 +46,7 @@ export class Memory {
   wish: Situation['wish'] = new URLSearchParams(location.search).has('watch') ? 'watch' : 'undecided';
   press: Press | null = null;  // the press whose orders are under way
   endingsShown = 0;            // the newest ending of the program that is on the screen
+  basisShown = 0;              // the number of the person, hand, level and limits on the screen
   resting: RestState = 'no';
   playedBeforeRest = false;
   isTheirs = true;             // the current part is played by the program or another client

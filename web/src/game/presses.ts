@@ -132,8 +132,8 @@ export class Presses {
     if (outcome.is === 'another plays') memory.wish = 'watch';
   }
 
-  /** A press with the endings that are on the screen now. */
-  private press(): Press { return new Press(this.connection, this.memory.endingsShown); }
+  /** A press with the endings and the basis that are on the screen now. */
+  private press(): Press { return new Press(this.connection, this.memory.endingsShown, this.memory.basisShown); }
 
   /** Marks that orders are under way: a run that stops to load a level is not shown as stopped. */
   private async busy<Result>(press: Press, orders: (press: Press) => Promise<Result>): Promise<Result> {

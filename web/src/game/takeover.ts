@@ -41,8 +41,8 @@ async function until(so: () => boolean, most = TRIES): Promise<void> {
 export class Press {
   private cancelled = false;
 
-  /** @param seen the newest ending of the program that was shown to the person */
-  constructor(private readonly connection: Connection, readonly seen: number) {}
+  /** @param seen the newest ending of the program that was shown to the person @param basis the number of the shown person, hand, level and limits */
+  constructor(private readonly connection: Connection, readonly seen: number, readonly basis: number) {}
 
   cancel(): void { this.cancelled = true; }
   get isCancelled(): boolean { return this.cancelled; }
@@ -122,7 +122,7 @@ async function takeHand(connection: Connection, known: () => PlayContext, press:
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
   if (!press.holds) return { is: 'stopped' };
   if (connection.latestState?.runState === RunState.Disarmed || restsNow(connection)) {
-    const armed = await connection.arm(press.seen);
+    const armed = await connection.arm(press.seen, press.basis);
     // A page that has just been left may have armed it: the next states show it, and that is sufficient.
     const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
     await until(() => rendering() || !press.holds, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
@@ -160,7 +160,7 @@ export async function letProgramPlay(connection: Connection, known: () => PlayCo
   const paused = renders && (known().play?.isPaused(state) ?? false);
   if ((!disarmed && !faded && !paused) || controls.held) return;
   const answers = [connection.takeControls()];
-  if (disarmed && press.holds) answers.push(connection.arm(press.seen));
+  if (disarmed && press.holds) answers.push(connection.arm(press.seen, press.basis));
   if (paused && press.holds) answers.push(connection.act(Act.Resume));
   if (!disarmed) answers.push(connection.releaseControls());
   await Promise.all(answers);

@@ -75,6 +75,8 @@ export class Connection extends Orders {
   unreadable = 0;
   /** The newest ending that the program has reported (WorldState.endings); 0 before its first state. */
   endings = 0;
+  /** The newest WorldState.basis; 0 before the first state. The scene that it belongs to has come before it. */
+  basis = 0;
   /** performance.now() when latestState came [ms]. */
   latestStateAt_ms = 0;
 
@@ -303,6 +305,7 @@ export class Connection extends Orders {
     this.latestState = state;
     if (state.endings !== this.endings) this.controlHolding.onStop();
     this.endings = state.endings;
+    this.basis = state.basis;
     this.latestStateAt_ms = this.lastMessage_ms;
     this.notify('state', state);
   }
@@ -311,7 +314,7 @@ export class Connection extends Orders {
     this.welcome = welcome;
     this.gameBodies.clear();
     this.notify('bodies', this.bodies);
-    this.endings = 0;  // another run of the program counts from 0
+    this.endings = this.basis = 0;  // another run of the program counts from 0
     this.attempts = this.refusedWith = 0;
     this.setStatus('open');
     this.pendingStop.onConnected();

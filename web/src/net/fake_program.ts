@@ -17,6 +17,8 @@ import { describeBar, EVENT_NAMES, fillBar, playTo } from '../exercises/cocktail
 import { HAND, type Triple } from './fake_hand';
 import { pose, vec } from './fake_shapes';
 
+/** The stand-in has one person, and one client that changes levels and limits. */
+const BASIS = 1;
 const PERIOD_MS = 1000 / 60;
 const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
   'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested', 'emergency stop',
@@ -161,6 +163,7 @@ export class FakeProgram {
         return Refusal.None;
       case Order.Arm:
         if ((command.order(new Arm()) as Arm).endingsSeen() !== this.endings) return Refusal.StopNotSeen;
+        if ((command.order(new Arm()) as Arm).basisSeen() !== BASIS) return Refusal.BasisChanged;
         if (this.runState === RunState.Rendering) return Refusal.ArmedAlready;
         this.runState = RunState.Rendering;
         this.latched = 0;
@@ -242,6 +245,7 @@ export class FakeProgram {
     const bar = this.bar, s = new WorldStateT();
     s.session = this.session;
     s.endings = this.endings;
+    s.basis = BASIS;
     s.rested = this.rested && this.runState !== RunState.Rendering;
     s.tick = BigInt(this.tick);
     s.timeS = bar.time_s;

@@ -33,8 +33,11 @@ export abstract class Orders {
   /** Sends an order; never rejects. */
   abstract order(order: AnyOrder): Promise<Answer>;
 
-  /** @param endingsSeen the value of `endings` when the pressed button was shown */
-  arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
+  /** The newest number of the person, hand, level and limits that the program has shown (WorldState.basis). */
+  abstract readonly basis: number;
+
+  /** @param endingsSeen, basisSeen the values of `endings` and `basis` when the pressed button was shown */
+  arm(endingsSeen: number, basisSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen, basisSeen)); }
   /** Ends the session gently. The button Stop sends SocketConnection.emergencyStop() (connection.ts) instead. */
   stop(): Promise<Answer> { return this.order(new StopT()); }
   /** A gentle stop that the same page may end by arming again. */
@@ -48,7 +51,7 @@ export abstract class Orders {
   loadProfile(name: string): Promise<Answer> { return this.order(new LoadProfileT(name)); }
   /** Sets how much the game helps the player; Unspecified: the player chooses. */
   setHelp(help: Help): Promise<Answer> { return this.order(new SetHelpT(help)); }
-  setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
+  setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value, this.basis)); }
   /** The posture that the person intends, one value per axis of the scene [m or rad]. @param by how much of it the page does for them */
   aim(q: number[], by = Help.Unspecified): Promise<Answer> { return this.order(new AimT(q, by)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }

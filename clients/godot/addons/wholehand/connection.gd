@@ -109,9 +109,10 @@ func release_controls() -> int:
 	return _order("ReleaseControls", [])
 
 
-# Starts rendering. `endings_shown` is state.endings as it was shown to the person at the press.
-func arm(endings_shown: int) -> int:
-	return _order("Arm", [[Protocol.Arm.endings_seen, "u32", endings_shown]])
+# Starts rendering. The arguments are state.endings and state.basis as they were shown to the person at the press.
+func arm(endings_shown: int, basis_shown: int) -> int:
+	var f = Protocol.Arm
+	return _order("Arm", [[f.endings_seen, "u32", endings_shown], [f.basis_seen, "u32", basis_shown]])
 
 
 # Fades the exercise out and ramps to neutral.
@@ -132,10 +133,12 @@ func load_exercise(exercise: String, level: int = 0, hand: String = "") -> int:
 	return _order("LoadExercise", [[f.exercise, "text", exercise], [f.level, "u16", level], [f.hand, "text", hand]])
 
 
-# Sets one of scene.parameters; the program ramps to the value.
-func set_parameter(parameter: String, value: float) -> int:
+# Sets one of scene.parameters; the program ramps to the value. `basis_shown` is state.basis as it was shown to the
+# person; only an order that raises an effort limit needs it.
+func set_parameter(parameter: String, value: float, basis_shown: int = 0) -> int:
 	var f = Protocol.SetParameter
-	return _order("SetParameter", [[f.name, "text", parameter], [f.value, "f64", value]])
+	return _order("SetParameter", [[f.name, "text", parameter], [f.value, "f64", value],
+			[f.basis_seen, "u32", basis_shown]])
 
 
 # Sets who controls the hand's intended position: Protocol.Steering.

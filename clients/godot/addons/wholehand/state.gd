@@ -15,6 +15,7 @@ var latched_faults = 0
 var authority = 0.0      # 1 while rendering, 0 at neutral
 var alpha = 0.0          # blend factor of the exercise's transition
 var endings = 0          # number of stops, faults and ends of sessions; arm() needs the last one that was shown
+var basis = 0            # number of the person, hand, level and limits shown; arm() needs it
 var q_m = PoolRealArray() # coordinates of the device
 var q_s = PoolRealArray() # coordinates of the avatar
 var theta = PoolRealArray() # joints of the avatar
@@ -39,6 +40,7 @@ func read(reader, table: int) -> bool:
 	authority = reader.float_of(table, f.authority)
 	alpha = reader.float_of(table, f.alpha)
 	endings = reader.u32_of(table, f.endings)
+	basis = reader.u32_of(table, f.basis)
 	q_m = reader.floats_of(table, f.q_m)
 	q_s = reader.floats_of(table, f.q_s)
 	theta = reader.floats_of(table, f.theta)

@@ -165,6 +165,7 @@ export const de: Texts = {
   'refusal.RefusedBefore': 'Was Sie davor verlangt haben, wurde abgelehnt. Sehen Sie nach, warum, und versuchen Sie es dann noch einmal.',
   'refusal.VisitOpen': 'In der Praxisakte ist ein Besuch offen. Schliessen Sie ihn dort zuerst.',
   'refusal.NotHeard': 'Vor dem Start waren Sie nicht mehr zu hören. Es wurde nicht gestartet. Prüfen Sie die Verbindung und starten Sie dann neu.',
+  'refusal.BasisChanged': 'Was angezeigt war, hat sich geändert: {reason}. Sehen Sie es an, dann starten Sie neu.',
   'line.none': 'Es besteht keine Verbindung.',
   'line.silent': 'Das Programm antwortet nicht.',
   'line.lost': 'Die Verbindung wurde unterbrochen.',

@@ -170,6 +170,7 @@ export const en = {
   'refusal.RefusedBefore': 'What you asked for before it was refused. See why, then ask again.',
   'refusal.VisitOpen': 'A visit is open in the clinic’s records. Close it there first.',
   'refusal.NotHeard': 'You were not heard while it was about to start, so it did not start. Check the connection, then start it again.',
+  'refusal.BasisChanged': 'What you were shown has changed: {reason}. Look at it, then start again.',
   'line.none': 'There is no connection.',
   'line.silent': 'The program does not answer.',
   'line.lost': 'The connection was lost.',

@@ -165,6 +165,7 @@ export const fr: Texts = {
   'refusal.RefusedBefore': 'Ce que vous aviez demandé avant a été refusé. Voyez pourquoi, puis réessayez.',
   'refusal.VisitOpen': 'Une visite est ouverte dans les dossiers. Terminez-la d’abord là.',
   'refusal.NotHeard': 'Vous n’étiez plus entendu au moment du démarrage : rien n’a démarré. Vérifiez la liaison, puis démarrez à nouveau.',
+  'refusal.BasisChanged': 'Ce qui était affiché a changé : {reason}. Regardez, puis démarrez à nouveau.',
   'line.none': 'Il n’y a pas de connexion.',
   'line.silent': 'Le programme ne répond pas.',
   'line.lost': 'La connexion a été perdue.',

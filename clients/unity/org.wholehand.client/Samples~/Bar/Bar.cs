@@ -59,9 +59,10 @@ namespace Wholehand.Unity.Samples
         }
 
         /// <param name="endingsShown">HandState.Endings of the frame that the person pressed in.</param>
-        public void Arm(uint endingsShown)
+        /// <param name="basisShown">HandState.Basis of that frame.</param>
+        public void Arm(uint endingsShown, uint basisShown)
         {
-            asked = connection.Client.Arm(endingsShown);
+            asked = connection.Client.Arm(endingsShown, basisShown);
         }
 
         public void Stop()
