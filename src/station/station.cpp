@@ -3,6 +3,7 @@
 #include "exercises/load_exercise.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/patient/steered_player.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
@@ -86,6 +87,8 @@ class Station::Core {
   static constexpr std::uint64_t kFirstArming = 1;
   /// Limit of queued tasks. It bounds how long a client that floods the station can delay others.
   static constexpr std::size_t kMostTasks = 8;
+
+  class RunningWatch;
 
   /// Longest time that an order may wait behind others.
   static constexpr std::chrono::seconds kLongestWait{3};
@@ -202,6 +205,9 @@ class Station::Core {
 
   void keepLatest(const TickRecord& record);
   void nameSafety(LoopStatus& status) const;
+  void nameAnswers(LoopStatus& status) const;
+  [[nodiscard]] LoopStatus answers() const;
+  void watchAnswers();
   void restartLevel();
   void log(const std::string& line) const { log_.write(line); }
 
@@ -250,6 +256,13 @@ class Station::Core {
   std::atomic<std::uint32_t> claim_{0};  ///< newest claim on the controls
   bool over_ = false;                    ///< no more orders are carried out
   bool holder_alive_ = true;             ///< latest value; passed to a session that begins
+  /// When the live session was asked to stop, CLOCK_MONOTONIC, and whether at once; empty: not
+  /// asked.
+  std::optional<std::int64_t> stop_asked_ns_;
+  bool stop_at_once_ = false;
+  bool left_silent_ = false;  ///< the last session ended without an answer of the device
+  std::condition_variable watch_wake_;
+  bool watch_ends_ = false;
   std::optional<Command> unsent_steer_;  ///< steering command that waits because the queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
@@ -288,6 +301,19 @@ std::string sideName(const HandModel& hand) {
 }
 
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
+constexpr auto kWatchEvery = std::chrono::milliseconds(10);
+
+/// Longest silence of the loop or the device, and longest time until a stop is obeyed [ns].
+struct Patience {
+  std::int64_t silent_ns, obeyed_ns;
+};
+constexpr Patience kWithRobot{50'000'000, 100'000'000};
+/// A simulated device moves nobody, and a busy machine delays its loop.
+constexpr Patience kSimulated{1'000'000'000, 1'000'000'000};
+
+double seconds(std::int64_t duration_ns) {
+  return 1e-9 * static_cast<double>(duration_ns);
+}
 constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
 constexpr auto kFirstTickWithin = std::chrono::seconds(1);
@@ -457,6 +483,8 @@ void Station::Core::quit() {
 void Station::Core::beginStop(bool at_once) {
   if (!live_) return;
   status_.run_state = RunState::kStopping;
+  if (!stop_asked_ns_ || (at_once && !stop_at_once_)) stop_asked_ns_ = monotonicNow_ns();
+  stop_at_once_ = stop_at_once_ || at_once;
   if (at_once) {
     live_->requestEmergencyStop();
   } else {
@@ -652,9 +680,12 @@ OrderReply Station::Core::markUnattended(const Order& order, std::uint64_t asked
 
 LoopStatus Station::Core::status() const {
   LoopStatus status;
+  std::optional<DeviceStatus> device;
+  if (config_.device_status) device = config_.device_status();
   {
     const std::lock_guard lock(mutex_);
     status = status_;
+    status.device = device;
     status.arming = arming();
     status.endings = stop_history_.count();
     status.basis = basis_.number();
@@ -672,10 +703,63 @@ LoopStatus Station::Core::status() const {
       std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
     }
     nameSafety(status);
+    nameAnswers(status);
   }
   status.rehearsed_ticks = rehearsed_ticks_;
-  if (config_.device_status) status.device = config_.device_status();
   return status;
+}
+
+// Adds what the loop and the device themselves report: whether they answer, and whether they obey a
+// stop. With mutex_ held.
+void Station::Core::nameAnswers(LoopStatus& status) const {
+  const std::optional<DeviceStatus>& device = status.device;
+  status.silent = left_silent_ || (device && device->overdue);
+  if (!live_) return;
+  const bool robot = config_.make_device != nullptr;
+  const Patience& most = robot ? kWithRobot : kSimulated;
+  const LoopWord word = live_->word();
+  const std::int64_t now_ns = monotonicNow_ns(), age_ns = now_ns - word.ticked_ns;
+  if (word.ticked_ns != 0) {
+    if (!word.over) status.loop_age_s = seconds(age_ns);
+    const bool late = !word.over && age_ns > most.silent_ns;
+    // A loop ends without neutral when the device has refused its effort for a second.
+    const bool refused_neutral = robot && word.over && !word.at_neutral;
+    // The loop reads the age of the host's newest cycle in every tick.
+    const bool host_late = device && device->hosted && has_latest_ &&
+                           device->host_age_s - seconds(age_ns) > seconds(most.silent_ns);
+    status.silent = status.silent || late || refused_neutral || host_late;
+  }
+  if (!stop_asked_ns_) return;
+  const Fault asked = stop_at_once_ ? Fault::kEmergencyStop : Fault::kStopRequested;
+  status.stop_pending = !any(word.stops & asked) && !word.at_neutral;
+  status.stop_unconfirmed = status.stop_pending && now_ns - *stop_asked_ns_ > most.obeyed_ns;
+  status.silent = status.silent || status.stop_unconfirmed;
+}
+
+// Only what nameAnswers() names.
+LoopStatus Station::Core::answers() const {
+  LoopStatus status;
+  if (config_.device_status) status.device = config_.device_status();
+  const std::lock_guard lock(mutex_);
+  nameAnswers(status);
+  return status;
+}
+
+// Tells the person at the terminal that the loop or the device does not answer. Runs in its own
+// thread, because the main thread may be the one that waits for them.
+void Station::Core::watchAnswers() {
+  bool silent = false;
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      if (watch_wake_.wait_for(lock, kWatchEvery, [this] { return watch_ends_; })) return;
+    }
+    const LoopStatus now = answers();
+    if (now.silent == silent) continue;
+    silent = now.silent;
+    const char* again = now.device ? "The robot answers again." : "The simulation answers again.";
+    log(silent ? alarmOf(now) : again);
+  }
 }
 
 // Takes the safety state from the supervisor's log, which knows it earlier than the thread that
@@ -1131,6 +1215,8 @@ void Station::Core::restoreStatus(LoopStatus before, const Task& task, bool had_
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
+    stop_asked_ns_.reset();
+    stop_at_once_ = false;
     stop_history_.restoreRest(before.rested, before.endings);
     if (stop_history_.stoppedSince(task.asked) && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
@@ -1154,6 +1240,7 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   loss_reported_ = false;
   {
     const std::lock_guard lock(mutex_);
+    left_silent_ = false;
     bodies_.begun();
   }
   ++outcome_.sessions;
@@ -1352,7 +1439,13 @@ void Station::Core::finishSession(bool goes_on) {
   if (discarded || !record_path_.empty()) publishScene("");
   {
     // The session is moved out and destroyed outside the lock, so that no order waits for it.
+    LoopStatus answered;
+    if (config_.device_status) answered.device = config_.device_status();
     const std::lock_guard lock(mutex_);
+    nameAnswers(answered);
+    left_silent_ = config_.make_device && answered.silent;
+    stop_asked_ns_.reset();
+    stop_at_once_ = false;
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
     stop_history_.endSession(ended.faulted, goes_on);
@@ -1561,7 +1654,7 @@ void Station::Core::refreshStatus() {
   if (dropped > 0 && !std::exchange(loss_reported_, true) && !record_path_.empty()) {
     log(lossNotice(summary.time_s, record_path_));
   }
-  if (config_.status) config_.status(state, summary);
+  if (config_.status && !answers().silent) config_.status(state, summary);
 }
 
 // Restarts a finished level while the virtual patient steers, also a level that a person finished
@@ -1587,8 +1680,29 @@ void Station::Core::watchSession() {
   status_at_ = StationClock::now() + kStatusEvery;
 }
 
+/// Runs watchAnswers() during its lifetime.
+class Station::Core::RunningWatch {
+ public:
+  explicit RunningWatch(Core& core) : core_(core), thread_([&core] { core.watchAnswers(); }) {}
+  ~RunningWatch() {
+    {
+      const std::lock_guard lock(core_.mutex_);
+      core_.watch_ends_ = true;
+    }
+    core_.watch_wake_.notify_all();
+    thread_.join();
+  }
+  RunningWatch(const RunningWatch&) = delete;
+  RunningWatch& operator=(const RunningWatch&) = delete;
+
+ private:
+  Core& core_;
+  std::thread thread_;
+};
+
 Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
   const InterruptScope interrupts;
+  const RunningWatch watch(*this);
   const auto duration_ticks = static_cast<std::uint64_t>(
       std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
   // Arms the first session, if requested.

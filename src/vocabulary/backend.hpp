@@ -136,6 +136,7 @@ struct DeviceStatus {
   bool hosted = false;         ///< the driver runs in its own process, the host
   double host_age_s = -1.0;    ///< time since the host's last cycle; below 0: none yet
   ReleaseReason let_go = ReleaseReason::kNone;
+  bool overdue = false;  ///< a call of the driver lasts longer than it may
 };
 
 /// State of the loop that its newest record does not hold.
@@ -164,8 +165,14 @@ struct LoopStatus {
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;
   std::optional<DeviceStatus> device;  ///< empty: the device is simulated
-  bool arming = false;                 ///< an order is starting the device and was not cancelled
-  bool rested = false;                 ///< the last ending is a rest that a player requested
+  double loop_age_s = -1.0;  ///< since the loop's newest tick; below 0: no loop ticks in real time
+  /// The loop or the device has not answered for too long, or has not obeyed a stop in time. The
+  /// device may hold its last effort.
+  bool silent = false;
+  bool stop_pending = false;  ///< a stop was asked for, and the loop has not reported that it obeys
+  bool stop_unconfirmed = false;  ///< the same for longer than a stop may take to be obeyed
+  bool arming = false;            ///< an order is starting the device and was not cancelled
+  bool rested = false;            ///< the last ending is a rest that a player requested
   /// True when that rest came before anything was armed or being armed. It then gives its player no
   /// right to arm that the player did not have before.
   bool rest_before_start = false;
@@ -176,6 +183,13 @@ struct LoopStatus {
   /// Registered bodies; null: none. Every change makes a new object.
   std::shared_ptr<const RegisteredBodies> registered;
 };
+
+/// What people are told while LoopStatus::silent; null: nothing.
+[[nodiscard]] inline const char* alarmOf(const LoopStatus& status) noexcept {
+  if (!status.silent) return nullptr;
+  return status.device ? "The robot does not answer. Press the emergency stop on the device now."
+                       : "The simulation does not answer.";
+}
 
 /// State of a client that its waiting orders can look up. Any thread.
 struct Requester {

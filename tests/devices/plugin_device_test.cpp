@@ -16,11 +16,15 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <deque>
+#include <filesystem>
 #include <fstream>
+#include <future>
 #include <numbers>
 #include <set>
+#include <thread>
 
 namespace wholehand::test {
 namespace {
@@ -216,6 +220,33 @@ TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
   EXPECT_TRUE(observed->facts().silenced);
   device->close();
   EXPECT_FALSE(observed->facts().enabled) << "nobody reads any more";
+}
+
+// The reader is another thread: the one that calls the driver is in the call.
+TEST(ObservedDriver, CallThatDoesNotReturn_IsOverdueUntilItReturns) {
+  for (const char* call : {"read", "write", "enable", "disable"}) {
+    const Folder folder;
+    const std::string file = folder.path() + "/hangs";
+    const auto observed = std::make_shared<ObservedDriver>(
+        orThrow(PluginDriver::load({driverFile("hanging"), "", std::string(call) + " " + file})));
+    const auto device = orThrow(PluginDevice::make(observed, desktopInARig(), 1e-3));
+    const auto use = [&] {
+      DeviceReading reading;
+      const bool done = device->open() && device->enable() &&
+                        device->read(reading, 1) == Fault::kNone &&
+                        device->write(AxisEffort(3)) == Fault::kNone;
+      device->close();
+      return done;
+    };
+    EXPECT_TRUE(use()) << call;
+    EXPECT_FALSE(observed->facts().overdue) << call;
+    { const std::ofstream hangs(file); }
+    std::future<bool> used = std::async(std::launch::async, use);
+    while (!observed->facts().overdue) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::filesystem::remove(file);
+    EXPECT_TRUE(used.get()) << call;
+    EXPECT_FALSE(observed->facts().overdue) << call;
+  }
 }
 
 struct FailingInATick {

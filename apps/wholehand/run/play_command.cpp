@@ -52,6 +52,7 @@ DeviceStatus statusOf(const ObservedDriver& driver) {
   out.silenced = facts.silenced;
   out.temperature_c = facts.temperature_c;
   out.sample_age_s = age_s(facts.sampled_ns);
+  out.overdue = facts.overdue;
   return out;
 }
 

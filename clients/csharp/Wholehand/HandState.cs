@@ -15,6 +15,7 @@ namespace Wholehand
         public Steering Steering;
         public uint Faults;
         public uint LatchedFaults;
+        public bool Silent;            // the robot does not answer: show it, with the device's own emergency stop
         public float Authority;        // 1 while rendering, 0 at neutral
         public float Alpha;            // blend factor of the exercise's transition
         public int PalmBody = -1;      // the nearest of the exercise's bodies; -1: none
@@ -35,7 +36,7 @@ namespace Wholehand
         // The number of stops, and the start of arming, can change while nothing renders.
         internal override bool IsSameRest(WorldState s)
         {
-            return s.Endings == Endings && s.RunState == RunState && s.Steering == Steering;
+            return s.Endings == Endings && s.RunState == RunState && s.Steering == Steering && s.Silent == Silent;
         }
 
         // Lambdas without captured variables, which are allocated once.
@@ -44,6 +45,7 @@ namespace Wholehand
             Endings = s.Endings;
             RunState = s.RunState;
             Steering = s.Steering;
+            Silent = s.Silent;
             Faults = s.Faults;
             LatchedFaults = s.LatchedFaults;
             Authority = s.Authority;

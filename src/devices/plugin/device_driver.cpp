@@ -1,9 +1,28 @@
 #include "devices/plugin/device_driver.hpp"
 
+#include "loop/realtime/monotonic_clock.hpp"
+
 #include <cmath>
 #include <limits>
 
 namespace wholehand {
+namespace {
+
+/// Notes when a call has to return, for as long as it lasts.
+class Call {
+ public:
+  Call(std::atomic<std::int64_t>& due_ns, std::int64_t within_ns) noexcept : due_ns_(due_ns) {
+    due_ns_.store(monotonicNow_ns() + within_ns);
+  }
+  ~Call() { due_ns_.store(0); }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+ private:
+  std::atomic<std::int64_t>& due_ns_;
+};
+
+}  // namespace
 
 DeviceFacts ObservedDriver::facts() const noexcept {
   const std::uint32_t status = status_.load(std::memory_order_relaxed);
@@ -13,10 +32,19 @@ DeviceFacts ObservedDriver::facts() const noexcept {
   out.silenced = (status & WH_SILENCED) != 0;
   out.temperature_c = temperature_c_.load(std::memory_order_relaxed);
   out.sampled_ns = sampled_ns_.load(std::memory_order_relaxed);
+  const std::int64_t due_ns = due_ns_.load();
+  out.overdue = due_ns != 0 && monotonicNow_ns() > due_ns;
   return out;
 }
 
+Expected<Done> ObservedDriver::enable(const wh_command& neutral) {
+  const Call call(due_ns_, kSwitchedWithin_ns);
+  return driver_->enable(neutral);
+}
+
 Expected<Done> ObservedDriver::control(std::uint32_t verb, double argument) {
+  if (verb != WH_ENABLE && verb != WH_DISABLE) return driver_->control(verb, argument);
+  const Call call(due_ns_, kSwitchedWithin_ns);
   Expected<Done> done = driver_->control(verb, argument);
   // The flag is cleared here because no samples follow.
   if (verb == WH_DISABLE && done) {
@@ -26,6 +54,7 @@ Expected<Done> ObservedDriver::control(std::uint32_t verb, double argument) {
 }
 
 int ObservedDriver::read(wh_sample& sample) noexcept {
+  const Call call(due_ns_, kCallWithin_ns);
   const int result = driver_->read(sample);
   if (result < 0) return result;
   double highest_c = std::numeric_limits<double>::quiet_NaN();
@@ -36,6 +65,11 @@ int ObservedDriver::read(wh_sample& sample) noexcept {
   temperature_c_.store(highest_c, std::memory_order_relaxed);
   sampled_ns_.store(sample.monotonic_ns, std::memory_order_relaxed);
   return result;
+}
+
+int ObservedDriver::write(const wh_command& command) noexcept {
+  const Call call(due_ns_, kCallWithin_ns);
+  return driver_->write(command);
 }
 
 }  // namespace wholehand

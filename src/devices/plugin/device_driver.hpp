@@ -68,7 +68,13 @@ struct DeviceFacts {
   /// Highest temperature of all axes [°C]; NaN: unknown.
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
   std::int64_t sampled_ns = 0;  ///< time of the newest sample, CLOCK_MONOTONIC; 0: none yet
+  bool overdue = false;         ///< a call of the driver lasts longer than it may
 };
+
+/// Longest time of a read or a write, and of enabling or disabling [ns]. A driver that takes longer
+/// does not answer.
+inline constexpr std::int64_t kCallWithin_ns = 50'000'000;
+inline constexpr std::int64_t kSwitchedWithin_ns = 1'000'000'000;
 
 /// A driver that publishes its newest sample's state to other threads, at the cost of a few stores
 /// per tick.
@@ -87,20 +93,18 @@ class ObservedDriver final : public DeviceDriver {
   }
   [[nodiscard]] Expected<Done> reconnect() override { return driver_->reconnect(); }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
-  [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override {
-    return driver_->enable(neutral);
-  }
+  [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override;
   [[nodiscard]] bool enablesAtNeutral() const noexcept override {
     return driver_->enablesAtNeutral();
   }
   [[nodiscard]] bool holds() const noexcept override { return driver_->holds(); }
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
-  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override {
-    return driver_->write(command);
-  }
+  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 
  private:
   std::shared_ptr<DeviceDriver> driver_;
+  /// Time by which the call under way has to return, CLOCK_MONOTONIC; 0: no call.
+  std::atomic<std::int64_t> due_ns_{0};
   std::atomic<std::uint32_t> status_{0};
   std::atomic<double> temperature_c_{std::numeric_limits<double>::quiet_NaN()};
   std::atomic<std::int64_t> sampled_ns_{0};

@@ -1,5 +1,7 @@
 #include "loop/runtime/interrupt_scope.hpp"
 
+#include "loop/realtime/monotonic_clock.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -47,6 +49,12 @@ constexpr auto kSignals = std::to_array<Signal>(
 constexpr int kExitInterrupted = 130;  // status that a shell reports after SIGINT: 128 + 2
 // Time for the last message to be written before the process ends.
 constexpr std::chrono::milliseconds kReportedWithin{100};
+constexpr unsigned kEndedWithin_s = 1;  // the kernel ends the process even if the message hangs
+// A loop whose newest tick is older than this hangs.
+constexpr std::int64_t kHangs_ns = 200'000'000;
+// Time that the third request gives a loop that ticks, and the program's own end.
+constexpr std::int64_t kEndsWithin_ns = 2'000'000'000;
+constexpr std::chrono::milliseconds kLookEvery{5};
 
 std::array<struct sigaction, kSignals.size()> g_before{};
 std::array<bool, kSignals.size()> g_taken{};
@@ -85,6 +93,7 @@ bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
 void print(const std::string& line) {
   sigset_t all, before;
   sigfillset(&all);
+  sigdelset(&all, SIGALRM);  // ends the process where this hangs: endProcess()
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
   try {
     std::thread([text = "wholehand: " + line + "\n"] {
@@ -101,12 +110,50 @@ std::string whatIsWaitedFor() {
   return g_waiting.empty() ? "the end of what is under way" : g_waiting.back().second;
 }
 
-void answerAgain(int asked) {
-  if (g_interrupts.loops.load() > 0) return print("the device is on its way to neutral");
-  if (asked < 3) return print("waiting for " + whatIsWaitedFor() + "; once more ends without it");
-  print("ended without waiting for " + whatIsWaitedFor());
+bool loopHangs() {
+  return g_interrupts.loops.load() > 0 &&
+         monotonicNow_ns() - g_interrupts.ticked_ns.load() > kHangs_ns;
+}
+
+// Returns true when the process must be ended; false: the program ends by itself. A loop that ticks
+// gets the time to reach neutral.
+bool mustBeEnded() {
+  if (g_interrupts.loops.load() == 0) return true;
+  const std::int64_t until_ns = monotonicNow_ns() + kEndsWithin_ns;
+  while (!loopHangs() && monotonicNow_ns() < until_ns) {
+    if (g_ending.load()) return false;
+    std::this_thread::sleep_for(kLookEvery);
+  }
+  return !g_ending.load();
+}
+
+constexpr const char* kHung =
+    "the loop does not answer, and the device may keep its effort. Press the emergency stop on the "
+    "device now";
+
+[[noreturn]] void endProcess() {
+  // Nothing of the message may keep the process alive: neither memory nor a lock that hangs.
+  sigset_t timer;
+  sigemptyset(&timer);
+  sigaddset(&timer, SIGALRM);
+  ::signal(SIGALRM, SIG_DFL);
+  ::pthread_sigmask(SIG_UNBLOCK, &timer, nullptr);
+  ::alarm(kEndedWithin_s);
+  if (g_interrupts.loops.load() > 0) {
+    print(std::string("ended, although ") + kHung);
+  } else {
+    print("ended without waiting for " + whatIsWaitedFor());
+  }
   std::this_thread::sleep_for(kReportedWithin);
   ::_exit(kExitInterrupted);
+}
+
+void answerAgain(int asked) {
+  if (asked >= 3 && mustBeEnded()) endProcess();
+  if (asked >= 3) return;
+  if (loopHangs()) return print(std::string(kHung) + "; once more ends the program");
+  if (g_interrupts.loops.load() > 0) return print("the device is on its way to neutral");
+  print("waiting for " + whatIsWaitedFor() + "; once more ends without it");
 }
 
 // Reports the signals to the person. The loops check the counter themselves, so a stop does not

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <string>
 
 namespace wholehand {
@@ -11,6 +12,8 @@ struct Interrupts {
   std::atomic<int> asked{0};  ///< number of requests to end the process
   std::atomic<int> loops{0};  ///< sessions whose loop still ticks, so their device is not at
                               ///< neutral yet
+  /// End of the newest tick of such a loop, or the time of its start, CLOCK_MONOTONIC.
+  std::atomic<std::int64_t> ticked_ns{0};
 };
 static_assert(std::atomic<int>::is_always_lock_free, "written in a signal handler");
 
@@ -23,8 +26,10 @@ static_assert(std::atomic<int>::is_always_lock_free, "written in a signal handle
 /// A separate thread takes the signals. They are blocked in the calling thread and in those that it
 /// starts, so none interrupts the loop or a thread that waits for a disk. Sessions that use
 /// shared() stop on their own. The second Ctrl-C (SIGTERM, SIGHUP, SIGQUIT and Ctrl-Z count as one)
-/// prints what the program waits for (WaitingFor). The third ends the process at once if no loop
-/// ticks any more: the device is at neutral, and unwritten data is lost.
+/// prints what the program waits for (WaitingFor), or that the loop hangs. The third ends the
+/// process whatever hangs, and unwritten data is lost. A loop that still ticks, and then the
+/// program's own end, get two seconds first; a loop that hangs gets none, and the device then holds
+/// its last effort until its own watchdog or emergency stop ends it.
 ///
 /// A program that runs a loop creates one scope around everything it runs. Scopes may nest in one
 /// thread.

@@ -1,5 +1,6 @@
 #include "loop/runtime/session.hpp"
 
+#include "loop/realtime/monotonic_clock.hpp"
 #include "loop/realtime/thread_setup.hpp"
 
 #include <cmath>
@@ -33,12 +34,17 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
   }
   thread_ = std::make_unique<PeriodicThread>(
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
+        if (counters_.ticks_run == 0) noteTime();
         const bool more = tickOnce(elapsed_periods, lateness_ns);
+        noteTick(more);
         (void)queue_.try_push(record_);  // a full queue drops the record and counts it
         if (!more && config_.interrupts != nullptr) --config_.interrupts->loops;
         return more;
       });
-  if (config_.interrupts != nullptr) ++config_.interrupts->loops;
+  if (config_.interrupts != nullptr) {
+    config_.interrupts->ticked_ns.store(monotonicNow_ns());
+    ++config_.interrupts->loops;
+  }
   Expected<SetupReport> started = thread_->start();
   if (!started) {
     if (config_.interrupts != nullptr) --config_.interrupts->loops;
@@ -97,6 +103,22 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
 void Session::judgePermit() noexcept {
   if (counters_.ticks_run > 0 || config_.permit == nullptr) return;
   if (!config_.permit->judge()) renderer_.requestStop();
+}
+
+void Session::noteTime() noexcept {
+  const std::int64_t now_ns = monotonicNow_ns();
+  ticked_ns_.store(now_ns);
+  if (config_.interrupts != nullptr) config_.interrupts->ticked_ns.store(now_ns);
+}
+
+// The time comes last, so that a reader of a new time reads what belongs to it, or is newer.
+void Session::noteTick(bool more) noexcept {
+  constexpr Fault kStops = Fault::kStopRequested | Fault::kEmergencyStop;
+  const bool accepted = !any(record_.faults & Fault::kDeviceWrite);
+  obeyed_stops_.store(accepted ? record_.faults & kStops : Fault::kNone);
+  at_neutral_.store(renderer_.atNeutral());
+  over_.store(!more);
+  noteTime();
 }
 
 // Stops the loop after a signal. This needs no other thread.

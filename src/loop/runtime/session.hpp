@@ -67,6 +67,17 @@ struct SessionCounters {
   std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
 };
 
+/// What the loop itself has reported, for other threads. On a simulated clock it reports nothing.
+struct LoopWord {
+  /// End of the newest tick, or the begin of the first one, CLOCK_MONOTONIC; 0: no tick yet.
+  std::int64_t ticked_ns = 0;
+  /// The requests that the newest tick obeyed (kStopRequested, kEmergencyStop): the device has
+  /// accepted the effort that was computed after them.
+  Fault stops = Fault::kNone;
+  bool at_neutral = false;  ///< the device has accepted its neutral effort after a stop or a fault
+  bool over = false;        ///< no tick follows
+};
+
 /// Runs a renderer tick by tick until its duration is over, a stop is requested, or a fault has
 /// brought the device to neutral. Every tick puts one record into a queue; a full queue drops the
 /// record and counts it, and the tick never waits.
@@ -123,6 +134,12 @@ class Session {
   /// Any thread, also a signal handler.
   void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
 
+  /// Any thread.
+  [[nodiscard]] LoopWord word() const noexcept {
+    const std::int64_t ticked_ns = ticked_ns_.load();
+    return {ticked_ns, obeyed_stops_.load(), at_neutral_.load(), over_.load()};
+  }
+
   [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }
   /// Valid after the session has ended.
   [[nodiscard]] SessionCounters counters() const { return counters_; }
@@ -131,6 +148,8 @@ class Session {
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
   void judgePermit() noexcept;
+  void noteTime() noexcept;
+  void noteTick(bool more) noexcept;
   void followInterrupts() noexcept;
   void takeCommands() noexcept;
   void takeParameters() noexcept;
@@ -147,10 +166,16 @@ class Session {
   std::atomic<bool> holder_alive_{true};
   std::array<std::atomic<double>, kMaxLiveParameters> wanted_;  ///< by setParameter(); NaN: none
   std::array<double, kMaxLiveParameters> taken_{};              ///< ticking thread only
-  bool interrupted_ = false, reported_alive_ = true;            ///< ticking thread only
+  std::atomic<std::int64_t> ticked_ns_{0};  ///< this and the next three: LoopWord
+  std::atomic<Fault> obeyed_stops_{Fault::kNone};
+  std::atomic<bool> at_neutral_{false}, over_{false};
+  bool interrupted_ = false, reported_alive_ = true;  ///< ticking thread only
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
                                             ///< destroyed
 };
+
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+static_assert(std::atomic<Fault>::is_always_lock_free);
 
 }  // namespace wholehand

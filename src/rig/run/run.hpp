@@ -114,6 +114,7 @@ class Run {
   void setHolderAlive(bool alive) noexcept { session_->setHolderAlive(alive); }
   void setParameter(int index, double value) noexcept { session_->setParameter(index, value); }
   [[nodiscard]] bool running() const { return session_->running(); }
+  [[nodiscard]] LoopWord word() const noexcept { return session_->word(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
   /// Number of ticks missing in the recording because the queue of the loop, the recorder's thread
   /// or the disk had no room.

@@ -72,7 +72,8 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.basis == b.basis &&
          a.run_state == b.run_state && a.steering == b.steering && a.latched == b.latched &&
          a.rested == b.rested && a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
-         a.parameters == b.parameters;
+         a.silent == b.silent && a.stop_pending == b.stop_pending &&
+         a.stop_unconfirmed == b.stop_unconfirmed && a.parameters == b.parameters;
 }
 
 /// Line of a game without a WebSocket. It sends nothing: the game sees the results of its orders in

@@ -85,6 +85,8 @@ void loopMetrics(std::string& out, const LoopHealth& p) {
   if (p.record_age_s >= 0.0) {
     metric(out, "record_age_seconds", "gauge", "Since the newest record came.", p.record_age_s);
   }
+  metric(out, "loop_silent", "gauge", "1 while the loop or the device does not answer.",
+         s.silent ? 1 : 0);
   byState(out, "run_state", "1 for the state that the loop is in.", s.run_state, kRunStates);
   safetyMetrics(out, s);
   tickMetric(out, "tick_cpu_seconds", "summary", "CPU time of a tick.",
@@ -112,7 +114,7 @@ double Traffic::ageQuantile_s(double share) const {
 }
 
 bool healthy(const LoopHealth& p) {
-  if (p.status.run_state == RunState::kFaulted) return false;
+  if (p.status.silent || p.status.run_state == RunState::kFaulted) return false;
   return p.status.run_state != RunState::kRendering || p.record_age_s <= kStale_s;
 }
 
@@ -122,8 +124,12 @@ std::string healthJson(const LoopHealth& p) {
                          {"safety_state", nameOf(p.status.safety_state)},
                          {"session", p.status.session},
                          {"ticks", p.status.ticks},
-                         {"record_age_s", nullptr}};
+                         {"record_age_s", nullptr},
+                         {"loop_age_s", nullptr},
+                         {"alarm", nullptr}};
   if (p.record_age_s >= 0.0) json["record_age_s"] = p.record_age_s;
+  if (p.status.loop_age_s >= 0.0) json["loop_age_s"] = p.status.loop_age_s;
+  if (const char* alarm = alarmOf(p.status)) json["alarm"] = alarm;
   return json.dump() + "\n";
 }
 

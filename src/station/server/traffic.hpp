@@ -40,7 +40,8 @@ struct LoopHealth {
   std::uint64_t events_dropped = 0;
 };
 
-/// True when the loop is not faulted and, while it renders, records arrive.
+/// True when the loop is not faulted, loop and device answer and obey, and records arrive while it
+/// renders.
 [[nodiscard]] bool healthy(const LoopHealth& pulse);
 [[nodiscard]] std::string healthJson(const LoopHealth& pulse);
 /// Returns Prometheus text, format 0.0.4.

@@ -237,6 +237,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_endings(status.endings);
   if (detail == Detail::kFull) out.add_basis(status.basis);  // datagrams may overtake the scene
   out.add_rehearsed_ticks(status.rehearsed_ticks);
+  out.add_loop_age_s(static_cast<float>(status.loop_age_s));
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
@@ -245,6 +246,9 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_safety_state(static_cast<fb::SafetyState>(r.safety_state));
   out.add_rested(status.rested);
   out.add_arming(status.arming);
+  out.add_silent(status.silent);
+  out.add_stop_pending(status.stop_pending);
+  out.add_stop_unconfirmed(status.stop_unconfirmed);
   out.add_help(static_cast<fb::Help>(status.help));
   return out.Finish();
 }

@@ -5,6 +5,7 @@
 #include "loop/control/adaptive_damping.hpp"
 #include "loop/control/bilateral_coupling.hpp"
 #include "loop/physics/analytic/analytic_world.hpp"
+#include "loop/realtime/monotonic_clock.hpp"
 #include "support/fault_injector.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
@@ -12,6 +13,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -246,6 +248,91 @@ TEST(RealTimeSession, WhileItTicks_IsCountedAsARunningLoop) {
   interrupts.asked = 1;
   rail.session->join();
   EXPECT_EQ(interrupts.loops, 0) << "the loop says so itself: nobody else may be there";
+}
+
+/// Holds the tick with this number until it is let go.
+class HeldTick final : public TickListener {
+ public:
+  explicit HeldTick(std::uint64_t tick) : tick_(tick) {}
+  void beforeTick(const TickRecord& record) noexcept override {
+    if (record.tick < tick_ || let_go) return;
+    held = true;
+    while (!let_go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  void afterTick(const TickRecord&) noexcept override {}
+
+  std::atomic<bool> held{false}, let_go{false};
+
+ private:
+  std::uint64_t tick_;
+};
+
+TEST(RealTimeSession, LoopThatHangs_KeepsTheTimeOfItsLastTickAndObeysNoStop) {
+  for (const std::uint64_t tick : {0U, 50U}) {
+    Interrupts interrupts;
+    HeldTick hangs(tick);
+    SessionConfig config;
+    config.listener = &hangs;
+    config.interrupts = &interrupts;
+    Rail rail(config);
+    EXPECT_EQ(rail.session->word().ticked_ns, 0);
+    const std::int64_t began_ns = monotonicNow_ns();
+    startThread(*rail.session);
+    while (!hangs.held) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const std::int64_t held_ns = monotonicNow_ns();
+    rail.session->requestStop();
+    rail.session->requestEmergencyStop();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const LoopWord word = rail.session->word();
+    EXPECT_GE(word.ticked_ns, began_ns) << "a first tick that hangs has a time, too";
+    EXPECT_LE(word.ticked_ns, held_ns);
+    EXPECT_EQ(interrupts.ticked_ns, word.ticked_ns);
+    EXPECT_EQ(word.stops, Fault::kNone);
+    EXPECT_FALSE(word.at_neutral);
+    EXPECT_FALSE(word.over);
+    hangs.let_go = true;
+    rail.session->join();
+    EXPECT_GT(rail.session->word().ticked_ns, held_ns);
+    EXPECT_TRUE(rail.session->word().over);
+  }
+}
+
+// A stop is obeyed by a tick whose effort the device has taken, and only of the kind that the tick
+// has seen.
+TEST(RealTimeSession, Stop_IsObeyedByTheFirstTickWhoseEffortTheDeviceTakes) {
+  Rail rail({}, {}, 100.0);  // a gentle stop that lasts
+  startThread(*rail.session);
+  const auto obeys = [&](Fault stop) {
+    while (!any(rail.session->word().stops & stop)) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  EXPECT_EQ(rail.session->word().stops, Fault::kNone);
+  rail.session->requestGentleStop();
+  obeys(Fault::kStopRequested);
+  EXPECT_EQ(rail.session->word().stops, Fault::kStopRequested);
+  EXPECT_FALSE(rail.session->word().at_neutral);
+  rail.session->requestEmergencyStop();
+  obeys(Fault::kEmergencyStop);
+  rail.session->join();
+  EXPECT_TRUE(rail.session->word().at_neutral);
+}
+
+TEST(RealTimeSession, DeviceThatRefusesEveryEffort_ObeysNothingAndIsNotAtNeutral) {
+  Rail rail({}, {{InjectedKind::kWriteFails, 0, 1 << 30, 0}});
+  startThread(*rail.session);
+  rail.session->requestEmergencyStop();
+  rail.session->join();  // after a second of refusals
+  EXPECT_EQ(rail.session->word().stops, Fault::kNone);
+  EXPECT_FALSE(rail.session->word().at_neutral);
+}
+
+TEST(SimulatedSession, SimulatedClock_HasNoTimeOfItsLastTick) {
+  SessionConfig config;
+  config.duration_ticks = 20;
+  Rail rail(config);
+  (void)runAll(rail);
+  EXPECT_EQ(rail.session->word().ticked_ns, 0);
 }
 
 TEST(SimulatedSession, LostHolder_IsReportedEvenIfTheCommandQueueIsFull) {

@@ -158,6 +158,35 @@ TEST_F(HttpTest, Health_FollowsTheLoop) {
   EXPECT_EQ(get(port(), "/healthz").status, 503);
 }
 
+TEST_F(HttpTest, Health_OfALoopThatDoesNotAnswer_IsTheAlarmInEveryState) {
+  open();
+  const std::string words =
+      "The robot does not answer. Press the emergency stop on the device now.";
+  for (const RunState state : {RunState::kDisarmed, RunState::kRendering, RunState::kStopping,
+                               RunState::kStopped, RunState::kFaulted}) {
+    LoopStatus status;
+    status.run_state = state;
+    status.device = DeviceStatus{};
+    status.loop_age_s = 0.25;
+    server->publish(busyRecord());
+    program.setStatus(status);
+    HttpReply r = get(port(), "/healthz");
+    EXPECT_EQ(r.status, state == RunState::kFaulted ? 503 : 200);
+    EXPECT_TRUE(contains(r.body, R"("alarm":null)")) << r.body;
+    EXPECT_TRUE(contains(r.body, R"("loop_age_s":0.25)")) << r.body;
+    status.silent = true;
+    program.setStatus(status);
+    r = get(port(), "/healthz");
+    EXPECT_EQ(r.status, 503);
+    EXPECT_TRUE(contains(r.body, R"("alarm":")" + words + "\"")) << r.body;
+    EXPECT_TRUE(contains(r.body, R"("healthy":false)"));
+    status.device.reset();
+    program.setStatus(status);
+    EXPECT_FALSE(contains(get(port(), "/healthz").body, "emergency stop")) << "nothing pushes";
+  }
+  EXPECT_TRUE(contains(get(port(), "/metrics").body, "wholehand_loop_silent 1\n"));
+}
+
 TEST_F(HttpTest, Metrics_ArePrometheusText) {
   LoopStatus status;
   status.run_state = RunState::kRendering;

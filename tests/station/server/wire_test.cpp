@@ -40,6 +40,29 @@ LoopStatus fullStatus() {
   return test::sampleStatus(std::vector<double>(8, 0.5));
 }
 
+TEST(WireState, AnswersOfTheLoop_AreReadBackUnchanged) {
+  wire::StateEncoder encoder(std::make_shared<SceneFacts>(test::sampleScene()));
+  const auto read = [&](const LoopStatus& status, wire::Detail detail) {
+    return verified(encoder.encode(fullRecord(2, 2, 1), status, detail, 555))
+        .payload_as_WorldState();
+  };
+  for (const wire::Detail detail : {wire::Detail::kFull, wire::Detail::kCompact}) {
+    LoopStatus status = fullStatus();
+    EXPECT_FALSE(read(status, detail)->silent());
+    EXPECT_FALSE(read(status, detail)->stop_pending());
+    EXPECT_FALSE(read(status, detail)->stop_unconfirmed());
+    EXPECT_EQ(read(status, detail)->loop_age_s(), -1.0F) << "no loop ticks";
+    status.silent = true;
+    EXPECT_TRUE(read(status, detail)->silent());
+    status.stop_pending = true;
+    EXPECT_TRUE(read(status, detail)->stop_pending());
+    status.stop_unconfirmed = true;
+    EXPECT_TRUE(read(status, detail)->stop_unconfirmed());
+    status.loop_age_s = 0.0;
+    EXPECT_EQ(read(status, detail)->loop_age_s(), 0.0F);
+  }
+}
+
 TEST(WireState, FullRecord_IsReadBackUnchanged) {
   auto facts = std::make_shared<SceneFacts>(test::sampleScene());
   wire::StateEncoder encoder(facts);

@@ -4,6 +4,7 @@ import './clinic.css';
 import { startTheme } from '../console/theme';
 import { openConnection } from '../net/open_connection';
 import type { SceneT, WorldStateT } from '../protocol';
+import { showAlarm } from '../shared/alarm';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { ClinicPage } from './page';
 
@@ -17,6 +18,7 @@ declare global {
 startTheme();
 startLanguage();
 const connection = await openConnection('therapist');
+showAlarm(connection);
 const page = new ClinicPage(document.querySelector<HTMLElement>('#app')!, connection);
 onLanguage(() => page.build());
 Object.defineProperty(window, 'wholehandNow', { get: () => ({ state: connection.latestState, scene: connection.scene }) });

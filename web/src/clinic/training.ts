@@ -4,7 +4,7 @@ import { h, setText } from '../console/dom';
 import type { Panel } from '../console/model';
 import { ExercisePanelView } from '../console/panel_view';
 import { ScenePanel } from '../console/scene_panel';
-import type { EventT } from '../protocol';
+import { RunState, type EventT } from '../protocol';
 import type { HandLook, PacedView } from '../scene/paced_view';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
@@ -16,13 +16,14 @@ import { sideWords } from './words';
 /** A gentle stop that takes longer than this has failed [ms]. */
 const STOPPED_WITHIN_MS = 5000;
 
-/** Whether something is rendered, or is paused. */
-export const running = ({ model }: ClinicContext): boolean => ['rendering', 'paused'].includes(model.status.name);
+/** Whether something is rendered, or is paused. A loop that does not answer has not ended. */
+export const running = ({ model: { status: { name }, state } }: ClinicContext): boolean =>
+  ['rendering', 'paused'].includes(name) || (name === 'silent' && state?.runState === RunState.Rendering);
 
 /** Stops gently and waits until no effort is rendered; false if it does not end. */
 export async function gently(context: ClinicContext, words: string): Promise<boolean> {
   const { model } = context;
-  const pushes = (): boolean => running(context) || model.status.name === 'stopping';
+  const pushes = (): boolean => running(context) || model.state?.runState === RunState.Stopping;
   if (running(context) && !(await model.command(words, () => model.connection.stop())).accepted) return false;
   const end_ms = performance.now() + STOPPED_WITHIN_MS;
   while (pushes() && performance.now() < end_ms) await new Promise((resolve) => setTimeout(resolve, 50));

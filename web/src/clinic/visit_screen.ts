@@ -229,9 +229,9 @@ export class VisitScreen implements Screen {
 
   /** Shows the question for pain before the session until the first item has ended, later that for after it; the other one can be chosen. */
   private showPain(visit: Visit): void {
-    const { counters, status } = this.context.model;
+    const { counters } = this.context.model;
     const trained = visit.trials.length > 0 || (counters.active_s > 0 && (counters.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
-    const ended = trained && !['rendering', 'paused'].includes(status.name);
+    const ended = trained && !running(this.context);
     const when: PainTime = this.painAsked ?? (ended || this.painWhen === 'after' ? 'after' : 'before');
     const shown = JSON.stringify([when, visit.pain_before, visit.pain_after]);
     if (this.painShown === shown) return;

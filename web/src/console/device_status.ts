@@ -33,8 +33,8 @@ function age(age_s: number, t: ConsoleTexts['device']): string {
   return age_s < SECONDS_FROM_S ? `${fixed(1e3 * age_s, 0)} ms` : `${fixed(age_s, 1)} s`;
 }
 
-/** The lines, or undefined where the device is simulated. */
-export function deviceLines(device: ReportedDevice | null | undefined, texts: ConsoleTexts): DeviceLines | undefined {
+/** The lines, or undefined where the device is simulated. @param silent the loop or the device does not answer */
+export function deviceLines(device: ReportedDevice | null | undefined, texts: ConsoleTexts, silent = false): DeviceLines | undefined {
   if (!device) return undefined;
   const t = texts.device;
   const words = [device.enabled ? t.enabled : t.notEnabled, device.homed ? t.homed : t.notHomed];
@@ -43,5 +43,5 @@ export function deviceLines(device: ReportedDevice | null | undefined, texts: Co
   const figures = [fill(t.temperature, { value: temperature }), fill(t.sample, { age: age(device.sampleAgeS, t) })];
   if (device.hosted) figures.push(fill(t.host, { age: age(device.hostAgeS, t) }));
   const reason = device.letGo === ReleaseReason.None ? undefined : REASONS[device.letGo];
-  return { state: words.join(', '), figures: figures.join(' · '), letGo: reason ? fill(t.letGo, { why: t.reasons[reason] }) : '' };
+  return { state: silent ? t.silent : words.join(', '), figures: figures.join(' · '), letGo: reason ? fill(t.letGo, { why: t.reasons[reason] }) : '' };
 }

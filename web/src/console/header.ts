@@ -13,7 +13,7 @@ import { exerciseWords, personWords } from './title_words';
 
 const LANGUAGE_NAMES: Readonly<Record<Language, string>> = { de: 'Deutsch', fr: 'Français', en: 'English' };
 const PILL_ICON: Readonly<Record<string, IconName>> = {
-  rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
+  rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad', silent: 'bad',
 };
 
 /** Header content that another page provides, and its condition for Start. */
@@ -117,7 +117,7 @@ export class Header implements Panel {
 
   private refreshPill(): void {
     const { model, t } = this;
-    const { name, bad } = model.status;
+    const { name, bad, short } = model.status;
     const limited = name === 'rendering' && model.limited;
     if (this.pill.dataset.name !== name) {
       this.pill.dataset.name = name;
@@ -126,7 +126,7 @@ export class Header implements Panel {
     setClass(this.pill, 'bad', bad);
     setClass(this.pill, 'warn', limited || name === 'stopping' || name === 'stopped' || name === 'paused');
     setText(this.pillName, t.states[name]);
-    setText(this.pillCause, limited ? t.pill.limited : t.pill[name]);
+    setText(this.pillCause, limited ? t.pill.limited : short ?? t.pill[name]);
   }
 
   private refreshButtons(): void {

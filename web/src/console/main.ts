@@ -4,6 +4,7 @@ import './console.css';
 import { openConnection } from '../net/open_connection';
 import { ClockOffset, FrameStats, type WholehandStats } from '../game/frame_stats';
 import type { SceneT, WorldStateT } from '../protocol';
+import { showAlarm } from '../shared/alarm';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { ConsolePage } from './page';
 import { startTheme } from './theme';
@@ -19,6 +20,7 @@ declare global {
 startTheme();
 startLanguage();
 const connection = await openConnection('therapist');
+showAlarm(connection);
 const page = new ConsolePage(document.querySelector<HTMLElement>('#app')!, connection);
 onLanguage(() => page.build());
 

@@ -25,6 +25,8 @@ const DEAD_MS = 1000;
 /** The header shows a limit that held within this time [s]. */
 const LIMITED_FOR_S = 1;
 
+const ENDED: ReadonlySet<RunState> = new Set([RunState.Stopped, RunState.Faulted]);
+
 /** States come 60 times a second; a longer pause than this means that the page or the connection stalled [ms]. */
 const LONGEST_PAUSE_MS = 50;
 
@@ -65,7 +67,10 @@ export class ConsoleModel {
 
   /** Whether the page may start: nothing renders, and nothing has for DEAD_MS. */
   get startable(): boolean {
-    const startable = ['disarmed', 'stopped', 'faulted'].includes(this.status.name);
+    const { name } = this.status;
+    // After a session whose device did not answer at its end, a person may try again.
+    const ended = name === 'silent' && this.state !== null && ENDED.has(this.state.runState);
+    const startable = ended || ['disarmed', 'stopped', 'faulted'].includes(name);
     return startable && performance.now() - this.ended_ms > DEAD_MS;
   }
 

@@ -66,7 +66,7 @@ export class NoticesPanel implements Panel {
     if (this.lost.hidden === lost) this.lost.hidden = !lost;
     if (lost) {
       const hardware = hasHardware(state) ? ` ${t.hardware}` : '';
-      setText(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
+      setText(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${state?.silent ? '' : t.lostMore}${hardware}`);
       setText(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
     }
     const { role, holder } = connection.controls;

@@ -1,5 +1,6 @@
 import type { ConnectionStatus } from '../net/connection';
 import { RunState, SafetyState, type WorldStateT } from '../protocol';
+import { alarmWords } from '../shared/alarm';
 import { faultWord, fill } from '../shared/i18n';
 import type { ConsoleTexts } from './i18n/en';
 
@@ -18,6 +19,8 @@ export interface Status {
   did: string;
   /** The action that is expected of a person. */
   todo?: string;
+  /** The cause in a few words for the header, where it is not the usual one of the name. */
+  short?: string;
 }
 
 const NAMES: Readonly<Record<RunState, StatusName>> = {
@@ -41,7 +44,7 @@ const OF_TIME = 'gap too long';
 
 /** The part of the state that contains the cause of a stop. */
 export type ReportedStatus = Pick<WorldStateT, 'runState' | 'latchedFaults'>
-  & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit' | 'rehearsedTicks'>>;
+  & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit' | 'rehearsedTicks' | 'silent' | 'stopPending' | 'stopUnconfirmed' | 'device' | 'qM' | 'intention'>>;
 
 /** An axis of the device, with the fields that its limit is reported in. */
 export interface NamedAxis {
@@ -77,12 +80,28 @@ function faultedStatus(state: ReportedStatus, faultNames: readonly string[], axe
   return { cause: fill(t.cause, { what: words }), excess: excessWords(state, faults, axes, texts), did: t.faultedWhat, todo };
 }
 
+/** Nothing is said of an effort that nobody knows. */
+function silentStatus(state: ReportedStatus, texts: ConsoleTexts): Status {
+  const { stopUnconfirmed = false, device = null, qM = [], intention = [] } = state;
+  const cause = alarmWords({ silent: true, stopUnconfirmed, device, qM, intention });
+  return { name: 'silent', step: undefined, bad: true, cause, did: texts.safety.silentWhat };
+}
+
+/** What the loop itself has reported of a stop. */
+function stoppingStatus({ stopPending, safetyState }: ReportedStatus, texts: ConsoleTexts): Pick<Status, 'cause' | 'did' | 'short'> {
+  const t = texts.safety;
+  if (stopPending) return { cause: t.heard, did: t.heardWhat, short: texts.pill.heard };
+  if (safetyState === SafetyState.Disarmed) return { cause: t.atNeutral, did: t.atNeutralWhat, short: texts.pill.stopped };
+  return { cause: t.stopping, did: t.stoppingWhat };
+}
+
 /** The meaning of the program's state for a therapist. */
 export function statusOf(
   connection: ConnectionStatus, state: ReportedStatus | null,
   paused: boolean, faultNames: readonly string[], texts: ConsoleTexts, axes: readonly NamedAxis[] = [],
 ): Status {
   const t = texts.safety;
+  if (state?.silent) return silentStatus(state, texts);
   if (connection === 'lost') return { name: 'lost', step: undefined, bad: true, cause: t.lost, did: t.lostWhat };
   if (connection === 'connecting' || !state) {
     return { name: 'connecting', step: undefined, bad: false, cause: texts.states.connecting, did: texts.pill.connecting };
@@ -93,7 +112,7 @@ export function statusOf(
   if (state.rehearsedTicks && running !== 'rendering') return { ...status, cause: t.rehearsing, did: fill(t.rehearsingWhat, { ticks: String(state.rehearsedTicks) }) };
   switch (name) {
     case 'disarmed': return { ...status, cause: t.disarmed, did: t.disarmedWhat };
-    case 'stopping': return { ...status, cause: t.stopping, did: t.stoppingWhat };
+    case 'stopping': return { ...status, ...stoppingStatus(state, texts) };
     case 'stopped': {
       const emergency = ((state.faults ?? 0) >>> faultNames.indexOf(EMERGENCY_STOP)) & 1;
       const known = faultNames.includes(EMERGENCY_STOP) && emergency === 1;
@@ -101,7 +120,8 @@ export function statusOf(
     }
     case 'faulted': return { ...status, ...faultedStatus(state, faultNames, axes, texts) };
     default:
-      if (state.safetyState === SafetyState.Armed) return { ...status, cause: t.armed, did: t.armedWhat };
+      if (state.safetyState === SafetyState.Armed) return { ...status, cause: t.armed, did: t.armedWhat, short: texts.pill.armed };
+      if (state.safetyState === SafetyState.Disarmed) return { ...status, cause: t.enabling, did: t.enablingWhat, short: texts.pill.enabling };
       return { ...status, cause: t.noFault, did: '' };
   }
 }

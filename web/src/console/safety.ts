@@ -103,7 +103,7 @@ export class SafetyPanel implements Panel {
 
   /** Lines of a real device. */
   private refreshDevice(): void {
-    const lines = deviceLines(this.model.state?.device, this.t);
+    const lines = deviceLines(this.model.state?.device, this.t, this.model.state?.silent);
     this.device.hidden = lines === undefined;
     setText(this.deviceState, lines?.state ?? '');
     setText(this.deviceFigures, lines?.figures ?? '');

@@ -7,7 +7,7 @@ import { RunState, type WorldStateT } from '../protocol';
 import { setLanguage } from '../shared/i18n';
 import type { ToneName as Tone } from '../hand/tones';
 import type { CameraView } from './camera_view';
-import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type TextSize } from './dialogs';
+import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type LettingGo, type TextSize } from './dialogs';
 import type { Hud } from './hud';
 import type { Memory } from './memory';
 import { causeOf, type PageState } from './page_state';
@@ -47,10 +47,15 @@ export class Cards {
   }
 
   /** The state of a rest in which the device is released. */
-  get restState(): '' | 'letting' | 'let' {
-    const { connection, memory } = this.behind;
-    if (memory.resting !== 'off') return '';
-    return connection.latestState?.runState === RunState.Stopped ? 'let' : 'letting';
+  get restState(): LettingGo {
+    const { connection: { latestState }, memory } = this.behind;
+    return memory.resting === 'off' ? this.letting(latestState) : '';
+  }
+
+  /** What is known of a stop: only heard, obeyed, or at its end. */
+  letting(state: WorldStateT | null): LettingGo {
+    if (state?.stopPending) return 'heard';
+    return state?.runState === RunState.Stopped || state?.runState === RunState.Faulted ? 'let' : 'letting';
   }
 
   showAttempts(attempts: number): void { this.overlay.showAttempts(attempts); }
@@ -63,7 +68,7 @@ export class Cards {
     if (now === 'version') this.overlay.open('low', versionCard(problem?.ours ?? 0, problem?.theirs ?? 0));
     else if (now === 'lost') this.overlay.open('low', lostCard(attempts, memory.hardware));
     else if (now === 'absent') this.overlay.open('low', absentCard(attempts, connection.refusedWith));
-    else if (now === 'stopped') this.overlay.open('stop', stoppedCard(latestState ? causeOf(connection.scene, latestState) : ''), { alone: true });
+    else if (now === 'stopped') this.overlay.open('stop', stoppedCard(this.letting(latestState), latestState ? causeOf(connection.scene, latestState) : ''), { alone: true });
     else if (memory.helpOpen) {
       this.openHelp();
     } else if (now === 'framing') this.overlay.open('pause', this.camera.card, { first: this.camera.otherWay, onEscape: () => presses.otherWay() });

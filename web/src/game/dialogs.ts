@@ -173,19 +173,27 @@ export function versionCard(ours: number, theirs: number): HTMLElement {
   return messageCard(plugPicture(), text('version.title'), text('version.what', { a: ours, b: theirs }), text('version.soft'));
 }
 
+/** What the loop has reported of a stop: nothing yet, that it obeys, that it has ended. Empty: no stop is shown. */
+export type LettingGo = '' | 'heard' | 'letting' | 'let';
+
+/** What is known of the effort after a stop. */
+export function stoppedWords(letting: LettingGo): TextKey {
+  return letting === 'heard' ? 'stopped.heard' : letting === 'letting' ? 'rest.letting' : 'stopped.what';
+}
+
 /** @param cause the fault in the program's words; empty after a press of Stop */
-export function stoppedCard(cause: string): HTMLElement {
+export function stoppedCard(letting: LettingGo, cause: string): HTMLElement {
   const link = h('a', { class: 'console-link t-s', href: `/console${location.search}${location.hash}`, 'data-testid': 'console-link' }, text('stopped.console'));
-  const card = messageCard(octagonPicture(), text(cause ? 'faulted.title' : 'stopped.title'), text('stopped.what'), text('stopped.soft'),
+  const card = messageCard(octagonPicture(), text(cause ? 'faulted.title' : 'stopped.title'), text(stoppedWords(letting)), text('stopped.soft'),
     cause ? h('p', { class: 'retry t-s', 'data-testid': 'cause' }, text('faulted.why', { x: cause })) : null, h('p', { class: 'links' }, link));
   card.classList.add('stopped');
   return card;
 }
 
 /** @param off whether the device is being released, or is released @param notice why continuing failed */
-export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
-  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting', onclick: goOn }, text('game.back'));
-  const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' ? 'rest.letting' : 'rest.more'), off === 'let' ? text('rest.anew') : '',
+export function restCard(off: LettingGo, notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
+  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting' || off === 'heard', onclick: goOn }, text('game.back'));
+  const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' || off === 'heard' ? stoppedWords(off) : 'rest.more'), off === 'let' ? text('rest.anew') : '',
     h('p', { class: 'links' }, first), notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
   return { card, first };
 }

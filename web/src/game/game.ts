@@ -81,7 +81,7 @@ export class Game {
     this.screen.setState(state);
     const { play } = this.memory;
     const { rate, level, air = 0, sound } = play?.flow(state) ?? { rate: 0, level: 0 };
-    const renders = state.runState === RunState.Rendering;
+    const renders = state.runState === RunState.Rendering && !state.silent;
     this.sound.flow(renders ? rate : 0, level, sound);
     this.sound.gurgle(renders ? air : 0);
     const chime = play?.takeChime?.();

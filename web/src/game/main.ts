@@ -6,6 +6,7 @@ import { openConnection } from '../net/open_connection';
 import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
 import { markInputMethod } from '../shared/a11y';
+import { showAlarm } from '../shared/alarm';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { growWithZoom } from '../scene/zoomed_text';
 import { noPictureCard } from './dialogs';
@@ -36,6 +37,7 @@ const play = h('div', { id: 'play', tabindex: 0, role: 'img', 'aria-label': FIRS
 page.append(play);
 
 const connection = await openConnection('player');
+showAlarm(connection);
 const controls = new Controls(connection, play);
 const game = new Game(page, play, connection, controls);
 onLanguage(() => {

@@ -11,7 +11,7 @@ const OWNER_SILENT = 1 << 20;
 
 /** The phase of the task while the person plays; otherwise the obstacle to playing. */
 export type PageState =
-  | Phase | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest';
+  | Phase | 'version' | 'silent' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest';
 
 /** 'between': the exercise is paused between two parts. 'off': the device was released at this person's wish. */
 export type RestState = 'no' | 'between' | 'off';
@@ -52,6 +52,7 @@ function restHolds({ runState, rested }: Pick<WorldStateT, 'runState' | 'rested'
 /** The state that the page shows: the most serious one that applies. */
 export function pageState(s: Situation, play: Play | null, state: WorldStateT | null): PageState {
   if (s.problem) return 'version';
+  if (state?.silent) return 'silent';
   if (!s.everOpen && s.attempts > 0) return 'absent';
   if (s.everOpen && s.status !== 'open') return 'lost';
   if (s.loading && state) return 'loading';

@@ -4,12 +4,14 @@ import type { GraspTargets, Play } from '../exercises/exercise';
 import type { WebcamView } from '../input/webcam';
 import type { GameBodyShown } from '../net/game_bodies';
 import { RunState, type SceneT, type WorldStateT } from '../protocol';
+import { alarmWords } from '../shared/alarm';
 import { language, text } from '../shared/i18n';
 import { answerPresses, showPressed } from '../shared/pressed';
 import { isRecorded } from '../shared/recorded';
 import { CameraView } from './camera_view';
 import { cueTowards, depthMarks, targetAndPalm, unit_px } from './cues';
 import { Cards, type CardContext } from './cards';
+import { stoppedWords } from './dialogs';
 import { Hints, type HintLevel } from './hints';
 import { Hud } from './hud';
 import type { Picture } from './picture';
@@ -17,7 +19,7 @@ import { isFaded, isPlaying, type PageState } from './page_state';
 import { palmOffsetOf, playWords } from './words';
 
 /** States in which the person does not move the hand. */
-const CARDS: ReadonlySet<PageState> = new Set<PageState>(['watching', 'welcome', 'loading', 'left', 'rest', 'success', 'framing', 'unseen']);
+const CARDS: ReadonlySet<PageState> = new Set<PageState>(['silent', 'watching', 'welcome', 'loading', 'left', 'rest', 'success', 'framing', 'unseen']);
 
 /** States in which an exercise without a card of its own shows its panel. */
 const PANEL: ReadonlySet<PageState> = new Set<PageState>(['free', 'watching', 'loading']);
@@ -91,7 +93,7 @@ export class Screen {
     const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
     const key = [
       now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp, memory.level,
-      now === 'rest' && this.cards.restState,
+      now === 'rest' && this.cards.restState, now === 'stopped' && this.cards.letting(connection.latestState),
     ].join();
     this.cards.showAttempts(attempts);
     // After a stop the controls are given back, so that the next person to start may command.
@@ -103,7 +105,7 @@ export class Screen {
     this.hud.words();
     this.hud.play.hidden = now !== 'watching' || memory.helpOpen;
     this.hud.rest.disabled = connection.status !== 'open';
-    this.picture?.setLook({ dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent' || now === 'left', ghostHand: now === 'lost' });
+    this.picture?.setLook({ dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent' || now === 'left' || now === 'silent', ghostHand: now === 'lost' });
     if (now === 'lost' || now === 'stopped') {
       memory.leavePlay();
       controls.stopWebcam();
@@ -138,7 +140,7 @@ export class Screen {
     this.hud.record(isRecorded(this.behind.connection.scene, state));
     const panel = PANEL.has(now) ? play?.panel ?? null : null;
     this.hud.panel.show(panel, state, performance.now());
-    const shown = own && now !== 'welcome' && now !== 'framing' && now !== 'unseen' ? play : null;
+    const shown = own && now !== 'silent' && now !== 'welcome' && now !== 'framing' && now !== 'unseen' ? play : null;
     const metered = panel ? play : now !== 'success' && now !== 'rest' ? shown : null;
     this.hud.show(shown?.card(state) ?? null, metered?.meter(state) ?? null, shown?.goal(state) ?? null);
     if (own && labels) this.placeWords(play, state, now, labels);
@@ -148,7 +150,7 @@ export class Screen {
   /** Speaks the text on the screen. */
   private speak(now: PageState, [title, more]: [string, string]): void {
     const spoken: Partial<Record<PageState, [string, string]>> = {
-      stopped: [text('stopped.title'), text('stopped.what')], lost: [text('lost.title'), text('lost.what')], rest: [text('rest.title'), ''],
+      stopped: [text('stopped.title'), text(stoppedWords(this.cards.letting(this.behind.connection.latestState)))], silent: [alarmWords(this.behind.connection.latestState), ''], lost: [text('lost.title'), text('lost.what')], rest: [text('rest.title'), ''],
       welcome: ['', ''], success: [text('success.title'), now === 'success' ? [title, this.effort()].filter(Boolean).join(' ') : ''],
     };
     this.cards.speech.onInstruction(...(spoken[now] ?? [title, more]), performance.now());

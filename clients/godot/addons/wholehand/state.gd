@@ -10,6 +10,7 @@ var time_s = 0.0
 var sent_monotonic_ns = 0
 var run_state = 0        # Protocol.RunState
 var steering = 0         # Protocol.Steering
+var silent = false       # the robot does not answer: show it, with the device's own emergency stop
 var faults = 0
 var latched_faults = 0
 var authority = 0.0      # 1 while rendering, 0 at neutral
@@ -35,6 +36,7 @@ func read(reader, table: int) -> bool:
 	sent_monotonic_ns = reader.i64_of(table, f.sent_monotonic_ns)
 	run_state = reader.u8_of(table, f.run_state)
 	steering = reader.u8_of(table, f.steering)
+	silent = reader.u8_of(table, f.silent) != 0
 	faults = reader.u32_of(table, f.faults)
 	latched_faults = reader.u32_of(table, f.latched_faults)
 	authority = reader.float_of(table, f.authority)

@@ -27,12 +27,13 @@ export const de: ConsoleTexts = {
   states: {
     connecting: 'Verbindet', lost: 'Keine Verbindung', disarmed: 'Gesperrt', rendering: 'Läuft',
     paused: 'Pause', stopping: 'Hält an', stopped: 'Angehalten', faulted: 'Störung',
-    armed: 'Scharf',
+    armed: 'Scharf', silent: 'Keine Antwort',
   },
   pill: {
     connecting: 'Wartet auf das Programm', lost: 'Nichts hier ist aktuell', disarmed: 'Nichts drückt',
     rendering: 'Alle Grenzen eingehalten', limited: 'Kraft an der Grenze', paused: 'Die Übung wartet',
     stopping: 'Auf dem Weg zu neutral', stopped: 'In Ruhe', faulted: 'In Ruhe',
+    heard: 'Stopp angekommen', enabling: 'Noch keine Kraft', armed: 'Die Kraft wird eingeblendet', silent: 'Die Kraft ist nicht bekannt',
   },
 
   engineer: 'Technische Ansicht', therapy: 'Therapie-Ansicht',
@@ -88,7 +89,10 @@ export const de: ConsoleTexts = {
     nothingYet: 'Seit dem Start ist nichts geschehen.',
     lastNotice: '{time}: {what}',
     disarmed: 'Nicht gestartet', disarmedWhat: 'Das Gerät drückt nicht. Starten Sie, wenn die Person bereit ist.',
-    stopping: 'Die Kraft geht zu neutral', stoppingWhat: 'Das dauert höchstens eine Zehntelsekunde. Der Arm wird getragen.',
+    stopping: 'Die Kraft geht zu neutral', stoppingWhat: 'Der Regelkreis meldet, dass er gehorcht: Die Kraft fällt. Der Arm wird getragen.',
+    heard: 'Stopp angekommen', heardWhat: 'Der Regelkreis hat noch nicht gemeldet, dass er gehorcht.',
+    atNeutral: 'Die Kraft ist neutral', atNeutralWhat: 'Der Regelkreis ist beendet. Die Sitzung wird geschlossen.',
+    enabling: 'Das Gerät wird freigegeben', enablingWhat: 'Der Regelkreis läuft noch nicht.', silentWhat: 'Was das Gerät tut, ist nicht bekannt: Es hält vielleicht seine letzte Kraft.',
     stopped: 'Auf Wunsch angehalten', stoppedWhat: 'Die Kraft ist neutral, der Arm wird getragen. Neu starten, wenn alle bereit sind.',
     faultedWhat: 'Die Kraft ging innert 0,1 s zu neutral. Der Arm wird getragen.',
     rehearsing: 'Probe vor der ersten Kraft', rehearsingWhat: 'Bisher {ticks} Takte. Es beginnt, wenn alle schnell genug sind.',
@@ -98,7 +102,7 @@ export const de: ConsoleTexts = {
     fingers: 'Finger', thumb: 'Daumen', arm: 'Arm x y z', speed: 'Tempo, Arm', of: '{a} von {b}',
   },
   device: {
-    title: 'Gerät', enabled: 'Freigegeben', notEnabled: 'Nicht freigegeben', homed: 'referenziert', notHomed: 'nicht referenziert', silenced: 'von seiner Überwachung losgelassen',
+    title: 'Gerät', silent: 'Es antwortet nicht: Das Folgende ist von vorher', enabled: 'Freigegeben', notEnabled: 'Nicht freigegeben', homed: 'referenziert', notHomed: 'nicht referenziert', silenced: 'von seiner Überwachung losgelassen',
     temperature: 'Temperatur {value}', notKnown: 'nicht bekannt', sample: 'Messwert {age}', host: 'Host {age}', nothingYet: 'noch keiner',
     letGo: 'Der Host hat losgelassen: {why}',
     reasons: {

@@ -26,12 +26,13 @@ export const en = {
   states: {
     connecting: 'Connecting', lost: 'Connection lost', disarmed: 'Disarmed', rendering: 'Rendering',
     paused: 'Paused', stopping: 'Stopping', stopped: 'Stopped', faulted: 'Faulted',
-    armed: 'Armed',
+    armed: 'Armed', silent: 'No answer',
   },
   pill: {
     connecting: 'Waiting for the program', lost: 'Nothing here is live', disarmed: 'Nothing pushes',
     rendering: 'All limits kept', limited: 'Effort at its limit', paused: 'The exercise waits',
     stopping: 'On the way to neutral', stopped: 'At neutral', faulted: 'At neutral',
+    heard: 'Stop heard', enabling: 'No effort yet', armed: 'The effort is being blended in', silent: 'The effort is not known',
   },
 
   engineer: 'Engineer’s view', therapy: 'Therapist’s view',
@@ -87,7 +88,10 @@ export const en = {
     nothingYet: 'Nothing has happened since the start.',
     lastNotice: '{time}: {what}',
     disarmed: 'Not started', disarmedWhat: 'The device pushes nothing. Start when the person is ready.',
-    stopping: 'Effort ramps to neutral', stoppingWhat: 'It ends within a tenth of a second. The arm is carried.',
+    stopping: 'Effort ramps to neutral', stoppingWhat: 'The loop reports that it obeys: the effort falls. The arm is carried.',
+    heard: 'Stop heard', heardWhat: 'The loop has not reported yet that it obeys.',
+    atNeutral: 'Effort is at neutral', atNeutralWhat: 'The loop has ended. The session is being closed.',
+    enabling: 'The device is being enabled', enablingWhat: 'The loop has not ticked yet.', silentWhat: 'What the device does is not known: it may hold its last effort.',
     stopped: 'Stopped on request', stoppedWhat: 'Effort is at neutral, the arm is carried. Arm again when ready.',
     faultedWhat: 'Effort ramped to neutral within 0.1 s. The arm is carried.',
     rehearsing: 'Rehearsal before the first force', rehearsingWhat: '{ticks} ticks so far. It starts when all are fast enough.',
@@ -97,7 +101,7 @@ export const en = {
     fingers: 'Fingers', thumb: 'Thumb', arm: 'Arm x y z', speed: 'Arm speed', of: '{a} of {b}',
   },
   device: {
-    title: 'Device', enabled: 'Enabled', notEnabled: 'Not enabled', homed: 'homed', notHomed: 'not homed', silenced: 'let go by its watchdog',
+    title: 'Device', silent: 'It does not answer: what follows is from before', enabled: 'Enabled', notEnabled: 'Not enabled', homed: 'homed', notHomed: 'not homed', silenced: 'let go by its watchdog',
     temperature: 'Temperature {value}', notKnown: 'not known', sample: 'sample {age}', host: 'host {age}', nothingYet: 'none yet',
     letGo: 'The host let go: {why}',
     reasons: {

@@ -27,12 +27,13 @@ export const fr: ConsoleTexts = {
   states: {
     connecting: 'Connexion', lost: 'Connexion perdue', disarmed: 'Désarmé', rendering: 'En marche',
     paused: 'Pause', stopping: 'S’arrête', stopped: 'Arrêté', faulted: 'Défaut',
-    armed: 'Armé',
+    armed: 'Armé', silent: 'Pas de réponse',
   },
   pill: {
     connecting: 'Attend le programme', lost: 'Rien ici n’est actuel', disarmed: 'Rien ne pousse',
     rendering: 'Limites tenues', limited: 'Force à sa limite', paused: 'L’exercice attend',
     stopping: 'Retour au neutre', stopped: 'Au neutre', faulted: 'Au neutre',
+    heard: 'Arrêt reçu', enabling: 'Pas encore de force', armed: 'La force est introduite peu à peu', silent: 'La force n’est pas connue',
   },
 
   engineer: 'Vue technique', therapy: 'Vue thérapie',
@@ -88,7 +89,10 @@ export const fr: ConsoleTexts = {
     nothingYet: 'Rien ne s’est passé depuis le départ.',
     lastNotice: '{time} : {what}',
     disarmed: 'Non démarré', disarmedWhat: 'L’appareil ne pousse pas. Démarrez quand la personne est prête.',
-    stopping: 'La force revient au neutre', stoppingWhat: 'Cela dure un dixième de seconde au plus. Le bras est porté.',
+    stopping: 'La force revient au neutre', stoppingWhat: 'La boucle signale qu’elle obéit : la force baisse. Le bras est porté.',
+    heard: 'Arrêt reçu', heardWhat: 'La boucle n’a pas encore signalé qu’elle obéit.',
+    atNeutral: 'La force est au neutre', atNeutralWhat: 'La boucle est terminée. La séance se ferme.',
+    enabling: 'L’appareil est mis en marche', enablingWhat: 'La boucle ne tourne pas encore.', silentWhat: 'On ne sait pas ce que fait l’appareil : il garde peut-être sa dernière force.',
     stopped: 'Arrêté sur demande', stoppedWhat: 'La force est au neutre, le bras est porté. Réarmez quand tout est prêt.',
     faultedWhat: 'La force est revenue au neutre en 0,1 s. Le bras est porté.',
     rehearsing: 'Répétition avant la première force', rehearsingWhat: '{ticks} cycles jusqu’ici. Le départ suit quand tous sont assez rapides.',
@@ -98,7 +102,7 @@ export const fr: ConsoleTexts = {
     fingers: 'Doigts', thumb: 'Pouce', arm: 'Bras x y z', speed: 'Vitesse, bras', of: '{a} sur {b}',
   },
   device: {
-    title: 'Appareil', enabled: 'Activé', notEnabled: 'Non activé', homed: 'référencé', notHomed: 'non référencé', silenced: 'relâché par sa surveillance',
+    title: 'Appareil', silent: 'Il ne répond pas : ce qui suit date d’avant', enabled: 'Activé', notEnabled: 'Non activé', homed: 'référencé', notHomed: 'non référencé', silenced: 'relâché par sa surveillance',
     temperature: 'Température {value}', notKnown: 'inconnue', sample: 'mesure {age}', host: 'hôte {age}', nothingYet: 'encore aucune',
     letGo: 'L’hôte a relâché : {why}',
     reasons: {
