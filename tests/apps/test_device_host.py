@@ -219,6 +219,7 @@ class DeviceHost(DeviceTest):
         drive = self.listed()["drive"]
         self.assertFalse(drive["on"])
         self.assertGreaterEqual(drive["since_s"], drive["heard_s"])
+        self.assertEqual(self.host_says().count(off), 1, self.host_says())
 
     def test_mismatched_device_is_refused_by_name(self):
         host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")

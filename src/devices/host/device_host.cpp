@@ -169,6 +169,7 @@ void DeviceHost::hearDrive(int read_result, bool written, std::int64_t now_ns) n
   const bool newer = read_result >= 0 && (first || sample_.sample.sequence != heard_);
   const bool refused = written && sample_.write_result < 0;
   if (newer || began) still_since_ns_ = now_ns;
+  if (began || !written) asked_ns_ = now_ns;
   if (newer || refused) sample_.drive_heard_ns = now_ns;
   if (newer) heard_ = sample_.sample.sequence;
   const DriveState state = driveState(read_result, written, now_ns);
@@ -183,7 +184,8 @@ void DeviceHost::reportDrive(std::int64_t now_ns) noexcept {
     told_ = DriveState::kOn;
     return;
   }
-  if (sample_.drive == told_ || now_ns - sample_.drive_since_ns < kReportAfter_ns) return;
+  const std::int64_t since_ns = std::max(sample_.drive_since_ns, asked_ns_);
+  if (sample_.drive == told_ || now_ns - since_ns < kReportAfter_ns) return;
   told_ = sample_.drive;
   HostEvent event;
   event.of_drive = true;

@@ -100,6 +100,7 @@ class DeviceHost {
   bool held_ = false;                  ///< enabled between two sessions
   std::uint64_t heard_ = 0;            ///< sequence of the drive's newest sample
   std::int64_t still_since_ns_ = 0;    ///< time since which the drive gives nothing new
+  std::int64_t asked_ns_ = 0;          ///< time since which the drive should be on
   DriveState told_ = DriveState::kOn;  ///< state of the drive in the last event
   std::atomic<bool> end_{false};
   SpscQueue<HostEvent> events_{64};
