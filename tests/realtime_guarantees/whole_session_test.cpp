@@ -218,8 +218,8 @@ TEST(WholeSession, AllPartsAtOnce_ObeyStopsAndRecord) {
 
   ASSERT_TRUE(armsAgain(station, console));
   ASSERT_TRUE(rendersOn(program, console));
-  EXPECT_TRUE(console.ask(words::setParameter, "effort_limit_arm_n", 8.0));
-  EXPECT_FALSE(console.ask(words::setParameter, "effort_limit_arm_n", 1e6));
+  EXPECT_TRUE(console.ask(words::setParameter, "effort_limit_arm_n", 8.0, 1U));
+  EXPECT_FALSE(console.ask(words::setParameter, "effort_limit_arm_n", 1e6, 1U));
   EXPECT_TRUE(console.ask(words::steer, fb::Steering::Person));
   for (int i = 0; i < 20; ++i) {
     const std::vector<float> aim{-0.06F, 0.0F, 0.001F * static_cast<float>(i), 0.2F, 0.2F, 0.2F};

@@ -415,8 +415,8 @@ void Clients::tick(std::int64_t now_ns) {
   followCommissioning(now_ns);
   const bool shows = !clients_.empty() && encoder_;
   // Bodies are reported before the events, so that a client knows which body has the slot that an
-  // event names.
-  if (shows) followBodies(status);
+  // event names. They are read last, because an event may be newer than the status.
+  if (shows) followBodies(backend_.status());
   sendEvents();
   if (shows) sendState(std::move(status), now_ns);
 }
