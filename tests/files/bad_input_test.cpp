@@ -185,6 +185,8 @@ TEST(BadInput, MistakeInADeviceFile_GivesOneMessageWithPlaceAndRemedy) {
        DiagnosticCode::kRange, "[0, 8]"},
       {"device", "output_delay_ticks = 1", "output_delay_ticks = 1.5", "1.5", "output_delay_ticks",
        DiagnosticCode::kType, "[0, 8]"},
+      {"device", "drive_lag_s = 0.002", "drive_lag_s = 0.03", "0.03", "drive_lag_s",
+       DiagnosticCode::kRange, "[0, 0.02]"},
       {"device", "name = \"y\"", "name = \"x\"", "", "axes[x].name", "twice", "name of its own"},
       {"device", "name = \"y\"", "name = \"up\"", "\"up\"", "axes[up].name",
        "not an axis that carries", "yaw"},

@@ -91,7 +91,7 @@ TEST(Rehearsal, PileOfManyShapes_IsRefusedWithStageAndName) {
   models.scene.bodies = {ball({0.0, -0.3, 0.3}, 0.01, 0.0), pile};
   RehearsalOptions options;
   // No other stage takes as long, even on a slow machine.
-  options.allowed_period_share = kReducedCounts ? 3.0 : 1.0;
+  options.allowed_period_share = WHOLEHAND_SANITIZED != 0 ? 3.0 : 1.0;
   const auto began = std::chrono::steady_clock::now();
   const auto refused = rehearse(models, origin(models), {}, options);
   figure("rehearsal_hopeless_wall",

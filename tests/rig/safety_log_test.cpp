@@ -82,7 +82,7 @@ class SpikingDevice final : public RestingDevice {
   explicit SpikingDevice(double spike_m) : spike_m_(spike_m) {}
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = AxisPosition(6);
-    if (++reads_ == 500) reading.q_m[1] = spike_m_;
+    if (++reads_ == 1500) reading.q_m[1] = spike_m_;  // at full authority
     return Fault::kNone;
   }
 
@@ -91,11 +91,11 @@ class SpikingDevice final : public RestingDevice {
   int reads_ = 0;
 };
 
-// The push that answers a reading of 1 mm elsewhere must not be called a stuck encoder.
+// The push that answers a reading of 1.4 mm elsewhere must not be called a stuck encoder.
 TEST(SafetyLog, SpikeOfOneReading_IsReportedAsAJumpWithoutASpeed) {
-  for (const double spike_m : {1e-3, -1e-3}) {
+  for (const double spike_m : {1.4e-3, -1.4e-3}) {
     const auto rig = build(load(shippedFiles()), std::make_unique<SpikingDevice>(spike_m));
-    const auto transitions = play(*rig, 3000);
+    const auto transitions = play(*rig, 4000);
     ASSERT_EQ(transitions.size(), 3U);
     const SafetyTransition& fault = transitions.back();
     EXPECT_EQ(fault.faults, Fault::kEncoderJump) << describe(fault);

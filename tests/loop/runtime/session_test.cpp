@@ -367,7 +367,9 @@ TEST(SimulatedSession, ParametersSetBeforeTheFirstTick_AreInForceInIt) {
   Rail rail(config, {}, 0.0, kSessionPeriod_s);
   const std::vector<LiveParameter> parameters = rail.renderer->liveParameters();
   ASSERT_EQ(parameters.front().name, "effort_limit_arm_n");
-  const auto ends = [&](const TickRecord&) { rail.session->requestStop(); };
+  const auto ends = [&](const TickRecord& r) {
+    if (r.tick == 0) rail.session->requestStop();
+  };
   rail.session->runSimulated(ends);
   auto random = seededRandom(5801);
   const int drawn = fullCounts() ? 100'000 : cases(2000);
