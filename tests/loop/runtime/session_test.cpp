@@ -319,8 +319,12 @@ TEST(RealTimeSession, Stop_IsObeyedByTheFirstTickWhoseEffortTheDeviceTakes) {
 }
 
 TEST(RealTimeSession, DeviceThatRefusesEveryEffort_ObeysNothingAndIsNotAtNeutral) {
-  Rail rail({}, {{InjectedKind::kWriteFails, 0, 1 << 30, 0}});
+  Rail rail({}, {{InjectedKind::kWriteFails, 500, 1 << 30, 0}});  // pressed against the stop
   startThread(*rail.session);
+  TickRecord record;
+  while (!any(record.faults & Fault::kDeviceWrite)) {
+    if (!rail.session->tryPop(record)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   rail.session->requestEmergencyStop();
   rail.session->join();  // after a second of refusals
   EXPECT_EQ(rail.session->word().stops, Fault::kNone);
