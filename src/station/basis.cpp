@@ -13,7 +13,7 @@ void Basis::change(std::uint32_t client, std::string what) {
   if (changes_.size() > kRemembered) changes_.pop_front();
 }
 
-OrderReply Basis::refuseUnseen(std::uint32_t seen, std::uint32_t client) const {
+OrderReply Basis::refuseOutdated(std::uint32_t seen, std::uint32_t client) const {
   if (seen == number_) return {true, ""};
   if (seen == 0) {
     return refused(Refusal::kOtherVersion,

@@ -25,7 +25,7 @@ class Basis {
   /// Refuses an order that is based on an older number, with what changed since. Changes by the
   /// client's own orders do not count: a press of Start with another level loads and then arms.
   /// @param seen number that the client was shown; 0: its messages have no such field
-  [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen, std::uint32_t client) const;
+  [[nodiscard]] OrderReply refuseOutdated(std::uint32_t seen, std::uint32_t client) const;
 
   /// What differs for a person who presses Start, in English; empty: nothing.
   [[nodiscard]] static std::string differences(const SceneFacts& before,

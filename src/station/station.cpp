@@ -373,7 +373,7 @@ OrderReply Station::Core::mayStillDo(const Task& task) const {
   }
   const auto* arm = order.as<orders::Arm>();
   if (arm == nullptr) return {true, ""};
-  return basis_.refuseUnseen(arm->basis_seen, order.client);
+  return basis_.refuseOutdated(arm->basis_seen, order.client);
 }
 
 OrderReply Station::Core::stillDo(const Task& task) const {
@@ -549,7 +549,7 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
   }
   // A sender that raises a limit may still see the values of another person.
   if (isEffortLimit(order.name) && order.value > person_.valueOf(*found)) {
-    if (OrderReply may = basis_.refuseUnseen(order.basis_seen, client); !may.accepted) return may;
+    if (OrderReply may = basis_.refuseOutdated(order.basis_seen, client); !may.accepted) return may;
     basis_.change(client, fmt::format("{} = {:.6g} {}", order.name, order.value, found->unit));
     if (permit_) permit_->noteRaisedLimit(client);
   }
