@@ -122,7 +122,7 @@ namespace Wholehand.Unity.Samples
             ShowPanel(state.Values);
             if (GUILayout.Button("EMERGENCY STOP")) EmergencyStop();
             if (GUILayout.Button("Take the controls")) TakeControls();
-            if (GUILayout.Button("Arm")) Arm(state.Endings);
+            if (GUILayout.Button("Arm")) Arm(state.Endings, state.Basis);
             if (GUILayout.Button("Stop")) Stop();
         }
 
