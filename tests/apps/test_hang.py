@@ -140,13 +140,13 @@ class Hang(DeviceTest):
     def test_call_that_hangs_while_nothing_renders_is_the_alarm(self):
         self.start("read")
         self.wait(lambda: self.page.state is not None)
-        self.page.say(client.ARM, ("I", 1))  # reads the device first; its answer never comes
+        self.page.say(client.ARM, ("I", 1), ("I", self.page.basis()))  # reads the device first; its answer never comes
         self.expect_no_false_word(self.expect_alarm("read", "not armed"))
 
     def test_device_that_cannot_be_enabled_or_disabled_is_the_alarm(self):
         self.start("enable")
         self.wait(lambda: self.page.state is not None)
-        self.page.say(client.ARM, ("I", 1))
+        self.page.say(client.ARM, ("I", 1), ("I", self.page.basis()))
         self.expect_no_false_word(self.expect_alarm("enable", "arming"))
         self.run_.kill()
         self.start("disable")

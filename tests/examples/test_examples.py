@@ -87,7 +87,7 @@ class Examples(PacedTest):
         self.addCleanup(run.kill)
         page = client.Page(int(re.search(r":(\d+)/console", run.stdout.readline())[1]))
         page.hold_controls()
-        accepted, reason = page.answer(page.say(1, ("I", 1)), 90)  # Arm; names the only ending so far
+        accepted, reason = page.answer(page.say(client.ARM, ("I", 1), ("I", page.basis())), 90)  # the only ending so far
         self.assertTrue(accepted, reason)
         self.assertTrue(page.answer(page.say(client.EMERGENCY_STOP))[0])
         run.send_signal(signal.SIGINT)
