@@ -83,7 +83,7 @@ class Composite {
   [[nodiscard]] Expected<Done> dropWatchdogs();
   [[nodiscard]] std::uint32_t statusOfBoth() const noexcept;
   [[nodiscard]] bool bothLost() const noexcept { return state_[0].lost && state_[1].lost; }
-  [[nodiscard]] bool readPart(std::size_t part) noexcept;
+  [[nodiscard]] bool readPart(std::size_t at) noexcept;
   [[nodiscard]] static bool isOverdue(const PartState& part) noexcept;
   void beginAnew(bool enabled) noexcept;
   [[nodiscard]] std::array<bool, 2> agreeing() noexcept;

@@ -42,7 +42,7 @@ CheckFinding sequenceRestarts(DriverBench& bench) {
     return skipped("is not enabled again");
   }
   bench.startSequenceAt(0);
-  const CheckFinding first =
+  CheckFinding first =
       accepted(bench.writeNeutral(), "the first command after WH_ENABLE, sequence 1,");
   if (first.outcome != Outcome::kPassed) return first;
   // A composite reports a part that refused it in the next sample.
