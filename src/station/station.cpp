@@ -1313,7 +1313,8 @@ OrderReply Station::Core::armForClient(const Task& task) {
   }
   const std::string record = newRecording();
   OrderReply reply = arm(task, record, ticksLeft(), true);
-  if (!reply.accepted && !live_) files_.giveBack(record);
+  // A session that began and stayed at neutral keeps its recording.
+  if (!reply.accepted && record != record_path_) files_.giveBack(record);
   return reply;
 }
 
