@@ -24,7 +24,9 @@ class RecentLeast {
     double value;
     std::int64_t until_ns;
   };
-  HeldValue& at(int i) noexcept { return held_[static_cast<std::size_t>((first_ + i) % kCapacity)]; }
+  HeldValue& at(int i) noexcept {
+    return held_[static_cast<std::size_t>((first_ + i) % kCapacity)];
+  }
 
   std::array<HeldValue, kCapacity> held_{};  ///< a ring; values and times rise
   int first_ = 0, count_ = 0;
