@@ -2,8 +2,7 @@
 """Which tests of ./check have passed with the same program, data and environment.
 
 usage: passed.py BUILD due KEY ...     prints the keys that must run, one a line
-       passed.py BUILD keep KEY ...    remembers that these passed
-       passed.py BUILD forget          forgets all of them
+       passed.py BUILD keep KEY ...    remembers that these passed; not those that changed while they ran
 
 A key is TEST=TARGET,...: the name of a test of ctest, of the pages or of the browser, and the targets that it runs.
 The digest of a test has the contents of
@@ -72,21 +71,20 @@ def digest(build, key):
 
 
 def main():
-    if len(sys.argv) < 3 or sys.argv[2] not in ("due", "keep", "forget"):
+    if len(sys.argv) < 3 or sys.argv[2] not in ("due", "keep"):
         sys.exit(__doc__)
     build, keys = Path(sys.argv[1]).resolve(), sys.argv[3:]
     folder = build / "passed"
     folder.mkdir(exist_ok=True)
-    if sys.argv[2] == "forget":
-        for old in folder.iterdir():
-            old.unlink()
     for key in keys:
         note = folder / key.partition("=")[0].replace("/", "_")
-        now = digest(build, key)
-        if sys.argv[2] == "keep":
+        begun, now = note.with_suffix(".begun"), digest(build, key)
+        if sys.argv[2] == "due":
+            begun.write_text(now)
+            if not note.is_file() or note.read_text() != now:
+                print(key)
+        elif begun.is_file() and begun.read_text() == now:
             note.write_text(now)
-        elif not note.is_file() or note.read_text() != now:
-            print(key)
 
 
 if __name__ == "__main__":

@@ -174,6 +174,7 @@ class Station::Core {
   OrderReply orderBodies(const BodyOrders& bodies, const Order& order);
   // Called on any thread with mutex_ held:
   [[nodiscard]] bool superseded(const Order& order);
+  [[nodiscard]] bool lowersLimit(const Order& order) const;
   [[nodiscard]] OrderReply mayStillDo(const Task& task) const;
   OrderReply takeStop(const Order& order, std::uint64_t asked);
   [[nodiscard]] bool arming() const;
@@ -558,9 +559,20 @@ OrderReply Station::Core::setParameter(const orders::SetParameter& order, std::u
   return {true, ""};
 }
 
-// An earlier holder's order must not take effect after one of the current holder.
+bool Station::Core::lowersLimit(const Order& order) const {
+  const auto* set = order.as<orders::SetParameter>();
+  if (set == nullptr || !isEffortLimit(set->name)) return false;
+  const auto& parameters = scene_->parameters;
+  return std::any_of(parameters.begin(), parameters.end(), [&](const auto& p) {
+    return p.name == set->name && set->value <= person_.valueOf(p);
+  });
+}
+
+// An earlier holder's order must not take effect after one of the current holder, unless it stops
+// or lowers a limit.
 bool Station::Core::superseded(const Order& order) {
-  if (!order.stops() && order.claim != 0 && order.claim < claim_) return true;
+  const bool obeyed = order.stops() || lowersLimit(order);
+  if (!obeyed && order.claim != 0 && order.claim < claim_) return true;
   claim_ = std::max(claim_.load(), order.claim);
   return false;
 }

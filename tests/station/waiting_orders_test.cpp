@@ -452,6 +452,24 @@ TEST_F(WaitingOrders, LimitAcceptedDuringAnArming_IsInForceInTheFirstTick) {
   }
 }
 
+// Less is obeyed whoever asks, also an order that the next holder has overtaken; more is not.
+TEST_F(WaitingOrders, LimitOfAnEarlierHolder_IsObeyedIfItIsLower) {
+  begin(true);
+  ASSERT_TRUE(rendersOn());
+  for (const char* name : {"effort_limit_hand_tip_n", "effort_limit_arm_n"}) {
+    const auto limit = [&](double value_n, std::uint32_t claim) {
+      Order order = parameter(name, value_n);
+      order.claim = claim;
+      return ask(order);
+    };
+    const double now_n = value(name);
+    ASSERT_TRUE(limit(0.8 * now_n, 2).accepted);
+    EXPECT_EQ(limit(0.9 * now_n, 1).refusal, Refusal::kNotHolder);
+    EXPECT_TRUE(limit(0.5 * now_n, 1).accepted);
+    EXPECT_TRUE(becomes([&] { return value(name) == 0.5 * now_n; })) << value(name);
+  }
+}
+
 // A load while rendering continues by the same rule; otherwise it leaves the session stopped or
 // untouched.
 TEST_F(WaitingOrders, LoadWhileRendering_ContinuesOnlyForAnAllowedClient) {
