@@ -9,13 +9,12 @@ PressPermit::Flaw PressPermit::absence(const Order& order, std::uint32_t newest_
   return Flaw::kNone;
 }
 
-PressPermit::Flaw PressPermit::flawNow() const noexcept {
-  const Flaw absent = absence(order_, newest_claim_.load());
-  if (absent != Flaw::kNone || !order_.requester) return absent;
-  if (limit_raised_) return Flaw::kLimitRaised;
-  const Clock::time_point now = now_();
-  if (now - asked_at_ > kLongest) return Flaw::kLate;
-  const Clock::time_point heard{std::chrono::nanoseconds(order_.requester->heard_ns.load())};
+PressPermit::Flaw PressPermit::flaw(const Order& order, Clock::time_point asked_at,
+                                    Clock::time_point now, std::uint32_t newest_claim) noexcept {
+  const Flaw absent = absence(order, newest_claim);
+  if (absent != Flaw::kNone || !order.requester) return absent;
+  if (now - asked_at > kLongest) return Flaw::kLate;
+  const Clock::time_point heard{std::chrono::nanoseconds(order.requester->heard_ns.load())};
   return now > heard && now - heard > kHeardWithin ? Flaw::kUnheard : Flaw::kNone;
 }
 
@@ -41,15 +40,17 @@ OrderReply PressPermit::replyFor(Flaw flaw) {
   return {true, ""};
 }
 
-OrderReply PressPermit::refuseNow() const {
-  return replyFor(flawNow());
+bool PressPermit::judge() noexcept {
+  Flaw now = flaw(order_, asked_at_, now_(), newest_claim_.load());
+  if (now == Flaw::kNone && limit_raised_) now = Flaw::kLimitRaised;
+  void_ = now;
+  verdict_ = now == Flaw::kNone ? Verdict::kBegun : Verdict::kVoid;
+  return now == Flaw::kNone;
 }
 
-bool PressPermit::judge() noexcept {
-  const Flaw flaw = flawNow();
-  void_ = flaw;
-  verdict_ = flaw == Flaw::kNone ? Verdict::kBegun : Verdict::kVoid;
-  return flaw == Flaw::kNone;
+OrderReply PressPermit::refuse(const Order& order, Clock::time_point asked_at,
+                               Clock::time_point now, std::uint32_t newest_claim) {
+  return replyFor(flaw(order, asked_at, now, newest_claim));
 }
 
 OrderReply PressPermit::refuseAbsent(const Order& order, std::uint32_t newest_claim) {

@@ -34,8 +34,6 @@ class PressPermit final : public StartPermit {
         now_(std::move(now)),
         newest_claim_(newest_claim) {}
 
-  /// Refuses with a reason when the effort may not begin now.
-  [[nodiscard]] OrderReply refuseNow() const;
   [[nodiscard]] WHOLEHAND_RT bool judge() noexcept override;
   /// Result of judge(), and its reply. Any thread.
   [[nodiscard]] Verdict verdict() const noexcept { return verdict_.load(); }
@@ -47,13 +45,17 @@ class PressPermit final : public StartPermit {
 
   /// Refuses an order whose client is gone or has lost the controls since it asked.
   [[nodiscard]] static OrderReply refuseAbsent(const Order& order, std::uint32_t newest_claim);
+  /// Refuses an order that would not get its permit now.
+  [[nodiscard]] static OrderReply refuse(const Order& order, Clock::time_point asked_at,
+                                         Clock::time_point now, std::uint32_t newest_claim);
   /// Refuses an order that asked too long ago.
   [[nodiscard]] static OrderReply refuseLate(Clock::duration since);
 
  private:
   enum class Flaw : std::uint8_t { kNone, kGone, kLostControls, kUnheard, kLate, kLimitRaised };
   [[nodiscard]] static Flaw absence(const Order& order, std::uint32_t newest_claim) noexcept;
-  [[nodiscard]] WHOLEHAND_RT Flaw flawNow() const noexcept;
+  [[nodiscard]] static Flaw flaw(const Order& order, Clock::time_point asked_at,
+                                 Clock::time_point now, std::uint32_t newest_claim) noexcept;
   [[nodiscard]] static OrderReply replyFor(Flaw flaw);
 
   const Order order_;

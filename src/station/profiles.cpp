@@ -2,7 +2,6 @@
 
 #include "files/text/text_file.hpp"
 #include "files/toml/toml_file.hpp"
-#include "loop/renderer/live_settings.hpp"
 
 #include <fmt/format.h>
 
@@ -117,52 +116,6 @@ Expected<Profile> Profiles::load(const std::string& name) const {
   }
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   return out;
-}
-
-void PersonSettings::put(const Values& values, std::uint64_t asked,
-                         std::map<std::string, Setting>& in) {
-  for (const auto& [name, value] : values) in[name] = {value, asked};
-}
-
-void PersonSettings::setHelp(Help help, std::uint64_t asked) {
-  help_ = help;
-  help_asked_ = asked;
-}
-
-double PersonSettings::inRange(const PublishedParameter& parameter, double value) {
-  if (isEffortLimit(parameter.name)) return std::clamp(value, parameter.lower, parameter.upper);
-  return value >= parameter.lower && value <= parameter.upper ? value : parameter.initial;
-}
-
-double PersonSettings::valueOf(const PublishedParameter& parameter) const {
-  const auto set = set_.find(parameter.name);
-  return set == set_.end() ? parameter.initial : inRange(parameter, set->second.value);
-}
-
-void PersonSettings::changePerson(const Change& change, const Values& first,
-                                  const std::vector<PublishedParameter>& parameters) {
-  std::map<std::string, Setting> next;
-  put(first, change.asked, next);
-  if (change.profile != nullptr) put(change.profile->parameters, change.asked, next);
-  for (const PublishedParameter& parameter : parameters) {
-    const auto set = set_.find(parameter.name);
-    const auto found = next.find(parameter.name);
-    const double coming =
-        found == next.end() ? parameter.initial : inRange(parameter, found->second.value);
-    const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
-    const bool later =
-        set != set_.end() && set->second.asked > change.asked && (!change.visit || lowered);
-    if (later) {
-      next[parameter.name] = set->second;
-    } else if (lowered && !change.may_raise_limits) {
-      next[parameter.name] = {valueOf(parameter), change.asked};
-    }
-  }
-  set_ = std::move(next);
-  ++person_;
-  if (help_asked_ < change.asked || change.visit) {
-    help_ = change.profile != nullptr ? change.profile->help : Help::kUnspecified;
-  }
 }
 
 }  // namespace wholehand
