@@ -104,10 +104,12 @@ std::vector<double> parameterValues(const StationState& state) {
 void describe(const StationState& state, std::chrono::steady_clock::time_point now,
               LoopStatus& status) {
   status.session = state.session;
-  status.run_state = state.run_state;
+  // Before its first tick a session renders nothing.
+  const bool begins = state.live && !state.began && state.run_state == RunState::kRendering;
+  status.run_state = begins ? state.under_way->before.run_state : state.run_state;
   status.steering = state.steering;
   status.latched = state.latched;
-  status.arming = isArming(state, now);
+  status.arming = begins || isArming(state, now);
   status.endings = state.stops.count();
   status.basis = state.basis.number();
   status.rested = state.stops.rested(state.run_state);

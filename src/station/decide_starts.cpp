@@ -13,7 +13,7 @@ OrderReply mayStillStart(const StationState& state, std::chrono::steady_clock::t
 
 void Decider::on(const events::FirstStart&) {
   UnderWay& first = s_.under_way.emplace();
-  first.what = UnderWay::What::kFirstStart;
+  first.kind = UnderWay::Kind::kFirstStart;
   first.start.acknowledged_stop = 1;
   first.start.asked = kFirstStart;
   first.start.starts = true;
@@ -30,7 +30,7 @@ void Decider::on(const events::RenewalDue&) {
     return;
   }
   UnderWay& renewal = s_.under_way.emplace();
-  renewal.what = UnderWay::What::kRenewal;
+  renewal.kind = UnderWay::Kind::kRenewal;
   renewal.start.acknowledged_stop = s_.stops.count();
   renewal.start.person = s_.person.person();
   renewal.start.asked = s_.orders;
@@ -44,7 +44,7 @@ void Decider::on(const events::RenewalDue&) {
 
 void Decider::on(const events::EndDue& event) {
   if (s_.under_way || !s_.live) return;
-  s_.under_way.emplace().what = UnderWay::What::kEnd;
+  s_.under_way.emplace().kind = UnderWay::Kind::kEnd;
   if (!event.by_itself) beginStop(false);
   s_.work = work::EndSession{false};
 }
@@ -68,8 +68,13 @@ void Decider::on(const events::SessionEnded& event) {
   s_.latched = event.latched;
   s_.stops.endSession(event.faulted, goes_on);
   UnderWay& under_way = *s_.under_way;
-  if (under_way.loads) return useModels();
-  if (under_way.what != UnderWay::What::kRenewal) return finish({true, ""});
+  if (under_way.loads) {
+    OrderReply may = mayStillDo(s_, under_way.task, now_);
+    if (may.accepted) return useModels();
+    s_.stops.keepRestPending();
+    return finish(std::move(may));
+  }
+  if (under_way.kind != UnderWay::Kind::kRenewal) return finish({true, ""});
   if (any(s_.latched)) return finish(refused(Refusal::kStopCame, "it ended by a fault"));
   if (OrderReply may = mayStillDo(s_, under_way.start, now_); !may.accepted) return finish(may);
   start(false);
@@ -111,6 +116,7 @@ void Decider::on(const events::Prepared& event) {
 // From here on a stop reaches the run, even before its device is enabled.
 void Decider::adopt() {
   s_.live = true;
+  s_.began = false;
   s_.latched = Fault::kNone;
   const bool steered = s_.renewing && s_.steering == Steering::kPerson;
   s_.steering = Steering::kVirtualPatient;
@@ -139,6 +145,7 @@ void Decider::on(const events::Begun& event) {
 
 // A session whose permit no longer holds stays at neutral and ends as after a stop.
 void Decider::on(const events::FirstTick& event) {
+  s_.began = event.reply.accepted;
   if (!event.reply.accepted) beginStop(false);
   s_.under_way->preparing = false;
   effects_.emplace_back(effects::SessionRuns{});

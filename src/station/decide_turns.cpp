@@ -80,13 +80,13 @@ void Decider::finish(OrderReply reply) {
   s_.under_way.reset();
   s_.work = work::None{};
   s_.starting.reset();
-  if (done.what == UnderWay::What::kRenewal) {
+  if (done.kind == UnderWay::Kind::kRenewal) {
     s_.renewing = false;
     if (!reply.accepted) s_.stops.keepRestPending();
     return;
   }
-  if (done.what == UnderWay::What::kFirstStart) return answer(kFirstStart, std::move(reply));
-  if (done.what == UnderWay::What::kEnd) return;
+  if (done.kind == UnderWay::Kind::kFirstStart) return answer(kFirstStart, std::move(reply));
+  if (done.kind == UnderWay::Kind::kEnd) return;
   const Order& order = done.task.order;
   // A client that loads a person and then arms means that person. Another client's order to arm
   // does not know of the load, and is refused.

@@ -88,13 +88,13 @@ class Station::Core {
   void log(const std::string& line) const { log_.write(line); }
 
   // Called on any thread with mutex_ held:
-  struct Said {
+  struct Replies {
     std::vector<std::pair<std::function<void(OrderReply)>, OrderReply>> replies;
     std::vector<std::string> lines;
   };
   void renewInputs();
-  void carryOut(const effects::Any& effect, Said& said);
-  void reply(std::uint64_t asked, OrderReply reply, Said& said);
+  void carryOut(const effects::Any& effect, Replies& said);
+  void reply(std::uint64_t asked, OrderReply reply, Replies& said);
   [[nodiscard]] OrderReply push(const Command& command);
   void steer(Steering by);
   void sendUnsent();
@@ -246,7 +246,7 @@ Station::Core::Core(StationConfig config)
 
 // Decides, does the effects under the same lock, and answers and logs outside it.
 void Station::Core::feed(const events::Any& event, const std::function<void(OrderReply)>& done) {
-  Said said;
+  Replies said;
   {
     const std::lock_guard lock(mutex_);
     renewInputs();
@@ -267,14 +267,14 @@ void Station::Core::renewInputs() {
   state_.loop_ends = live_ && (seen.run_state != state_.run_state || !live_->running());
 }
 
-void Station::Core::reply(std::uint64_t asked, OrderReply reply, Said& said) {
+void Station::Core::reply(std::uint64_t asked, OrderReply reply, Replies& said) {
   const auto found = asking_.find(asked);
   if (found == asking_.end()) return;
   said.replies.emplace_back(std::move(found->second), std::move(reply));
   asking_.erase(found);
 }
 
-void Station::Core::carryOut(const effects::Any& effect, Said& said) {
+void Station::Core::carryOut(const effects::Any& effect, Replies& said) {
   std::visit(
       Overloaded{[&](const effects::Reply& e) { reply(e.asked, e.reply, said); },
                  [&](const effects::Command& e) { reply(e.asked, push(e.command), said); },

@@ -86,8 +86,8 @@ using Any = std::variant<None, ReadProfile, SaveProfile, PublishScene, ReadModel
 
 /// What the main thread does at present, across several pieces of work.
 struct UnderWay {
-  enum class What : std::uint8_t { kOrder, kFirstStart, kRenewal, kEnd };
-  What what = What::kOrder;
+  enum class Kind : std::uint8_t { kOrder, kFirstStart, kRenewal, kEnd };
+  Kind kind = Kind::kOrder;
   WaitingOrder task;                ///< the order
   WaitingOrder start;               ///< what a start is judged by; the order itself for an arming
   std::uint64_t person_before = 0;  ///< PersonSettings::person() at its turn
@@ -144,6 +144,7 @@ struct StationState {
   bool over = false;  ///< no more orders are carried out
 
   bool live = false;  ///< a session takes commands and stops, from before its device is enabled
+  bool began = false;  ///< the live session has ticked, and its start was permitted
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;
   Fault latched = Fault::kNone;

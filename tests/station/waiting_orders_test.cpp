@@ -572,6 +572,24 @@ TEST_F(WaitingOrders, SaveProfileBehindALoadOfAnotherPerson_SavesTheHandAndKeeps
   EXPECT_EQ(station_->scene()->profile, "p-2");
 }
 
+// Until the first tick nothing is rendered, and the status says only that it starts.
+TEST_F(WaitingOrders, DeviceThatIsBeingEnabled_IsNotCalledRendering) {
+  begin();
+  RunState shown = RunState::kRendering;
+  bool arming = false;
+  devices.when_enabled = [&] {
+    const LoopStatus status = station_->status();
+    shown = status.run_state;
+    arming = status.arming;
+  };
+  ASSERT_TRUE(ask(of(orders::Arm{})).accepted);
+  devices.when_enabled = nullptr;
+  EXPECT_EQ(shown, RunState::kDisarmed);
+  EXPECT_TRUE(arming);
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+  stopAndWait();
+}
+
 TEST_F(WaitingOrders, LoadProfile_KeepsValuesThatWereSetAfterTheOrder) {
   begin();
   ASSERT_TRUE(ask(parameter("effort_limit_arm_n", 15.0)).accepted);
