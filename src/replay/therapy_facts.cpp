@@ -88,7 +88,7 @@ std::vector<bool> marked(const std::vector<std::string>& names, Names among) {
   return out;
 }
 
-constexpr double kShortestReach_s = 0.1;
+constexpr double kShortestReach_s = 0.1, kRounding_s = 1e-6;
 constexpr double kStep_m = 1e-3;  ///< shorter steps are sensor resolution or tremor
 
 double valueAt(const TickRecord& record, int index) {
@@ -190,7 +190,7 @@ void ExerciseParts::addEvent(const ExerciseEvent& event, const TickRecord& recor
 
 void ExerciseParts::reach(double time_s, const MovedTime& now, bool takes_hold) {
   if (!std::exchange(free_.known, false)) return;
-  if (time_s - free_.time_s < kShortestReach_s) return;
+  if (time_s - free_.time_s < kShortestReach_s - kRounding_s) return;
   if (takes_hold && path_.length_m() == free_.path_m) return;
   const MovedTime moved = now - free_.moved;
   if (moved.isPersons()) {
