@@ -1,7 +1,6 @@
 #pragma once
 
 #include "loop/core/axis_array.hpp"
-#include "loop/core/real_time.hpp"
 #include "loop/core/tick_record.hpp"
 
 #include <cstdint>
@@ -34,12 +33,12 @@ class ActiveTime {
   ActiveTime(const std::vector<std::string>& axis_units,
              const std::vector<std::string>& value_names);
 
-  /// Adds the next tick. Real-time safe.
-  WHOLEHAND_RT void add(const TickRecord& record) noexcept;
+  /// Adds the next tick. Does not allocate.
+  void add(const TickRecord& record) noexcept;
   [[nodiscard]] const ActivePeriods& periods() const noexcept { return periods_; }
   /// True when the exercise is paused in this tick, or the client that holds the controls is
-  /// absent. Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT bool interrupted(const TickRecord& record) const noexcept;
+  /// absent.
+  [[nodiscard]] bool interrupted(const TickRecord& record) const noexcept;
 
  private:
   enum class Kind : std::uint8_t { kNone, kOwn, kLed };
