@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <utility>
 
 namespace wholehand::clinic {
@@ -21,33 +19,6 @@ std::string sideOfHand(const Json& measures) {
     if (hand.ends_with(std::string("-") + side)) return side;
   }
   return {};
-}
-
-/// Longest time after a visit in which its recordings are still being measured.
-constexpr std::int64_t kMeasured_us = 3600 * kSecond_us;
-
-/// Number of recordings of a visit that are not in the table yet. The station's file names state
-/// the visit.
-int countingOf(Records& records, const VisitRow& visit) {
-  const bool over = visit.ended_us != 0 && visit.state != "open";
-  if (records.options().recordings.empty() ||
-      (over && records.clock().now_us() - visit.ended_us > kMeasured_us)) {
-    return 0;
-  }
-  const std::string word = fmt::format("-visit-{}", visit.id);
-  int counting = 0;
-  std::error_code error;
-  for (std::filesystem::directory_iterator it(records.options().recordings, error), end;
-       !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const std::size_t at = name.find(word);
-    if (!name.ends_with(".h5") || at == std::string::npos) continue;
-    if (std::isdigit(static_cast<unsigned char>(name[at + word.size()])) != 0) continue;
-    if (records.db().number("SELECT COUNT(*) FROM trial WHERE recording = ?", name) == 0) {
-      ++counting;
-    }
-  }
-  return counting;
 }
 
 }  // namespace
@@ -142,7 +113,6 @@ Json visitJson(Records& records, std::int64_t id, bool hidden) {
           {"item", v.item},
           {"next_item", v.item + 1},
           {"hand", v.hand.empty() ? v.hand_file : v.hand},
-          {"counting", countingOf(records, v)},
           {"trials",
            trialsIn(records.db().query(
                         std::string(kTrialColumns) + " WHERE visit = ? ORDER BY began_us, id", id),

@@ -119,8 +119,6 @@ export interface Visit {
   /** Index of the plan's item that is set up. */
   readonly item: number;
   readonly trials: readonly Trial[];
-  /** Number of its recordings that are still being measured. */
-  readonly counting?: number;
   readonly notes?: readonly Note[];
   /** 0 is an answer; null: not asked. */
   readonly pain_before: number | null;
@@ -142,7 +140,7 @@ type Times = 'active_s' | 'helped_s' | 'led_s';
 /** A time of a visit over its trials [s]. */
 export const timeOf_s = ({ trials }: Pick<Visit, 'trials'>, time: Times): number => trials.reduce((sum, trial) => sum + (trial[time] ?? 0), 0);
 /** Whether figures of the visit are still missing, because a recording of it is being measured. */
-export const isCounting = ({ trials, counting }: Pick<Visit, 'trials' | 'counting'>): boolean => (counting ?? 0) > 0 || trials.some(({ state }) => state === 'waiting');
+export const isCounting = ({ trials }: Pick<Visit, 'trials'>): boolean => trials.some(({ state }) => state === 'waiting');
 
 /** Active seconds of an item of the plan. */
 export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): number =>
