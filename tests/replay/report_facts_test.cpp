@@ -12,6 +12,8 @@
 #include <functional>
 #include <iterator>
 #include <numbers>
+#include <string>
+#include <utility>
 
 namespace wholehand {
 namespace {
