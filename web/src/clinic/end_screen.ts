@@ -39,7 +39,7 @@ export class EndScreen implements Screen {
   private readonly timer: ReturnType<typeof setInterval>;
 
   constructor(private readonly context: ClinicContext, private readonly id: number) {
-    this.timer = setInterval(() => { if (!this.finished && !context.clinic.silentSince) void context.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); else this.countOn(); }, EVERY_MS);
+    this.timer = setInterval(() => { if (!this.finished && !context.clinic.silentSince) void context.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); else this.lookAgain(); }, EVERY_MS);
     void this.open();
   }
 
@@ -142,7 +142,7 @@ export class EndScreen implements Screen {
   }
 
   /** Draws the card again when a recording of the finished visit has been measured. */
-  private countOn(): void {
+  private lookAgain(): void {
     const { context: { clinic }, finished } = this;
     if (!finished || !isCounting(finished) || clinic.silentSince) return;
     void clinic.api.get<Visit>(`/api/visits/${this.id}`).then((visit) => {
