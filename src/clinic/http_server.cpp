@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
@@ -29,6 +30,9 @@ using ErrorCode = boost::system::error_code;
 
 constexpr std::uint64_t kLargestBody_bytes = 64 * 1024;
 constexpr std::uint32_t kLargestHeader_bytes = 16 * 1024;
+/// A header that is too large is refused after this time, because its copies in the kernel would
+/// delay the station if they were repeated at once.
+constexpr std::chrono::milliseconds kTooLargeWait{500};
 constexpr std::chrono::seconds kPatience{10};
 constexpr int kMostConnections = 64, kThreads = 4;
 constexpr unsigned kTooLarge = 413;
@@ -72,7 +76,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Tcp::socket socket, Clinic& clinic, const std::vector<std::string>& origins,
              std::atomic<int>& open)
-      : stream_(std::move(socket)), clinic_(clinic), origins_(origins), open_(open) {}
+      : stream_(std::move(socket)),
+        later_(stream_.get_executor()),
+        clinic_(clinic),
+        origins_(origins),
+        open_(open) {}
   ~Connection() { --open_; }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -103,7 +111,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
       response_.set(http::field::access_control_allow_origin, origin);
       response_.set(http::field::access_control_expose_headers, "Content-Disposition");
     }
-    if (error == http::error::body_limit) {
+    if (error == http::error::header_limit) {
+      later_.expires_after(kTooLargeWait);
+      later_.async_wait([self = shared_from_this()](ErrorCode) {
+        self->send(431, refusal("bad_value", "the header is too large"));
+      });
+    } else if (error == http::error::body_limit) {
       send(kTooLarge, refusal("bad_value", "the body has more than 65536 bytes"));
     } else if (error.category() == http::make_error_code(http::error{}).category()) {
       if (error != http::error::end_of_stream) send(400, refusal("bad_value", "this is no HTTP"));
@@ -164,6 +177,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
 
   beast::tcp_stream stream_;
+  net::steady_timer later_;
   beast::flat_buffer buffer_;
   http::request_parser<http::string_body> parser_;
   http::response<http::string_body> response_;

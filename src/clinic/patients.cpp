@@ -416,6 +416,8 @@ std::string csvOf(Database& db, std::int64_t patient) {
       line(result.value("name", ""), result.value("value", Json()), result.value("unit", ""));
     }
     line("active", m.value("active_s", Json()), "s");
+    line("helped", m.value("helped_s", Json()), "s");
+    line("led", m.value("led_s", Json()), "s");
     line("helped_share", m.value("helped_share", Json()), "");
     line("peak_speed", m.value("peak_speed_m_s", Json()), "m/s");
     line("path_ratio", m.value("path_ratio", Json()), "");

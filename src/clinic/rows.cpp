@@ -66,6 +66,8 @@ Json trialsIn(Statement rows, const Plan& plan) {
                       {"duration_s", recording.value("duration_s", Json())},
                       {"side", sideOfHand(m)},
                       {"active_s", m.value("active_s", Json())},
+                      {"helped_s", m.value("helped_s", Json())},
+                      {"led_s", m.value("led_s", Json())},
                       {"helped_share", m.value("helped_share", Json())},
                       {"results", m.value("results", Json::array())},
                       {"peak_speed_m_s", m.value("peak_speed_m_s", Json())},

@@ -100,6 +100,8 @@ Outcome outcomeOf(Database& db, const std::string& name, const Json& json) {
   out.state = ticks ? "measured" : "failed";
   if (!ticks) {
     out.why = "the recording has no tick";
+  } else if (json.value("ended_by", "") == "broken_off") {
+    out.why = "the session was broken off: the program or the machine failed";
   } else if (!recording.value("complete", true)) {
     out.why = "the recording is not whole: its measures are of a part";
   }

@@ -61,11 +61,8 @@ Json axesOf(const RecordingMeta& meta) {
 }
 
 // The exercise's results at the last tick.
-Json resultsOf(RecordingReader& recording) {
-  const RecordingMeta& meta = recording.meta();
+Json resultsOf(const RecordingMeta& meta, const TickRecord& last) {
   Json results = Json::array();
-  TickRecord last;
-  if (meta.result_names.empty() || !recording.read(recording.size() - 1, last)) return results;
   for (std::size_t i = 0; i < meta.result_names.size(); ++i) {
     const auto at =
         std::find(meta.value_names.begin(), meta.value_names.end(), meta.result_names[i]) -
@@ -110,6 +107,12 @@ Expected<SceneFacts> recordedScene(const RecordingMeta& meta, const std::string&
   return facts;
 }
 
+// Every session ends at the neutral effort or in a fault, and so does the recording of it.
+const char* endedBy(const TickRecord& last) {
+  if (last.safety_state == SafetyState::kFaulted) return "fault";
+  return last.safety_state == SafetyState::kDisarmed ? "stop" : "broken_off";
+}
+
 LoopStatus recordedStatus(const TickRecord& record) {
   LoopStatus status;
   status.session = kReplayedSession;
@@ -131,6 +134,8 @@ std::string replayAbout(const ViewedRecording& viewed, const std::string& name, 
     return text.empty() ? embeddedName(meta, kind) : text;
   };
   const auto time_s = [&](std::uint64_t tick) { return static_cast<double>(tick) * meta.period_s; };
+  TickRecord last;
+  const bool has_last = recording.read(recording.size() - 1, last);
   Json about = {{"name", name},
                 {"title", meta.title},
                 {"profile", meta.profile},
@@ -154,7 +159,8 @@ std::string replayAbout(const ViewedRecording& viewed, const std::string& name, 
                 {"axes", axesOf(meta)},
                 {"value_names", meta.value_names},
                 {"event_names", meta.event_names},
-                {"result", resultsOf(recording)}};
+                {"result", has_last ? resultsOf(meta, last) : Json::array()}};
+  if (has_last && !still_written) about["ended_by"] = endedBy(last);
   if (viewed.unreadable_from_tick) {
     about["unreadable_from_s"] = time_s(*viewed.unreadable_from_tick);
   }

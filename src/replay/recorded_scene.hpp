@@ -20,6 +20,15 @@ inline constexpr std::uint32_t kReplayedSession = 1;
 [[nodiscard]] Expected<SceneFacts> recordedScene(const RecordingMeta& meta,
                                                  const std::string& recording_path);
 
+/// How a session ended, by the last tick of its recording: "stop": somebody ended it, or its time
+/// was up; "fault"; "broken_off": the recording has no end, because the program or the machine
+/// failed, or the disk was full.
+[[nodiscard]] const char* endedBy(const TickRecord& last);
+/// What people are told about a session that was broken off.
+inline constexpr const char* kBrokenOff =
+    "the session was broken off: the recording has no end, because the program or the machine "
+    "failed, or the disk was full";
+
 /// Loop status at a tick, as far as it was recorded.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
 

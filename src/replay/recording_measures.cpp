@@ -32,11 +32,6 @@ Json ratio(double part, double whole) {
   return whole > 0.0 ? Json(part / whole) : Json();
 }
 
-/// How the session ended, according to its last tick: by a fault, or by an ordered stop.
-const char* endedBy(const TickRecord& last) {
-  return last.safety_state == SafetyState::kFaulted ? "fault" : "stop";
-}
-
 Expected<std::string> digestOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   Sha256 digest;
@@ -75,10 +70,10 @@ Expected<Json> recordingMeasures(const std::string& path) {
   // Selects the measures from the facts.
   const Json told = facts.json();
   const Json& reaches = told["reaches"];
-  const Json &by = told["moved"]["by"], &helped = told["moved"]["helped"];
-  const auto persons = by[static_cast<std::size_t>(Mover::kPerson)].get<double>();
-  const double with_help = helped[static_cast<std::size_t>(Help::kFull)].get<double>() +
-                           helped[static_cast<std::size_t>(Help::kSome)].get<double>();
+  const ActivePeriods& active = facts.active();
+  const auto seconds = [&](std::uint64_t periods) {
+    return static_cast<double>(periods) * meta.period_s;
+  };
   Json results = Json::array();
   for (const Json& result : told["results"]) {
     if (!std::isfinite(result["value"].get<double>())) continue;
@@ -86,6 +81,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
         {{"name", result["name"]}, {"value", result["value"]}, {"unit", result["unit"]}});
   }
   const auto count = reaches["count"].get<double>();
+  const std::string ended_by = ticks > 0 ? endedBy(*record) : "";
   return Json{
       {"measures", kMeasuresVersion},
       {"recording",
@@ -94,20 +90,24 @@ Expected<Json> recordingMeasures(const std::string& path) {
         {"ticks", ticks},
         {"duration_s", ticks == 0 ? 0.0 : static_cast<double>(last + 1) * meta.period_s},
         {"began_utc", meta.created_utc},
-        {"complete", notShown(*viewed, {reader.size() - ticks, 0}, path).empty()}}},
+        {"complete",
+         ended_by != "broken_off" && notShown(*viewed, {reader.size() - ticks, 0}, path).empty()}}},
       {"hand", embeddedName(meta, "hand")},
       {"visit", meta.clinic_visit},
       {"item", meta.clinic_item},
       {"exercise", meta.exercise},
       {"level", meta.level},
       {"results", std::move(results)},
-      {"active_s", persons * meta.period_s},
-      {"helped_share", ratio(with_help, persons)},
+      {"active_s", seconds(active.active)},
+      {"helped_s", seconds(active.helped)},
+      {"led_s", seconds(active.led)},
+      {"helped_share",
+       ratio(seconds(active.helped + active.led), seconds(active.active + active.led))},
       {"peak_speed_m_s", reaches["peak_m_s"]},
       {"path_ratio", ratio(reaches["path_m"].get<double>(), reaches["straight_m"].get<double>())},
       {"reaches", reaches["count"]},
       {"reach_s", ratio(reaches["sum_s"].get<double>(), count)},
-      {"ended_by", endedBy(*record)}};
+      {"ended_by", ended_by}};
 }
 
 }  // namespace wholehand

@@ -71,8 +71,7 @@ constexpr std::array kEnds = {"drink_done", "band_held", "level_done"};
 constexpr Names kBegins = {"engaged", "pour_began", "band_entered"};
 /// Events after which the hand is free to reach (kFrees), and events at which it has reached
 /// (kReached).
-constexpr Names kFrees = {"disengaged", "step_done", "band_held",
-                          "resumed",    "restarted", "drink_done"};
+constexpr Names kFrees = {"disengaged", "step_done", "band_held", "restarted", "drink_done"};
 constexpr Names kReached = {"engaged", "band_entered"};
 constexpr Names kRestarts = {"restarted"};
 
@@ -89,6 +88,7 @@ std::vector<bool> marked(const std::vector<std::string>& names, Names among) {
   return out;
 }
 
+constexpr double kShortestReach_s = 0.1, kRounding_s = 1e-6;
 constexpr double kStep_m = 1e-3;  ///< shorter steps are sensor resolution or tremor
 
 double valueAt(const TickRecord& record, int index) {
@@ -126,6 +126,7 @@ ExerciseParts::ExerciseParts(const RecordingMeta& meta)
       reached_(marked(meta.event_names, kReached)),
       restarts_(marked(meta.event_names, kRestarts)),
       step_done_(indexOf(meta.event_names, "step_done")),
+      engaged_(indexOf(meta.event_names, "engaged")),
       stars_value_(indexOf(meta.value_names, "stars")),
       path_(meta.axis_names) {
   for (std::size_t k = 0; k < kEnds.size(); ++k) ends_[k] = indexOf(meta.event_names, kEnds[k]);
@@ -136,7 +137,8 @@ ExerciseParts::ExerciseParts(const RecordingMeta& meta)
   for (PartSums& sums : sums_) sums.gained.assign(results_.size(), 0.0);
 }
 
-void ExerciseParts::add(const TickRecord& record, const MovedTime& before, const MovedTime& now) {
+void ExerciseParts::add(const TickRecord& record, const MovedTime& before, const MovedTime& now,
+                        bool interrupted) {
   path_.add(record);
   free_.peak_m_s = std::max(free_.peak_m_s, path_.speed_m_s());
   if (now.sum() == (now - before).sum()) {  // true at the first tick
@@ -144,10 +146,11 @@ void ExerciseParts::add(const TickRecord& record, const MovedTime& before, const
     free_ = {true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
     after_.fill(free_);
   }
+  if (interrupted) free_.known = false;
   if (record.exercise.event_count > 0) {
     Begin here{true, record.time_s, before, results_, path_.place_m(), path_.length_m()};
     for (int e = 0; e < record.exercise.event_count; ++e) {
-      addEvent(record.exercise.events[e], record, here, now);
+      addEvent(record.exercise.events[e], record, here, now, interrupted);
     }
   }
   keepResults(record);
@@ -160,10 +163,10 @@ void ExerciseParts::keepResults(const TickRecord& record) {
 }
 
 void ExerciseParts::addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
-                             const MovedTime& now) {
+                             const MovedTime& now, bool interrupted) {
   if (event.type < 0 || std::cmp_greater_equal(event.type, begins_.size())) return;
   const auto type = static_cast<std::size_t>(event.type);
-  if (reached_[type]) reach(record.time_s, now);
+  if (reached_[type]) reach(record.time_s, now, event.type == engaged_);
   if (restarts_[type]) {
     // Parts under way are discarded, and the exercise's counts begin at 0.
     steps_.clear();
@@ -182,11 +185,13 @@ void ExerciseParts::addEvent(const ExerciseEvent& event, const TickRecord& recor
   for (int k = 0; k < kKinds; ++k) {
     if (event.type == ends_[k]) finish(static_cast<Kind>(k), event, record, now);
   }
-  if (frees_[type]) free_ = here;
+  if (frees_[type] && !interrupted) free_ = here;
 }
 
-void ExerciseParts::reach(double time_s, const MovedTime& now) {
-  if (!free_.known) return;
+void ExerciseParts::reach(double time_s, const MovedTime& now, bool takes_hold) {
+  if (!std::exchange(free_.known, false)) return;
+  if (time_s - free_.time_s < kShortestReach_s - kRounding_s) return;
+  if (takes_hold && path_.length_m() == free_.path_m) return;
   const MovedTime moved = now - free_.moved;
   if (moved.isPersons()) {
     ++reaches_.count;
@@ -197,7 +202,6 @@ void ExerciseParts::reach(double time_s, const MovedTime& now) {
   } else {
     ++(moved.isShared() ? reaches_.shared : reaches_.others);
   }
-  free_.known = false;
 }
 
 void ExerciseParts::finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
@@ -310,8 +314,6 @@ constexpr double kBridge_s = 0.2, kJitter_m = 1e-3;
 
 constexpr double kEmptyBelow_m = -8.0;  ///< below it are empty slots of a game; a body is within 5
                                         ///< m of the origin
-/// Exercise value that holds the grip force [N].
-constexpr const char* kSqueeze = "squeeze_n";
 /// Shortest interval between recorded changes; a limit ramps over many ticks.
 constexpr double kBetweenChanges_s = 0.1;
 /// Limit of changes per axis in a page. If there are more, close changes are merged; the last one
@@ -412,12 +414,15 @@ void BodyContacts::position(const Eigen::Vector3d& position_m, double time_s, bo
 }
 
 TherapyFacts::TherapyFacts(const RecordingMeta& meta)
-    : meta_(meta), parts_(meta), limits_(meta.axis_names.size()) {
+    : meta_(meta),
+      active_(meta.axis_units, meta.value_names),
+      parts_(meta),
+      limits_(meta.axis_names.size()) {
   for (std::size_t b = 0; b < meta.body_names.size(); ++b) {
     bodies_.emplace_back(static_cast<int>(b), meta.body_names[b]);
   }
   for (const std::string& name : meta.capsule_names) grip_sides_.push_back(gripSideOf(name));
-  const auto found = std::find(meta.value_names.begin(), meta.value_names.end(), kSqueeze);
+  const auto found = std::find(meta.value_names.begin(), meta.value_names.end(), kGripForceValue);
   if (found != meta.value_names.end()) {
     squeeze_value_ = static_cast<int>(found - meta.value_names.begin());
   }
@@ -432,7 +437,8 @@ void TherapyFacts::add(const TickRecord& record, bool follows, std::uint64_t row
   const bool has_grip = squeeze_value_ >= 0 && squeeze_value_ < record.exercise.value_count;
   const double grip_n = has_grip ? record.exercise.values[squeeze_value_] : 0.0;
   addMover(record);
-  parts_.add(record, before_, now_);
+  active_.add(record);
+  parts_.add(record, before_, now_, active_.interrupted(record));
   // An exercise's wall may keep the fingers off the body; the grip force then counts as contact.
   addContacts(record, grip_n >= kLeastGrip_n, row);
   addLimits(record);
@@ -527,8 +533,12 @@ Json TherapyFacts::movedJson() const {
   for (const std::uint64_t periods : now_.by) by.push_back(periods);
   for (const std::uint64_t periods : now_.helped) helped.push_back(periods);
   for (const Run& run : runs_) runs.push_back({run.from_s, run.to_s, static_cast<int>(run.by)});
+  const ActivePeriods& active = active_.periods();
   return {{"by", by},
           {"helped", helped},
+          {"active_periods", active.active},
+          {"helped_periods", active.helped},
+          {"led_periods", active.led},
           {"share", now_.share()},
           {"runs", runs},
           {"runs_left_out", runs_left_out_}};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "loop/core/active_time.hpp"
 #include "loop/core/tick_record.hpp"
 #include "record/recording.hpp"
 
@@ -90,13 +91,20 @@ class HandPath {
 
 /// Finds the finished parts of an exercise by its events, and whose they are (MovedTime). A level
 /// that is restarted, by whomever, is a new part.
+///
+/// A reach begins when the person lets go or finishes a step, and ends when the hand takes hold or
+/// the force enters a band. A pause or an absence ends it without a result, and what the exercise
+/// lets go of then, or takes hold of again afterwards, is no reach. Nor is a change that took less
+/// than 0.1 s, or taking hold of something without a movement of 1 mm: the hand was there already.
 class ExerciseParts {
  public:
   /// @pre meta outlives this object
   explicit ExerciseParts(const RecordingMeta& meta);
 
   /// Adds a tick. @param before time moved before this tick @param now time moved including it
-  void add(const TickRecord& record, const MovedTime& before, const MovedTime& now);
+  /// @param interrupted the tick is in a pause or an absence (ActiveTime::interrupted())
+  void add(const TickRecord& record, const MovedTime& before, const MovedTime& now,
+           bool interrupted);
 
   /// Writes "parts", "parts_left_out", "sums", "reaches" and "results".
   void write(nlohmann::json& out) const;
@@ -120,18 +128,19 @@ class ExerciseParts {
   };
   /// Handles an event.
   /// @param here this tick as the begin of a part; a restart sets its counts to 0
+  /// @param interrupted the event frees no hand
   void addEvent(const ExerciseEvent& event, const TickRecord& record, Begin& here,
-                const MovedTime& now);
+                const MovedTime& now, bool interrupted);
   void finish(Kind kind, const ExerciseEvent& event, const TickRecord& record,
               const MovedTime& now);
-  void reach(double time_s, const MovedTime& now);
+  void reach(double time_s, const MovedTime& now, bool takes_hold);
   void keepResults(const TickRecord& record);
   [[nodiscard]] nlohmann::json resultsJson() const;
 
   const RecordingMeta& meta_;
   std::array<int, kKinds> ends_{};  ///< event type that finishes a part; -1: the exercise has none
   std::vector<bool> begins_, frees_, reached_, restarts_;  ///< by event type
-  int step_done_ = -1, stars_value_ = -1;
+  int step_done_ = -1, engaged_ = -1, stars_value_ = -1;
   std::vector<int> result_values_;     ///< index of each result among the values; -1: none
   std::vector<double> results_;        ///< results at the end of the previous tick
   std::array<Begin, kKinds> began_{};  ///< begin of the part under way
@@ -146,9 +155,6 @@ class ExerciseParts {
   std::uint64_t left_out_ = 0;
   MovedTime all_;
 };
-
-/// Smallest grip force of a grip; a smaller one counts as a touch only.
-inline constexpr double kLeastGrip_n = 1.0;
 
 /// An interval of at least one second in which the grip force was at least kLeastGrip_n.
 struct Grip {
@@ -259,6 +265,7 @@ class TherapyFacts {
   [[nodiscard]] const StrongestContact& strongest() const {
     return strongest_.force_n > 0.0 ? strongest_ : strongest_of_others_;
   }
+  [[nodiscard]] const ActivePeriods& active() const { return active_.periods(); }
   /// The facts as web/src/report/report_data.ts reads them. Ends grips and touches in progress.
   [[nodiscard]] nlohmann::json json();
 
@@ -290,6 +297,7 @@ class TherapyFacts {
 
   const RecordingMeta& meta_;
   MovedTime before_, now_;  ///< time moved before the present tick, and including it
+  ActiveTime active_;
   std::vector<Run> runs_;
   std::uint64_t runs_left_out_ = 0;
   ExerciseParts parts_;

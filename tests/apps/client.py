@@ -84,6 +84,10 @@ class Table:
         at = self.inner(index).at
         return struct.unpack_from(f"<{struct.unpack_from('<I', self.buffer, at)[0]}d", self.buffer, at + 4)
 
+    def floats(self, index):
+        at = self.inner(index).at
+        return struct.unpack_from(f"<{struct.unpack_from('<I', self.buffer, at)[0]}f", self.buffer, at + 4)
+
     def text(self, index):
         return self._text(self.inner(index).at)
 

@@ -1,7 +1,10 @@
-"""Recounts from the raw columns of a recording who moved the hand in each part of a session.
+"""Recounts from the raw columns of a recording who moved the hand in each part of a session, and for how long the person
+was active.
 
-It is independent of the program's implementation (src/replay/therapy_facts.hpp states the rule): it works on whole
-columns and takes only the compared figures from a report."""
+It is independent of the program's implementation (src/replay/therapy_facts.hpp and src/loop/core/active_time.hpp state
+the rules): it works on whole columns and takes only the compared figures from a report and from the measures."""
+import json
+import math
 import random
 
 import h5py
@@ -13,9 +16,14 @@ NOBODY, PERSON, VIRTUAL_PATIENT, MOTION = range(4)  # ticks/moved_by
 UNSPECIFIED, FULL_HELP, SOME_HELP, NO_HELP = range(4)    # ticks/help
 ENDS = ("drink_done", "band_held", "level_done")
 BEGINS = ("engaged", "pour_began", "band_entered")
-FREES = ("disengaged", "step_done", "band_held", "resumed", "restarted", "drink_done")
+FREES = ("disengaged", "step_done", "band_held", "restarted", "drink_done")
 REACHED = ("engaged", "band_entered")
 BRIDGE_S, GRIP_N, GRIP_S = 0.2, 1.0, 1.0
+REACH_S, WITHIN_S, ROUNDING_S = 0.1, 2.0, 1e-6
+LEAST_MOVE = {"m": 1e-3, "rad": math.radians(1)}
+HOLDER_SILENT = 1 << 20  # docs/safety.md, bits of `faults`
+AIM = 4                  # commands/type
+MISSING = numpy.array([0x7FC57481], numpy.uint32).view(numpy.float32)[0]  # docs/recording.md: a number that is missing
 
 
 def texts(attribute):
@@ -43,6 +51,12 @@ class Recount:
             self.events = [(int(new[row]), self.event_names[kind], int(index), float(value)) for row, kind, index, value in
                            zip(*(f[f"events/{name}"][:] for name in ("row", "type", "index", "value")))
                            if row < len(tick) and new[int(row)] >= 0]
+            self.axes, self.units = texts(meta["axis_names"]), texts(meta["axis_units"])
+            self.q_m, self.intention = (f[f"ticks/{name}"][:][rows].astype(float) for name in ("q_m", "intention"))
+            self.silent = f["ticks/faults"][:][rows] & HOLDER_SILENT != 0
+            aims = f["commands/row"][:][f["commands/type"][:] == AIM]
+            self.aimed = numpy.zeros(len(rows), bool)
+            self.aimed[[new[int(row)] for row in aims if row < len(tick) and new[int(row)] >= 0]] = True
             self.bodies = texts(f["ticks/bodies"].attrs["labels"]) if "bodies" in f["ticks"] else []
             # Keeps as many contacts of each row as the row counts; contacts that were never written name row 2^64 - 1.
             written = numpy.flatnonzero(f["contacts/row"][:] < len(tick))
@@ -56,6 +70,50 @@ class Recount:
             self.contact_body = f["contacts/body"][:][written][kept]
             self.contact_n = numpy.linalg.norm(f["contacts/force_n"][:][written][kept].astype(float), axis=1)
         self.persons = numpy.where(self.by == PERSON, self.periods, 0)
+
+        self.interrupted = self.silent | (self.value("paused") > 0.5)
+
+    def value(self, name):
+        """A column of the exercise's values; zeros without it."""
+        return self.values[:, self.value_names.index(name)] if name in self.value_names else numpy.zeros(len(self.by))
+
+    def active(self):
+        """The periods in which the person was active, the helped part of them, and those in which the hand was led."""
+        kind = numpy.where((self.by != PERSON) | self.interrupted, 0, numpy.where(self.help == FULL_HELP, 2, 1))
+        cuts = [0, *(numpy.flatnonzero(numpy.diff(kind)) + 1), len(kind)]
+        counted = numpy.zeros(len(kind), bool)
+        for begin, end in zip(cuts, cuts[1:]):
+            if kind[begin] != 0:
+                times_s = self.time_s[begin:end]
+                last_s = numpy.maximum.accumulate(numpy.where(self.moves(begin, end), times_s, -numpy.inf))
+                counted[begin:end] = times_s - last_s <= WITHIN_S + ROUNDING_S
+        own, led = counted & (kind == 1), counted & (kind == 2)
+        return [int(self.periods[which].sum()) for which in (own, own & (self.help == SOME_HELP), led)]
+
+    def moves(self, begin, end):
+        """The rows among these in which the person moves the hand, or grips in a device."""
+        known = numpy.isfinite(self.intention[begin:end, 0])
+        aimed = numpy.logical_or.accumulate(self.aimed[begin:end] & known)
+        at = numpy.where(known[:, None], self.intention[begin:end], self.q_m[begin:end]).tolist()
+        least = [LEAST_MOVE[unit] for unit in self.units]
+        here, away = at[0], []
+        for now in at:
+            away.append(any(abs(a - b) >= d for a, b, d in zip(now, here, least)))
+            here = now if away[-1] else here
+        grips = self.value("squeeze_n")[begin:end] >= GRIP_N
+        return (away & (aimed | ~known)) | (grips & ~known)
+
+    def way(self):
+        """The hand's way in space up to each row, in steps of at least 1 mm."""
+        columns = [self.axes.index(axis) for axis in ("x", "y", "z") if axis in self.axes]
+        way, here, sum_m = [], None, 0.0
+        for place in self.q_m[:, columns].tolist():
+            here = place if here is None else here
+            step_m = math.dist(place, here)
+            if step_m >= 1e-3:
+                sum_m, here = sum_m + step_m, place
+            way.append(sum_m)
+        return way
 
     def share(self, first, last):
         """The person's share of the rows first to last."""
@@ -92,12 +150,16 @@ class Recount:
 
     def reaches(self):
         """Yields (time, share) of each reach."""
-        free = 0
+        free, way = 0, self.way()
         for row, name, *_ in self.events:
-            if name in REACHED and free is not None:
-                yield self.time_s[row] - self.time_s[free], self.share(free, row)
+            if free is not None and self.interrupted[free:row + 1].any():
                 free = None
-            if name in FREES:
+            if name in REACHED and free is not None:
+                took_s = self.time_s[row] - self.time_s[free]
+                if took_s >= REACH_S - ROUNDING_S and (name != "engaged" or way[row] > way[free]):
+                    yield took_s, self.share(free, row)
+                free = None
+            if name in FREES and not self.interrupted[row]:
                 free = row
 
     def touches(self, body):
@@ -156,6 +218,38 @@ def hand_over(path, draw):
         lose_ticks(path, begin, min(rows - 1, begin + draw.choice((1, 7, 400))))
 
 
+def live_through(path, draw):
+    """Lets the person of a recording rest, pause, leave and aim at random; some are in a device, whose intention nobody
+    knows."""
+    with h5py.File(path, "r+", libver="latest") as f:
+        ticks, rows = f["ticks"], len(f["ticks/tick"])
+
+        def spans(most):
+            for _ in range(draw.randrange(most + 1)):
+                begin = draw.randrange(rows)
+                yield begin, min(rows, begin + draw.choice((1, 30, 700, 1999, 2001, 6000, rows)))
+
+        for begin, end in spans(4):
+            for name in ("q_m", "intention"):
+                ticks[name][begin:end] = ticks[name][begin]
+        for begin, end in spans(2):
+            ticks["faults"][begin:end] = ticks["faults"][begin:end] | HOLDER_SILENT
+        names = texts(f["meta"].attrs["value_names"])
+        for begin, end in spans(2):
+            ticks["exercise_values"][begin:end, names.index("paused")] = 1
+        if draw.random() < 0.3:
+            ticks["intention"][:] = MISSING
+        if len(f["commands/row"]) > 0:
+            return  # it has aims
+        aims = sorted(draw.sample(range(rows), draw.choice((0, 1, 40))))
+        for name, value in (("row", aims), ("type", AIM), ("index", NO_HELP), ("value", 0.0), ("aim", 0.0)):
+            column = f[f"commands/{name}"]
+            column.resize(len(aims), axis=0)
+            column[:] = value
+        for row in aims:
+            ticks["command_count"][row] = 1
+
+
 class Compared(AppTest):
     def compare(self, path):
         """Compares a report's figures with the recount and returns the recount."""
@@ -165,12 +259,27 @@ class Compared(AppTest):
         self.assertEqual(said["moved"]["by"], [int(own.periods[own.by == by].sum()) for by in range(4)])
         self.assertEqual(said["moved"]["helped"],
                          [int(own.periods[(own.by == PERSON) & (own.help == help)].sum()) for help in range(4)])
+        self.assertEqual([said["moved"][f"{name}_periods"] for name in ("active", "helped", "led")], own.active())
+        self.compare_measures(path, own)
         self.assertEqual(said["moved"]["share"], own.share(0, len(own.by) - 1))  # exact to the tick
         parts = list(own.parts())
         self.compare_parts(said, own, parts)
         self.compare_results(said, own, parts)
         self.compare_hand(said, own)
         return own
+
+    def compare_measures(self, path, own):
+        """The measures of `wholehand measures`, which the clinic keeps."""
+        measured = json.loads(self.expect(self.run_app("measures", path), DONE).out)
+        for name, periods in zip(("active_s", "helped_s", "led_s"), own.active()):
+            self.assertAlmostEqual(measured[name], periods * own.period_s, delta=1e-9)
+        mine = [took for took, share in own.reaches() if share == 1]
+        self.assertEqual(measured["reaches"], len(mine))
+        if mine:
+            self.assertAlmostEqual(measured["reach_s"], numpy.mean(mine), delta=1e-9)
+            self.assertGreater(min(mine), 0.09)
+        else:
+            self.assertIsNone(measured["reach_s"])
 
     def compare_drawn(self, bases, cases):
         """Compares copies of these recordings with random hand-overs; returns the kinds of parts that occurred."""
@@ -180,7 +289,9 @@ class Compared(AppTest):
             with self.subTest(seed=seed):
                 path = self.folder / "drawn.h5"
                 path.write_bytes(bases[case % len(bases)].read_bytes())
-                hand_over(path, random.Random(seed))
+                draw = random.Random(seed)
+                live_through(path, draw)
+                hand_over(path, draw)
                 kinds |= {(name, "all" if share == 1 else "none" if share == 0 else "part")
                           for name, _, _, share, *_ in self.compare(path).parts()}
         return kinds

@@ -1,4 +1,5 @@
-"""A session played from a page: its recording states who moved the hand, and its report counts it."""
+"""A session played from a page: its recording states who moved the hand and for how long, and its report counts it."""
+import json
 import random
 import struct
 import time
@@ -6,12 +7,13 @@ import time
 import numpy
 
 import client
-from app import FULL, SEED, main, read_recording
-from recount import PERSON, UNSPECIFIED, VIRTUAL_PATIENT, Compared
+from app import DONE, FULL, SEED, main, read_recording, report_data
+from recount import FULL_HELP, NO_HELP, PERSON, UNSPECIFIED, VIRTUAL_PATIENT, Compared
 from test_sessions import Running
 
 AIM, STEER = 4, 5  # commands/type
-RESTART = 1        # kind of an action
+NEXT, RESTART, PAUSE, RESUME = range(4)  # kinds of an action
+INTENTION, ACTIVE_S = 12, 45  # fields of WorldState
 CASES = 60 if FULL else 3
 
 
@@ -59,6 +61,57 @@ class Played(Running, Compared):
         self.assertGreaterEqual([name for _, name, *_ in own.events].count("drink_done"), 2)
         self.assertGreaterEqual([name for _, name, *_ in own.events].count("restarted"), 2)
         self.compare_drawn([self.folder / "run.h5"], CASES)
+
+    def play(self, seconds, speed_m_s, help):
+        """Aims 60 times a second of the program's time, with a speed along x; returns the ticks of the first and last aim."""
+        ticks = [self.page.state.number(1, "Q")]
+        while ticks[-1] < ticks[0] + 1000 * seconds:
+            self.place[0] += speed_m_s / 60
+            self.page.say(client.AIM, struct.pack("<6f", *self.place), ("B", help))
+            time.sleep(0.016)
+            ticks.append(self.page.state.number(1, "Q"))
+        return ticks[0], ticks[-1]
+
+    def test_a_script_counted_by_hand_has_its_active_and_led_time(self):
+        """3 s of still aims, 1 s of moving ones, 4 s still; 2.5 s in a pause, most of them moving; 3 s still; 1 s with full help; then
+        nobody holds the controls. Active: from the first movement to 2 s after the last, and the filter of the aim
+        comes to rest within 0.5 s. Led: the same of the aims with full help, until the controls are lost."""
+        run = self.start("--record", "run.h5", "--exercise", "cocktail-bar")
+        accepted, reason = self.page.arm(self.endings)
+        self.assertTrue(accepted, reason)
+        self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") > 100)
+        self.assertTrue(self.page.answer(self.page.say(client.STEER, ("b", 1)))[0])
+        tick = self.page.state.number(1, "Q")
+        self.wait_until(run, lambda: self.page.state.number(1, "Q") > tick + 1000)  # the hand comes to rest
+        self.place = list(self.page.state.floats(INTENTION))
+        self.play(3, 0.0, NO_HELP)
+        begins, ends = self.play(1, 0.05, NO_HELP)
+        self.play(4, 0.0, NO_HELP)
+        self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", PAUSE)))[0])
+        self.play(2, -0.02, NO_HELP)
+        self.play(0.5, 0.0, NO_HELP)
+        self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", RESUME)))[0])
+        self.play(3, 0.0, NO_HELP)
+        led, led_ends = self.play(1, 0.05, FULL_HELP)
+        shown_s = self.page.state.number(ACTIVE_S, "f")
+        self.page.fall_silent()
+        time.sleep(2.0)
+        run.kill()  # and so the session is broken off
+        run.communicate()
+        measured = json.loads(self.expect(self.run_app("measures", "run.h5"), DONE).out)
+        tolerance_s = 0.1  # between a state on its way to the page and an aim on its way to the loop
+        active_s = 2.0 + (ends - begins) / 1000
+        self.assertGreater(measured["active_s"], active_s - tolerance_s)
+        self.assertLess(measured["active_s"], active_s + 0.5 + tolerance_s)
+        self.assertGreater(measured["led_s"], (led_ends - led) / 1000 - 2 * tolerance_s)
+        self.assertLess(measured["led_s"], (led_ends - led) / 1000 + 2.0 + tolerance_s)
+        self.assertEqual(measured["helped_s"], 0.0)
+        self.assertAlmostEqual(shown_s, measured["active_s"], delta=tolerance_s)
+        self.assertEqual((measured["ended_by"], measured["recording"]["complete"]), ("broken_off", False))
+        said = self.expect(self.run_app("replay", "--speed", 1000, "run.h5"), DONE)
+        self.assertIn("broken off", said.out)
+        self.expect(self.run_app("replay", "run.h5", "--report", "page.html"), DONE)
+        self.assertEqual(report_data(self.folder / "page.html")["about"]["ended_by"], "broken_off")
 
 
 if __name__ == "__main__":

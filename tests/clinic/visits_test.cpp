@@ -560,6 +560,33 @@ TEST(Trials, Recording_IsMeasuredOnceAndListedInTheVisit) {
   EXPECT_EQ(csv.find("Keller"), std::string::npos);
 }
 
+// Active, helped and led time are columns of their own. What was broken off is listed with the
+// reason, and its measures count.
+TEST(Trials, SessionThatWasBrokenOff_IsToldWithItsTimes) {
+  Bench b;
+  FakeMeasures measures;
+  const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);
+  record(b, "a.h5");
+  Json& json = measures.results["a.h5"] = FakeMeasures::of(visit, "aa", 97.0);
+  json["helped_s"] = 30.0;
+  json["led_s"] = 45.0;
+  json["ended_by"] = "broken_off";
+  json["recording"]["complete"] = false;
+  look(b, measures);
+  const Json trial = b.get("/api/visits/open")["visit"]["trials"][0];
+  EXPECT_EQ(trial["state"], "measured");
+  EXPECT_EQ(trial["ended_by"], "broken_off");
+  EXPECT_NE(trial["why"].get<std::string>().find("broken off"), std::string::npos) << trial;
+  EXPECT_EQ(trial["active_s"], 120.0);
+  EXPECT_EQ(trial["helped_s"], 30.0);
+  EXPECT_EQ(trial["led_s"], 45.0);
+  b.finish(visit);
+  const std::string csv = b.raw("GET", "/api/export/all.csv", "").body;
+  for (const char* line : {"a.h5,active,120.0,s", "a.h5,helped,30.0,s", "a.h5,led,45.0,s"}) {
+    EXPECT_NE(csv.find(line), std::string::npos) << csv;
+  }
+}
+
 TEST(Trials, RecordingsMadeWhileTheProcessWasDown_AreFound) {
   Bench b;
   FakeMeasures measures;

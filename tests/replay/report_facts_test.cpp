@@ -12,6 +12,8 @@
 #include <functional>
 #include <iterator>
 #include <numbers>
+#include <string>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -255,6 +257,8 @@ nlohmann::json barFacts(const std::vector<BarMoment>& moments,
   const auto change = [&](TickRecord& record, int i) {
     record.moved_by = mover(i);
     record.help = Help::kFull;
+    record.q_m = AxisPosition(6);
+    record.q_m[1] = 1e-4 * i;
     for (const BarMoment& m : moments) {
       if (m.tick != i) continue;
       ExerciseRecord& out = record.exercise;
@@ -372,8 +376,12 @@ TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
   ASSERT_TRUE(measures) << format(measures.errors());
   EXPECT_EQ((*measures)["visit"], 1'234'567'890'123U);
   EXPECT_EQ((*measures)["item"], 2);
-  EXPECT_NEAR((*measures)["active_s"].get<double>(), 2.001, 1e-9);
-  EXPECT_NEAR((*measures)["helped_share"].get<double>(), 500.0 / 2001.0, 1e-9);
+  // The hand is 1 mm away at tick 504; the help ends at tick 1000.
+  EXPECT_NEAR((*measures)["active_s"].get<double>(), 1.997, 1e-9);
+  EXPECT_NEAR((*measures)["helped_s"].get<double>(), 0.496, 1e-9);
+  EXPECT_EQ((*measures)["led_s"], 0.0);
+  EXPECT_NEAR((*measures)["helped_share"].get<double>(), 496.0 / 1997.0, 1e-9);
+  EXPECT_EQ((*measures)["ended_by"], "stop");
   EXPECT_EQ((*measures)["reaches"], 1);
   EXPECT_NEAR((*measures)["reach_s"].get<double>(), 2.0, 1e-9);
   EXPECT_NEAR((*measures)["path_ratio"].get<double>(), 1.4, 0.02 * 1.4);
@@ -383,6 +391,34 @@ TEST(RecordingMeasures, ReachAroundACorner_HasItsTimePathAndSpeed) {
   std::ifstream in(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   EXPECT_EQ((*measures)["recording"]["sha256"], sha256(bytes));
+}
+
+// A session ends at the neutral effort or in a fault. The recording of a killed one ends while it
+// renders.
+TEST(RecordingMeasures, SessionWithoutAnEnd_IsBrokenOffAndNotComplete) {
+  const test::Folder folder;
+  const std::string path = folder.path() + "/killed.h5";
+  const std::pair<SafetyState, const char*> endings[] = {{SafetyState::kRendering, "broken_off"},
+                                                         {SafetyState::kArmed, "broken_off"},
+                                                         {SafetyState::kFaulted, "fault"},
+                                                         {SafetyState::kDisarmed, "stop"}};
+  for (const auto& [state, word] : endings) {
+    const auto writer = RecordingWriter::create(path, barMeta());
+    ASSERT_TRUE(writer) << format(writer.errors());
+    for (int i = 0; i < 100; ++i) {
+      TickRecord record = restingTick(i);
+      record.safety_state = i < 99 ? SafetyState::kRendering : state;
+      ASSERT_TRUE((*writer)->append(record));
+    }
+    (*writer)->close();
+    const auto measures = recordingMeasures(path);
+    ASSERT_TRUE(measures) << format(measures.errors());
+    EXPECT_EQ((*measures)["ended_by"], word);
+    EXPECT_EQ((*measures)["recording"]["complete"], word != std::string("broken_off"));
+    const auto report = reportData(path, "");
+    ASSERT_TRUE(report) << format(report.errors());
+    EXPECT_EQ((*report)["about"]["ended_by"], word);
+  }
 }
 
 // A recording killed in its first second still names its visit.

@@ -13,9 +13,9 @@ import { NoteKeeper, SAVED_AFTER_MS } from '../src/clinic/note_keeper';
 import { Outbox } from '../src/clinic/outbox';
 import { painWords } from '../src/clinic/pain';
 import { differing } from '../src/clinic/patient_form';
-import { activeMin, isOpen, itemNow, type Patient, type Visit } from '../src/clinic/records';
+import { isCounting, isOpen, itemNow, timeOf_s, type Patient, type Visit } from '../src/clinic/records';
 import { hashOf, routeOf, type Route } from '../src/clinic/routes';
-import { trialWords } from '../src/clinic/words';
+import { activeWords, timeWords, trialWords } from '../src/clinic/words';
 import { FakeClinic } from './clinic_fake';
 
 class MemoryStorage {
@@ -328,8 +328,30 @@ describe('a visit', () => {
   });
 
   it('counts active minutes, and stays at its last item', () => {
-    expect(activeMin(visit())).toBeCloseTo(280 / 60, 9);
+    expect(timeOf_s(visit(), 'active_s')).toBe(280);
     expect([0, 1, 2, 7].map((item) => itemNow({ ...visit(), item }))).toEqual([0, 1, 1, 1]);
+  });
+
+  it('is counted before its minutes are told', () => {
+    const measured = visit();
+    expect([isCounting(measured), timeWords(measured)]).toEqual([false, '5 min']);
+    const counted = { ...measured, trials: [...measured.trials, { ...measured.trials[0], state: 'waiting' as const, active_s: null }] };
+    expect([isCounting(counted), timeWords(counted), activeWords(counted)]).toEqual([true, 'counting …', 'counting …']);
+  });
+
+  it('tells led time apart from active time', () => {
+    const [trial] = visit().trials;
+    expect(activeWords({ ...visit(), trials: [{ ...trial, active_s: 60, led_s: 120 }] })).toBe('1 min active, 2 min led');
+    expect(activeWords({ ...visit(), trials: [{ ...trial, active_s: 60, led_s: 0 }] })).toBe('1 min active');
+    expect(trialWords({ ...trial, active_s: 0, led_s: 120 })).not.toContain(en.patient.notByPerson);
+    expect(trialWords({ ...trial, active_s: 0, led_s: 0 })).toContain(en.patient.notByPerson);
+  });
+
+  it('tells how a session ended that nobody ended', () => {
+    const [trial] = visit().trials;
+    expect(trialWords({ ...trial, ended_by: 'stop' })).not.toMatch(/broken|fault/);
+    expect(trialWords({ ...trial, ended_by: 'fault' })).toContain(en.patient.endedByFault);
+    expect(trialWords({ ...trial, ended_by: 'broken_off', why: 'the session was broken off' })).toContain(en.patient.brokenOff);
   });
 
   it('without a patient is open until it has ended', () => {

@@ -8,18 +8,17 @@ import { RunState } from '../src/protocol';
 
 describe('a session', () => {
   const at = (minute: number): Date => new Date(2026, 0, 1, 14, minute);
-  const state = (timeS: number, session = 3, runState = RunState.Rendering) => ({ session, timeS, runState });
+  const state = (timeS: number, session = 3, runState = RunState.Rendering) => ({ session, timeS, runState, activeS: timeS / 2, ledS: timeS / 4 });
 
-  it('is active while it renders and is not paused; its end time is kept', () => {
+  it('shows the times that the program counts; its end time is kept', () => {
     const counters = new SessionCounters();
-    for (let s = 0; s <= 60; s += 1) counters.onState(state(s), false, at(0));
-    for (let s = 61; s <= 90; s += 1) counters.onState(state(s), true, at(1));
+    for (let s = 0; s <= 90; s += 1) counters.onState(state(s), at(0));
     for (const event of ['engaged', 'step_done', 'level_done', 'step_done']) counters.count(event, ['engaged', 'step_done', 'level_done']);
-    expect([counters.active_s, counters.repetitions, counters.from, counters.ended]).toEqual([60, 2, at(0), undefined]);
-    counters.onState(state(91, 3, RunState.Stopping), false, at(2));
-    counters.onState(state(92, 3, RunState.Stopped), false, at(9));
-    expect([counters.active_s, counters.ended]).toEqual([60, at(2)]);
-    counters.onState(state(0, 4), false, at(10));
+    expect([counters.active_s, counters.repetitions, counters.from, counters.ended]).toEqual([45, 2, at(0), undefined]);
+    counters.onState(state(92, 3, RunState.Stopping), at(2));
+    counters.onState(state(94, 3, RunState.Stopped), at(9));
+    expect([counters.active_s, counters.led_s, counters.ended]).toEqual([46, 23, at(2)]);
+    counters.onState(state(0, 4), at(10));
     expect([counters.active_s, counters.repetitions, counters.from, counters.ended]).toEqual([0, 0, at(10), undefined]);
   });
 
@@ -32,14 +31,14 @@ describe('a session', () => {
 
 describe('a reload of the page', () => {
   const at = (minute: number): Date => new Date(2026, 0, 1, 14, minute);
-  const state = (timeS: number, session = 3, runState = RunState.Rendering) => ({ session, timeS, runState });
+  const state = (timeS: number, session = 3, runState = RunState.Rendering) => ({ session, timeS, runState, activeS: timeS / 2, ledS: timeS / 4 });
   const figures = ({ active_s, repetitions, from, ended }: SessionCounters) => [active_s, repetitions, from, ended];
   let stored: Map<string, string>;
 
   /** A session of a minute with two repetitions, as the page has it before a reload. */
   function aMinute(recording: string): void {
     const counters = new SessionCounters();
-    for (let s = 0; s <= 60; s += 1) counters.onState(state(s), false, at(0), recording);
+    for (let s = 0; s <= 60; s += 1) counters.onState(state(s), at(0), recording);
     for (let k = 0; k < 2; k += 1) counters.count('step_done', ['step_done']);
   }
 
@@ -52,13 +51,13 @@ describe('a reload of the page', () => {
   it.each(['a.h5', ''])('keeps the counters of a running session, recorded as "%s"', (recording) => {
     aMinute(recording);
     const again = new SessionCounters();
-    again.onState(state(63), false, at(9), recording);
-    expect(figures(again)).toEqual([63, 2, at(0), undefined]);
+    again.onState(state(63), at(9), recording);
+    expect(figures(again)).toEqual([31.5, 2, at(0), undefined]);
     again.count('step_done', ['step_done']);
-    again.onState(state(64, 3, RunState.Stopping), false, at(10), recording);
+    again.onState(state(64, 3, RunState.Stopping), at(10), recording);
     const afterTheEnd = new SessionCounters();
-    afterTheEnd.onState(state(0, 3, RunState.Stopped), false, at(20), '');
-    expect(figures(afterTheEnd)).toEqual([63, 3, at(0), at(10)]);
+    afterTheEnd.onState(state(0, 3, RunState.Stopped), at(20), '');
+    expect(figures(afterTheEnd)).toEqual([32, 3, at(0), at(10)]);
   });
 
   it.each([
@@ -67,39 +66,39 @@ describe('a reload of the page', () => {
   ] as const)('starts new counters with %s', (_what, now, recording) => {
     aMinute('a.h5');
     const again = new SessionCounters();
-    again.onState(now, false, at(9), recording);
-    expect(figures(again)).toEqual([0, 0, at(9), undefined]);
+    again.onState(now, at(9), recording);
+    expect(figures(again).slice(1)).toEqual([0, at(9), undefined]);
   });
 
   it('keeps one session, and stores at most once a second', () => {
     const written = vi.spyOn(sessionStorage, 'setItem'), counters = new SessionCounters();
-    for (let k = 0; k <= 600; k += 1) counters.onState(state(k / 60), false, at(0), 'a.h5');
+    for (let k = 0; k <= 600; k += 1) counters.onState(state(k / 60), at(0), 'a.h5');
     expect(written.mock.calls.length).toBeLessThanOrEqual(11);
-    for (let session = 4; session < 20; session += 1) counters.onState(state(0, session), false, at(1), `${session}.h5`);
+    for (let session = 4; session < 20; session += 1) counters.onState(state(0, session), at(1), `${session}.h5`);
     expect(stored.size).toBe(1);
   });
 
   it('ignores damaged data', () => {
     aMinute('a.h5');
     const [whole] = stored.values(), kept = parseCounters(whole);
-    expect(kept).toMatchObject({ session: 3, recording: 'a.h5', active_s: 60, repetitions: 2 });
+    expect(kept).toMatchObject({ session: 3, recording: 'a.h5', active_s: 30, led_s: 15, repetitions: 2 });
     const damaged = [
       null, '', 'null', '[]', '7', whole.slice(0, -1), `${whole}${' '.repeat(1000)}`,
-      ...Object.entries({ session: [-1, 1.5, '3'], recording: [null, 7], time_s: [-1, null, '60'], active_s: [61, -1, null], repetitions: [-1, 0.5, 1e300], from_ms: [null, 1e300, '1'], ended_ms: [0, '1', 1e300] })
+      ...Object.entries({ session: [-1, 1.5, '3'], recording: [null, 7], time_s: [-1, null, '60'], active_s: [-1, null], led_s: ['1', null], repetitions: [-1, 0.5, 1e300], from_ms: [null, 1e300, '1'], ended_ms: [0, '1', 1e300] })
         .flatMap(([name, values]) => [undefined, ...values].map((value) => JSON.stringify({ ...kept, [name]: value }))),
     ];
     for (const text of damaged) expect(parseCounters(text), String(text)).toBeNull();
     stored.set([...stored.keys()][0], '{');
     const again = new SessionCounters();
-    again.onState(state(63), false, at(9), 'a.h5');
-    expect(figures(again)).toEqual([0, 0, at(9), undefined]);
+    again.onState(state(63), at(9), 'a.h5');
+    expect(figures(again).slice(1)).toEqual([0, at(9), undefined]);
   });
 
   it('starts new counters if the browser stores nothing', () => {
     vi.stubGlobal('sessionStorage', { getItem: () => { throw new Error('denied'); }, setItem: () => { throw new Error('denied'); } });
     const counters = new SessionCounters();
-    for (let s = 0; s <= 60; s += 1) counters.onState(state(s), false, at(0), 'a.h5');
-    expect(counters.active_s).toBe(60);
+    for (let s = 0; s <= 60; s += 1) counters.onState(state(s), at(0), 'a.h5');
+    expect(counters.active_s).toBe(30);
   });
 });
 

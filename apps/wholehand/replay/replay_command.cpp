@@ -4,6 +4,7 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "loop/core/printable.hpp"
 #include "record/recording.hpp"
+#include "replay/recorded_scene.hpp"
 #include "replay/replay_children.hpp"
 #include "replay/resimulation/resimulation.hpp"
 #include "rig/program_version.hpp"
@@ -120,6 +121,7 @@ int play(const ViewedRecording& viewed, const std::string& path, double speed) {
   TickRecord record;
   std::uint64_t before = 0;
   UnreadTicks unread;
+  std::string ended_by;
   for (std::uint64_t i = 0; i < recording.size(); ++i) {
     if (!recording.read(i, record)) {
       if (unread.count++ == 0) unread.first = i;
@@ -134,10 +136,14 @@ int play(const ViewedRecording& viewed, const std::string& path, double speed) {
                   static_cast<double>(missing) * meta.period_s);
     }
     before = record.tick;
+    ended_by = endedBy(record);
     if (i % step != 0) continue;
     std::printf("%s\n", lineOf(record, meta).c_str());
     if (std::fflush(stdout) != 0) break;  // the reader of the output is gone
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
+  }
+  if (ended_by == "broken_off" && !viewed.reader->outline().being_written) {
+    std::printf("%s: %s\n", printable(path).c_str(), kBrokenOff);
   }
   return printNotShown(notShown(viewed, unread, path));
 }

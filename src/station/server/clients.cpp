@@ -15,6 +15,9 @@ void EventMailbox::put(const TickRecord& record, std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   newest_ns_ = now_ns;
   arrivals_[record.tick % arrivals_.size()] = {record.tick, now_ns};
+  if (record.tick <= newest_tick_) active_ = not_active_;  // a session began
+  newest_tick_ = record.tick;
+  active_.add(record);
   const int n = std::clamp(record.exercise.event_count, 0, kMaxExerciseEvents);
   for (int i = 0; i < n; ++i) {
     if (waiting_.size() == kCapacity) {
@@ -23,6 +26,20 @@ void EventMailbox::put(const TickRecord& record, std::int64_t now_ns) {
       waiting_.push_back({record.tick, record.exercise.events[i]});
     }
   }
+}
+
+void EventMailbox::describe(std::vector<std::string> axis_units,
+                            std::vector<std::string> value_names) {
+  const std::lock_guard lock(mutex_);
+  if (axis_units == axis_units_ && value_names == value_names_) return;
+  axis_units_ = std::move(axis_units);
+  value_names_ = std::move(value_names);
+  active_ = not_active_ = ActiveTime(axis_units_, value_names_);
+}
+
+ActivePeriods EventMailbox::active() const {
+  const std::lock_guard lock(mutex_);
+  return active_.periods();
 }
 
 void EventMailbox::fetch(std::vector<wire::NumberedEvent>& events) {
@@ -425,6 +442,9 @@ void Clients::followScene() {
   auto scene = backend_.scene();
   if (!scene || scene == scene_) return;
   scene_ = std::move(scene);
+  std::vector<std::string> axis_units;
+  for (const DeviceAxis& axis : scene_->device.axes) axis_units.emplace_back(axis.positionUnit());
+  mailbox_.describe(std::move(axis_units), scene_->value_names);
   encoder_ = std::make_unique<wire::StateEncoder>(scene_);
   scene_message_ = share(wire::sceneMessage(*scene_));
   shown_ns_ = 0;  // the shown state belongs to the previous scene
@@ -451,7 +471,8 @@ void Clients::sendState(LoopStatus status, std::int64_t now_ns) {
   if (shown_ns_ == 0 || record_->tick != shown_tick_ || !sameState(status, shown_) ||
       now_ns - shown_ns_ > kRepeat_ns) {
     state_arrived_ns_ = mailbox_.arrivalOf(record_->tick);
-    const auto bytes = encoder_->encode(*record_, status, wire::Detail::kFull, state_arrived_ns_);
+    const auto bytes = encoder_->encode(*record_, status, wire::Detail::kFull, state_arrived_ns_,
+                                        mailbox_.active());
     state_ = share({bytes.begin(), bytes.end()});
     ++state_number_;
     shown_ = std::move(status);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "loop/core/active_time.hpp"
 #include "loop/core/tick_record.hpp"
 #include "station/server/access.hpp"
 #include "station/server/control_timeouts.hpp"
@@ -22,8 +23,9 @@
 
 namespace wholehand {
 
-/// Carries the events of every record, and the arrival times of the newest records, from the
-/// telemetry thread to the server's. Bounded: when it is full, events are dropped and counted.
+/// Carries the events of every record, the arrival times of the newest records and the person's
+/// active time from the telemetry thread to the server's. Bounded: when it is full, events are
+/// dropped and counted.
 class EventMailbox {
  public:
   static constexpr std::size_t kCapacity = 4096;  ///< most events that wait
@@ -32,6 +34,10 @@ class EventMailbox {
 
   /// Adds a record's events. Telemetry thread; does not allocate.
   void put(const TickRecord& record, std::int64_t now_ns);
+  /// Names what the records hold from now on; other names begin the active time anew.
+  void describe(std::vector<std::string> axis_units, std::vector<std::string> value_names);
+  /// Active time of the session of the newest record.
+  [[nodiscard]] ActivePeriods active() const;
   /// Moves all waiting events into `events`, which is emptied first.
   void fetch(std::vector<wire::NumberedEvent>& events);
 
@@ -52,6 +58,9 @@ class EventMailbox {
   std::array<Arrival, 256> arrivals_{};  ///< at tick mod 256
   std::int64_t newest_ns_ = 0;
   std::uint64_t dropped_ = 0;
+  std::vector<std::string> axis_units_, value_names_;
+  ActiveTime not_active_{{}, {}}, active_ = not_active_;  ///< before its first tick, and now
+  std::uint64_t newest_tick_ = 0;
 };
 
 using SharedBytes = std::shared_ptr<const wire::Bytes>;

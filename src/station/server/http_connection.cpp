@@ -24,6 +24,11 @@ namespace wholehand {
 
 namespace {
 
+/// A header that is too large is refused after this time. The kernel copies megabytes for every
+/// such request before anybody can refuse it; a client that is answered at once repeats it hundreds
+/// of times a second, and the copies delay the loop and stops.
+constexpr std::chrono::milliseconds kTooLargeWait{500};
+
 /// A client's WebSocket connection. Lives while one of its operations is pending, or while
 /// `clients` holds it. Server's thread only.
 class WebSocketConnection final : public ClientConnection,
@@ -167,6 +172,7 @@ void HttpConnection::read() {
 
 void HttpConnection::hangUpIdle() {
   stopWaiting();
+  line_->cancelTimer();
   line_->close();
 }
 
@@ -193,7 +199,9 @@ void HttpConnection::haveRead(ReceivedRequest received) {
   request_ = std::move(received.request);
   ++context_.traffic.http_requests;
   route_ = Site::routeOf(request_);
-  if (received.what != ReceivedRequest::Kind::kRequest) {
+  if (received.what == ReceivedRequest::Kind::kTooLarge) {
+    refuseLate();
+  } else if (received.what != ReceivedRequest::Kind::kRequest) {
     const int status = received.what == ReceivedRequest::Kind::kHasBody ? 413 : 400;
     answer(plainRefusal(status, "malformed_http", "This is not a request that can be answered."));
   } else if (received.upgrade && request_.path() == "/ws") {
@@ -203,6 +211,17 @@ void HttpConnection::haveRead(ReceivedRequest received) {
   } else {
     answer(context_.site.answer(request_));
   }
+}
+
+// Reads nothing more meanwhile, so the client's header stays in its own buffers.
+void HttpConnection::refuseLate() {
+  place_ = context_.idle.insert(context_.idle.begin(), this);
+  line_->setTimer(kTooLargeWait, [self = shared_from_this()] {
+    self->stopWaiting();
+    self->answer(plainRefusal(431, "header_too_large",
+                              "The header of the request is too large. Delete the cookies of this "
+                              "address and try again."));
+  });
 }
 
 void HttpConnection::upgrade() {

@@ -34,9 +34,11 @@ struct ConnectionContext {
   std::size_t max_clients = 16;
   std::chrono::milliseconds disk_patience{};
   std::chrono::milliseconds report_patience{};
-  std::size_t connections = 0;           ///< open plain HTTP connections
-  std::size_t upgrading = 0;             ///< being upgraded to a WebSocket
-  std::list<HttpConnection*> idle = {};  ///< waiting for a request, longest first
+  std::size_t connections = 0;  ///< open plain HTTP connections
+  std::size_t upgrading = 0;    ///< being upgraded to a WebSocket
+  /// Those that may be closed to make room: waiting with a refusal, then for a request, longest
+  /// first.
+  std::list<HttpConnection*> idle = {};
 };
 
 /// Answers one browser over HTTP until the connection ends or becomes a WebSocket. Chooses who
@@ -52,7 +54,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   /// Waits for a request and answers it.
   void read();
-  /// Closes the connection while it waits for a request.
+  /// Closes the connection while it waits for a request, or with a refusal.
   void hangUpIdle();
 
  private:
@@ -74,6 +76,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   [[nodiscard]] FileWorkers& workers();
 
   void haveRead(ReceivedRequest received);
+  void refuseLate();
   void upgrade();
   [[nodiscard]] bool letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
                              void (HttpConnection::*then)(Work&));

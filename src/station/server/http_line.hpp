@@ -31,7 +31,7 @@ namespace wholehand {
 
 /// A request from a browser.
 struct ReceivedRequest {
-  enum class Kind { kRequest, kMalformed, kHasBody };
+  enum class Kind { kRequest, kMalformed, kHasBody, kTooLarge };  ///< kTooLarge: its header
   Kind what = Kind::kRequest;
   HttpRequest request;   ///< the part that could be parsed
   bool upgrade = false;  ///< the request asks for a WebSocket

@@ -105,8 +105,9 @@ class HttpSocket final : public HttpLine {
     version_ = malformed ? kVersion : header.version();
     ReceivedRequest h;
     if (malformed) {
-      h.what = error == http::error::body_limit ? ReceivedRequest::Kind::kHasBody
-                                                : ReceivedRequest::Kind::kMalformed;
+      h.what = error == http::error::body_limit     ? ReceivedRequest::Kind::kHasBody
+               : error == http::error::header_limit ? ReceivedRequest::Kind::kTooLarge
+                                                    : ReceivedRequest::Kind::kMalformed;
     }
     h.upgrade = boost::beast::websocket::is_upgrade(header);
     h.request.get = head_ || header.method() == http::verb::get;

@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::chrono::nanoseconds kFrame{16'666'667};  ///< 60 a second
 constexpr std::chrono::milliseconds kRetry{100};
+/// Data of a client that the kernel keeps until it is read. It would grow to megabytes by itself.
+constexpr int kReceiveBuffer_bytes = 64 * 1024;
 
 }  // namespace
 
@@ -35,6 +37,9 @@ class NetworkThread::Machinery {
     const Tcp::endpoint endpoint(ip, port);
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
+    if (!error) {  // connections inherit it
+      acceptor_.set_option(net::socket_base::receive_buffer_size(kReceiveBuffer_bytes), error);
+    }
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
     if (!error) port_ = acceptor_.local_endpoint(error).port();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "loop/core/active_time.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/dynamics/articulated_body.hpp"
 #include "station/server/access.hpp"
@@ -35,9 +36,11 @@ class StateEncoder {
   StateEncoder& operator=(const StateEncoder&) = delete;
 
   /// Encodes a state; the bytes are valid until the next call.
+  /// @param active active time of the session so far
   [[nodiscard]] std::span<const std::uint8_t> encode(const TickRecord& record,
                                                      const LoopStatus& status, Detail detail,
-                                                     std::int64_t sent_monotonic_ns);
+                                                     std::int64_t sent_monotonic_ns,
+                                                     const ActivePeriods& active = {});
 
  private:
   struct Buffer;

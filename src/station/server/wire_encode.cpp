@@ -93,7 +93,8 @@ Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vecto
 /// a game can do without, so that it always fits into a datagram.
 constexpr int kAxesThatFitDatagram = 9;
 
-/// The arrays of a state; FlatBuffers needs them before the table that refers to them.
+/// The arrays of a state, which FlatBuffers needs before the table that refers to them, and the
+/// person's times.
 struct Arrays {
   VectorOffset<float> q_m, q_s, qd_s, theta, intention, coupling, exercise_effort, damping, sent,
       phi;
@@ -103,6 +104,7 @@ struct Arrays {
   VectorOffset<const fb::ContactPoint*> contacts;
   Offset<fb::DeviceState> device;
   VectorOffset<std::uint32_t> fault_ticks;
+  double active_s = 0.0, helped_s = 0.0, led_s = 0.0;
 };
 
 VectorOffset<const fb::Pose*> links(Builder& b, const HandModel& hand,
@@ -238,6 +240,9 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   if (detail == Detail::kFull) out.add_basis(status.basis);  // datagrams may overtake the scene
   out.add_rehearsed_ticks(status.rehearsed_ticks);
   out.add_loop_age_s(static_cast<float>(status.loop_age_s));
+  out.add_active_s(static_cast<float>(arrays.active_s));
+  out.add_helped_s(static_cast<float>(arrays.helped_s));
+  out.add_led_s(static_cast<float>(arrays.led_s));
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
@@ -391,7 +396,8 @@ StateEncoder::~StateEncoder() = default;
 
 std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
                                                    const LoopStatus& status, Detail detail,
-                                                   std::int64_t sent_monotonic_ns) {
+                                                   std::int64_t sent_monotonic_ns,
+                                                   const ActivePeriods& active) {
   Builder& b = buffer_->builder;
   b.Clear();
   Arrays arrays = makeArrays(b, scene_->scene, record, status, detail);
@@ -402,6 +408,9 @@ std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
     kinematics_.updateKinematics(record.theta);
     arrays.links = links(b, hand, kinematics_);
   }
+  arrays.active_s = static_cast<double>(active.active) * scene_->period_s;
+  arrays.helped_s = static_cast<double>(active.helped) * scene_->period_s;
+  arrays.led_s = static_cast<double>(active.led) * scene_->period_s;
   finish(b, makeState(b, record, status, arrays, detail, sent_monotonic_ns), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetSize()};
 }

@@ -1,7 +1,10 @@
 #include "station/server/file_workers.hpp"
 #include "station/server/server_test.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <future>
+#include <thread>
 
 // Tests every route over a real socket, and the ways to ask for files that nobody may have.
 namespace wholehand::test {
@@ -121,8 +124,53 @@ TEST_F(HttpTest, OtherMethodsAndBodies_AreRefused) {
   RawSocket nonsense(port());
   EXPECT_EQ(ask(nonsense, "what is this\r\n\r\n").status, 400);
   RawSocket large(port());
-  EXPECT_EQ(ask(large, "GET / HTTP/1.1\r\nX: " + std::string(20000, 'x') + "\r\n\r\n").status, 400);
+  EXPECT_EQ(ask(large, "GET / HTTP/1.1\r\nX: " + std::string(20000, 'x') + "\r\n\r\n").status, 431);
   EXPECT_EQ(get(port(), "/").status, 200);
+}
+
+// Three clients ask for pages with headers of 2 MB, again and again. Each is refused after 0.5 s:
+// in a session of 2 s at most 4 times, not hundreds of times. Other clients are answered meanwhile.
+TEST_F(HttpTest, ClientsOfGiantHeaders_AreRefusedTwiceASecondAndDelayNobody) {
+  open();
+  constexpr int kClients = 3;
+  const std::string giant = "GET / HTTP/1.1\r\nX: " + std::string(2'000'000, 'x') + "\r\n\r\n";
+  std::atomic<bool> ends{false};
+  std::atomic<int> asked{0};
+  std::vector<std::thread> clients;
+  const auto began = std::chrono::steady_clock::now();
+  for (int i = 0; i < kClients; ++i) {
+    clients.emplace_back([&] {
+      while (!ends) {
+        RawSocket socket(port());
+        socket.send(giant);
+        ++asked;
+        (void)socket.receive(1, kPatience);
+      }
+    });
+  }
+  int answered = 0;
+  while (asked < 2 * kClients) {
+    EXPECT_EQ(get(port(), "/healthz").status, 200);
+    ++answered;
+  }
+  ends = true;
+  for (std::thread& client : clients) client.join();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  EXPECT_LE(refused("header_too_large"), kClients * (took.count() / 0.5 + 1.0));
+  EXPECT_GT(refused("header_too_large"), 0.0);
+  EXPECT_GT(answered, 0);
+}
+
+// As many wait with a refusal as there may be connections.
+TEST_F(HttpTest, WaitingRefusals_MakeRoomForOtherClients) {
+  open();
+  const std::string large = "GET / HTTP/1.1\r\nX: " + std::string(20'000, 'x') + "\r\n\r\n";
+  std::vector<std::unique_ptr<RawSocket>> refused_ones;
+  for (int i = 0; i < 128; ++i) {
+    refused_ones.push_back(std::make_unique<RawSocket>(port()));
+    refused_ones.back()->send(large);
+  }
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(get(port(), "/healthz").status, 200);
 }
 
 TEST_F(HttpTest,

@@ -3,11 +3,11 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
 import type { ClinicContext } from './page';
-import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
+import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { button, link, once, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
-import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, visitDay } from './words';
+import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, timeWords, visitDay } from './words';
 
 const EVERY_MS = 2500;
 
@@ -39,7 +39,7 @@ export class EndScreen implements Screen {
   private readonly timer: ReturnType<typeof setInterval>;
 
   constructor(private readonly context: ClinicContext, private readonly id: number) {
-    this.timer = setInterval(() => { if (!this.finished && !context.clinic.silentSince) void context.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); }, EVERY_MS);
+    this.timer = setInterval(() => { if (!this.finished && !context.clinic.silentSince) void context.clinic.lookAtVisit().then(() => this.show()).catch(() => {}); else this.lookAgain(); }, EVERY_MS);
     void this.open();
   }
 
@@ -47,7 +47,7 @@ export class EndScreen implements Screen {
     const { visitPatient } = this.context.clinic;
     return [visitPatient?.name ?? this.patient?.name ?? this.t.title, visitPatient ? `${visitPatient.code} · ${sideWords(this.visit?.side ?? visitPatient.side)}` : ''];
   }
-  what(): readonly [string, string] { return [this.t.title, this.visit ? minutes(activeMin(this.visit)) : '']; }
+  what(): readonly [string, string] { return [this.t.title, this.visit ? timeWords(this.visit) : '']; }
 
   close(): void {
     this.closed = true;
@@ -111,12 +111,12 @@ export class EndScreen implements Screen {
     if (this.closed) return;
     if (!visit) return this.over(fill(texts().visit.endedElsewhere, { at: clock(new Date()) }));
     const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
-    const shown = JSON.stringify([visit.trials, visit.plan]);
+    const shown = JSON.stringify([visit.trials, visit.plan, isCounting(visit)]);
     if (shown === this.shown) return;
     this.shown = shown;
     this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
-      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(t.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(t.of, { done: isCounting(visit) ? texts().patient.counting : minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
         ...(trials.length === 0 ? [h('small', {}, t.notDone)] : trials.map((trial) => resultTable(trial, last)))));
     })));
   }
@@ -141,19 +141,35 @@ export class EndScreen implements Screen {
     }
   }
 
+  /** Draws the card again when a recording of the finished visit has been measured. */
+  private lookAgain(): void {
+    const { context: { clinic }, finished } = this;
+    if (!finished || !isCounting(finished) || clinic.silentSince) return;
+    void clinic.api.get<Visit>(`/api/visits/${this.id}`).then((visit) => {
+      if (this.closed || this.finished !== finished) return;
+      this.finished = visit;
+      if (clinic.finished?.visit.id === this.id) clinic.finished = { ...clinic.finished, visit };
+      this.card(visit, clinic.finished?.next ?? '');
+    }).catch(() => {});
+  }
+
   /** The card for the patient: large type, no name, and only what was done. */
   private card(visit: Visit, next: string): void {
-    const t = this.t.card;
+    const t = this.t.card, counting = isCounting(visit), led_s = timeOf_s(visit, 'led_s'), active_s = timeOf_s(visit, 'active_s');
+    const trained = counting ? texts().patient.counting
+      : [...(active_s > 0 || led_s === 0 ? [fill(t.trained, { min: timeWords(visit) })] : []), ...(led_s > 0 ? [fill(t.led, { min: timeWords(visit, 'led_s') })] : [])].join(' ');
+    const print_card = button(t.print, 'print-card', () => print());
+    print_card.disabled = counting;
     const rows = visit.plan.flatMap((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
       if (trials.length === 0) return [];
       const result = trials.at(-1)!.results[0];
-      return [h('li', {}, h('b', {}, itemWords(item)), h('span', {}, [minutes(activeOf_s(visit, i) / 60), result ? resultWords(result) : ''].filter(Boolean).join(' · ')))];
+      return [h('li', {}, h('b', {}, itemWords(item)), h('span', {}, [counting ? '' : minutes(activeOf_s(visit, i) / 60), result ? resultWords(result) : ''].filter(Boolean).join(' · ')))];
     });
-    this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('h2', {}, t.title), h('p', { class: 'most' }, fill(t.trained, { min: minutes(activeMin(visit)) })),
+    this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('h2', {}, t.title), h('p', { class: 'most', 'data-testid': 'trained' }, trained),
       h('ul', {}, ...rows), next === '' ? null : h('p', {}, h('b', {}, t.next), ` ${next}`)),
     h('div', { class: 'pair no-print' }, h('a', { class: 'b go large', href: hashOf({ at: 'patients' }), 'data-testid': 'next-patient' }, t.nextPatient),
-      visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, button(t.print, 'print-card', () => print())));
+      visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, print_card));
     this.element.classList.add('carded');
   }
 }

@@ -9,11 +9,11 @@ import { accountName, NoteBox, noteList } from './notes';
 import type { ClinicContext } from './page';
 import { painWords } from './pain';
 import { PatientPicker } from './picker';
-import { activeMin, newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
+import { newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { besideTitle, button, Field, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
-import { clock, bornWords, itemWords, minutes, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
+import { activeWords, clock, bornWords, itemWords, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
 
 /** Number of visits that are listed at first. */
 const NEWEST = 12;
@@ -132,7 +132,7 @@ export class PatientScreen implements Screen {
     const tag = visit.state === 'unfinished' ? t.unfinished : visit.state === 'open' ? t.open : '';
     const links = h('span', { class: 'links' }, h('a', { href: hashOf({ at: 'summary', patient: this.id, visit: visit.id }) }, t.look), visit.state === 'open' ? null : button(t.move, `move-${visit.id}`, () => this.move(visit)));
     return h('li', { 'data-visit': visit.id }, when, h('div', { class: 'did' },
-      h('div', { class: 'first' }, h('span', {}, h('b', {}, minutes(activeMin(visit))), ` ${[t.active, sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null), links),
+      h('div', { class: 'first' }, h('span', {}, h('b', {}, activeWords(visit)), ` · ${[sideWords(visit.side), pain].filter(Boolean).join(' · ')} `, tag ? h('span', { class: 'tag warn' }, tag) : null), links),
       ...(visit.trials.length === 0 ? [h('small', {}, t.nothingDone)] : visit.trials.map((trial) => this.trialRow(trial, earlier)))));
   }
 

@@ -9,8 +9,8 @@ import { PatientPicker } from './picker';
 import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Visit } from './records';
 import { hashOf } from './routes';
 import { button, once, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
-import { activeMin, itemNow } from './records';
-import { clock, clockOf, dayOf, itemWords, locale, minutes, sideWords, visitClock, visitDay } from './words';
+import { itemNow } from './records';
+import { clock, clockOf, dayOf, itemWords, locale, sideWords, timeWords, visitClock, visitDay } from './words';
 
 /** The list is requested again this often [ms]. */
 const EVERY_MS = 15_000;
@@ -185,7 +185,7 @@ export class PatientsScreen implements Screen {
     const give = button(t.give, `give-${visit.id}`, () => this.pick(t.giveTo, async (patient) => { await api.send('POST', `/api/visits/${visit.id}/move`, { patient }); }), 'go');
     const away = twice(t.remove, t.removeYes, `delete-${visit.id}`, message, () => api.send('DELETE', `/api/visits/${visit.id}`), () => void this.read());
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: 'tag warn' }, t.noPatient)), h('h2', {}, `${visitDay(visit)}, ${visitClock(visit)}`),
-      h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${minutes(activeMin(visit))}`), message.element, h('div', { class: 'pair' }, give, away));
+      h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${timeWords(visit)}`), message.element, h('div', { class: 'pair' }, give, away));
   }
 
   /** A visit without a patient has the gentle limits; the page says so before it begins. */

@@ -6,10 +6,10 @@ import { texts } from './i18n';
 import { accountName, noteList } from './notes';
 import type { ClinicContext } from './page';
 import { painWords } from './pain';
-import { activeMin, activeOf_s, newestFirst, tookPlace, type Patient, type Visit } from './records';
+import { activeOf_s, isCounting, newestFirst, tookPlace, type Patient, type Visit } from './records';
 import { hashOf } from './routes';
 import { button, StatusMessage, type Screen } from './ui';
-import { bornWords, itemWords, minutes, sideWords, visitClock, visitDay } from './words';
+import { activeWords, bornWords, itemWords, minutes, sideWords, timeWords, visitClock, visitDay } from './words';
 
 /** A printable sheet, shown on the screen before it is printed. */
 abstract class Sheet implements Screen {
@@ -63,8 +63,8 @@ export class ProgressPrint extends Sheet {
     const { t } = this, visits = newestFirst(patient.visits).filter(tookPlace);
     if (visits.length === 0) return undefined;
     return [...this.head(t.progress, patient), h('div', { class: 'curves' }, ...patient.curves.map(curveFigure)), h('p', { class: 'aside' }, texts().patient.noClaim),
-      h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.day, t.hand, t.done, t.active, t.pain].map((words) => h('th', { scope: 'col' }, words)))),
-        h('tbody', {}, ...visits.map((visit) => h('tr', {}, h('th', { scope: 'row' }, visitDay(visit)), h('td', {}, sideWords(visit.side)), h('td', {}, [...new Set(visit.trials.map(itemWords))].join(', ')), h('td', { class: 'num' }, minutes(activeMin(visit))),
+      h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.day, t.hand, t.done, t.active, t.helped, t.led, t.pain].map((words) => h('th', { scope: 'col' }, words)))),
+        h('tbody', {}, ...visits.map((visit) => h('tr', {}, h('th', { scope: 'row' }, visitDay(visit)), h('td', {}, sideWords(visit.side)), h('td', {}, [...new Set(visit.trials.map(itemWords))].join(', ')), ...(['active_s', 'helped_s', 'led_s'] as const).map((time) => h('td', { class: 'num' }, timeWords(visit, time))),
           h('td', {}, `${painWords(visit.pain_before)} → ${painWords(visit.pain_after)}`)))))];
   }
 }
@@ -80,8 +80,8 @@ export class VisitPrint extends Sheet {
     const last = visits.slice(at + 1).find(tookPlace);
     const notes = (visit.notes?.length ?? 0) > 0 ? visit.notes! : patient.notes.filter((note) => note.visit === visit.id);
     return [...this.head(`${t.visit} ${visitDay(visit)}, ${visitClock(visit)}`, patient),
-      h('p', {}, `${sideWords(visit.side)} · ${minutes(activeMin(visit))} ${texts().patient.active} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
-      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(texts().end.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+      h('p', {}, `${sideWords(visit.side)} · ${activeWords(visit)} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
+      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(texts().end.of, { done: isCounting(visit) ? texts().patient.counting : minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
         ...visit.trials.filter((trial) => trial.item === i).map((trial) => resultTable(trial, last)))))),
       h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.context))];
   }

@@ -84,6 +84,11 @@ export interface Trial {
   /** null where nothing was measured. */
   readonly active_s: number | null;
   readonly helped_share: number | null;
+  /** Part of the active time with some help, and time in which the page led the hand. */
+  readonly helped_s?: number | null;
+  readonly led_s?: number | null;
+  /** How the session ended. */
+  readonly ended_by?: 'stop' | 'fault' | 'broken_off' | '';
   /** Mean time of the person's reaches, greatest speed, and path length relative to the straight line. */
   readonly reach_s?: number | null;
   readonly peak_speed_m_s?: number | null;
@@ -131,8 +136,11 @@ export interface Patient extends PatientText {
   readonly curves: readonly Curve[];
 }
 
-/** Active minutes of a visit. */
-export const activeMin = ({ trials }: Pick<Visit, 'trials'>): number => trials.reduce((sum, { active_s }) => sum + (active_s ?? 0), 0) / 60;
+type Times = 'active_s' | 'helped_s' | 'led_s';
+/** A time of a visit over its trials [s]. */
+export const timeOf_s = ({ trials }: Pick<Visit, 'trials'>, time: Times): number => trials.reduce((sum, trial) => sum + (trial[time] ?? 0), 0);
+/** Whether figures of the visit are still missing, because a recording of it is being measured. */
+export const isCounting = ({ trials }: Pick<Visit, 'trials'>): boolean => trials.some(({ state }) => state === 'waiting');
 
 /** Active seconds of an item of the plan. */
 export const activeOf_s = ({ trials }: Pick<Visit, 'trials'>, item: number): number =>

@@ -3,7 +3,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import { asWords, fixed } from '../shared/format';
 import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
-import type { Item, Result, Side, Trial, Visit } from './records';
+import { isCounting, timeOf_s, type Item, type Result, type Side, type Trial, type Visit } from './records';
 
 /** The locale for dates, with European formats. */
 export const locale = (): string => (language() === 'en' ? 'en-GB' : language());
@@ -37,6 +37,12 @@ export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>)
 export const helpWords = (help: Item['help']): string => texts().helps[help];
 export const minutes = (min: number): string => fill(texts().min, { n: fixed(min, min > 0 && min < 1 ? 1 : 0) });
 
+/** A time of a visit in minutes; while a recording is being measured, that it is being counted. */
+export const timeWords = (visit: Visit, time: Parameters<typeof timeOf_s>[1] = 'active_s'): string => (isCounting(visit) ? texts().patient.counting : minutes(timeOf_s(visit, time) / 60));
+/** The active time of a visit, and the time in which the hand was led, if it was. */
+export const activeWords = (visit: Visit): string =>
+  isCounting(visit) ? timeWords(visit) : [`${timeWords(visit)} ${texts().patient.active}`, ...(timeOf_s(visit, 'led_s') > 0 ? [`${timeWords(visit, 'led_s')} ${texts().patient.led}`] : [])].join(', ');
+
 /** The name of a limit, and its value in display units. */
 export function parameterWords(name: string, value: number): readonly [name: string, value: string] {
   const label = consoleTexts().parameters.names[name] ?? asWords(name);
@@ -63,6 +69,7 @@ export function trialWords(trial: Trial): string {
   if (trial.state === 'failed') return fill(t.failedTrial, { why: trial.why ?? '' });
   return [
     ...trial.results.slice(0, 3).map(resultWords), ...(trial.helped_share ? [fill(t.helped, { share: Math.round(100 * trial.helped_share) })] : []),
-    ...(trial.active_s === 0 ? [t.notByPerson] : []), ...(trial.why ? [t.partly] : []),
+    ...(trial.led_s ? [`${minutes(trial.led_s / 60)} ${t.led}`] : []), ...(trial.active_s === 0 && !trial.led_s ? [t.notByPerson] : []),
+    ...(trial.ended_by === 'broken_off' ? [t.brokenOff] : trial.why ? [t.partly] : []), ...(trial.ended_by === 'fault' ? [t.endedByFault] : []),
   ].join(' · ');
 }

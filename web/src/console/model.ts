@@ -131,7 +131,7 @@ export class ConsoleModel {
     this.state_ms = now_ms;
     if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
-    this.counters.onState(state, this.paused, new Date(), String(this.scene?.recording ?? ''));
+    this.counters.onState(state, new Date(), String(this.scene?.recording ?? ''));
     this.takeFaults(state);
     if (!this.history.add(state)) return;
     this.fresh = true;

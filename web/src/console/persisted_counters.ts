@@ -6,6 +6,7 @@ export interface PersistedCounters {
   readonly recording: string;   // empty: none
   readonly time_s: number;
   readonly active_s: number;
+  readonly led_s: number;
   readonly repetitions: number;
   readonly from_ms: number;
   readonly ended_ms: number | null;
@@ -26,12 +27,11 @@ export function parseCounters(text: string | null): PersistedCounters | null {
   let read: Partial<Record<keyof PersistedCounters, unknown>> | null;
   try { read = JSON.parse(text) as typeof read; } catch { return null; }
   if (typeof read !== 'object' || read === null) return null;
-  const { session, recording, time_s, active_s, repetitions, from_ms, ended_ms } = read;
+  const { session, recording, time_s, active_s, led_s, repetitions, from_ms, ended_ms } = read;
   if (!isCount(session) || typeof recording !== 'string' || !isCount(repetitions)) return null;
-  // The active time never exceeds the session's duration.
-  if (!isTime(time_s, LAST_MS / 1000) || !isTime(active_s, time_s)) return null;
+  if (![time_s, active_s, led_s].every((x) => isTime(x, LAST_MS / 1000))) return null;
   if (!isTime(from_ms, LAST_MS) || !(ended_ms === null || (isTime(ended_ms, LAST_MS) && ended_ms >= from_ms))) return null;
-  return { session, recording, time_s, active_s, repetitions, from_ms, ended_ms };
+  return { session, recording, time_s: time_s as number, active_s: active_s as number, led_s: led_s as number, repetitions, from_ms, ended_ms };
 }
 
 export function loadCounters(): PersistedCounters | null {

@@ -29,6 +29,8 @@ export interface RecordingInfo {
   readonly exercise: string;
   readonly level: number;
   readonly still_written: boolean;
+  /** How the session ended; empty: it runs still. */
+  readonly ended_by: string;
   /** The file can be read to its end. */
   readonly whole: boolean;
   /** Time from which the file cannot be read; undefined where that is not known. */
@@ -74,7 +76,7 @@ export function readAbout(json: unknown): RecordingInfo {
     period_s, ticks, from_s, to_s, ticks_missing: orZero(numberOf(json, 'ticks_missing')),
     simulated_device: json.simulated_device === true, patient: textOf(json, 'patient'), device: textOf(json, 'device'),
     hand: textOf(json, 'hand'), exercise: textOf(json, 'exercise'), level: orZero(numberOf(json, 'level')),
-    still_written: json.still_written === true, whole: json.whole !== false,
+    still_written: json.still_written === true, ended_by: textOf(json, 'ended_by'), whole: json.whole !== false,
     unreadable_from_s: Number.isFinite(unreadable) ? unreadable : undefined,
     picture: json.picture !== false, no_picture_because: textOf(json, 'no_picture_because'),
     axes: Array.isArray(json.axes) ? json.axes.filter(isText).map((axis) => ({

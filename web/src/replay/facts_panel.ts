@@ -26,7 +26,7 @@ export function factsPanel(about: RecordingInfo, missing: number, scene: SceneT 
     [t.when, dateWords(about.created_utc, language())], [t.exercise, exercise], [t.hand, c.hands[about.hand] ?? about.hand],
     [t.patient, personWords(about.profile, about.patient, about.simulated_device)], [t.device, about.simulated_device ? [about.device, t.simulated].filter(Boolean).join(', ') : about.device],
     [t.length, `${duration(about.to_s - about.from_s)}, ${fill(t.ticks, { n: grouped(about.ticks) })}`],
-    [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.program, about.program_version],
+    [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.end, t.ends[about.ended_by] ?? ''], [t.program, about.program_version],
   ];
   const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, isolated(name)), h('dd', {}, isolated(value)));
   const result = about.result.map(({ name, label, value, unit }) => line(labelOf(scene, name) || label, `${value} ${unit}`.trim()));

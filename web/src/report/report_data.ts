@@ -29,6 +29,8 @@ export interface PartCounts { readonly count: number; readonly shared: number; r
 /** Time by mover of the hand [periods], and the intervals. */
 export interface MovementRuns {
   readonly by: readonly number[]; readonly helped: readonly number[]; readonly share: number;
+  /** Active, the helped part of it, and led (the rule: src/loop/core/active_time.hpp). */
+  readonly active_periods: number; readonly helped_periods: number; readonly led_periods: number;
   readonly runs: readonly (readonly [from_s: number, to_s: number, by: Mover])[]; readonly runs_left_out: number;
 }
 /** A value that holds from a time until the next change. */
@@ -121,6 +123,7 @@ function readPart(json: Json): Part {
 function readMoved(json: Json): MovementRuns {
   return {
     by: numbers(json.by).map(number), helped: numbers(json.helped).map(number), share: number(json.share),
+    active_periods: number(json.active_periods), helped_periods: number(json.helped_periods), led_periods: number(json.led_periods),
     runs: pairs(json.runs).map(([from_s, to_s, by]) => [number(from_s), number(to_s), one(by, Mover.Motion)]), runs_left_out: number(json.runs_left_out),
   };
 }

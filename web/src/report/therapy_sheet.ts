@@ -68,7 +68,8 @@ function whoMoved({ data: { therapy: { moved, sums, reaches, grips, touches_not_
     .filter(([, { shared, others }]) => shared + others > 0).map(([what, { shared, others }]) => fill(t.apart, { what: REPORTS.map((report) => report.thing(what)).find((words) => words !== undefined) ?? t.things[what] ?? what, n: [shared > 0 ? fill(t.sharedCount, { n: grouped(shared) }) : '', others > 0 ? fill(t.othersCount, { n: grouped(others) }) : ''].filter(Boolean).join(', ') }));
   if (touches_not_persons > 0) apart.push(fill(t.touches, { n: grouped(touches_not_persons) }));
   return h('p', { class: 'moved', 'data-testid': 'moved', 'data-share': String(moved.share) },
-    h('b', {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}. `), helped.length > 0 ? `${fill(t.helped, { helps: helped.join(', ') })} ` : '',
+    h('b', { 'data-testid': 'active' }, `${fill(t.active, { time: time(moved.active_periods) })}${moved.helped_periods > 0 ? `, ${fill(t.activeHelped, { time: time(moved.helped_periods) })}` : ''}${moved.led_periods > 0 ? `; ${fill(t.led, { time: time(moved.led_periods) })}` : ''}. `),
+    `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}. `, helped.length > 0 ? `${fill(t.helped, { helps: helped.join(', ') })} ` : '',
     apart.length > 0 ? `${fill(t.notCounted, { what: apart.join('; ') })} ` : '', t.rule);
 }
 
@@ -112,7 +113,7 @@ function happened({ data }: SheetContext): HTMLElement {
   const notes = [
     about.whole ? '' : about.unreadable_from_s === undefined ? t.happened.unreadableEnd : fill(t.happened.unreadable, { time: shortTime(about.unreadable_from_s) }),
     ...series.unreadable.slice(0, 1).map(({ from_s }) => (about.whole ? fill(t.happened.unreadable, { time: shortTime(from_s) }) : '')),
-    about.still_written ? t.happened.written : '', series.truncated && series.unreadable.length === 0 ? t.happened.truncated : '',
+    about.still_written ? t.happened.written : '', about.ended_by === 'broken_off' ? t.happened.brokenOff : '', series.truncated && series.unreadable.length === 0 ? t.happened.truncated : '',
   ].filter(Boolean);
   return h('section', { class: 'happened' }, h('h2', {}, t.happened.title), h('table', {}, h('tbody', {}, ...rows)), ...notes.map((words) => h('p', { class: 'warn' }, words)));
 }

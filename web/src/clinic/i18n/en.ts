@@ -61,7 +61,7 @@ export const en = {
   patient: {
     patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
-    active: 'active', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
+    active: 'active', led: 'led', counting: 'counting …', brokenOff: 'broken off: the program or the machine failed', endedByFault: 'ended by a fault', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
     more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
     merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} goes, the visits come here' },
@@ -82,9 +82,9 @@ export const en = {
   end: {
     title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', noResults: 'No results.',
     next: 'What comes next', reason: 'Why nothing was done', finish: 'Finish visit', unfinished: 'Leave it unfinished', back: 'Back to the exercise',
-    card: { title: 'Your training today', trained: 'You trained for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
+    card: { title: 'Your training today', trained: 'You trained for {min}.', led: 'Your hand was led for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
   },
-  sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', pain: 'Pain before → after' },
+  sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', helped: 'Helped', led: 'Led', pain: 'Pain before → after' },
   settings: {
     title: 'Settings', people: 'Who works here', newPerson: 'Somebody new', name: 'Name', add: 'Add', backupProblem: 'It failed: {why}', backup: 'Backup', noFolder: 'No folder for backups is set. Start the program with one.', noBackup: 'No backup yet in {folder}.', lastBackup: 'Last backup: {day}, {at}, in {folder}.',
     export: 'Export', exportWords: 'All patients by code, without names.', csvAll: 'Save as CSV', leaving: 'End of the day', lockWords: 'Locked, the records need the pass phrase again.', signOut: 'Sign out', lock: 'Lock the records',

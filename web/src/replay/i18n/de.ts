@@ -24,7 +24,7 @@ export const de: ReplayTexts = {
   },
   facts: {
     title: 'Aufzeichnung', when: 'Wann', exercise: 'Übung', hand: 'Hand', patient: 'Person', device: 'Gerät', simulated: 'simuliert', length: 'Länge',
-    ticks: '{n} Takte', missing: 'Es fehlen', program: 'Programm', result: 'Ergebnis', noExercise: 'Keine',
+    ticks: '{n} Takte', missing: 'Es fehlen', end: 'Ende', ends: { stop: 'durch jemanden', fault: 'durch eine Störung', broken_off: 'abgebrochen: Die Aufnahme hat kein Ende' } as Record<string, string>, program: 'Programm', result: 'Ergebnis', noExercise: 'Keine',
   },
   moments: {
     title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: '{n} von {m}, um die Abspielstelle. Ein kürzeres Fenster zeigt weniger.', gap: '{n} Takte fehlen',

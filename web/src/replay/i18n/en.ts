@@ -23,7 +23,7 @@ export const en = {
   },
   facts: {
     title: 'Recording', when: 'When', exercise: 'Exercise', hand: 'Hand', patient: 'Patient', device: 'Device', simulated: 'simulated', length: 'Length',
-    ticks: '{n} ticks', missing: 'Missing', program: 'Program', result: 'Result', noExercise: 'None',
+    ticks: '{n} ticks', missing: 'Missing', end: 'Ended', ends: { stop: 'by somebody', fault: 'by a fault', broken_off: 'broken off: the recording has no end' } as Record<string, string>, program: 'Program', result: 'Result', noExercise: 'None',
   },
   moments: {
     title: 'Marks', none: 'Nothing happened in this window.', more: '{n} of {m}, around the play head. A shorter window shows fewer.', gap: '{n} ticks are missing',

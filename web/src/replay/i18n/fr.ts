@@ -24,7 +24,7 @@ export const fr: ReplayTexts = {
   },
   facts: {
     title: 'Enregistrement', when: 'Quand', exercise: 'Exercice', hand: 'Main', patient: 'Patient', device: 'Appareil', simulated: 'simulé', length: 'Durée',
-    ticks: '{n} pas', missing: 'Manquent', program: 'Programme', result: 'Résultat', noExercise: 'Aucun',
+    ticks: '{n} pas', missing: 'Manquent', end: 'Fin', ends: { stop: 'par quelqu’un', fault: 'par un défaut', broken_off: 'interrompue : l’enregistrement n’a pas de fin' } as Record<string, string>, program: 'Programme', result: 'Résultat', noExercise: 'Aucun',
   },
   moments: {
     title: 'Repères', none: 'Rien ne s’est passé dans cette fenêtre.', more: '{n} sur {m}, autour de la tête de lecture. Une fenêtre plus courte en montre moins.', gap: '{n} pas manquent',

@@ -10,7 +10,8 @@ export const de: ReportTexts = {
     touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'grösste Kontaktkraft', effort: 'grösste Kraft, {axis}',
   },
   whose: {
-    who: ['niemand', 'die Person', 'der virtuelle Patient', 'eine abgespielte Bewegung'], moved: '{who} bewegte die Hand {n} % der Zeit ({time})',
+    who: ['niemand', 'die Person', 'der virtuelle Patient', 'eine abgespielte Bewegung'], moved: '{who} hatte die Hand {n} % der Zeit ({time})',
+    active: 'Aktiv: {time}', activeHelped: 'davon {time} mit etwas Hilfe', led: 'geführt: {time}',
     helps: ['', 'mit voller Hilfe', 'mit etwas Hilfe', 'ohne Hilfe'], helped: 'Von der Person: {helps}.',
     person: 'von der Person', shared: 'geteilt, zu {n} % von der Person', shown: ['niemand bewegte', 'von der Person', 'gezeigt vom virtuellen Patienten', 'gezeigt von einer abgespielten Bewegung'],
     unknown: 'Diese Aufnahme sagt nicht, wer die Hand bewegte: Sie ist älter, und ihre Hand war simuliert.',
@@ -23,7 +24,7 @@ export const de: ReportTexts = {
   happened: {
     title: 'Stopps und Störungen', emergency_stop: 'Not-Halt', stop: 'Stopp', fault: 'Störung', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',
     at: 'bei {times}', more: '{times} und {n} weitere', ticks: '{n} Takte', lost: '{n} Takte, {s} s', unreadable: 'Ab {time} ist die Datei nicht lesbar.', unreadableEnd: 'Das Ende der Datei ist nicht lesbar.',
-    written: 'Die Aufzeichnung wurde noch geschrieben.', truncated: 'Es geschah mehr, als diese Seite fasst.',
+    written: 'Die Aufzeichnung wurde noch geschrieben.', brokenOff: 'Die Sitzung wurde abgebrochen: Die Aufnahme hat kein Ende, weil Programm oder Rechner ausfielen oder die Platte voll war.', truncated: 'Es geschah mehr, als diese Seite fasst.',
   },
   picture: { caption: 'Stärkster Kontakt: {n} N bei {time}', last: 'Am Ende, {time}', none: 'Kein Bild: Dieser Browser hat kein WebGL. Alles andere geht.', noScene: 'Kein Bild: {why}', drawing: 'Das Bild wird gezeichnet …' },
   bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Keine der Zahlen ist vergleichbar.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },

@@ -9,7 +9,8 @@ export const en = {
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
   },
   whose: {
-    who: ['nobody', 'the person', 'the virtual patient', 'a replayed motion'], moved: '{who} moved the hand {n} % of the time ({time})',
+    who: ['nobody', 'the person', 'the virtual patient', 'a replayed motion'], moved: '{who} had the hand {n} % of the time ({time})',
+    active: 'Active for {time}', activeHelped: '{time} of it with some help', led: 'led for {time}',
     helps: ['', 'with full help', 'with some help', 'without help'], helped: 'Of the person: {helps}.',
     person: 'the person’s', shared: 'shared, {n} % the person’s', shown: ['nobody moved', 'the person’s', 'shown by the virtual patient', 'shown by a replayed motion'],
     unknown: 'This recording does not say who moved the hand: it is older, and its hand was simulated.',
@@ -22,7 +23,7 @@ export const en = {
   happened: {
     title: 'Stops and faults', emergency_stop: 'Emergency stop', stop: 'Stop', fault: 'Fault', controls_lost: 'Controls lost', missing: 'Missing ticks', missed: 'Skipped periods', limited: 'Effort at its limit',
     at: 'at {times}', more: '{times} and {n} more', ticks: '{n} ticks', lost: '{n} ticks, {s} s', unreadable: 'From {time} on the file cannot be read.', unreadableEnd: 'The end of the file cannot be read.',
-    written: 'The recording was still being written.', truncated: 'More happened than this page holds.',
+    written: 'The recording was still being written.', brokenOff: 'The session was broken off: the recording has no end, because the program or the machine failed, or the disk was full.', truncated: 'More happened than this page holds.',
   },
   picture: { caption: 'Strongest contact: {n} N at {time}', last: 'At the end, {time}', none: 'No picture: this browser has no WebGL. Everything else works.', noScene: 'No picture: {why}', drawing: 'The picture is being drawn …' },
   bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'No figure can be compared.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },

@@ -10,7 +10,8 @@ export const fr: ReportTexts = {
     touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
   },
   whose: {
-    who: ['personne', 'le patient', 'le patient virtuel', 'un mouvement rejoué'], moved: '{who} : {n} % du temps à bouger la main ({time})',
+    who: ['personne', 'le patient', 'le patient virtuel', 'un mouvement rejoué'], moved: '{who} : la main {n} % du temps ({time})',
+    active: 'Actif : {time}', activeHelped: 'dont {time} avec un peu d’aide', led: 'guidé : {time}',
     helps: ['', 'avec toute l’aide', 'avec un peu d’aide', 'sans aide'], helped: 'Du patient : {helps}.',
     person: 'du patient', shared: 'partagé, {n} % du patient', shown: ['personne ne bougeait', 'du patient', 'montré par le patient virtuel', 'montré par un mouvement rejoué'],
     unknown: 'Cet enregistrement ne dit pas qui bougeait la main : il est plus ancien, et sa main était simulée.',
@@ -23,7 +24,7 @@ export const fr: ReportTexts = {
   happened: {
     title: 'Arrêts et défauts', emergency_stop: 'Arrêt d’urgence', stop: 'Arrêt', fault: 'Défaut', controls_lost: 'Commandes perdues', missing: 'Cycles manquants', missed: 'Périodes sautées', limited: 'Effort à sa limite',
     at: 'à {times}', more: '{times} et {n} autres', ticks: '{n} cycles', lost: '{n} cycles, {s} s', unreadable: 'À partir de {time}, le fichier est illisible.', unreadableEnd: 'La fin du fichier est illisible.',
-    written: 'L’enregistrement était encore en cours.', truncated: 'Il s’est passé plus que cette page ne contient.',
+    written: 'L’enregistrement était encore en cours.', brokenOff: 'La séance a été interrompue : l’enregistrement n’a pas de fin, car le programme ou la machine est tombé en panne, ou le disque était plein.', truncated: 'Il s’est passé plus que cette page ne contient.',
   },
   picture: { caption: 'Contact le plus fort : {n} N à {time}', last: 'À la fin, {time}', none: 'Pas d’image : ce navigateur n’a pas WebGL. Tout le reste fonctionne.', noScene: 'Pas d’image : {why}', drawing: 'L’image se dessine …' },
   bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'Aucun chiffre n’est comparable.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
