@@ -43,10 +43,11 @@ struct OpenedDevice {
 /// The functions of wh_plugin for drivers whose wh_device is `Opened`. They need a settings file.
 template <class Opened, typename Opened::Open open>
 struct PluginFunctions {
-  [[nodiscard]] static constexpr wh_plugin table(std::uint32_t flags, const char* name) {
-    return {sizeof(wh_plugin), WH_MAJOR,  WH_MINOR, flags,       name,
-            &openDevice,       &describe, &control, &readSample, &writeCommand,
-            &closeDevice,      &identify, nullptr};
+  [[nodiscard]] static constexpr wh_plugin table(std::uint32_t flags, const char* name,
+                                                 double opens_within_s, double switches_within_s) {
+    return {sizeof(wh_plugin), WH_MAJOR,  WH_MINOR, flags,          name,
+            &openDevice,       &describe, &control, &readSample,    &writeCommand,
+            &closeDevice,      &identify, nullptr,  opens_within_s, switches_within_s};
   }
   static int openDevice(const wh_host* host, const char* locator, const char* settings,
                         Opened** out) {

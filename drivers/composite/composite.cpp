@@ -187,14 +187,22 @@ int Composite::read(wh_sample& sample) noexcept {
       state_[0].lost || (!state_[1].lost && second.monotonic_ns < first.monotonic_ns);
   sample.monotonic_ns = (second_counts ? second : first).monotonic_ns;
   sample.vendor_code = first.vendor_code != 0 ? first.vendor_code : second.vendor_code;
-  sample.valid = 0;
+  sample.valid = sample.derating = 0;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place at = places_[i];
     const wh_sample& from = state_[at.part].newest;
     if (valid[at.part] && (from.valid >> at.axis & 1U) != 0) sample.valid |= 1U << i;
+    const bool derates = (from.status & WH_DERATING) != 0 &&
+                         (from.derating == 0 || (from.derating >> at.axis & 1U) != 0);
+    if (derates) sample.derating |= 1U << i;
     sample.position[i] = from.position[at.axis];
     sample.effort[i] = from.effort[at.axis];
     sample.temperature_c[i] = from.temperature_c[at.axis];
+  }
+  // Only an axis that the whole does not have derates. A mask of 0 would mean that any may.
+  if ((sample.status & WH_DERATING) != 0 && sample.derating == 0) {
+    sample.status &= ~static_cast<std::uint32_t>(WH_DERATING);
+    sample.status |= WH_HOT;
   }
   return fresh ? WH_OK : WH_NOTHING_NEW;
 }

@@ -46,10 +46,10 @@ class Composite {
   [[nodiscard]] Expected<Done> enable(const wh_command& neutral);
   [[nodiscard]] bool enablesAtNeutral() const noexcept;
   /// Reads both parts. The whole is homed when both are, and enabled when both are; after
-  /// WH_DISABLE it is enabled while one still is. A fault of one part is a fault of the whole. The
-  /// time is that of the older sample. When the samples are farther apart than the file allows, the
-  /// axes of the older one are invalid. WH_FAILED: both parts are lost. Real-time safe if both
-  /// parts are.
+  /// WH_DISABLE it is enabled while one still is. A fault of one part is a fault of the whole; a
+  /// part that derates may give less on its own axes only. The time is that of the older sample.
+  /// When the samples are farther apart than the file allows, the axes of the older one are
+  /// invalid. WH_FAILED: both parts are lost. Real-time safe if both parts are.
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept;
   /// Writes to both parts; axes that the file does not name get no effort. WH_FAILED: both parts
   /// are lost; or nothing is written, because the whole is not enabled, or the command is not

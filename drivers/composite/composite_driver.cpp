@@ -63,6 +63,7 @@ wholehand::Expected<std::unique_ptr<wh_device>> openParts(const wh_host& host,
   if (!whole) return whole.errors();
   plugin().flags = never_waits ? WH_NEVER_WAITS : 0;
   plugin().enable = (*whole)->enablesAtNeutral() ? &enable : nullptr;
+  plugin().switches_within_s = parts[0]->switchesWithin_s() + parts[1]->switchesWithin_s();
   return std::unique_ptr<wh_device>(
       new wh_device{host, config->longest_skew_s, std::move(whole).value()});
 }
@@ -137,7 +138,7 @@ int identify(wh_device* device, wh_identity* identity) {
 wh_plugin& plugin() {
   static wh_plugin made = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS, "composite",
                            openDevice,        describe, control,  readSample,     writeCommand,
-                           closeDevice,       identify, enable};
+                           closeDevice,       identify, enable,   60.0,           0.0};
   return made;
 }
 

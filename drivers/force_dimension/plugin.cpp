@@ -31,6 +31,6 @@ using Functions = PluginFunctions<wh_device, openDevice>;
 
 const wh_plugin* wh_plugin_v1(void) {
   // Without WH_NEVER_WAITS: the SDK waits for its bus and its time guard, and runs its own threads.
-  static constexpr wh_plugin kPlugin = Functions::table(0, "Force Dimension");
+  static constexpr wh_plugin kPlugin = Functions::table(0, "Force Dimension", 10.0, 1.0);
   return &kPlugin;
 }

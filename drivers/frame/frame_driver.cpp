@@ -160,8 +160,20 @@ int identify(wh_device* device, wh_identity* identity) {
 }  // namespace
 
 const wh_plugin* wh_plugin_v1() {
-  static const wh_plugin kPlugin = {
-      sizeof(wh_plugin), WH_MAJOR,   WH_MINOR,     WH_NEVER_WAITS, "frame",  openDevice, describe,
-      control,           readSample, writeCommand, closeDevice,    identify, enable};
+  static const wh_plugin kPlugin = {sizeof(wh_plugin),
+                                    WH_MAJOR,
+                                    WH_MINOR,
+                                    WH_NEVER_WAITS,
+                                    "frame",
+                                    openDevice,
+                                    describe,
+                                    control,
+                                    readSample,
+                                    writeCommand,
+                                    closeDevice,
+                                    identify,
+                                    enable,
+                                    2.5,
+                                    0.1};
   return &kPlugin;
 }

@@ -34,6 +34,6 @@ using Functions = PluginFunctions<wh_device, openDevice>;
 }  // namespace
 
 const wh_plugin* wh_plugin_v1(void) {
-  static constexpr wh_plugin kPlugin = Functions::table(WH_NEVER_WAITS, "moteus drives");
+  static constexpr wh_plugin kPlugin = Functions::table(WH_NEVER_WAITS, "moteus drives", 10.0, 1.0);
   return &kPlugin;
 }

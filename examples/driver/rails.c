@@ -177,6 +177,7 @@ static int identify(wh_device* device, wh_identity* identity) {
 const wh_plugin* wh_plugin_v1(void) {
   static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS,
                                    "rails (an example)", open_device, describe, control,
-                                   read_sample, write_command, close_device, identify, enable};
+                                   read_sample, write_command, close_device, identify, enable,
+                                   0.0, 0.0};
   return &plugin;
 }

@@ -7,6 +7,7 @@
 #include "loop/patient/player.hpp"
 #include "loop/renderer/live_settings.hpp"
 #include "loop/safety/neutral_ramp.hpp"
+#include "rig/arming.hpp"
 #include "rig/models.hpp"
 
 #include <fmt/format.h>
@@ -233,12 +234,13 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
 enum class Moves { kMaybeAPerson, kNobody };
 
 Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<HapticDevice> device,
-                                           const RigOptions& options, Moves moves,
+                                           const RigOptions& given, Moves moves,
                                            const KnownPerson* person) {
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   if (Diagnostics limits = refuseImpossibleLimits(models.device); !limits.empty()) return limits;
-  Expected<CheckedGains> checked = checkGains(models, options.period_s, options.measured);
+  Expected<CheckedGains> checked = checkGainsAtArming(models, *device, given);
   if (!checked) return checked.errors();
+  const RigOptions options = withDelayOf(*device, given);
   if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
   if (moves == Moves::kMaybeAPerson && !device->simulated()) {
     if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;

@@ -17,21 +17,36 @@ def sealed(text):
     return f'{text}[seal]\nsha256 = "{hashlib.sha256(text.encode()).hexdigest()}"\n'
 
 
-def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 1.02)):
-    """A passport for a device file with translations; damping and mass as shares of the stated values."""
+def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 1.02), known="", delay="[0.0009, 0.0011]"):
+    """A passport for a device file with translations; damping and mass as shares of the stated values.
+
+    known: more lines about the driver; delay: delay_s of every axis, and the lines after it.
+    """
     text = device.read_text()
     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     out = (f'kind = "passport"\nversion = 1\nmeasured_at = "{day + "T00:00:00+00:00" if day else now}"\n'
            f'operator = "A"\ndevice = "{re.search("(?m)^name = .(.*?).$", text)[1]}"\n'
-           f'device_sha256 = "{hashlib.sha256(device.read_bytes()).hexdigest()}"\nrate_hz = 1000\nserial = "{serial}"\n')
+           f'device_sha256 = "{hashlib.sha256(device.read_bytes()).hexdigest()}"\nrate_hz = 1000\nserial = "{serial}"\n{known}')
     for block in text.split("[[axes]]")[1:]:
         value = lambda key: float(re.search(rf"(?m)^{key} = (\S+)", block)[1])
         pair = lambda shares, number: f"[{shares[0] * number:.9g}, {shares[1] * number:.9g}]"
         out += (f'\n[[axes]]\nname = "{re.search("name = .(.*?).$", block, re.M)[1]}"\ntype = "translation"\n'
                 f'mass_kg = {pair(mass, value("mass_kg"))}\ndamping_n_s_m = {pair(damping, value("damping_n_s_m"))}\n'
-                f'coulomb_n = {pair((0.99, 1.01), value("coulomb_n"))}\ngravity_n = [-0.01, 0.01]\ndelay_s = [0.0009, 0.0011]\n'
+                f'coulomb_n = {pair((0.99, 1.01), value("coulomb_n"))}\ngravity_n = [-0.01, 0.01]\ndelay_s = {delay}\n'
                 f'resolution_m = {value("encoder_step_m")}\nmark_m = 0.0\n')
     return sealed(out + "\n")
+
+
+def rails_commissioned(device, delay):
+    """Passport and today's check of the example driver, beside the device file."""
+    driver = hashlib.sha256((DRIVERS / "rails.so").read_bytes()).hexdigest().encode()
+    known = f'firmware = "1.0"\nsdk = "none"\ndriver_sha256 = "{hashlib.sha256(driver).hexdigest()}"\n'
+    passport = passport_of(device, "rails-0001", known=known, delay=delay)
+    device.with_suffix(".rails-0001.passport.toml").write_text(passport)
+    now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+    device.with_suffix(".rails-0001.check.toml").write_text(sealed(
+        f'kind = "device-check"\nversion = 1\ndone_at = "{now}"\noperator = "A"\n'
+        f'passport_sha256 = "{passport.split(chr(34))[-2]}"\n\n'))
 
 
 class DeviceTest(PacedTest):

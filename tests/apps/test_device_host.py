@@ -13,8 +13,8 @@ import subprocess
 import time
 
 import client
-from app import ALWAYS, BINARY, FULL, HANG_S, main, read_recording
-from device_app import DRIVERS, HARDWARE, DeviceTest
+from app import ALWAYS, BINARY, CONFIG, FULL, HANG_S, main, read_recording
+from device_app import DRIVERS, HARDWARE, DeviceTest, rails_commissioned
 
 STALE_SAMPLE, ENABLE_LOST, SAMPLE_DELAY = 1 << 25, 1 << 24, 1 << 28  # docs/recording.md, bits of `faults`
 LOSSES = 25 if FULL else 2
@@ -37,13 +37,13 @@ class DeviceHost(DeviceTest):
             self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
         self.addCleanup(EFFORTS.unlink, missing_ok=True)
 
-    def start_host(self, driver="pushed", settings=EFFORTS):
+    def start_host(self, driver="pushed", settings=EFFORTS, device=(), more=()):
         """Starts a host whose output goes into a file, so that it is complete when the host is killed."""
         log = open(self.folder / "host.log", "a")
         self.addCleanup(log.close)
         before = self.host_says()
         self.host = host = subprocess.Popen([BINARY, "device-host", "--name", NAME, "--driver", DRIVERS / f"{driver}.so",
-                                 "--driver-settings", settings, *self.desktop()[:2]], cwd=self.folder,
+                                 "--driver-settings", settings, *(device or self.desktop()[:2]), *more], cwd=self.folder,
                                 stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         self.addCleanup(host.wait)
         self.addCleanup(host.kill)
@@ -220,6 +220,56 @@ class DeviceHost(DeviceTest):
         self.assertFalse(drive["on"])
         self.assertGreaterEqual(drive["since_s"], drive["heard_s"])
         self.assertEqual(self.host_says().count(off), 1, self.host_says())
+
+    def test_page_shows_between_sessions_what_the_drive_says(self):
+        """Before anything is armed, no loop reads the device: the host says it."""
+        host = self.start_host()
+        run = self.start_run()
+
+        def device(field, form):
+            return self.page.state.inner(client.DEVICE_STATE).number(field, form, -1 if form == "f" else 0)
+        homed, sample_age, hosted, host_age = (1, "B"), (5, "f"), (6, "B"), (7, "f")
+        self.wait_until(run, lambda: self.page.state is not None and device(*sample_age) >= 0)
+        self.assertTrue(device(*hosted) and device(*homed))
+        host.send_signal(signal.SIGSTOP)
+        self.wait_until(run, lambda: device(*sample_age) > 1 and device(*host_age) > 1)
+        host.send_signal(signal.SIGCONT)
+        self.wait_until(run, lambda: device(*sample_age) < 1)
+
+    def test_driver_that_hangs_between_sessions_is_the_alarm_of_host_and_page(self):
+        hangs = self.folder / "hangs"
+        host = self.start_host("hanging", f"read {hangs}")
+        run = self.start_run()
+        self.wait_until(run, lambda: self.page.state is not None and not self.page.state.number(client.SILENT, "B"))
+        hangs.touch()
+        self.wait_until(host, lambda: "The robot does not answer. Press the emergency stop" in self.host_says())
+        self.wait_until(run, lambda: self.page.state.number(client.SILENT, "B"))
+        hangs.unlink()
+        self.wait_until(host, lambda: "The robot answers again." in self.host_says())
+        self.wait_until(run, lambda: not self.page.state.number(client.SILENT, "B"))
+
+    def test_passport_measured_with_the_driver_is_judged_with_the_delay_behind_a_host(self):
+        """The gains are certified for 3 periods: the drive's 2.03 ms. A host of 1 kHz adds up to 2 ms."""
+        device = self.config_file("devices", "desktop-3axis", output_delay_ticks="3")
+        gains = self.config_file("rendering", "desktop-3axis", k_pm_n_m="105.0")
+        rails_commissioned(device, "[0.00195, 0.00205]\ntransport_s = 0.00002")
+        run = ("run", "--exercise", "free-grasping", "--patient", CONFIG / "patients/no-arm.toml", "--port", 0,
+               "--device", device, "--rendering", gains)
+        alone = self.start_app(*run, "--driver", DRIVERS / "rails.so")
+        first = alone.stdout.readline()
+        if "http" not in first:
+            self.fail(first + alone.communicate()[1])
+        alone.kill()
+        alone.communicate()
+        self.start_host("rails", "", ("--device", device), ("--rate-hz", "1000"))
+        refused = self.run_app(*run, "--host", NAME)
+        self.expect_refused(refused, "--rate-hz", "device commission --host")
+        now = re.search(r"the delay is (\S+) ms now \(drive 2.03 ms, transport (\S+) ms\), the passport's 2.05 ms",
+                        refused.err)
+        self.assertTrue(now, refused.err)
+        print(f"figure: transport behind a host of 1 kHz, p99.9 of both ways = {now[2]} ms")
+        self.assertGreater(float(now[1]), 3.1, "longer than the periods that are certified")
+        self.assertRegex(refused.err, r"not certified|more than 8 periods")
 
     def test_mismatched_device_is_refused_by_name(self):
         host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")

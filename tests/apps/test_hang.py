@@ -1,6 +1,7 @@
 """A driver whose call does not return: page, terminal and /healthz say so, nothing soothes, and a third Ctrl-C ends."""
 import json
 import queue
+import re
 import signal
 import threading
 import time
@@ -9,11 +10,12 @@ import urllib.request
 
 import client
 from app import HANG_S, INTERRUPTED, main
-from device_app import DRIVERS, DeviceTest
+from device_app import DRIVERS, HARDWARE, DeviceTest
+from test_commission import Terminal
 
 ALARM = "The robot does not answer. Press the emergency stop on the device now."
 RUN_STATE, RENDERING, STOPPING, STOPPED = 4, 1, 2, 3
-SILENT_AFTER_S, SWITCHED_AFTER_S = 0.050, 1.0  # docs/safety.md, "A loop or a driver that does not answer"
+SILENT_AFTER_S = 0.050  # docs/safety.md, "A loop or a driver that does not answer"
 
 
 class Hang(DeviceTest):
@@ -76,6 +78,7 @@ class Hang(DeviceTest):
         said = self.wait_for_line(ALARM)
         if call in ("read", "write") and state != "not armed":
             self.assertGreaterEqual(first.number(client.LOOP_AGE, "f", -1.0), SILENT_AFTER_S - 1e-6)
+        began = int(self.file.with_suffix(".at").read_text()) * 1e-9  # the driver's call was entered
         print(f"figure: {call} hangs, {state}: page {1e3 * (shown - began):.0f} ms, terminal {1e3 * (said - began):.0f} ms, "
               f"health {1e3 * (healthy_until - began):.0f} ms")
         return self.states.index((shown, first))
@@ -178,6 +181,76 @@ class Hang(DeviceTest):
                     time.sleep(0.05)
                 self.run_.wait(timeout=HANG_S)
                 self.assertEqual(self.run_.returncode, INTERRUPTED)
+
+
+class Opening(DeviceTest):
+    """While a driver opens or closes, only the terminal can say that it does not answer."""
+
+    def start(self, call, hangs):
+        self.file = self.folder / "hangs"
+        self.file.unlink(missing_ok=True)
+        if hangs:
+            self.file.touch()
+        self.run_ = self.start_app(*HARDWARE, "--without-passport", *self.desktop(), "--driver", DRIVERS / "hanging.so",
+                                   "--driver-settings", f"{call} {self.file}")
+        self.addCleanup(self.file.unlink, missing_ok=True)
+
+    def read_until(self, words):
+        said = ""
+        while words not in said:
+            line = self.run_.stdout.readline()
+            self.assertTrue(line, said)
+            said += line
+        return said
+
+    def test_call_that_hangs_while_opening_is_the_alarm_until_it_returns(self):
+        for call in ("open", "describe", "identify"):
+            with self.subTest(call=call):
+                self.start(call, True)
+                self.assertNotIn("http", self.read_until(ALARM))
+                self.file.unlink()
+                self.read_until("The robot answers again.")
+                self.read_until("http")
+                self.run_.kill()
+
+    def test_call_that_hangs_while_closing_is_the_alarm_until_it_returns(self):
+        self.start("close", False)
+        self.read_until("NOBODY MAY BE ATTACHED")
+        self.file.touch()
+        self.run_.send_signal(signal.SIGINT)
+        self.read_until(ALARM)
+        self.file.unlink()
+        self.assertEqual(self.run_.wait(timeout=HANG_S), INTERRUPTED)
+
+
+class Commissioning(Terminal):
+    """A driver that hangs while its device is commissioned."""
+
+    def begin_hanging(self, *more):
+        self.file_of_hang = self.folder / "hangs"
+        self.begin_program("--driver", DRIVERS / "hanging.so", "--driver-settings", f"read {self.file_of_hang}", *more)
+
+    def test_terminal_says_it_until_the_driver_answers_again(self):
+        self.begin_hanging()
+        self.until("serial number hangs-1")
+        self.file_of_hang.touch()
+        self.until(ALARM)
+        self.file_of_hang.unlink()
+        self.until("The robot answers again")
+
+    def test_page_and_health_say_it(self):
+        self.begin_hanging("--web", "--port", "0")
+        port = int(re.search(r":(\d+)/commission", self.until(r":\d+/commission"))[1])
+        page = client.Page(port)
+        wait = lambda what: self.until(lambda: page.state is not None and what())
+        wait(lambda: not page.state.number(client.SILENT, "B"))
+        self.file_of_hang.touch()
+        wait(lambda: page.state.number(client.SILENT, "B"))
+        with self.assertRaises(urllib.error.HTTPError) as health:
+            urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=HANG_S)
+        self.assertEqual(json.load(health.exception)["alarm"], ALARM)
+        self.file_of_hang.unlink()
+        wait(lambda: not page.state.number(client.SILENT, "B"))
 
 
 if __name__ == "__main__":

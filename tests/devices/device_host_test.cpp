@@ -29,9 +29,17 @@ class CarryingDriver final : public PlainDriver {
   [[nodiscard]] int read(wh_sample& sample) noexcept override {
     sample.sequence = ++samples_;
     sample.monotonic_ns = monotonicNow_ns();
+    sample.status = status;
     return WH_OK;
   }
   [[nodiscard]] int write(const wh_command&) noexcept override { return WH_OK; }
+  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double) override {
+    if (verb == WH_ENABLE) ++enabled_times;
+    return Done{};
+  }
+
+  std::atomic<std::uint32_t> status{0};
+  std::atomic<int> enabled_times{0};
 
  private:
   std::vector<wh_axis> axes_;
@@ -65,6 +73,38 @@ TEST(HostedDevice, AxesInAnotherOrder_AreMappedToTheFilesOrder) {
   EXPECT_EQ(device->read(reading, 1), Fault::kDeviceRead) << "closed";
   for (int i = 0; i < 2000 && (host.sample().sample.status & WH_ENABLED) != 0; ++i) sleepMs(1);
   EXPECT_EQ(host.sample().sample.status & WH_ENABLED, 0U);
+}
+
+// The pages of `run --host` show this (docs/device-host.md).
+TEST(HostedDevice, BetweenSessions_FactsAreWhatTheDriveSaysNow) {
+  const std::string name = hostName("between");
+  DeviceModel model = desktop();
+  model.axes[0].neutral_effort = 0.5;  // weighs something, so that it is held between sessions
+  const auto driver = std::make_shared<CarryingDriver>(faultyDriver("")->axes());
+  driver->status = WH_HOMED | WH_ENABLED;
+  HostThread host(name, driver, model);
+  const auto hosted = orThrow(HostedDriver::connect(name));
+  const auto comes_to = [&](DriveState drive) {
+    for (int i = 0; i < 300'000; ++i, sleepMs(1)) {
+      if (hosted->facts().drive == drive && !hosted->inSession()) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(comes_to(DriveState::kOn)) << "before the first session";
+  ASSERT_TRUE(hosted->control(WH_ENABLE, 0.0));
+  EXPECT_TRUE(hosted->inSession());
+  ASSERT_TRUE(hosted->control(WH_DISABLE, 0.0));
+  ASSERT_TRUE(comes_to(DriveState::kOn));
+  driver->status = WH_HOMED;
+  ASSERT_TRUE(comes_to(DriveState::kOff));
+  const HostFacts now = hosted->facts();
+  EXPECT_TRUE(now.held);
+  EXPECT_EQ(now.status, WH_HOMED);
+  EXPECT_GE(now.drive_heard_s, 0.0);
+  EXPECT_GE(now.drive_since_s, 0.0);
+  driver->status = WH_HOMED | WH_ENABLED;
+  EXPECT_TRUE(comes_to(DriveState::kOn));
+  EXPECT_EQ(driver->enabled_times, 1) << "only by the loop's request";
 }
 
 TEST(HostedDevice, DelayOfTheHost_IsComparedWithTheFile) {

@@ -147,6 +147,7 @@ static int identify(wh_device* device, wh_identity* identity) {
 #endif
 const wh_plugin* SYMBOL(void) {
   static const wh_plugin plugin = {SIZE, MAJOR, WH_MINOR, FLAGS, "faulty", open_device, describe,
-                                   control, read_sample, write_command, close_device, identify, NULL};
+                                   control, read_sample, write_command, close_device, identify, NULL,
+                                   0.0, 0.0};
   return &plugin;
 }

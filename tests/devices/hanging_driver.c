@@ -1,9 +1,10 @@
 /* A driver for tests, one of whose calls does not return while a file exists, like a call into a
- * library whose cable was pulled. Settings: "CALL FILE", with CALL one of read, write, enable,
- * disable. */
+ * library whose cable was pulled. Settings: "CALL FILE", with CALL one of open, describe, identify,
+ * read, write, enable, disable, close. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -16,9 +17,18 @@ struct wh_device {
   double effort[RAILS];
 };
 
+/* Writes into FILE.at when the call was entered [ns, CLOCK_MONOTONIC]. */
 static void hang_in(const wh_device* device, const char* call) {
   const struct timespec ms = {0, 1000000};
-  if (strcmp(device->call, call) != 0) return;
+  char path[sizeof device->file + 4];
+  FILE* at;
+  if (strcmp(device->call, call) != 0 || access(device->file, F_OK) != 0) return;
+  snprintf(path, sizeof path, "%s.at", device->file);
+  at = fopen(path, "w");
+  if (at != NULL) {
+    fprintf(at, "%lld", (long long)now_ns());
+    fclose(at);
+  }
   while (access(device->file, F_OK) == 0) nanosleep(&ms, NULL);
 }
 
@@ -33,13 +43,14 @@ static int open_device(const wh_host* host, const char* locator, const char* set
   }
   memcpy(device->call, settings, (size_t)(space - settings));
   strncpy(device->file, space + 1, sizeof device->file - 1);
+  hang_in(device, "open");
   *out = device;
   return WH_OK;
 }
 
 static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
-  const rail r = {0.1, 8.0, 1e-5, 0.001, 2.0};
-  (void)device;
+  const rail r = {0.1, 8.0, 1e-5, 0.0005, 2.0};
+  hang_in(device, "describe");
   return describe_rails(&r, RAILS, axes, capacity, count);
 }
 
@@ -73,10 +84,13 @@ static int write_command(wh_device* device, const wh_command* command) {
   return WH_OK;
 }
 
-static void close_device(wh_device* device) { free(device); }
+static void close_device(wh_device* device) {
+  hang_in(device, "close");
+  free(device);
+}
 
 static int identify(wh_device* device, wh_identity* identity) {
-  (void)device;
+  hang_in(device, "identify");
   strcpy(identity->serial, "hangs-1");
   return WH_OK;
 }

@@ -116,6 +116,17 @@ class HostBench {
     frame_->command.publish(command);
     commands_ = true;
   }
+  void stopCommands() { commands_ = false; }
+  /// Sends a message of no session, with an effort that nobody may get.
+  void probe(double effort) {
+    HostCommand probe{};
+    probe.session = kNoSession;
+    probe.sequence = ++probes_;
+    probe.monotonic_ns = simulated_ns;
+    probe.axes = 3;
+    probe.effort[0] = effort;
+    frame_->command.publish(probe);
+  }
   void bringTo(Where where) {
     EXPECT_EQ(ask(WH_ENABLE).ok, 1);
     if (where == Where::kWaiting) return;
@@ -148,7 +159,7 @@ class HostBench {
   std::unique_ptr<SharedFrame> frame_ = std::make_unique<SharedFrame>();
   GuardConfig config_;
   std::unique_ptr<DeviceHost> host_;
-  std::uint64_t requests_ = 0, session_ = 0, sequence_ = 0;
+  std::uint64_t requests_ = 0, session_ = 0, sequence_ = 0, probes_ = 0;
   bool commands_ = false;
 };
 
@@ -251,6 +262,37 @@ TEST(HeldDrive, DriveWhoseButtonIsStillPressed_RefusesTheLoopAndIsShownUntilItIs
   EXPECT_EQ(bench.ask(WH_ENABLE).ok, 1);
   bench.cycles(2);
   EXPECT_EQ(bench.sample().drive, DriveState::kOn);
+}
+
+// The echo from which the loop measures the way of its commands (devices/plugin/transport.hpp).
+TEST(HostEcho, CommandsAndProbesInEveryPhase_ComeBackWithTheirTimesAndProbesMoveNothing) {
+  for (const Where where : {Where::kHeld, Where::kWaiting, Where::kRendering}) {
+    HostBench bench;
+    bench.probe(7.0);
+    const std::int64_t sent_ns = simulated_ns;
+    simulated_ns += kCycle_ns / 3;
+    bench.cycle();
+    HostSample now = bench.sample();
+    EXPECT_EQ(now.command, 1U);
+    EXPECT_EQ(now.command_sent_ns, sent_ns);
+    EXPECT_EQ(now.command_arrived_ns, sent_ns + kCycle_ns / 3);
+    bench.cycles(5);
+    EXPECT_EQ(bench.sample().command_arrived_ns, now.command_arrived_ns) << "it arrived once";
+    bench.bringTo(where);
+    bench.cycle();
+    const double held = bench.drive.held_x;
+    const HostPhase phase = bench.sample().phase;
+    bench.stopCommands();
+    for (int i = 0; i < 20; ++i) {
+      bench.probe(7.0);
+      bench.cycle();
+      now = bench.sample();
+      EXPECT_EQ(now.command, static_cast<std::uint64_t>(2 + i));
+      EXPECT_EQ(now.command_arrived_ns - now.command_sent_ns, 0);
+    }
+    EXPECT_EQ(bench.drive.held_x, held);
+    EXPECT_EQ(now.phase, phase);
+  }
 }
 
 TEST(HeldDrive, DriveThatIsOn_IsNeitherDisabledNorEnabledAnewByTheNextLoop) {

@@ -22,9 +22,12 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <mutex>
 #include <numbers>
 #include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -238,6 +241,7 @@ TEST(ObservedDriver, CallThatDoesNotReturn_IsOverdueUntilItReturns) {
       device->close();
       return done;
     };
+    EXPECT_EQ(observed->switchesWithin_s(), 0.05) << "unless the driver states another time";
     EXPECT_TRUE(use()) << call;
     EXPECT_FALSE(observed->facts().overdue) << call;
     { const std::ofstream hangs(file); }
@@ -246,6 +250,33 @@ TEST(ObservedDriver, CallThatDoesNotReturn_IsOverdueUntilItReturns) {
     std::filesystem::remove(file);
     EXPECT_TRUE(used.get()) << call;
     EXPECT_FALSE(observed->facts().overdue) << call;
+  }
+}
+
+// While a driver is opened or closed there is neither page nor loop: the report says it.
+TEST(PluginDriver, OpeningOrClosingThatDoesNotReturn_IsReportedUntilItReturns) {
+  for (const char* call : {"open", "describe", "identify", "close"}) {
+    const Folder folder;
+    const std::string file = folder.path() + "/hangs";
+    { const std::ofstream hangs(file); }
+    std::mutex mutex;
+    std::vector<std::string> said;
+    const auto heard = [&](std::size_t lines) {
+      const std::lock_guard lock(mutex);
+      return said.size() >= lines;
+    };
+    std::future<bool> used = std::async(std::launch::async, [&] {
+      return PluginDriver::load({driverFile("hanging"), "", std::string(call) + " " + file},
+                                [&](const std::string& line) {
+                                  const std::lock_guard lock(mutex);
+                                  said.push_back(line);
+                                })
+          .ok();
+    });
+    while (!heard(1)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::filesystem::remove(file);
+    EXPECT_TRUE(used.get()) << call;
+    EXPECT_EQ(said, (std::vector<std::string>{kNoAnswer, kAnswersAgain})) << call;
   }
 }
 
@@ -319,6 +350,7 @@ class AgedDriver final : public PlainDriver {
     sample.status = WH_HOMED | (enabled ? static_cast<std::uint32_t>(WH_ENABLED) : 0U);
     sample.valid = 7;
     sample.status |= status;
+    sample.derating = derating;
     for (std::size_t a = 0; a < 3; ++a)
       sample.effort[a] = commanded[commanded.size() - 1 - late].effort[a];
     sample.effort[odd] = gain * sample.effort[odd] + bias;
@@ -332,7 +364,7 @@ class AgedDriver final : public PlainDriver {
     return WH_OK;
   }
   std::int64_t age_ns = 0;
-  std::uint32_t status = 0;
+  std::uint32_t status = 0, derating = 0;
   std::size_t late = 0, odd = 0;  ///< ticks until an effort acts; the axis with a wrong effort
   double gain = 1.0, bias = 0.0;
   double unlisted = 0.0;  ///< effort of the gripper
@@ -528,6 +560,27 @@ TEST(EffortAstray, DeratingDrive_MayGiveLessAndNeverMore) {
       all = Fault::kNone;
       for (int k = 0; k < 20; ++k) all |= at.tickWith(efforts);
       EXPECT_TRUE(any(all & Fault::kEffortAstray)) << "it no longer says that it derates";
+    }
+  }
+}
+
+// One of several drives derates, as in a composite: the others are judged in full.
+TEST(EffortAstray, AxisBesideADeratingOne_MayNotGiveLess) {
+  const double limit = desktopInARig().axes[0].effort_limit;
+  for (std::size_t derating = 0; derating < 3; ++derating) {
+    for (std::size_t odd = 0; odd < 3; ++odd) {
+      AgedDevice at;
+      const AxisEffort efforts(3, 0.6 * limit);
+      at.driver->odd = odd;
+      at.driver->status = WH_DERATING;
+      at.driver->derating = 1U << derating;
+      for (int k = 0; k < 50; ++k) {
+        ASSERT_FALSE(any(at.tickWith(efforts) & Fault::kEffortAstray)) << k;
+      }
+      at.driver->gain = 0.3;
+      Fault all = Fault::kNone;
+      for (int k = 0; k < 20; ++k) all |= at.tickWith(efforts);
+      EXPECT_EQ(any(all & Fault::kEffortAstray), odd != derating) << odd << " of " << derating;
     }
   }
 }

@@ -42,6 +42,6 @@ static inline int describe_rails(const rail* r, uint32_t rails, wh_axis* axes, u
     static const wh_plugin plugin = {                                      \
         sizeof(wh_plugin), WH_MAJOR, WH_MINOR, flags,       name,          \
         open_device,       describe, control,  read_sample, write_command, \
-        close_device,      identify, NULL};                                \
+        close_device,      identify, NULL,     0.0,         0.0};          \
     return &plugin;                                                        \
   }

@@ -154,6 +154,21 @@ TEST_F(CompositeParts, Status_CombinesBothParts) {
   }
 }
 
+// docs/composite.md: the efforts of the other part are judged in full.
+TEST_F(CompositeParts, DeratingOfOnePart_NamesItsAxesOnly) {
+  EXPECT_EQ(read().derating, 0U);
+  hand_->sample.status |= WH_DERATING;
+  EXPECT_EQ(read().derating, 4U);
+  EXPECT_NE(read().status & WH_DERATING, 0U);
+  base_->sample.status |= WH_DERATING;
+  EXPECT_EQ(read().derating, 7U);
+  base_->sample.derating = 1U << 1U;  // its y, the first of the whole
+  EXPECT_EQ(read().derating, 5U);
+  hand_->sample.status &= ~static_cast<std::uint32_t>(WH_DERATING);
+  base_->sample.derating = 1U << 2U;  // its z, which the whole does not have
+  EXPECT_EQ(read().status & (WH_DERATING | WH_HOT), WH_HOT) << "no axis of the whole derates";
+}
+
 TEST_F(CompositeParts, SkewBeyondTheBound_InvalidatesTheOlderAxesUntilItFalls) {
   both(20'000'000, 15'000'000);
   EXPECT_EQ(read().valid, 7U) << "5 ms are allowed";

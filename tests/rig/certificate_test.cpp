@@ -1,5 +1,7 @@
 // Every shipped rendering file on its device with every shipped hand and exercise, unchanged.
 #include "certify/certificate_refusal.hpp"
+#include "loop/device/arming_delay.hpp"
+#include "loop/device/simulated/simulated_device.hpp"
 #include "rig/models.hpp"
 #include "support/contains.hpp"
 #include "support/rig_tools.hpp"
@@ -140,6 +142,57 @@ TEST(Certificate, MeasuredDevice_IsAlsoCheckedAtItsWorstCorners) {
   ASSERT_EQ(refused.errors().size(), 1U) << format(refused.errors());
   EXPECT_TRUE(contains(refused.errors()[0].problem, "at the worst corner of the passport"));
   EXPECT_TRUE(contains(format(refused.errors()[0]), "y"));
+}
+
+/// A device that moves nobody and has measured its delay.
+class LateDevice final : public HapticDevice, public DelayedDevice {
+ public:
+  LateDevice(const Models& models, int periods)
+      : device_(models.device, models.patient, Intention{}, 1e-3),
+        delay_{periods, "the delay is 5.45 ms now, the passport's 3.45 ms"} {}
+  [[nodiscard]] Expected<Done> open() override { return device_.open(); }
+  [[nodiscard]] Expected<Done> ready() override { return device_.ready(); }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
+    return device_.read(reading, elapsed_periods);
+  }
+  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override {
+    return device_.write(effort);
+  }
+  void close() noexcept override { device_.close(); }
+  [[nodiscard]] const ArmingDelay& armingDelay() const noexcept override { return delay_; }
+
+ private:
+  SimulatedDevice device_;
+  ArmingDelay delay_;
+};
+
+/// The delay that was measured at arming counts for the certificate, which refuses only if it fails
+/// with that delay.
+TEST(Certificate, LongerDelayAtArming_IsCertifiedOrRefusedWithBothDelays) {
+  Models m = load(shippedFiles("desktop-3axis"));
+  RigOptions options;
+  options.measured = {m.device, m.device};
+  const int stated = m.device.output_delay_ticks;
+  const auto build = [&](int periods) {
+    return buildRigWithoutPerson(m, std::make_unique<LateDevice>(m, periods), options);
+  };
+  EXPECT_TRUE(build(stated).ok());
+  EXPECT_TRUE(build(0).ok()) << "not measured";
+  const auto refused = build(stated + 2);
+  ASSERT_FALSE(refused.ok());
+  const std::string said = format(refused.errors());
+  EXPECT_TRUE(contains(said, "the delay is 5.45 ms now, the passport's 3.45 ms; with it,")) << said;
+  EXPECT_TRUE(contains(said, "--rate-hz")) << said;
+  EXPECT_TRUE(contains(said, "largest allowed k_pm_n_m")) << said;
+  for (AxisRendering& axis : m.rendering.axes) axis.k_pm *= 0.25;
+  const auto softer = build(stated + 2);
+  ASSERT_TRUE(softer.ok()) << format(softer.errors());
+  EXPECT_EQ((*softer)->renderer->config().safety.tank.delay_ticks, stated + 2);
+  EXPECT_EQ((*softer)->models.device.output_delay_ticks, stated) << "the file is as it was";
+  const auto hopeless = build(1000);
+  ASSERT_FALSE(hopeless.ok());
+  EXPECT_TRUE(contains(format(hopeless.errors()), "more than 8 periods"));
 }
 
 /// These gains are certified for any linear passive person at 700 Hz but not for others. That is

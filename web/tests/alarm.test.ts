@@ -4,11 +4,12 @@ import { en } from '../src/console/i18n/en';
 import { de } from '../src/console/i18n/de';
 import { fr } from '../src/console/i18n/fr';
 import { deviceLines } from '../src/console/device_status';
+import { figuresOf, isWriting } from '../src/console/recordings';
 import { statusOf } from '../src/console/run_status';
 import { stoppedWords } from '../src/game/dialogs';
 import { pageState, type Situation } from '../src/game/page_state';
 import { DeviceStateT, RunState, SafetyState, WorldStateT } from '../src/protocol';
-import { alarmWords } from '../src/shared/alarm';
+import { alarmTitle, alarmWords } from '../src/shared/alarm';
 import { setLanguage } from '../src/shared/i18n';
 import { en as shared } from '../src/shared/i18n/en';
 import { isRecorded } from '../src/shared/recorded';
@@ -73,6 +74,18 @@ describe('the console, while the robot does not answer', () => {
   });
 });
 
+describe('the list of recordings, while the robot does not answer', () => {
+  const written = { name: 'a.h5', bytes: 262144, being_written: true };
+
+  it('does not say that anything is being recorded', () => {
+    expect(isWriting('a.h5', robot({ silent: false })), 'while it answers').toBe(true);
+    expect(isWriting('a.h5', robot())).toBe(false);
+    expect(figuresOf(written, false)).toContain(en.recordings.beingWritten);
+    expect(figuresOf(written, true)).not.toContain(en.recordings.beingWritten);
+    expect(figuresOf(written, true), 'its size is of a file that is there').toBe(figuresOf({ ...written, being_written: false }));
+  });
+});
+
 describe('a stop on the console', () => {
   const stopping = (more: Partial<WorldStateT>) => statusOf('open', robot({ silent: false, runState: RunState.Stopping, ...more }), false, [], en);
 
@@ -105,6 +118,16 @@ describe('the game', () => {
   it.each(RUN_STATES)('shows no card beside the alarm in run state %i', (runState) => {
     const situations: Partial<Situation>[] = [{}, { status: 'lost' }, { loading: true }, { resting: 'off' }, { resting: 'between' }, { wish: 'watch' }, { wish: 'undecided' }, { framing: true }, { loss: 'left' }, { unseen: 'lost' }];
     for (const more of situations) expect(pageState({ ...playing, ...more }, play, robot({ runState, rested: true }))).toBe('silent');
+  });
+
+  it.each(['en', 'de', 'fr'] as const)('fills its bar with the words of the alarm in %s, so that it does not stand empty', (language) => {
+    setLanguage(language);
+    for (const state of [robot(), robot({ stopUnconfirmed: true })]) {
+      const [title, more] = alarmTitle(state);
+      expect(title).not.toBe('');
+      expect(`${title} ${more}`).toBe(alarmWords(state));
+    }
+    expect(alarmTitle(robot({ device: null, intention: [0, 0, 0] }))[0]).toBe(alarmWords(robot({ device: null, intention: [0, 0, 0] })));
   });
 
   it('says that the robot no longer pushes only after the loop has ended', () => {

@@ -24,6 +24,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -251,11 +252,46 @@ class SimulatedTicks final : public TickClock {
   RealTicks pace_;
 };
 
-/// The device and its clock; `plant` is set for a simulated device.
+/// The device and its clock; `plant` is set for a simulated device, `observed` for a real one.
 struct Commissioned {
   std::shared_ptr<DeviceDriver> driver;
   std::shared_ptr<TickClock> clock;
   SimulatedPlant* plant = nullptr;
+  std::shared_ptr<const ObservedDriver> observed = nullptr;
+};
+
+/// Tells the people at the terminal and at the pages when a call of the driver does not return. Its
+/// own thread, because that of the commissioning waits for the call.
+class AnswerWatch {
+ public:
+  /// @param show receives each change; null: only the terminal is told
+  AnswerWatch(std::shared_ptr<const ObservedDriver> device, std::function<void(bool silent)> show)
+      : device_(std::move(device)), show_(std::move(show)) {
+    if (device_) thread_ = std::thread([this] { watch(); });
+  }
+  ~AnswerWatch() {
+    ends_.store(true);
+    if (thread_.joinable()) thread_.join();
+  }
+  AnswerWatch(const AnswerWatch&) = delete;
+  AnswerWatch& operator=(const AnswerWatch&) = delete;
+
+ private:
+  void watch() {
+    constexpr std::chrono::milliseconds kEvery{10};
+    for (bool silent = false; !ends_.load(); std::this_thread::sleep_for(kEvery)) {
+      if (device_->facts().overdue == silent) continue;
+      silent = !silent;
+      if (show_) show_(silent);
+      std::printf("\r\n%s\r\n", silent ? kNoAnswer : kAnswersAgain);
+      std::fflush(stdout);
+    }
+  }
+
+  std::shared_ptr<const ObservedDriver> device_;
+  std::function<void(bool)> show_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
 };
 
 Expected<Commissioned> openCommissioned(const CommissionOptions& options,
@@ -267,7 +303,8 @@ Expected<Commissioned> openCommissioned(const CommissionOptions& options,
   }
   auto driver = openDriver(options, model);
   if (!driver) return driver.errors();
-  return Commissioned{std::move(*driver), std::make_shared<RealTicks>(period_s)};
+  auto observed = std::make_shared<ObservedDriver>(std::move(*driver));
+  return Commissioned{observed, std::make_shared<RealTicks>(period_s), nullptr, observed};
 }
 
 /// The person. With a simulated plant, the person's hands are simulated.
@@ -386,6 +423,7 @@ int leadAtTerminal(const CommissionOptions& options, const Commissioned& what,
   RecordedSteps steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
+  const AnswerWatch watch(what.observed, nullptr);
   askForRealTime(what);
   if (options.daily) return commissioning.checkToday() ? kExitDone : kExitBadInput;
   return leadCommissioning(commissioning, person) ? kExitDone : printNotFinished(options);
@@ -441,6 +479,7 @@ int leadAtPage(const CommissionOptions& options, const Commissioned& what, const
   RecordedSteps steps(record, std::move(*bench), options);
   Commissioning& commissioning = steps.commissioning;
   if (auto refused = refuseWithoutPassport(options, commissioning)) return *refused;
+  const AnswerWatch watch(what.observed, [&person](bool silent) { person.setSilent(silent); });
   askForRealTime(what);
   const bool written = options.daily ? leadDailyCheck(commissioning, *acting)
                                      : leadCommissioning(commissioning, *acting);

@@ -4,6 +4,7 @@
 #include "apps/wholehand/shared/options.hpp"
 #include "devices/host/device_host.hpp"
 #include "devices/host/host_segment.hpp"
+#include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
 #include "files/device/device_file.hpp"
 #include "loop/core/printable.hpp"
@@ -68,7 +69,8 @@ std::string lineAbout(const HostEvent& event) {
 }
 
 // Cycles until the host ends by itself or by a signal.
-Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
+Expected<Done> hold(DeviceHost& host, const ObservedDriver& driver,
+                    const DeviceHostOptions& options) {
   Interrupts& interrupts = InterruptScope::shared();
   PeriodicThreadConfig config;
   config.period_ns = std::llround(1e9 / options.rate_hz);
@@ -95,9 +97,13 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
         std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
     }
   };
-  // Prints events until the thread ends.
-  while (thread.running()) {
+  // Prints events until the thread ends, and whether the driver answers.
+  for (bool silent = false; thread.running();) {
     std::this_thread::sleep_for(kLookEvery);
+    if (driver.facts().overdue != silent) {
+      silent = !silent;
+      std::printf("%s: %s\n", printable(options.name).c_str(), silent ? kNoAnswer : kAnswersAgain);
+    }
     if (InterruptScope::interrupted()) host.requestEnd();
     print_events();
   }
@@ -126,12 +132,13 @@ int deviceHostCommand(const DeviceHostOptions& options) {
   auto segment = HostSegment::create(**lock);
   if (!segment) return refuse(segment.errors());
   const GuardConfig config = guardConfig(**driver, *model, 1.0 / options.rate_hz);
-  DeviceHost host(**driver, (*segment)->frame(), config, &monotonicNow_ns);
+  ObservedDriver observed(*driver);
+  DeviceHost host(observed, (*segment)->frame(), config, &monotonicNow_ns);
   describeDevice((*segment)->frame(), **driver, config, ::getpid());
   std::printf("%s: holds %s, %zu axes; a loop takes it with: wholehand run --host %s\n",
               options.name.c_str(), (*driver)->name().c_str(), (*driver)->axes().size(),
               options.name.c_str());
-  if (auto held = hold(host, options); !held) return refuse(held.errors());
+  if (auto held = hold(host, observed, options); !held) return refuse(held.errors());
   return kExitDone;
 }
 

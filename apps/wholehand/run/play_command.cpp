@@ -12,11 +12,13 @@
 #include "devices/passport/passport.hpp"
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
+#include "devices/plugin/transport.hpp"
 #include "files/device/device_file.hpp"
 #include "files/text/text_file.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
 #include "replay/replay_children.hpp"
+#include "rig/arming.hpp"
 #include "rig/models.hpp"
 #include "rig/program_version.hpp"
 #include "rig/run/run.hpp"
@@ -30,9 +32,12 @@
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -82,14 +87,20 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   return Done{};
 }
 
-Expected<ArmingPermit> permitNow(const DeviceDriver& driver, const DeviceModel& model,
+// Permit for the present arming, with the delay that the device has now.
+Expected<ArmingPermit> permitNow(DeviceDriver& driver, const DeviceModel& model,
                                  const std::string& armed_with, double period_s) {
   if (armed_with == kWithout) return ArmingPermit::withoutPassport();
-  const auto checked = checkArmingPermit(driver.identity(), model, 1.0 / period_s, placeTimeNow());
+  auto checked = checkArmingPermit(driver.identity(), model, 1.0 / period_s, placeTimeNow());
   if (!checked) return checked.errors();
-  if (checked->permit.passport() == armed_with) return checked->permit;
-  return fileFault(checked->passport.path, "the passport was replaced while this program runs",
-                   "start the program again");
+  if (checked->permit.passport() != armed_with) {
+    return fileFault(checked->passport.path, "the passport was replaced while this program runs",
+                     "start the program again");
+  }
+  const auto transport = measureTransport(driver, period_s);
+  if (!transport) return transport.errors();
+  checked->permit.setDelay(delayAtArming(model, checked->passport, *transport, period_s));
+  return checked->permit;
 }
 
 // Connection to a device: its driver, and the host that holds it, if any.
@@ -113,18 +124,70 @@ Expected<PluggedDevice> plugIn(const RunOptions& options, Terminal& terminal) {
 DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
   DeviceStatus status = statusOf(driver);
   if (host == nullptr) return status;
+  const HostFacts now = host->facts();
   status.hosted = true;
-  status.host_age_s = age_s(host->cycleNs());
+  status.host_age_s = now.sample_age_s;
   status.let_go = host->reason();
+  if (host->inSession()) return status;
+  // Between two sessions no loop reads: the host says what the drive said last, and when.
+  const bool refuses = shouldBeOn(now.phase, now.held) && now.drive != DriveState::kOn;
+  status.enabled = (now.status & WH_ENABLED) != 0 && !refuses;
+  status.homed = (now.status & WH_HOMED) != 0;
+  status.silenced = (now.status & WH_SILENCED) != 0;
+  status.sample_age_s = now.drive_heard_s;
+  status.overdue = status.overdue || (!host->asks() && now.sample_age_s > kCallWithin_s);
   return status;
+}
+
+/// Tells the person at the terminal when the drive behind a host lets go while it should be on, in
+/// and between sessions, and when it is on again.
+class DriveWatch {
+ public:
+  DriveWatch(std::shared_ptr<const HostedDriver> host, Terminal& terminal)
+      : host_(std::move(host)), terminal_(terminal) {
+    if (host_) thread_ = std::thread([this] { watch(); });
+  }
+  ~DriveWatch() {
+    ends_.store(true);
+    if (thread_.joinable()) thread_.join();
+  }
+  DriveWatch(const DriveWatch&) = delete;
+  DriveWatch& operator=(const DriveWatch&) = delete;
+
+ private:
+  void watch() {
+    constexpr std::chrono::milliseconds kEvery{20};
+    constexpr double kReportAfter_s = 0.01;  // some drives are on a sample after WH_ENABLE
+    for (DriveState told = DriveState::kOn; !ends_.load(); std::this_thread::sleep_for(kEvery)) {
+      const HostFacts now = host_->facts();
+      if (!shouldBeOn(now.phase, now.held)) {
+        told = DriveState::kOn;
+      } else if (now.drive != told && now.drive_since_s > kReportAfter_s) {
+        told = now.drive;
+        terminal_.print(
+            fmt::format("{}: the drive {} (heard {:.1f} ms ago){}", host_->where(), describe(told),
+                        1e3 * now.drive_heard_s,
+                        told == DriveState::kOn ? "" : "; nobody enables it until somebody arms"));
+      }
+    }
+  }
+
+  std::shared_ptr<const HostedDriver> host_;
+  Terminal& terminal_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+// Delay of the corners of a passport, in periods; 0 without a passport.
+int periodsOf(const std::vector<DeviceModel>& corners) {
+  return corners.empty() ? 0 : corners.front().output_delay_ticks;
 }
 
 /// Loads the driver or host that the options name, reads its passport, and makes the station open
 /// its device at every arming. Because a person holds the device, the first force needs a person's
-/// request: options.wait becomes true. Null when the options name no driver or host.
-Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationConfig& config,
-                                                  Terminal& terminal) {
-  if (!isRealDevice(options)) return std::shared_ptr<DeviceDriver>();
+/// request: options.wait becomes true. Nothing when the options name no driver or host.
+Expected<PluggedDevice> useDriver(RunOptions& options, StationConfig& config, Terminal& terminal) {
+  if (!isRealDevice(options)) return PluggedDevice{};
   if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
   options.wait = true;
   auto plugged = plugIn(options, terminal);
@@ -135,6 +198,7 @@ Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationCo
     return statusOf(*observed, host.get());
   };
   config.make_device = [observed, plugged = *plugged, passport = config.rig.passport,
+                        certified = periodsOf(config.rig.measured), &terminal,
                         period_s = config.rig.period_s](
                            const DeviceModel& model) -> Expected<std::unique_ptr<HapticDevice>> {
     // Checked at every arming: a host may have been restarted with another device.
@@ -142,11 +206,15 @@ Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationCo
     if (plugged.host) {
       if (Diagnostics other = plugged.host->differences(model); !other.empty()) return other;
     }
-    auto permit = permitNow(*plugged.driver, model, passport, period_s);
+    auto permit = permitNow(*observed, model, passport, period_s);
     if (!permit) return permit.errors();
+    if (const ArmingDelay& delay = permit->delay(); delay.periods > certified) {
+      terminal.print(fmt::format("{}: the certificate is computed for {} periods instead of {}",
+                                 delay.sentence, delay.periods, certified));
+    }
     return PluginDevice::make(observed, model, period_s, std::move(*permit));
   };
-  return plugged->driver;
+  return plugged;
 }
 
 /// Prints a prominent warning that the device was not measured.
@@ -192,11 +260,16 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
 
 using MakeDevice = decltype(StationConfig::make_device);
 
-// Reports an unsuitable device before any page opens.
-Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& model) {
+// Reports an unsuitable device, or gains that are not certified with its delay, before any page
+// opens.
+Expected<Done> checkDevice(const MakeDevice& make_device, const Models& models,
+                           const RigOptions& rig) {
   if (!make_device) return Done{};
-  auto fits = make_device(model);
+  auto fits = make_device(models.device);
   if (!fits) return fits.errors();
+  auto gains = checkGainsAtArming(models, **fits, rig);
+  if (!gains) return gains.errors();
+  if (Diagnostics refused = refuseToRender(*gains, rig); !refused.empty()) return refused;
   return Done{};
 }
 
@@ -404,14 +477,16 @@ int playCommand(RunOptions options) {
   }
   auto driver = useDriver(options, config, terminal);
   if (!driver) return refuse(driver.errors());
+  const DriveWatch drive_watch(driver->host, terminal);
   const MakeDevice make_device = config.make_device;
+  const RigOptions rig = config.rig;
   SessionResults results(options, terminal);
   const Station* of = nullptr;
   config.ended = [&](const EndedSession& session) { results.add(session, of->models().device); };
   Station station(std::move(config));
   of = &station;
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
-  if (auto fits = checkDevice(make_device, station.models().device); !fits) {
+  if (auto fits = checkDevice(make_device, station.models(), rig); !fits) {
     return refuse(fits.errors());
   }
 
@@ -443,9 +518,10 @@ int playCommand(RunOptions options) {
   // Prints how to reach the program, then runs it.
   printAddresses(options, **server, udp);
   if (*clinic) (*clinic)->start((*server)->port());
-  if (*driver) {
-    std::printf("  driver   %s, %zu axes%s\n", (*driver)->name().c_str(), (*driver)->axes().size(),
-                options.host.empty() ? "" : (", in " + (*driver)->where()).c_str());
+  if (driver->driver) {
+    const DeviceDriver& plugged = *driver->driver;
+    std::printf("  driver   %s, %zu axes%s\n", plugged.name().c_str(), plugged.axes().size(),
+                options.host.empty() ? "" : (", in " + plugged.where()).c_str());
   }
   printInvitation(options, station.models());
   if (options.without_passport) warnOfNoPassport(terminal);

@@ -2,7 +2,6 @@
 
 #include "devices/commissioning/identification/identify_axis.hpp"
 #include "devices/host/device_host.hpp"
-#include "devices/host/hosted_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
 
 #include <Eigen/QR>
@@ -529,7 +528,7 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     begun = true;
     dropped = driver_->control(WH_DROP_WATCHDOG, 0.0).ok();
     began_ns = clock_->now_ns();
-    if (dropped || dynamic_cast<const HostedDriver*>(driver_) == nullptr) return true;
+    if (dropped || !driver_->holds()) return true;
     return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
               "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
   };
@@ -701,6 +700,7 @@ Expected<AxisExcitation> excite(Bench& bench, std::size_t axis, const std::vecto
   Excitation excitation(plan);
   SoftHold hold(bench, offset);
   AxisExcitation out;
+  TransportLog transport(bench.period_s());
   out.trace.period_s = bench.period_s();
   const std::size_t axes = offset.size();
   std::vector<double> before, filtered(axes, 0.0);
@@ -710,6 +710,7 @@ Expected<AxisExcitation> excite(Bench& bench, std::size_t axis, const std::vecto
        a.name, duration_s},
       [&](Bench::Now& now) -> Expected<bool> {
         hold.hold(now);
+        bench.note(transport);
         if (!out.trace.position.empty()) out.trace.effort.push_back(bench.sent(axis));
         if (excitation.done()) return false;
         out.trace.posture.push_back(excitation.posture());
@@ -727,6 +728,7 @@ Expected<AxisExcitation> excite(Bench& bench, std::size_t axis, const std::vecto
         return true;
       });
   if (!done) return done.errors();
+  out.transport_s = transport.within(0.5).both_s();
   const double own = std::max(out.response[axis], 1e-300);
   for (double& r : out.response) r = std::sqrt(r / own);
   return out;

@@ -3,6 +3,7 @@
 #include "devices/commissioning/identification/identify_axis.hpp"
 #include "devices/host/effort_guard.hpp"
 #include "devices/plugin/device_driver.hpp"
+#include "devices/plugin/transport.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/model/device_model.hpp"
 #include "vocabulary/operator.hpp"
@@ -187,6 +188,8 @@ class Bench {
   [[nodiscard]] double limit(std::size_t axis) const;
   /// Effort sent to an axis in the last tick [N or N·m].
   [[nodiscard]] double sent(std::size_t axis) const { return command_.effort[place_[axis]]; }
+  /// Adds the newest sample and the newest command to a log of the transport.
+  void note(TransportLog& log) const { log.add(newest_, driver_->way(), clock_->now_ns()); }
   /// Largest effort sent so far, relative to the limit of its axis in the file.
   [[nodiscard]] double largestShare() const { return largest_share_; }
 
@@ -265,6 +268,7 @@ struct Push {
 struct AxisExcitation {
   AxisTrace trace;
   std::vector<double> taken_s;  ///< actual time of each tick
+  double transport_s = 0.0;     ///< median of the transport
   /// Response of every axis: acceleration times the root of its mass, relative to the excited axis
   /// (1). Two axes coupled by an inertia c respond with c / √(m₁ m₂).
   std::vector<double> response;

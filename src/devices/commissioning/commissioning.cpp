@@ -524,12 +524,14 @@ Expected<Done> Commissioning::measure(std::size_t i) {
   p.coulomb = found->coulomb;
   p.gravity = found->gravity;
   p.delay_s = found->delay_s;
+  p.transport_s = excited->transport_s;
   p.resolution = found->resolution;
   reportLine(
       fmt::format("  {}: mass {:.4g} to {:.4g}, damping {:.4g} to {:.4g}, dry friction {:.4g} to "
-                  "{:.4g}, delay {:.2f} to {:.2f} ms",
+                  "{:.4g}, delay {:.2f} to {:.2f} ms ({:.2f} ms of it transport)",
                   axis(i).name, p.mass.lower, p.mass.upper, p.damping.lower, p.damping.upper,
-                  p.coulomb.lower, p.coulomb.upper, 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper),
+                  p.coulomb.lower, p.coulomb.upper, 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper,
+                  1e3 * excited->transport_s),
       measured(axis(i), p));
   return Done{};
 }

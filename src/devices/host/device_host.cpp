@@ -77,6 +77,7 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
   copyText(frame.identity.firmware, driver.identity().firmware);
   copyText(frame.identity.sdk, driver.identity().sdk);
   copyText(frame.driver_sha256, driver.identity().driver_sha256);
+  frame.switches_within_s = driver.switchesWithin_s();
   for (std::size_t i = 0; i < driver.axes().size(); ++i) {
     frame.axes[i] = driver.axes()[i];
     // A sample waits up to one cycle for the loop, and a command up to one cycle for the device.
@@ -127,6 +128,7 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
     }
     sample_.write_result = driver_.write(out_);
   }
+  if (commanded_) noteArrival();
   hearDrive(read_result, written, now_ns);
   if (asked && guard_.phase != HostPhase::kRamping) serve();
   reportChange(before, now_ns);
@@ -137,6 +139,16 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   (void)driver_.control(WH_DISABLE, 0.0);
   guard_ = endSession(guard_, config_);
   return false;
+}
+
+// Tells the loop when its newest command was passed on, so that the loop knows the way's delay.
+void DeviceHost::noteArrival() noexcept {
+  const bool known = command_.session == arrived_session_ && command_.sequence == sample_.command;
+  if (known) return;
+  arrived_session_ = command_.session;
+  sample_.command = command_.sequence;
+  sample_.command_sent_ns = command_.monotonic_ns;
+  sample_.command_arrived_ns = now_ns_();
 }
 
 void DeviceHost::publish(int read_result, std::int64_t now_ns) noexcept {

@@ -72,6 +72,7 @@ class DeviceHost {
   void reportChange(HostPhase before, std::int64_t now_ns) noexcept;
   void hearDrive(int read_result, bool written, std::int64_t now_ns) noexcept;
   void reportDrive(std::int64_t now_ns) noexcept;
+  void noteArrival() noexcept;
   [[nodiscard]] DriveState driveState(int read_result, bool written,
                                       std::int64_t now_ns) const noexcept;
   void serve();
@@ -91,6 +92,7 @@ class DeviceHost {
   GuardState guard_;
   HostSample sample_{};
   HostCommand command_{};
+  std::uint64_t arrived_session_ = 0;  ///< session of the newest command taken
   HostRequest request_{};
   wh_command out_{};
   std::uint64_t answered_ = 0;  ///< number of the last completed request

@@ -124,10 +124,19 @@ HostFacts look(const std::string& path, const std::string& name) {
   const SharedFrame& frame = mapped.frame();
   out.problem = incompatibility(frame);
   if (!out.problem.empty()) return out;
-  out.driver.assign(frame.driver, ::strnlen(frame.driver, sizeof(frame.driver)));
-  out.pid = frame.host_pid;
+  out = factsOf(frame, name);
   out.lives = processLives(frame.host_pid);
   out.in_use = mapped.isLocked();
+  return out;
+}
+
+}  // namespace
+
+HostFacts factsOf(const SharedFrame& frame, const std::string& name) {
+  HostFacts out;
+  out.name = name;
+  out.driver.assign(frame.driver, ::strnlen(frame.driver, sizeof(frame.driver)));
+  out.pid = frame.host_pid;
   out.axes.assign(frame.axes, frame.axes + frame.axis_count);
   HostSample sample{};
   out.sample_age_s = -1.0;
@@ -140,13 +149,12 @@ HostFacts look(const std::string& path, const std::string& name) {
   out.phase = sample.phase;
   out.reason = sample.reason;
   out.drive = sample.drive;
+  out.status = sample.sample.status;
   out.held = sample.held != 0;
   out.drive_heard_s = sample.drive_heard_ns != 0 ? since_s(sample.drive_heard_ns) : -1.0;
   out.drive_since_s = since_s(sample.drive_since_ns);
   return out;
 }
-
-}  // namespace
 
 std::string incompatibility(const SharedFrame& frame) {
   if (frame.magic.load(std::memory_order_acquire) != kFrameMagic) return "is not set up by a host";

@@ -45,11 +45,17 @@ struct HostSample {
   std::int32_t read_result;   ///< result of wh_plugin.read
   std::int32_t write_result;  ///< result of the last wh_plugin.write; 0 before
   DriveState drive;
-  std::uint32_t held;           ///< 1: enabled at the neutral effort between two sessions
-  std::int64_t drive_heard_ns;  ///< time at which the drive last said anything new; 0: never
-  std::int64_t drive_since_ns;  ///< time since which it has been in this state
+  std::uint32_t held;               ///< 1: enabled at the neutral effort between two sessions
+  std::int64_t drive_heard_ns;      ///< time at which the drive last said anything new; 0: never
+  std::int64_t drive_since_ns;      ///< time since which it has been in this state
+  std::uint64_t command;            ///< number of the newest command taken, whatever became of it
+  std::int64_t command_sent_ns;     ///< HostCommand::monotonic_ns of that command
+  std::int64_t command_arrived_ns;  ///< end of the cycle's write to the driver with that command
   wh_sample sample;
 };
+
+/// Session of messages that only measure the way of the commands.
+inline constexpr std::uint64_t kNoSession = ~std::uint64_t{0};
 
 /// Message from loop to host, once per tick.
 struct HostCommand {
@@ -78,7 +84,7 @@ struct HostAnswer {
 
 inline constexpr std::uint64_t kFrameMagic = 0x57484f4c'45484e44ULL;
 /// Layout version of the shared memory.
-inline constexpr std::uint32_t kFrameLayout = 4;
+inline constexpr std::uint32_t kFrameLayout = 5;
 
 /// Memory shared by a host and a loop. The host creates and fills it, then sets `magic`.
 struct SharedFrame {
@@ -92,6 +98,7 @@ struct SharedFrame {
   char driver_sha256[65];       ///< DriverIdentity::driver_sha256
   wh_axis axes[WH_MAX_AXES];    ///< as described by the driver, plus the host's delay
   double neutral[WH_MAX_AXES];  ///< neutral effort that the host ramps to [N or N·m]
+  double switches_within_s;     ///< DeviceDriver::switchesWithin_s() of the driver
   double limit[WH_MAX_AXES];    ///< limits of the efforts that the host allows [N or N·m]
 
   alignas(64) NewestValue<HostSample> sample;
@@ -174,11 +181,15 @@ struct HostFacts {
   HostPhase phase = HostPhase::kIdle;
   ReleaseReason reason = ReleaseReason::kNone;
   DriveState drive = DriveState::kUnheard;
+  std::uint32_t status = 0;  ///< bits of the drive's newest sample
   bool held = false;         ///< enabled at the neutral effort between two sessions
   double drive_heard_s = 0;  ///< age of what the drive said last; < 0: it said nothing yet
   double drive_since_s = 0;  ///< time for which it has been in this state
   std::vector<wh_axis> axes;
 };
+
+/// What a host says in its shared memory; `problem`, `lives` and `in_use` are left out. Any thread.
+[[nodiscard]] HostFacts factsOf(const SharedFrame& frame, const std::string& name);
 
 /// True when the host has enabled the drive, so that the drive should be on.
 [[nodiscard]] constexpr bool shouldBeOn(HostPhase phase, bool held) noexcept {

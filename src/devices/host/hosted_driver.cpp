@@ -95,11 +95,23 @@ Expected<Done> HostedDriver::connectAnew() {
   if (!sameAxes(axesOf((*segment)->frame()), axes_)) {
     return no("was started again with other axes", "start this program again, too");
   }
-  segment_ = std::move(*segment);
+  {
+    const std::lock_guard lock(replaces_);
+    segment_ = std::move(*segment);
+  }
   identity_ = identityOf(segment_->frame());
   requests_ = lastRequestOf(segment_->frame());
   last_ = {};
   return Done{};
+}
+
+HostFacts HostedDriver::facts() const {
+  std::shared_ptr<HostSegment> segment;
+  {
+    const std::lock_guard lock(replaces_);
+    segment = segment_;
+  }
+  return factsOf(segment->frame(), name_);
 }
 
 Expected<HostAnswer> HostedDriver::ask(std::uint32_t verb, double argument) {
@@ -141,20 +153,28 @@ Expected<Done> HostedDriver::control(std::uint32_t verb, double argument) {
     return no("stands still", "end it and start it again");
   }
   (void)segment_->frame().sample.take(last_);
+  asks_.store(true);
   auto answer = ask(verb, argument);
+  asks_.store(false);
+  if (verb == WH_DISABLE) in_session_.store(false);
   if (!answer) return answer.errors();
   if (answer->ok != 1) return no(answer->text, "look at the device");
   if (verb == WH_DISABLE) session_ = 0;
   if (verb != WH_ENABLE) return Done{};
   session_ = answer->session;
+  in_session_.store(true);
   (void)segment_->frame().sample.take(last_);
   return awaitSession();
+}
+
+double HostedDriver::switchesWithin_s() const noexcept {
+  constexpr double kRequested_s = 0.03;
+  return segment_->frame().switches_within_s + kRequested_s;
 }
 
 int HostedDriver::read(wh_sample& sample) noexcept {
   const bool taken = segment_->frame().sample.take(last_);
   sample = last_.sample;
-  cycle_ns_.store(last_.monotonic_ns, std::memory_order_relaxed);
   reason_.store(last_.reason, std::memory_order_relaxed);
   if (last_.read_result < 0) return last_.read_result;
   const bool ours = last_.session == session_ && last_.phase != HostPhase::kIdle;
@@ -173,6 +193,18 @@ int HostedDriver::write(const wh_command& command) noexcept {
   std::copy(std::begin(command.effort), std::end(command.effort), std::begin(command_.effort));
   segment_->frame().command.publish(command_);
   return last_.session == session_ && last_.write_result < 0 ? last_.write_result : WH_OK;
+}
+
+void HostedDriver::probe() noexcept {
+  HostCommand probe{};
+  probe.session = kNoSession;
+  probe.sequence = ++probes_;
+  probe.monotonic_ns = monotonicNow_ns();
+  segment_->frame().command.publish(probe);
+}
+
+WayTimes HostedDriver::way() const noexcept {
+  return {last_.monotonic_ns, last_.command, last_.command_sent_ns, last_.command_arrived_ns};
 }
 
 }  // namespace wholehand

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -25,15 +26,17 @@ class HostedDriver final : public DeviceDriver {
   /// effort of its own file and clamps to its own limits, so the files must agree.
   [[nodiscard]] Diagnostics differences(const DeviceModel& model) const;
 
-  /// Time of the newest cycle of the host that the loop has read, CLOCK_MONOTONIC [ns]; 0: none.
-  /// Any thread.
-  [[nodiscard]] std::int64_t cycleNs() const noexcept {
-    return cycle_ns_.load(std::memory_order_relaxed);
-  }
   /// Reason why the host released the device in this session, as read by the loop. Any thread.
   [[nodiscard]] ReleaseReason reason() const noexcept {
     return reason_.load(std::memory_order_relaxed);
   }
+
+  /// What the host says now, in and between sessions. Any thread.
+  [[nodiscard]] HostFacts facts() const;
+  /// True from WH_ENABLE to WH_DISABLE. Any thread.
+  [[nodiscard]] bool inSession() const noexcept { return in_session_.load(); }
+  /// True while the host carries out a verb, when it has no cycles. Any thread.
+  [[nodiscard]] bool asks() const noexcept { return asks_.load(); }
 
   [[nodiscard]] std::string where() const override { return "the host " + name_; }
   [[nodiscard]] std::string name() const override;
@@ -42,6 +45,8 @@ class HostedDriver final : public DeviceDriver {
   [[nodiscard]] Expected<Done> reconnect() override;
   /// Carries out a verb. WH_ENABLE begins a session of the host.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
+  /// The driver's own time, and that of the host's requests.
+  [[nodiscard]] double switchesWithin_s() const noexcept override;
   /// The host enables with the neutral efforts of its device file, and holds them until it ends.
   [[nodiscard]] bool enablesAtNeutral() const noexcept override { return true; }
   [[nodiscard]] bool holds() const noexcept override { return true; }
@@ -49,6 +54,8 @@ class HostedDriver final : public DeviceDriver {
   /// device.
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
+  WHOLEHAND_RT void probe() noexcept override;
+  [[nodiscard]] WHOLEHAND_RT WayTimes way() const noexcept override;
 
  private:
   HostedDriver(std::string name, std::unique_ptr<HostSegment> segment);
@@ -58,13 +65,15 @@ class HostedDriver final : public DeviceDriver {
   [[nodiscard]] Diagnostic no(const std::string& problem, const std::string& remedy) const;
 
   std::string name_;
-  std::unique_ptr<HostSegment> segment_;
+  std::shared_ptr<HostSegment> segment_;
+  mutable std::mutex replaces_;  ///< held while segment_ is replaced, and by other threads
   std::vector<wh_axis> axes_;
   std::uint64_t session_ = 0;
   std::uint64_t requests_ = 0;
   HostSample last_{};
   HostCommand command_{};
-  std::atomic<std::int64_t> cycle_ns_{0};
+  std::uint64_t probes_ = 0;
+  std::atomic<bool> in_session_{false}, asks_{false};
   std::atomic<ReleaseReason> reason_{ReleaseReason::kNone};
 };
 

@@ -46,6 +46,10 @@ std::string axisText(const PassportAxis& axis) {
     out += fmt::format("{} = [{:.9g}, {:.9g}]\n", turns ? f.rotation : f.translation, i.lower,
                        i.upper);
   }
+  if (axis.transport_s) {
+    out += fmt::format("transport_s = {:.9g}  # of delay_s; the rest is the drive's\n",
+                       *axis.transport_s);
+  }
   return out + fmt::format("{} = {:.9g}\n{} = {:.9g}\n", turns ? "resolution_rad" : "resolution_m",
                            axis.resolution, turns ? "mark_rad" : "mark_m", axis.mark);
 }
@@ -60,6 +64,9 @@ PassportAxis readAxis(TomlTable& table) {
   for (const Figure& f : figures()) {
     const auto ends = table.interval(turns ? f.rotation : f.translation, f.rule);
     axis.*f.of = {ends[0], ends[1]};
+  }
+  if (table.has("transport_s")) {
+    axis.transport_s = table.number("transport_s", between(0.0, 1.0, "s"));
   }
   axis.resolution = table.number(turns ? "resolution_rad" : "resolution_m", between(0.0, 1.0));
   axis.mark = table.number(turns ? "mark_rad" : "mark_m", between(-100.0, 100.0));
@@ -201,10 +208,23 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
   return Done{};
 }
 
+namespace {
+
+int wholePeriods(double delay_s, double period_s) {
+  return static_cast<int>(std::ceil(delay_s / period_s - kDelaySlack - 1e-9));
+}
+
+double longestDelay_s(const Passport& passport) {
+  double delay_s = 0.0;
+  for (const PassportAxis& axis : passport.axes) delay_s = std::max(delay_s, axis.delay_s.upper);
+  return delay_s;
+}
+
+}  // namespace
+
 std::vector<DeviceModel> worstCorners(const DeviceModel& model, const Passport& passport,
                                       double period_s) {
   DeviceModel light = model;
-  double delay_s = 0.0;
   for (std::size_t i = 0; i < model.axes.size(); ++i) {
     const PassportAxis& measured = passport.axes.at(i);
     DeviceAxis& axis = light.axes[i];
@@ -212,15 +232,32 @@ std::vector<DeviceModel> worstCorners(const DeviceModel& model, const Passport& 
     axis.coulomb = std::max(0.0, std::min(axis.coulomb, measured.coulomb.lower));
     axis.encoder_step = std::max(axis.encoder_step, measured.resolution);
     axis.mass = measured.mass.lower;
-    delay_s = std::max(delay_s, measured.delay_s.upper);
   }
-  const int delay = static_cast<int>(std::ceil(delay_s / period_s - kDelaySlack - 1e-9));
+  const int delay = wholePeriods(longestDelay_s(passport), period_s);
   light.output_delay_ticks = std::max(light.output_delay_ticks, delay);
   DeviceModel heavy = light;
   for (std::size_t i = 0; i < model.axes.size(); ++i) {
     heavy.axes[i].mass = passport.axes[i].mass.upper;
   }
   return {std::move(light), std::move(heavy)};
+}
+
+ArmingDelay delayAtArming(const DeviceModel& model, const Passport& passport, const Transport& now,
+                          double period_s) {
+  double drive_s = 0.0;
+  bool known = true;
+  for (const PassportAxis& axis : passport.axes) {
+    known = known && axis.transport_s.has_value();
+    drive_s = std::max(drive_s, axis.delay_s.upper - axis.transport_s.value_or(0.0));
+  }
+  const double now_s = drive_s + now.both_s(), passport_s = longestDelay_s(passport);
+  const int certified = worstCorners(model, passport, period_s).front().output_delay_ticks;
+  return {std::max(certified, wholePeriods(now_s, period_s)),
+          fmt::format("the delay is {:.2f} ms now ({} {:.2f} ms, transport {:.2f} ms), the "
+                      "passport's {:.2f} ms",
+                      1e3 * now_s,
+                      known ? "drive" : "drive, with the unknown transport of its measurement,",
+                      1e3 * drive_s, 1e3 * now.both_s(), 1e3 * passport_s)};
 }
 
 ChartPage passportChart(const Passport& passport, const DeviceModel& device) {

@@ -4,10 +4,12 @@
 #include "devices/passport/sealed_file.hpp"
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/plugin_device.hpp"
+#include "devices/plugin/transport.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/model/device_model.hpp"
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,11 +25,14 @@ inline constexpr std::chrono::days kPassportLasts{30};
 struct PassportAxis {
   std::string name;
   AxisKind kind = AxisKind::kTranslation;
-  Interval mass;            ///< [kg or kg·m²]
-  Interval damping;         ///< viscous [N·s/m or N·m·s/rad]
-  Interval coulomb;         ///< dry friction [N or N·m]
-  Interval gravity;         ///< effort that holds the axis in mid-range [N or N·m]
-  Interval delay_s;         ///< from a command to its effect
+  Interval mass;     ///< [kg or kg·m²]
+  Interval damping;  ///< viscous [N·s/m or N·m·s/rad]
+  Interval coulomb;  ///< dry friction [N or N·m]
+  Interval gravity;  ///< effort that holds the axis in mid-range [N or N·m]
+  Interval delay_s;  ///< from a command to its effect, with the transport
+  /// Part of delay_s that was the transport's: the median while it was measured. Empty: unknown, as
+  /// in passports that are older than this key.
+  std::optional<double> transport_s;
   double resolution = 0.0;  ///< smallest change of position read [m or rad]
   double mark = 0.0;        ///< its position at the device's mark [m or rad]
 };
@@ -72,6 +77,14 @@ struct Passport {
 /// @pre sameAxes()
 [[nodiscard]] std::vector<DeviceModel> worstCorners(const DeviceModel& model,
                                                     const Passport& passport, double period_s);
+
+/// Delay of a device whose transport was measured at arming. The drive's part is the passport's
+/// longest delay less the transport that it was measured with; the whole delay where the passport
+/// does not say so. The periods are those of the worst corner, or more where drive and transport
+/// now take longer.
+/// @pre sameAxes()
+[[nodiscard]] ArmingDelay delayAtArming(const DeviceModel& model, const Passport& passport,
+                                        const Transport& now, double period_s);
 
 /// Chart of the measurement against the device file. For each axis and figure it shows the interval
 /// relative to the file's value, which lies at 1. Where the file states 0, the interval is given in

@@ -11,8 +11,8 @@ namespace {
 /// Notes when a call has to return, for as long as it lasts.
 class Call {
  public:
-  Call(std::atomic<std::int64_t>& due_ns, std::int64_t within_ns) noexcept : due_ns_(due_ns) {
-    due_ns_.store(monotonicNow_ns() + within_ns);
+  Call(std::atomic<std::int64_t>& due_ns, double within_s) noexcept : due_ns_(due_ns) {
+    due_ns_.store(monotonicNow_ns() + static_cast<std::int64_t>(1e9 * within_s));
   }
   ~Call() { due_ns_.store(0); }
   Call(const Call&) = delete;
@@ -37,14 +37,20 @@ DeviceFacts ObservedDriver::facts() const noexcept {
   return out;
 }
 
+Expected<Done> ObservedDriver::reconnect() {
+  Expected<Done> found = driver_->reconnect();
+  identity_ = driver_->identity();  // of another device, where a host was started again
+  return found;
+}
+
 Expected<Done> ObservedDriver::enable(const wh_command& neutral) {
-  const Call call(due_ns_, kSwitchedWithin_ns);
+  const Call call(due_ns_, driver_->switchesWithin_s());
   return driver_->enable(neutral);
 }
 
 Expected<Done> ObservedDriver::control(std::uint32_t verb, double argument) {
   if (verb != WH_ENABLE && verb != WH_DISABLE) return driver_->control(verb, argument);
-  const Call call(due_ns_, kSwitchedWithin_ns);
+  const Call call(due_ns_, driver_->switchesWithin_s());
   Expected<Done> done = driver_->control(verb, argument);
   // The flag is cleared here because no samples follow.
   if (verb == WH_DISABLE && done) {
@@ -54,7 +60,7 @@ Expected<Done> ObservedDriver::control(std::uint32_t verb, double argument) {
 }
 
 int ObservedDriver::read(wh_sample& sample) noexcept {
-  const Call call(due_ns_, kCallWithin_ns);
+  const Call call(due_ns_, kCallWithin_s);
   const int result = driver_->read(sample);
   if (result < 0) return result;
   double highest_c = std::numeric_limits<double>::quiet_NaN();
@@ -68,7 +74,7 @@ int ObservedDriver::read(wh_sample& sample) noexcept {
 }
 
 int ObservedDriver::write(const wh_command& command) noexcept {
-  const Call call(due_ns_, kCallWithin_ns);
+  const Call call(due_ns_, kCallWithin_s);
   return driver_->write(command);
 }
 

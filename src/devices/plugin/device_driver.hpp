@@ -26,6 +26,24 @@ struct DriverIdentity {
 /// Prefix of control()'s error for a verb that the device does not support.
 inline constexpr const char* kUnsupportedPrefix = "the device has no way to ";
 
+/// What people are told while a call of the driver lasts longer than it may.
+inline constexpr const char* kNoAnswer =
+    "The robot does not answer. Press the emergency stop on the device now.";
+inline constexpr const char* kAnswersAgain = "The robot answers again.";
+
+/// Longest time of a call of the driver, unless the driver states another one for opening or
+/// switching. A driver that takes longer does not answer.
+inline constexpr double kCallWithin_s = 0.05;
+
+/// Times of the newest messages between the loop and another process that calls the driver [ns],
+/// CLOCK_MONOTONIC. All 0: the loop calls the driver itself, and nothing stands between.
+struct WayTimes {
+  std::int64_t handed_ns = 0;   ///< that process handed over the sample that was read last
+  std::uint64_t command = 0;    ///< number of the last command or probe() that reached it
+  std::int64_t sent_ns = 0;     ///< when the loop sent that one
+  std::int64_t arrived_ns = 0;  ///< when that process had passed it on to the driver
+};
+
 /// A driver with the interface of device.h, in this process or in a host. One thread at a time:
 /// control() is not called while a loop reads and writes.
 class DeviceDriver {
@@ -47,6 +65,8 @@ class DeviceDriver {
   [[nodiscard]] virtual Expected<Done> enable(const wh_command& /*neutral*/) {
     return control(WH_ENABLE, 0.0);
   }
+  /// Longest time of enabling, disabling and closing while the device answers [s].
+  [[nodiscard]] virtual double switchesWithin_s() const noexcept { return kCallWithin_s; }
   /// True when enable() begins with the given efforts.
   [[nodiscard]] virtual bool enablesAtNeutral() const noexcept { return false; }
   /// True when the device is held at its neutral efforts between two sessions.
@@ -54,6 +74,11 @@ class DeviceDriver {
   /// Like wh_plugin.read and wh_plugin.write: >= 0 is success.
   [[nodiscard]] WHOLEHAND_RT virtual int read(wh_sample& sample) noexcept = 0;
   [[nodiscard]] WHOLEHAND_RT virtual int write(const wh_command& command) noexcept = 0;
+
+  /// Sends a message by the way of the commands; it reaches no driver and no motor. Real-time safe.
+  WHOLEHAND_RT virtual void probe() noexcept {}
+  /// Times of the newest messages, from what read() has read. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT virtual WayTimes way() const noexcept { return {}; }
 
   /// Identity of the device, known once it is open; constant.
   [[nodiscard]] const DriverIdentity& identity() const noexcept { return identity_; }
@@ -71,16 +96,13 @@ struct DeviceFacts {
   bool overdue = false;         ///< a call of the driver lasts longer than it may
 };
 
-/// Longest time of a read or a write, and of enabling or disabling [ns]. A driver that takes longer
-/// does not answer.
-inline constexpr std::int64_t kCallWithin_ns = 50'000'000;
-inline constexpr std::int64_t kSwitchedWithin_ns = 1'000'000'000;
-
 /// A driver that publishes its newest sample's state to other threads, at the cost of a few stores
 /// per tick.
 class ObservedDriver final : public DeviceDriver {
  public:
-  explicit ObservedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
+  explicit ObservedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {
+    identity_ = driver_->identity();
+  }
 
   /// Any thread. Each field comes from the newest sample; the fields are not read atomically
   /// together.
@@ -91,15 +113,20 @@ class ObservedDriver final : public DeviceDriver {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override {
     return driver_->axes();
   }
-  [[nodiscard]] Expected<Done> reconnect() override { return driver_->reconnect(); }
+  [[nodiscard]] Expected<Done> reconnect() override;
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
   [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override;
+  [[nodiscard]] double switchesWithin_s() const noexcept override {
+    return driver_->switchesWithin_s();
+  }
   [[nodiscard]] bool enablesAtNeutral() const noexcept override {
     return driver_->enablesAtNeutral();
   }
   [[nodiscard]] bool holds() const noexcept override { return driver_->holds(); }
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
+  WHOLEHAND_RT void probe() noexcept override { driver_->probe(); }
+  [[nodiscard]] WHOLEHAND_RT WayTimes way() const noexcept override { return driver_->way(); }
 
  private:
   std::shared_ptr<DeviceDriver> driver_;

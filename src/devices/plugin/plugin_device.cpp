@@ -25,6 +25,12 @@ std::string number(double value) {
   return text.data();
 }
 
+// True when the drive of this axis of the driver may give less effort.
+bool derates(const wh_sample& sample, std::size_t axis) noexcept {
+  if ((sample.status & WH_DERATING) == 0) return false;
+  return sample.derating == 0 || (sample.derating >> axis & 1U) != 0;
+}
+
 class Comparison {
  public:
   Comparison(const DeviceModel& model, const DeviceDriver& driver)
@@ -62,12 +68,13 @@ double longestStill_s(const DeviceModel& model) {
 }
 
 PluginDevice::PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model,
-                           double period_s, std::int64_t (*now_ns)() noexcept)
+                           double period_s, ArmingDelay delay, std::int64_t (*now_ns)() noexcept)
     : driver_(std::move(driver)),
+      delay_(std::move(delay)),
       axes_(model.axisCount()),
       period_s_(period_s),
       most_age_s_(longestStill_s(model)),
-      most_mean_age_s_((model.output_delay_ticks + 1) * period_s),
+      most_mean_age_s_((std::max(model.output_delay_ticks, delay_.periods) + 1) * period_s),
       most_still_periods_(static_cast<int>(std::ceil(most_age_s_ / period_s))),
       now_ns_(now_ns),
       window_ns_(static_cast<std::int64_t>(1e9 * (most_mean_age_s_ + kLags * model.drive_lag_s))) {
@@ -85,7 +92,8 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
     const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
     std::optional<ArmingPermit> permit, std::int64_t (*now_ns)() noexcept) {
   Comparison compare(model, *driver);
-  std::unique_ptr<PluginDevice> device(new PluginDevice(driver, model, period_s, now_ns));
+  std::unique_ptr<PluginDevice> device(
+      new PluginDevice(driver, model, period_s, permit ? permit->delay() : ArmingDelay{}, now_ns));
   device->permit_ = std::move(permit);
   const std::vector<wh_axis>& offered = driver->axes();
   for (int a = 0; a < model.axisCount(); ++a) {
@@ -210,7 +218,7 @@ Expected<Done> PluginDevice::enable() {
 // list keeps what it gives.
 void PluginDevice::beginEfforts(const wh_sample& sample) noexcept {
   judged_ns_ = sample.monotonic_ns;
-  derated_ns_ = std::numeric_limits<std::int64_t>::min();
+  derated_ns_.fill(std::numeric_limits<std::int64_t>::min());
   for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
     const double kept = std::isfinite(sample.effort[i]) ? sample.effort[i] : 0.0;
     judges_[i].begin(listed_[i] ? 0.0 : kept, listed_[i] ? neutral_.effort[i] : kept, now_ns_(),
@@ -220,9 +228,8 @@ void PluginDevice::beginEfforts(const wh_sample& sample) noexcept {
 
 // Refuses an effort that is not the neutral one.
 Expected<Done> PluginDevice::idle(const wh_sample& sample) {
-  const bool derates = (sample.status & WH_DERATING) != 0;
   for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
-    if (judges_[i].allows(sample.effort[i], judged_ns_ - window_ns_, derates)) continue;
+    if (judges_[i].allows(sample.effort[i], judged_ns_ - window_ns_, derates(sample, i))) continue;
     const wh_axis& axis = driver_->axes()[i];
     return keyFault(driver_->where(), "axes", axis.name,
                     "measures an effort of " + number(sample.effort[i]) + " at neutral, " +
@@ -260,12 +267,12 @@ Fault PluginDevice::checkAge(const wh_sample& sample) noexcept {
 Fault PluginDevice::checkEfforts(const wh_sample& sample) noexcept {
   if (!enabled_ || sample.monotonic_ns <= judged_ns_) return Fault::kNone;
   judged_ns_ = sample.monotonic_ns;
-  if ((sample.status & WH_DERATING) != 0) derated_ns_ = judged_ns_;
   const std::int64_t since_ns = judged_ns_ - window_ns_;
   Fault faults = Fault::kNone;
   for (std::size_t i = 0; i < driver_->axes().size(); ++i) {
     if (!judged_[i]) continue;
-    if (judges_[i].isAstray(sample.effort[i], since_ns, derated_ns_ >= since_ns)) {
+    if (derates(sample, i)) derated_ns_[i] = judged_ns_;
+    if (judges_[i].isAstray(sample.effort[i], since_ns, derated_ns_[i] >= since_ns)) {
       faults |= Fault::kEffortAstray;
     }
   }

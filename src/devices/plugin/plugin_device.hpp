@@ -2,6 +2,7 @@
 
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/effort_judge.hpp"
+#include "loop/device/arming_delay.hpp"
 #include "loop/device/haptic_device.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
@@ -27,11 +28,16 @@ class ArmingPermit {
   /// Digest of the passport; empty: no passport.
   [[nodiscard]] const std::string& passport() const noexcept { return passport_; }
 
+  /// The delay measured for this arming (delayAtArming()); not measured unless set.
+  void setDelay(ArmingDelay delay) { delay_ = std::move(delay); }
+  [[nodiscard]] const ArmingDelay& delay() const noexcept { return delay_; }
+
  private:
   friend CheckedPermit;
   explicit ArmingPermit(std::string passport) : passport_(std::move(passport)) {}
 
   std::string passport_;
+  ArmingDelay delay_;
 };
 
 /// Longest time for which the samples of a device may stand still [s]: the file's `longest_gap_s`,
@@ -40,14 +46,15 @@ class ArmingPermit {
 
 /// A real device behind a driver. Axes are matched by name. The driver may have more axes than the
 /// device file, in any order; those get no effort.
-class PluginDevice final : public HapticDevice {
+class PluginDevice final : public HapticDevice, public DelayedDevice {
  public:
   /// Checks the device file against the driver's description. Refused, all at once: an axis that
   /// the driver lacks, or that has another kind, less travel or effort than the file states, a
   /// coarser encoder or a longer delay than the certificate assumes, or another meaning of effort;
   /// a drive without a watchdog; and an axis with weight if the driver enables without its neutral
   /// effort.
-  /// @param period_s T, for the delay @param permit needed where the device may move a person
+  /// @param period_s T, for the delay @param permit needed where the device may move a person; a
+  ///   longer delay that it names counts for the ages of samples and efforts
   /// @param now_ns the clock of the samples; real-time safe
   [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
       const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s,
@@ -74,10 +81,11 @@ class PluginDevice final : public HapticDevice {
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   /// Disables the device; the driver stays open.
   void close() noexcept override;
+  [[nodiscard]] const ArmingDelay& armingDelay() const noexcept override { return delay_; }
 
  private:
   PluginDevice(std::shared_ptr<DeviceDriver> driver, const DeviceModel& model, double period_s,
-               std::int64_t (*now_ns)() noexcept);
+               ArmingDelay delay, std::int64_t (*now_ns)() noexcept);
   [[nodiscard]] Fault checkAge(const wh_sample& sample) noexcept;
   [[nodiscard]] Fault checkEfforts(const wh_sample& sample) noexcept;
   void beginEfforts(const wh_sample& sample) noexcept;
@@ -88,6 +96,7 @@ class PluginDevice final : public HapticDevice {
 
   std::shared_ptr<DeviceDriver> driver_;
   std::optional<ArmingPermit> permit_;
+  ArmingDelay delay_;
   int axes_;
   double period_s_;
   double most_age_s_, most_mean_age_s_;
@@ -102,10 +111,11 @@ class PluginDevice final : public HapticDevice {
   int still_periods_ = 0;
   double mean_age_s_ = 0.0;
   wh_sample last_{};
-  wh_command command_{};         ///< the last one that the driver accepted
-  std::int64_t window_ns_;       ///< delay and 5 time constants of the drives
-  std::int64_t judged_ns_ = 0;   ///< time of the last sample whose efforts were judged
-  std::int64_t derated_ns_ = 0;  ///< time of the last sample of a derating drive
+  wh_command command_{};        ///< the last one that the driver accepted
+  std::int64_t window_ns_;      ///< delay and 5 time constants of the drives
+  std::int64_t judged_ns_ = 0;  ///< time of the last sample whose efforts were judged
+  /// For each axis of the driver, the time of the last sample in which its drive derated.
+  std::array<std::int64_t, WH_MAX_AXES> derated_ns_{};
   std::array<EffortTolerance, WH_MAX_AXES> tolerance_{};  ///< for each axis of the driver
   std::array<bool, WH_MAX_AXES> judged_{};                ///< this axis of the driver has a motor
   std::array<bool, WH_MAX_AXES> listed_{};  ///< the file lists this axis of the driver

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstring>
 #include <dlfcn.h>
@@ -11,9 +13,11 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <mutex>
 #include <set>
 #include <sstream>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace wholehand {
@@ -38,11 +42,13 @@ std::string namesIn(const std::vector<std::string>& folders) {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSymbol = "wh_plugin_v1";
-// Ends of the structure: of the functions that every driver has, and of those of versions 1.1 and
-// 1.2.
+// Ends of the structure: of the functions that every driver has, and of those of versions 1.1,
+// 1.2 and 1.3.
 constexpr std::size_t kSixFunctions = offsetof(wh_plugin, close) + sizeof(wh_plugin::close);
 constexpr std::size_t kIdentifies = offsetof(wh_plugin, identify) + sizeof(wh_plugin::identify);
 constexpr std::size_t kEnables = offsetof(wh_plugin, enable) + sizeof(wh_plugin::enable);
+constexpr std::size_t kStates =
+    offsetof(wh_plugin, switches_within_s) + sizeof(wh_plugin::switches_within_s);
 constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
 
 // Reason why the driver cannot be used; empty: it can.
@@ -112,6 +118,53 @@ std::string digestOf(const std::string& path, const std::string& settings) {
   }
   return sha256(all);
 }
+
+// A time that the driver states [s].
+double statedWithin_s(const wh_plugin& plugin, double wh_plugin::*time) {
+  if (plugin.size < kStates) return kCallWithin_s;
+  const double stated_s = plugin.*time;
+  return stated_s > kCallWithin_s ? std::min(stated_s, 3600.0) : kCallWithin_s;
+}
+
+// Tells people about a call that does not return, from another thread.
+class AnswerWatch {
+ public:
+  using Report = std::function<void(const std::string&)>;
+  AnswerWatch(const Report& report, double within_s) : report_(report), within_s_(within_s) {
+    if (!report) return;
+    try {
+      thread_ = std::thread([this] { watch(); });
+    } catch (const std::system_error&) {  // no thread to be had: the call is made all the same
+    }
+  }
+  ~AnswerWatch() {
+    {
+      const std::lock_guard lock(mutex_);
+      returned_ = true;
+    }
+    wake_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+  AnswerWatch(const AnswerWatch&) = delete;
+  AnswerWatch& operator=(const AnswerWatch&) = delete;
+
+ private:
+  void watch() {
+    std::unique_lock lock(mutex_);
+    const auto returned = [this] { return returned_; };
+    if (wake_.wait_for(lock, std::chrono::duration<double>(within_s_), returned)) return;
+    report_(kNoAnswer);
+    wake_.wait(lock, returned);
+    report_(kAnswersAgain);
+  }
+
+  const Report& report_;
+  double within_s_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool returned_ = false;
+  std::thread thread_;
+};
 
 }  // namespace
 
@@ -189,12 +242,14 @@ Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
     return fileFault(location.path, why, "let a host hold it");
   }
   driver->never_waits_ = (driver->plugin_->flags & WH_NEVER_WAITS) != 0;
+  const AnswerWatch watch(driver->report_, kCallWithin_s);
   if (Expected<Done> described = driver->describe(); !described) return described.errors();
   driver->identify();
   return driver;
 }
 
 Expected<Done> PluginDriver::open() {
+  const AnswerWatch watch(report_, statedWithin_s(*plugin_, &wh_plugin::opens_within_s));
   const int result =
       plugin_->open(&host_, location_.locator.c_str(), location_.settings.c_str(), &device_);
   if (result >= 0 && device_ != nullptr) return Done{};
@@ -236,7 +291,13 @@ void PluginDriver::identify() {
 }
 
 PluginDriver::~PluginDriver() {
-  if (device_ != nullptr) plugin_->close(device_);
+  if (device_ == nullptr) return;
+  const AnswerWatch watch(report_, switchesWithin_s());
+  plugin_->close(device_);
+}
+
+double PluginDriver::switchesWithin_s() const noexcept {
+  return statedWithin_s(*plugin_, &wh_plugin::switches_within_s);
 }
 
 std::string PluginDriver::name() const {
@@ -270,6 +331,7 @@ int PluginDriver::read(wh_sample& sample) noexcept {
   // Fields that the driver leaves out are unknown.
   std::fill(std::begin(sample.effort), std::end(sample.effort), kNan);
   std::fill(std::begin(sample.temperature_c), std::end(sample.temperature_c), kNan);
+  sample.derating = sample.reserved = 0;
   return plugin_->read(device_, &sample);
 }
 

@@ -54,7 +54,8 @@ class PluginDriver final : public DeviceDriver {
   /// Loads the driver, opens its device and reads its axes. Refused, each with its own message: no
   /// such file, no `wh_plugin_v1`, another major version, a structure that ends before a required
   /// function, a driver that may block where the loop calls it, a device that is not found.
-  /// @param say receives the driver's log lines; may be null
+  /// @param report receives the driver's log lines, and says, from another thread, while the
+  ///   opening or closing device does not answer; may be null
   [[nodiscard]] static Expected<std::shared_ptr<PluginDriver>> load(
       const DriverLocation& location, std::function<void(const std::string&)> report = nullptr,
       CalledBy called_by = CalledBy::kLoop);
@@ -71,6 +72,7 @@ class PluginDriver final : public DeviceDriver {
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
   [[nodiscard]] Expected<Done> enable(const wh_command& neutral) override;
+  [[nodiscard]] double switchesWithin_s() const noexcept override;
   [[nodiscard]] bool enablesAtNeutral() const noexcept override;
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;

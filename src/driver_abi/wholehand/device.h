@@ -20,7 +20,7 @@ extern "C" {
 #endif
 
 #define WH_MAJOR 1
-#define WH_MINOR 2
+#define WH_MINOR 3
 #define WH_MAX_AXES 16
 
 /* Return values of the functions: 0 or more is success. A driver reports the reason of a failure by
@@ -92,6 +92,10 @@ typedef struct {
   double position[WH_MAX_AXES];      /* [m or rad] */
   double effort[WH_MAX_AXES];        /* measured [N or N.m]; NaN: not known */
   double temperature_c[WH_MAX_AXES]; /* NaN: not known */
+  /* Since 1.3. With WH_DERATING: bit i: the drive of axis i gives less effort; 0: any may. The
+   * efforts of all other axes are judged in full. */
+  uint32_t derating;
+  uint32_t reserved; /* 0 */
 } wh_sample;
 
 typedef struct {
@@ -142,6 +146,10 @@ typedef struct {
   /* Since 1.2; NULL: not available, and no axis may have a neutral effort. Like WH_ENABLE, but these
    * efforts act from the first moment: they carry the device's weight. They hold like a command. */
   int (*enable)(wh_device* device, const wh_command* neutral);
+  /* Since 1.3; 0: 50 ms. Longest time [s] of open, and of enabling, disabling or closing while the
+   * device answers. People are told that the robot does not answer when these, or any other call but
+   * a verb that moves or tests, take longer. A driver that opens others sets them in open. */
+  double opens_within_s, switches_within_s;
 } wh_plugin;
 
 /* The function that a driver exports. */

@@ -4,6 +4,7 @@
 #include "files/toml/toml_file.hpp"
 #include "loop/core/tick_digest.hpp"
 #include "loop/realtime/thread_setup.hpp"
+#include "rig/arming.hpp"
 #include "rig/rig.hpp"
 #include "rig/run/run.hpp"
 
@@ -131,21 +132,46 @@ Expected<Models> recordedModels(const RecordingMeta& meta, const std::string& re
   return models;
 }
 
+namespace {
+
+Expected<int> recordedDelay(const std::string& path) {
+  TomlFile file(path, "arming-delay");
+  if (!file.readable()) return file.finish();
+  const auto periods = static_cast<int>(file.root().integer("periods", 0, 1000));
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return periods;
+}
+
+}  // namespace
+
 Expected<std::vector<DeviceModel>> recordedCorners(const RecordingMeta& meta,
                                                    const DeviceModel& device,
                                                    const std::string& recording) {
-  const auto carried = std::find_if(meta.files.begin(), meta.files.end(), [](const auto& file) {
-    return file.first == kRecordedPassport;
-  });
-  if (carried == meta.files.end()) return std::vector<DeviceModel>();
+  const auto textOf = [&meta](const char* name) -> const std::string* {
+    const auto carried = std::find_if(meta.files.begin(), meta.files.end(),
+                                      [name](const auto& file) { return file.first == name; });
+    return carried != meta.files.end() ? &carried->second : nullptr;
+  };
+  const std::string* const passport_text = textOf(kRecordedPassport);
+  if (passport_text == nullptr) return std::vector<DeviceModel>();
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "passport.toml";
-  if (auto written = write(path, carried->second); !written) return written.errors();
+  if (auto written = write(path, *passport_text); !written) return written.errors();
   const auto passport = readPassport(path.string());
   if (!passport) return named(passport.errors(), folder.path(), recording);
-  if (sameAxes(*passport, device)) return worstCorners(device, *passport, meta.period_s);
-  return fileFault(recording, "its passport is of a device with other axes",
-                   "the recording was tampered with");
+  if (!sameAxes(*passport, device)) {
+    return fileFault(recording, "its passport is of a device with other axes",
+                     "the recording was tampered with");
+  }
+  std::vector<DeviceModel> corners = worstCorners(device, *passport, meta.period_s);
+  const std::string* const delay_text = textOf(kRecordedDelay);
+  if (delay_text == nullptr) return corners;
+  const fs::path delay_path = folder.path() / "delay.toml";
+  if (auto written = write(delay_path, *delay_text); !written) return written.errors();
+  const auto periods = recordedDelay(delay_path.string());
+  if (!periods) return named(periods.errors(), folder.path(), recording);
+  for (DeviceModel& corner : corners) corner.output_delay_ticks = *periods;
+  return corners;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include "loop/realtime/monotonic_clock.hpp"
 #include "loop/realtime/thread_setup.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
+#include "rig/arming.hpp"
 #include "rig/models.hpp"
 #include "rig/program_version.hpp"
 
@@ -319,6 +320,11 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   meta.files = std::move(*files);
   if (!rig.options.passport_text.empty()) {
     meta.files.emplace_back(kRecordedPassport, rig.options.passport_text);
+  }
+  if (!rig.options.measured.empty()) {
+    meta.files.emplace_back(kRecordedDelay,
+                            fmt::format("kind = \"arming-delay\"\nversion = 1\nperiods = {}\n",
+                                        rig.options.measured[0].output_delay_ticks));
   }
   return meta;
 }

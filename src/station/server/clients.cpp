@@ -185,7 +185,11 @@ Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic
       controls_(controls),
       timeouts_(controls),
       commissioning_(std::move(commissioning)),
-      record_(std::make_unique<TickRecord>()) {}
+      record_(std::make_unique<TickRecord>()) {
+  // A commissioning has no scene. Its pages, too, are told whether the device answers.
+  if (!commissioning_) return;
+  encoder_ = std::make_unique<wire::StateEncoder>(std::make_shared<const SceneFacts>());
+}
 
 std::uint32_t Clients::join(std::shared_ptr<ClientConnection> connection, Role role,
                             std::int64_t now_ns) {

@@ -66,6 +66,15 @@ TEST(ConsoleOperator, AnswerToTheOpenQuestion_IsTakenOnce) {
   EXPECT_EQ(page.console.facts()->asked, QuestionKind::kNothing);
 }
 
+TEST(ConsoleOperator, DeviceThatDoesNotAnswer_IsTheAlarmOfARobot) {
+  Page page;
+  EXPECT_EQ(alarmOf(page.console.status()), nullptr);
+  page.console.setSilent(true);
+  EXPECT_STREQ(alarmOf(page.console.status()), kNoAnswer) << "the terminal says the same words";
+  page.console.setSilent(false);
+  EXPECT_EQ(alarmOf(page.console.status()), nullptr);
+}
+
 TEST(ConsoleOperator, EveryLossOfTheButton_EndsThePress) {
   const std::vector<std::pair<const char*, std::function<void(Page&)>>> ways = {
       {"let go", [](Page& p) { (void)p.hold(1, false); }},

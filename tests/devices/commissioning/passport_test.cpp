@@ -30,6 +30,7 @@ TEST(Sha256, PublishedExample_GivesThePublishedDigest) {
 TEST(Passport, WrittenPassport_IsReadBackUnchanged) {
   PassportFolder f;
   f.passport.axes[1].mark = 0.0125;
+  f.passport.axes[2].transport_s = 0.00025;
   f.keep();
   const Passport read = orThrow(readPassport(f.path));
   EXPECT_EQ(read.identity.serial, "S-1");
@@ -39,6 +40,8 @@ TEST(Passport, WrittenPassport_IsReadBackUnchanged) {
   EXPECT_EQ(read.measured_at.at, f.now.at);
   EXPECT_EQ(read.measured_at.ahead, f.now.ahead);
   EXPECT_EQ(read.axes[1].mark, 0.0125);
+  EXPECT_EQ(read.axes[2].transport_s, 0.00025);
+  EXPECT_FALSE(read.axes[1].transport_s) << "a passport that does not say it";
   ASSERT_EQ(read.axes.size(), f.passport.axes.size());
   for (std::size_t i = 0; i < read.axes.size(); ++i) {
     EXPECT_EQ(read.axes[i].mass.lower, f.passport.axes[i].mass.lower);
@@ -76,6 +79,10 @@ TEST(Passport, SealedPassportWithImpossibleValues_IsRefusedByKey) {
   f.passport.axes[0].mass = {-1.0, 1.0};
   writeFile(f.path, passportText(f.passport));
   EXPECT_TRUE(contains(refusal(readPassport(f.path)), "mass_kg"));
+  PassportFolder g;
+  g.passport.axes[0].transport_s = -1e-3;
+  writeFile(g.path, passportText(g.passport));
+  EXPECT_TRUE(contains(refusal(readPassport(g.path)), "transport_s"));
 }
 
 // Answer of checkArmingPermit() after one change.
@@ -276,6 +283,58 @@ TEST(WorstCorners, CornersOfAPassport_AreTheWorseOfFileAndMeasurement) {
   f.passport.axes[2].delay_s = {0.9e-3, 1.1e-3};
   EXPECT_EQ(worstCorners(f.model, f.passport, 1e-3)[0].output_delay_ticks, 1)
       << "a tenth of a period is within what was measured";
+}
+
+// docs/commissioning.md: the drive's part of the passport and the transport of now.
+TEST(DelayAtArming, TransportOfNow_ReplacesThatOfTheMeasurement) {
+  struct Case {
+    const char* what;
+    double passport_s;
+    std::optional<double> transport_s;  ///< of the measurement
+    Transport now;
+    int periods;
+    const char* says;
+  };
+  const Case all[] = {
+      {"as measured", 3.45e-3, 0.05e-3, {0.05e-3, 0.0}, 4, "the delay is 3.45 ms now"},
+      {"behind a host of 1 kHz",
+       3.45e-3,
+       0.05e-3,
+       {1.05e-3, 1.0e-3},
+       6,
+       "the delay is 5.45 ms now (drive 3.40 ms, transport 2.05 ms), the passport's 3.45 ms"},
+      {"measured behind that host, now without it",
+       5.45e-3,
+       2.05e-3,
+       {0.05e-3, 0.0},
+       6,
+       "the delay is 3.45 ms now"},
+      {"transport of the measurement unknown",
+       3.45e-3,
+       std::nullopt,
+       {0.05e-3, 0.0},
+       4,
+       "drive, with the unknown transport of its measurement, 3.45 ms"},
+      {"unknown, and behind that host",
+       3.45e-3,
+       std::nullopt,
+       {1.05e-3, 1.0e-3},
+       6,
+       "the delay is 5.50 ms now"},
+      {"shorter than the file states", 0.2e-3, 0.1e-3, {0.1e-3, 0.0}, 3, "0.20 ms now"}};
+  for (const Case& c : all) {
+    PassportFolder f;
+    f.model.output_delay_ticks = 3;
+    for (PassportAxis& axis : f.passport.axes) {
+      axis.delay_s = {0.1e-3, 0.2e-3};
+      axis.transport_s = 0.1e-3;
+    }
+    f.passport.axes[1].delay_s = {c.passport_s - 1e-4, c.passport_s};
+    f.passport.axes[1].transport_s = c.transport_s;
+    const ArmingDelay delay = delayAtArming(f.model, f.passport, c.now, 1e-3);
+    EXPECT_EQ(delay.periods, c.periods) << c.what;
+    EXPECT_TRUE(contains(delay.sentence, c.says)) << c.what << ": " << delay.sentence;
+  }
 }
 
 // The chart of a passport shows the measured values.

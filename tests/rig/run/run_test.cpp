@@ -362,11 +362,15 @@ Passport passportOf(const DeviceModel& device) {
 }
 
 // Presses into a body and returns.
-std::unique_ptr<Rig> measuredRig(const Passport& passport) {
+// @param periods delay that was measured at arming; 0: none
+std::unique_ptr<Rig> measuredRig(const Passport& passport, int periods = 0) {
   Models models = load(shippedFiles("lambda-pride", "four-shapes"));
   RigOptions options;
   options.uncertified = true;  // simulated
   options.measured = worstCorners(models.device, passport, options.period_s);
+  for (DeviceModel& corner : options.measured) {
+    corner.output_delay_ticks = std::max(corner.output_delay_ticks, periods);
+  }
   options.passport = "digest";
   options.passport_text = passportText(passport);
   AxisPosition there(6);
@@ -413,6 +417,21 @@ TEST(MeasuredDevice, MeasuredDampingAboveTheFiles_IsNotUsed) {
   for (PassportAxis& axis : passport.axes) axis.damping = {100.0, 120.0};
   const auto rig = measuredRig(passport);
   EXPECT_EQ(rig->renderer->config().safety.tank.device_damping[0], models.device.axes[0].damping);
+}
+
+// The tank depends on the delay, so that a replay needs the one of that arming.
+TEST(MeasuredDevice, RecordingWithALongerDelayAtArming_IsReproducedToTheBit) {
+  const Folder folder;
+  const Passport passport = passportOf(load(shippedFiles("lambda-pride", "four-shapes")).device);
+  const auto rig = measuredRig(passport, 5);
+  ASSERT_EQ(rig->renderer->config().safety.tank.delay_ticks, 5);
+  const std::string record = recordTicks(*rig, 500, folder.file("run.h5"));
+  const auto reader = orThrow(RecordingReader::open(record));
+  const auto corners = orThrow(recordedCorners(reader->meta(), rig->models.device, record));
+  EXPECT_EQ(corners[1].output_delay_ticks, 5) << "the passport alone says 1";
+  const auto again = resimulate(*reader, record);
+  ASSERT_TRUE(again) << format(again.errors());
+  EXPECT_TRUE(again->same());
 }
 
 TEST(MeasuredDevice, Recording_CarriesThePassportAndIsReproducedToTheBit) {

@@ -5,6 +5,7 @@ import { h, setText } from './dom';
 import { bytes, duration } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
+import type { WorldStateT } from '../protocol';
 
 /** The list is requested this often [ms]. */
 const EVERY_MS = 5000;
@@ -61,11 +62,16 @@ export function replayUrl(names: readonly string[], token: string): string {
   return `/replay?recording=${recording}${beside === undefined ? '' : `&beside=${beside}`}${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
-/** Duration, size, missing ticks, and whether it is still being written, as text. */
-export function figuresOf(recording: Recording): string {
+/** Whether a recording is being written; false while its loop does not answer, since then nobody knows. */
+export function isWriting(recording: string, state: Pick<WorldStateT, 'silent'> | null): boolean {
+  return recording !== '' && !state?.silent;
+}
+
+/** Duration, size, missing ticks, and whether it is still being written, as text. @param silent the loop does not answer */
+export function figuresOf(recording: Recording, silent = false): string {
   const { duration_s, bytes: size, ticks_missing, being_written } = recording;
   return [
-    ...(being_written === true ? [texts().recordings.beingWritten] : []),
+    ...(being_written === true && !silent ? [texts().recordings.beingWritten] : []),
     // The duration is known only when the file is closed.
     ...(duration_s === undefined || being_written === true ? [] : [duration(duration_s)]),
     ...(size === undefined ? [] : [bytes(size)]),
@@ -119,6 +125,7 @@ export class RecordingsPanel implements Panel {
   private recordings: readonly Recording[] = [];
   private chosen: string[] = [];
   private all = false;
+  private silent = false;
 
   constructor(private readonly model: ConsoleModel, private readonly watch: SavedWatch) {
     this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
@@ -135,7 +142,11 @@ export class RecordingsPanel implements Panel {
     const size = Number(state?.recordingBytes ?? 0n);
     const writing = String(this.model.scene?.recording ?? '');
     if (this.watch.take(writing)) void this.read();
-    const runs = writing !== '';
+    const runs = isWriting(writing, state), silent = state?.silent === true;
+    if (silent !== this.silent) {
+      this.silent = silent;
+      this.show();
+    }
     if (this.now.hidden === runs) this.now.hidden = !runs;
     if (runs) setText(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
   }
@@ -201,7 +212,7 @@ export class RecordingsPanel implements Panel {
     const downloadLink = can.download ? h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download) : null;
     const box = h('input', { type: 'checkbox', value: name, 'aria-label': fill(t.besideOf, { name: called }) });
     box.checked = this.chosen.includes(name);
-    return h('li', { title: name }, h('label', { class: 'pick' }, box), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording))),
+    return h('li', { title: name }, h('label', { class: 'pick' }, box), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording, this.silent))),
       h('span', { class: 'links' }, replayLink, reportLink, downloadLink));
   }
 }

@@ -4,7 +4,7 @@ import type { GraspTargets, Play } from '../exercises/exercise';
 import type { WebcamView } from '../input/webcam';
 import type { GameBodyShown } from '../net/game_bodies';
 import { RunState, type SceneT, type WorldStateT } from '../protocol';
-import { alarmWords } from '../shared/alarm';
+import { alarmTitle, alarmWords } from '../shared/alarm';
 import { language, text } from '../shared/i18n';
 import { answerPresses, showPressed } from '../shared/pressed';
 import { isRecorded } from '../shared/recorded';
@@ -175,6 +175,7 @@ export class Screen {
   private words(now: PageState, state: WorldStateT): [string, string] {
     const { connection: { scene }, controls, memory } = this.behind;
     const { play } = memory;
+    if (now === 'silent') return alarmTitle(state);
     if (now === 'watching') return this.watchingWords(play, state);
     if (now === 'loading') return [text('game.moment'), ''];
     if (now === 'free' && !play) return [text('game.free'), text('game.freeMore')];

@@ -19,6 +19,12 @@ export function alarmWords(state: AlarmState | null): string {
   return state.stopUnconfirmed ? `${text('silent.stop')} ${words}` : words;
 }
 
+/** The words of the alarm as a title and what follows it, for a bar that would stand empty beside the alarm. */
+export function alarmTitle(state: AlarmState | null): [title: string, more: string] {
+  const words = alarmWords(state), end = words.indexOf('. ');
+  return end < 0 ? [words, ''] : [words.slice(0, end + 1), words.slice(end + 2)];
+}
+
 /** Shows the alarm over the page from now on. Presses go through it, so that it hides no button. */
 export function showAlarm(connection: Connection): void {
   const element = h('div', { class: 'alarm-over', role: 'alert', 'data-testid': 'alarm' });

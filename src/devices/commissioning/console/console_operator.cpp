@@ -78,6 +78,13 @@ std::shared_ptr<const CommissioningFacts> ConsoleOperator::facts() const {
   return facts_;
 }
 
+LoopStatus ConsoleOperator::status() const {
+  LoopStatus status;
+  status.silent = silent_.load();
+  status.device.emplace();
+  return status;
+}
+
 void ConsoleOperator::finish(const std::string& file) {
   const std::lock_guard lock(mutex_);
   publish([&](Facts& f) { f.passport = file; });

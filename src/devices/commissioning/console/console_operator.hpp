@@ -3,6 +3,7 @@
 #include "vocabulary/backend.hpp"
 #include "vocabulary/operator.hpp"
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -53,6 +54,8 @@ class ConsoleOperator final : public Operator, public ServerBackend {
 
   /// Facts for ServerOptions::commissioning. Any thread.
   [[nodiscard]] std::shared_ptr<const CommissioningFacts> facts() const;
+  /// Shows pages the alarm that the device does not answer, or takes it back. Any thread.
+  void setSilent(bool silent) noexcept { silent_.store(silent); }
   /// Reports to clients that the passport or check was written.
   void finish(const std::string& file);
 
@@ -68,7 +71,7 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   // Overrides of ServerBackend, called in any thread.
   void order(const Order& order, std::function<void(OrderReply)> done) override;
   [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override { return nullptr; }
-  [[nodiscard]] LoopStatus status() const override { return {}; }
+  [[nodiscard]] LoopStatus status() const override;
   [[nodiscard]] bool latest(TickRecord&) const override { return false; }
   [[nodiscard]] std::vector<RecordingEntry> recordings() const override { return {}; }
   [[nodiscard]] std::string recordingPath(const std::string&) const override { return {}; }
@@ -85,6 +88,7 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   const std::function<std::int64_t()> now_ns_;
   const std::function<bool()> ended_;
 
+  std::atomic<bool> silent_{false};
   mutable std::mutex mutex_;
   std::condition_variable answered_;
   std::shared_ptr<const CommissioningFacts> facts_;
