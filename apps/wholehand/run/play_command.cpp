@@ -82,12 +82,17 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   return Done{};
 }
 
+// Permits one enabling, and counts it.
 Expected<ArmingPermit> permitNow(const DeviceDriver& driver, const DeviceModel& model,
                                  const std::string& armed_with, double period_s) {
   if (armed_with == kWithout) return ArmingPermit::withoutPassport();
   const auto checked = checkArmingPermit(driver.identity(), model, 1.0 / period_s, placeTimeNow());
   if (!checked) return checked.errors();
-  if (checked->permit.passport() == armed_with) return checked->permit;
+  if (checked->permit.passport() == armed_with) {
+    const auto counted = countEnabling(driver.identity(), model, placeTimeNow(), writeText);
+    if (!counted) return counted.errors();
+    return checked->permit;
+  }
   return fileFault(checked->passport.path, "the passport was replaced while this program runs",
                    "start the program again");
 }

@@ -2,6 +2,7 @@
 
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/effort_judge.hpp"
+#include "devices/plugin/response_judge.hpp"
 #include "loop/device/haptic_device.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 
@@ -26,12 +28,16 @@ class ArmingPermit {
 
   /// Digest of the passport; empty: no passport.
   [[nodiscard]] const std::string& passport() const noexcept { return passport_; }
+  /// Figures of the passport, in the order of the device file; empty: no passport.
+  [[nodiscard]] const std::vector<MeasuredAxis>& measured() const noexcept { return measured_; }
 
  private:
   friend CheckedPermit;
-  explicit ArmingPermit(std::string passport) : passport_(std::move(passport)) {}
+  explicit ArmingPermit(std::string passport, std::vector<MeasuredAxis> measured = {})
+      : passport_(std::move(passport)), measured_(std::move(measured)) {}
 
   std::string passport_;
+  std::vector<MeasuredAxis> measured_;
 };
 
 /// Longest time for which the samples of a device may stand still [s]: the file's `longest_gap_s`,
@@ -68,10 +74,14 @@ class PluginDevice final : public HapticDevice {
   /// longestStill_s() or from the future, or when samples stand still or go back in time;
   /// kSampleDelay when their mean age over the last tenth of a second exceeds the certificate's
   /// delay plus a period; kEffortAstray when three of the last seven measured efforts of an axis do
-  /// not follow from the efforts sent (EffortJudge). The effort of an axis that the file does not
+  /// not follow from the efforts sent (EffortJudge), or when an axis does not respond to changes of
+  /// its effort as the passport says (ResponseJudge). The effort of an axis that the file does not
   /// list must stay as it was when the device was enabled.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
+  /// Work of the device on the person and itself since it was enabled, as sent efforts times
+  /// motion [J]. It is shown and ends nothing. Read by the thread that reads the device.
+  [[nodiscard]] double work_j() const noexcept { return work_j_; }
   /// Disables the device; the driver stays open.
   void close() noexcept override;
 
@@ -81,6 +91,8 @@ class PluginDevice final : public HapticDevice {
   [[nodiscard]] Fault checkAge(const wh_sample& sample) noexcept;
   [[nodiscard]] Fault checkEfforts(const wh_sample& sample) noexcept;
   void beginEfforts(const wh_sample& sample) noexcept;
+  void useMeasured(const DeviceModel& model);
+  [[nodiscard]] Fault checkResponse(const AxisPosition& position, int elapsed_periods) noexcept;
   [[nodiscard]] Expected<Done> idle(const wh_sample& sample);
   [[nodiscard]] Expected<Done> mayFall() const;
   [[nodiscard]] Diagnostic no(const std::string& why, const std::string& remedy) const;
@@ -110,6 +122,10 @@ class PluginDevice final : public HapticDevice {
   std::array<bool, WH_MAX_AXES> judged_{};                ///< this axis of the driver has a motor
   std::array<bool, WH_MAX_AXES> listed_{};  ///< the file lists this axis of the driver
   std::array<EffortJudge, WH_MAX_AXES> judges_{};
+  ResponseJudge response_;
+  AxisEffort held_;         ///< the last effort that the driver accepted
+  AxisPosition worked_at_;  ///< position up to which work_j_ is counted
+  double work_j_ = 0.0;
 };
 
 }  // namespace wholehand

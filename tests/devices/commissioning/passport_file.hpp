@@ -48,7 +48,7 @@ class PassportFolder {
   void keep() {
     writeFile(path, passportText(passport));
     writeFile(check_path,
-              dailyCheckText({orThrow(readPassport(path)).sha256, passport.operator_name, now}));
+              dailyCheckText({orThrow(readPassport(path)).sha256, passport.operator_name, now, ""}));
   }
 
   Folder folder;
