@@ -129,7 +129,7 @@ static void move(int i, const double* sent, double h) {
   const double v = truth.velocity[i] + h * push / moved;
   const double rubs = h * friction_n / moved;
   double next = fabs(v) <= rubs ? 0.0 : v - (v > 0.0 ? rubs : -rubs);
-  if (!powered && truth.limb_mass == 0.0 && truth.pull[i] == 0.0) next = 0.0;
+  if (!powered && truth.limb_mass == 0.0) next = 0.0; /* it locks */
   if (fabs(motor - sent[i]) > 1e-9) truth.work_j += motor * 0.5 * (truth.velocity[i] + next) * h;
   truth.velocity[i] = next;
   truth.position[i] += h * next;

@@ -10,13 +10,13 @@
 #include "support/folder.hpp"
 #include "support/seed.hpp"
 
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <dlfcn.h>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -166,8 +166,8 @@ struct Liar {
   std::shared_ptr<PluginDriver> driver;
 };
 
-/// An exercise that leads a passive hand to and fro with a spring, and lets it feel a click of 1.2 N
-/// now and then, with the gains of config/rendering/desktop-3axis.toml.
+/// An exercise that leads a passive hand to and fro with a spring, and lets it feel a click of 1.2
+/// N now and then, with the gains of config/rendering/desktop-3axis.toml.
 class LeadingExercise {
  public:
   AxisEffort effort(const AxisPosition& q, double t) {
@@ -203,9 +203,9 @@ Outcome Liar::session(double lasts_s) {
   truth.work_j = 0.0;
   g_now_ns = truth.now_ns;
   Passport passport = orThrow(readPassport(folder.file("passport.toml")));
-  const auto device = orThrow(PluginDevice::make(driver, model, 1e-3,
-                                                 CheckedPermit(std::move(passport)).permit,
-                                                 []() noexcept { return g_now_ns; }));
+  const auto device =
+      orThrow(PluginDevice::make(driver, model, 1e-3, CheckedPermit(std::move(passport)).permit,
+                                 []() noexcept { return g_now_ns; }));
   orThrow(device->open());
   orThrow(device->enable());
   LeadingExercise exercise;
@@ -216,20 +216,21 @@ Outcome Liar::session(double lasts_s) {
     clock.waitForTick();
     g_now_ns = truth.now_ns;
     const AxisPosition before = reading.q_m;
-    const Fault faults = device->read(reading, 1);
+    const wholehand::Fault faults = device->read(reading, 1);
     bool beyond = false, quick = false;
     for (int a = 0; a < 3; ++a) {
       const DeviceAxis& axis = model.axes[static_cast<std::size_t>(a)];
       beyond = beyond || std::abs(reading.q_m[a]) > axis.upper + axis.workspace_margin;
-      quick = quick || (before.size() == 3 && std::abs(reading.q_m[a] - before[a]) >
-                                                  1e-3 * axis.speed_limit + 2.0 * axis.encoder_step);
+      quick =
+          quick || (before.size() == 3 && std::abs(reading.q_m[a] - before[a]) >
+                                              1e-3 * axis.speed_limit + 2.0 * axis.encoder_step);
     }
     fast = quick ? fast + 1 : 0;
-    if (any(faults & Fault::kEffortAstray)) out.ended_by = "the judge of the response";
+    if (any(faults & wholehand::Fault::kEffortAstray)) out.ended_by = "the judge of the response";
     if (any(faults & kStoppingFaults) && out.ended_by.empty()) out.ended_by = "another fault";
     if (beyond) out.ended_by = "the workspace";
     if (fast >= 2) out.ended_by = "the speed limit";
-    EXPECT_EQ(device->write(exercise.effort(reading.q_m, 1e-3 * k)), Fault::kNone);
+    EXPECT_EQ(device->write(exercise.effort(reading.q_m, 1e-3 * k)), wholehand::Fault::kNone);
     out.work_j = std::max(out.work_j, truth.work_j);
     out.after_s = 1e-3 * k;
   }
@@ -261,16 +262,17 @@ const std::map<std::string, const char*> kUnseeable = {
 };
 
 const std::vector<std::string> kOld = {
-    "turned",    "swapped",   "coupled",     "halved",   "doubled", "dead",       "weak",
-    "one_sided", "lame_back", "both_one_way", "dead_zone", "millinewton", "smoothed", "slewed",
-    "integrated", "pushes",   "tardy",       "shakes",   "pumps"};
+    "turned",     "swapped",   "coupled",      "halved",    "doubled",     "dead",     "weak",
+    "one_sided",  "lame_back", "both_one_way", "dead_zone", "millinewton", "smoothed", "slewed",
+    "integrated", "pushes",    "tardy",        "shakes",    "pumps"};
 const std::vector<std::string> kNew = {
-    "flips_late",     "exchanges_worn",      "thrice_above_quarter", "clips_at_half",
-    "flips_worn",     "flips_above_half",    "flips_z_late",         "one_sided_late",
-    "one_way_late",   "one_way_above_third", "dies_late",            "tardy_late",
-    "coupled_worn",   "stays_above_half",    "smoothed_late",        "thrice_late",
-    "gains_late",     "leans_late",          "pumps_late",           "attracts_late",
-    "shakes_late"};
+    "flips_late",          "exchanges_worn",   "thrice_above_quarter",
+    "clips_at_half",       "flips_worn",       "flips_above_half",
+    "flips_z_late",        "one_sided_late",   "one_way_late",
+    "one_way_above_third", "dies_late",        "tardy_late",
+    "coupled_worn",        "stays_above_half", "smoothed_late",
+    "thrice_late",         "gains_late",       "leans_late",
+    "pumps_late",          "attracts_late",    "shakes_late"};
 
 Outcome met(const std::string& lie) {
   Liar liar(lie);
@@ -293,8 +295,8 @@ class DishonestDriver : public testing::TestWithParam<std::string> {};
 TEST_P(DishonestDriver, OnAPassivePerson_EndsBeforeItHasDoneAJoule) {
   if (kReducedCounts && leftOutUnderASanitizer(std::hash<std::string>{}(GetParam()))) return;
   const Outcome out = met(GetParam());
-  std::printf("liar: %-22s %.3f J, after %5.2f s, %s\n", GetParam().c_str(), out.work_j, out.after_s,
-              out.ended_by.empty() ? "not ended" : out.ended_by.c_str());
+  std::printf("liar: %-22s %.3f J, after %5.2f s, %s\n", GetParam().c_str(), out.work_j,
+              out.after_s, out.ended_by.empty() ? "not ended" : out.ended_by.c_str());
   if (kUnseeable.count(GetParam()) > 0) return;
   EXPECT_LE(out.work_j, 1.0) << out.ended_by;
 }

@@ -143,8 +143,8 @@ TEST(ResponseJudge, EveryShippedPatientInARenderedScene_IsNeverStopped) {
     ResponseJudge::Models all{};
     for (int a = 0; a < device.axisCount(); ++a) {
       const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
-      all[static_cast<std::size_t>(a)] = {axis.mass, axis.damping,
-                                          1e-3 * device.output_delay_ticks, axis.effort_limit};
+      all[static_cast<std::size_t>(a)] = {axis.mass, axis.damping, 1e-3 * device.output_delay_ticks,
+                                          axis.effort_limit};
     }
     ResponseJudge judge(all, device.axisCount(), 1e-3);
     int most = 0;

@@ -71,8 +71,9 @@ class ResponseWorld {
     for (int i = 0; i < kSteps; ++i) {
       constexpr double h = kPeriod_s / kSteps;
       acting_ += (arrived - acting_) * std::min(1.0, h / lag_s);
-      const double hand = limb_.stiffness * (aim() - q_) - limb_.damping * v_ + pushed(h) +
-                          limb_.tremor * std::sin(2.0 * std::numbers::pi * limb_.tremor_hz * time_s_);
+      const double hand =
+          limb_.stiffness * (aim() - q_) - limb_.damping * v_ + pushed(h) +
+          limb_.tremor * std::sin(2.0 * std::numbers::pi * limb_.tremor_hz * time_s_);
       const double v = v_ + h * (acting_ + hand - damping * v_) / moved;
       const double held = h * friction / moved;
       const double next = std::abs(v) <= held ? 0.0 : v - std::copysign(held, v);
@@ -100,9 +101,9 @@ class ResponseWorld {
     for (int i = 0; i < kSteps; ++i) {
       constexpr double h = kPeriod_s / kSteps;
       const double into = hand_ - std::clamp(hand_, wall[0], wall[1]);
-      double wall_push = into == 0.0 ? 0.0
-                                     : -wall_stiffness * into -
-                                           std::sqrt(wall_stiffness * moved) * hand_speed_;
+      double wall_push =
+          into == 0.0 ? 0.0
+                      : -wall_stiffness * into - std::sqrt(wall_stiffness * moved) * hand_speed_;
       if (wall_push * into > 0.0) wall_push = 0.0;
       hand_speed_ += h * (coupling(q) + wall_push) / moved;
       hand_ += h * hand_speed_;

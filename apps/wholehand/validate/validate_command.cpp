@@ -159,8 +159,9 @@ class Validation {
       add(toml.finish());
       return;
     }
-    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
-                                "passport", "device-check", "device-enablings", "sweep", "clinic-presets"});
+    toml.root().choice("kind",
+                       {"hand", "device", "rendering", "patient", "scene", "exercise", "passport",
+                        "device-check", "device-enablings", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());

@@ -112,10 +112,10 @@ inline constexpr double kCommissioningRamp_s = 0.02;
 
 /// A device that moves under supervision: no person is attached, and somebody holds a key. Every
 /// effort passes the device host's guard (effort_guard.hpp) with a fifth of the file's effort
-/// limits, or the share that a ShareInForce allows, and the full slew limits. The device is enabled only while the key is held. A released
-/// key, a fault, a runaway or the end of a motion ramps it to neutral within kCommissioningRamp_s,
-/// with the shape of the ramp in rendering, and disables it (WH_DISABLE). One thread. Axes are in
-/// the order of the device file.
+/// limits, or the share that a ShareInForce allows, and the full slew limits. The device is enabled
+/// only while the key is held. A released key, a fault, a runaway or the end of a motion ramps it
+/// to neutral within kCommissioningRamp_s, with the shape of the ramp in rendering, and disables it
+/// (WH_DISABLE). One thread. Axes are in the order of the device file.
 class Bench {
  public:
   /// Input and output of a law of motion.

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kGainWithin = 1.3, kApartWithin = 0.25, kAlongWithin = 0.2;
 constexpr double kOfSpeed = 0.4, kOfRange = 0.1, kLongest_s = 0.15;
-constexpr double kRest_s = 0.4;      // held by the spring before each push
-constexpr double kAfter_s = 0.02;    // seen after a push
-constexpr double kStepsMoved = 15.0; // encoder steps below which a motion shows nothing
+constexpr double kRest_s = 0.4;       // held by the spring before each push
+constexpr double kAfter_s = 0.02;     // seen after a push
+constexpr double kStepsMoved = 15.0;  // encoder steps below which a motion shows nothing
 constexpr int kSubsteps = 10;
 
 // Peak of the speed, the displacement and the slope of a push of peak 1, length 1 and mass 1.
@@ -68,7 +68,11 @@ class OnePush {
  public:
   OnePush(Bench& bench, std::size_t axis, double peak, double length_s,
           const std::vector<double>& offset)
-      : bench_(bench), axis_(axis), peak_(peak), length_s_(length_s), offset_(offset),
+      : bench_(bench),
+        axis_(axis),
+        peak_(peak),
+        length_s_(length_s),
+        offset_(offset),
         hold_(bench, offset) {}
 
   Expected<bool> operator()(Bench::Now& now) {
@@ -100,7 +104,10 @@ class OnePush {
 };
 
 Diagnostic disagrees(const Bench& bench, std::size_t axis, double share, const std::string& how) {
-  return {bench.model().path, 0, "axes", bench.model().axes[axis].name,
+  return {bench.model().path,
+          0,
+          "axes",
+          bench.model().axes[axis].name,
           fmt::format("at {:.0f} % of its effort limit {}", 100.0 * share, how),
           "have the drive looked at: its limits of current, its signs, its supply; then measure "
           "again"};
@@ -142,17 +149,18 @@ Expected<double> climb(Bench& bench, std::size_t axis, const ClimbedAxis& measur
     for (const double way : {1.0, -1.0}) {
       const double peak = way * (share * a.effort_limit - std::abs(offset[axis]));
       OnePush push(bench, axis, peak, length_s, offset);
-      const Motion motion{MotionKind::kMeasure,
-                          fmt::format("axis {} is pushed with {:.0f} % of its effort limit",
-                                      a.name, 100.0 * share),
-                          a.name, kRest_s + length_s};
+      const Motion motion{
+          MotionKind::kMeasure,
+          fmt::format("axis {} is pushed with {:.0f} % of its effort limit", a.name, 100.0 * share),
+          a.name, kRest_s + length_s};
       const ShareInForce in_force(bench, share);
       const auto pushed =
           bench.move(motion, [&](Bench::Now& now) -> Expected<bool> { return push(now); });
       if (!pushed) return pushed.errors();
       push.effort.resize(push.position.size(), 0.0);
-      const auto agreed = judge(bench, axis, share, push,
-                                comparePush(push.position, push.effort, bench.period_s(), measured));
+      const auto agreed =
+          judge(bench, axis, share, push,
+                comparePush(push.position, push.effort, bench.period_s(), measured));
       if (!agreed) return agreed.errors();
     }
     reached = share;

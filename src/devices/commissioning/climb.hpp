@@ -29,8 +29,8 @@ struct ClimbedAxis {
 /// limit or a tenth of the range, but its effort may rise no faster than the slew limit.
 [[nodiscard]] double pushLength_s(const DeviceAxis& axis, double mass);
 
-/// Push of one axis, in units of its peak, at u = time / length in 0 .. 1: -1/2 (cos 2πu - cos 4πu).
-/// It begins and ends at 0 and leaves a free mass where it was, at rest.
+/// Push of one axis, in units of its peak, at u = time / length in 0 .. 1: -1/2 (cos 2πu - cos
+/// 4πu). It begins and ends at 0 and leaves a free mass where it was, at rest.
 [[nodiscard]] double pushShape(double u);
 
 /// Climbs with one axis, up and down at every share, while soft springs hold the others. Ends at

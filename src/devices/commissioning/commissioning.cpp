@@ -23,9 +23,9 @@ namespace wholehand {
 namespace {
 
 constexpr std::array<const char*, kCommissioningSteps> kNames = {
-    "identify",         "home",     "signs",
-    "scale-and-travel", "gravity",  "mass-friction-delay",
-    "known-weight",     "watchdog", "emergency-stop",
+    "identify",         "home",         "signs",
+    "scale-and-travel", "gravity",      "mass-friction-delay",
+    "known-weight",     "watchdog",     "emergency-stop",
     "range-stops",      "effort-limit", "passport"};
 constexpr double kZeroWithin = 0.01;  // share of the range
 
@@ -188,11 +188,12 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
   }
   using Method = Expected<Done> (Commissioning::*)();
   static constexpr std::array<Method, kCommissioningSteps> kMethods = {
-      &Commissioning::identify,       &Commissioning::home,     &Commissioning::signs,
-      &Commissioning::scaleAndTravel, &Commissioning::gravity,  &Commissioning::massFrictionDelay,
-      &Commissioning::knownWeight,    &Commissioning::watchdog, &Commissioning::emergencyStop,
-      &Commissioning::rangeStops,     &Commissioning::effortLimit,
-      &Commissioning::write};
+      &Commissioning::identify,      &Commissioning::home,
+      &Commissioning::signs,         &Commissioning::scaleAndTravel,
+      &Commissioning::gravity,       &Commissioning::massFrictionDelay,
+      &Commissioning::knownWeight,   &Commissioning::watchdog,
+      &Commissioning::emergencyStop, &Commissioning::rangeStops,
+      &Commissioning::effortLimit,   &Commissioning::write};
   done_.back() = false;  // a new measurement makes the passport outdated
   Expected<Done> result = report(step, [&] { return (this->*kMethods.at(at))(); });
   done_.at(at) = result.ok();
@@ -343,8 +344,7 @@ Expected<Done> Commissioning::checkToday() {
       !good) {
     return good;
   }
-  if (auto good =
-          report(CommissioningStep::kEffortLimit, [&] { return climbWith(kept->axes); });
+  if (auto good = report(CommissioningStep::kEffortLimit, [&] { return climbWith(kept->axes); });
       !good) {
     return good;
   }
@@ -600,15 +600,14 @@ Expected<Done> Commissioning::rangeStops() {
 }
 
 Expected<Done> Commissioning::climbWith(const std::vector<PassportAxis>& measured) {
-  const auto middle = [](const Interval& i) { return 0.5 * (i.lower + i.upper); };
   for (std::size_t i = 0; i < axes(); ++i) {
     if (auto there = driveTo(bench_, i, 0.5 * (axis(i).lower + axis(i).upper), offset_); !there) {
       return there;
     }
     const PassportAxis& p = measured[i];
     const auto reached = climb(bench_, i,
-                               {middle(p.mass), std::max(0.0, middle(p.damping)),
-                                std::max(0.0, middle(p.coulomb)), middle(p.delay_s)},
+                               {p.mass.middle(), std::max(0.0, p.damping.middle()),
+                                std::max(0.0, p.coulomb.middle()), p.delay_s.middle()},
                                offset_);
     if (!reached) return reached.errors();
     reportLine(fmt::format("  {}: responds as measured up to {:.0f} % of its effort limit",

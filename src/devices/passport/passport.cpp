@@ -120,7 +120,8 @@ std::string passportText(const Passport& p) {
       "# Measured by `wholehand device commission`. Do not edit: measure again.\n"
       "kind = \"passport\"\nversion = 1\nmeasured_at = \"{}\"\noperator = {}\n"
       "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\nresponds_up_to = {:.9g}\n{}",
-      format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz, p.responds_up_to,
+      format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz,
+      p.responds_up_to,
       p.identity.simulated ? "simulated = true  # of no device: it arms none\n" : "");
   const std::array<std::pair<const char*, std::string>, 5> known = {
       {{"driver", p.driver},
@@ -211,11 +212,10 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
 }
 
 std::vector<MeasuredAxis> measuredAxes(const Passport& passport) {
-  const auto middle = [](const Interval& i) { return 0.5 * (i.lower + i.upper); };
   std::vector<MeasuredAxis> out;
   for (const PassportAxis& axis : passport.axes) {
-    out.push_back({middle(axis.mass), std::max(0.0, middle(axis.damping)),
-                   std::max(0.0, middle(axis.delay_s)), axis.drive_lag_s.upper});
+    out.push_back({axis.mass.middle(), std::max(0.0, axis.damping.middle()),
+                   std::max(0.0, axis.delay_s.middle()), axis.drive_lag_s.upper});
   }
   return out;
 }
@@ -296,11 +296,12 @@ std::string dailyCheckPath(const std::string& device_file, const std::string& se
 }
 
 std::string dailyCheckText(const DailyCheck& check) {
-  return seal(fmt::format(
-      "# The two-minute check: zero, signs, watchdog, emergency stop, effort limit. Do not edit: do it again.\n"
-      "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
-      "passport_sha256 = \"{}\"\n\n",
-      format(check.done_at), quoted(check.operator_name), check.passport_sha256));
+  return seal(
+      fmt::format("# The two-minute check: zero, signs, watchdog, emergency stop, effort limit. Do "
+                  "not edit: do it again.\n"
+                  "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
+                  "passport_sha256 = \"{}\"\n\n",
+                  format(check.done_at), quoted(check.operator_name), check.passport_sha256));
 }
 
 Expected<DailyCheck> readDailyCheck(const std::string& path) {

@@ -24,11 +24,11 @@ inline constexpr std::chrono::days kPassportLasts{30};
 struct PassportAxis {
   std::string name;
   AxisKind kind = AxisKind::kTranslation;
-  Interval mass;            ///< [kg or kg·m²]
-  Interval damping;         ///< viscous [N·s/m or N·m·s/rad]
-  Interval coulomb;         ///< dry friction [N or N·m]
-  Interval gravity;         ///< effort that holds the axis in mid-range [N or N·m]
-  Interval delay_s;         ///< from a command to its effect
+  Interval mass;     ///< [kg or kg·m²]
+  Interval damping;  ///< viscous [N·s/m or N·m·s/rad]
+  Interval coulomb;  ///< dry friction [N or N·m]
+  Interval gravity;  ///< effort that holds the axis in mid-range [N or N·m]
+  Interval delay_s;  ///< from a command to its effect
   /// Time constant with which the drive's measured effort follows; 0 to 0: it measures none.
   Interval drive_lag_s;
   double resolution = 0.0;  ///< smallest change of position read [m or rad]

@@ -315,8 +315,7 @@ Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
     if ((sample.valid >> from & 1U) == 0) return Fault::kDeviceRead;
     reading.q_m[a] = sample.position[from];
   }
-  const Fault faults =
-      check(sample, elapsed_periods) | checkResponse(reading.q_m, elapsed_periods);
+  const Fault faults = check(sample, elapsed_periods) | checkResponse(reading.q_m, elapsed_periods);
   begun_ = true;
   last_ = sample;
   return faults;

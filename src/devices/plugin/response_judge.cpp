@@ -10,13 +10,13 @@ namespace {
 constexpr double kHigh_hz = 15.0, kLow_hz = 50.0;
 constexpr double kSettle_s = 0.2;  // of the band, after a beginning
 constexpr double kMemory_s = 0.3;  // of an episode: quiet times are forgotten
-// An episode ends when ∫ u² dt has reached this share of the squared effort limit [s]: 0.85 % of the
-// limit over 70 ms.
+// An episode ends when ∫ u² dt has reached this share of the squared effort limit [s]: 0.85 % of
+// the limit over 70 ms.
 constexpr double kEnough_s = 5e-6;
 constexpr double kAgainst = -0.7, kFollows = 0.3;
-constexpr double kOther = 0.8;           // correlation with another axis
-constexpr double kLittle = 0.25;         // share of the squared effort that the other may be sent
-constexpr double kLeastOfOther = 0.05;   // share s of the other axis
+constexpr double kOther = 0.8;          // correlation with another axis
+constexpr double kLittle = 0.25;        // share of the squared effort that the other may be sent
+constexpr double kLeastOfOther = 0.05;  // share s of the other axis
 constexpr double kExceeds = 0.9, kMostShare = 2.0;
 
 double correlation(double uy, double uu, double yy) noexcept {

@@ -7,8 +7,8 @@
 
 namespace wholehand {
 
-/// Figures of an axis that commissioning measured, for the judges of a session. SI; per radian for a
-/// rotation.
+/// Figures of an axis that commissioning measured, for the judges of a session. SI; per radian for
+/// a rotation.
 struct MeasuredAxis {
   double mass = 0.0;         ///< [kg or kg·m²]
   double damping = 0.0;      ///< viscous [N·s/m or N·m·s/rad]
@@ -85,11 +85,11 @@ class ResponseJudge {
     std::array<double, 3> weights{};  ///< of the efforts `whole` periods back and before
     int whole = 0;
     ResponseBand efforts, responses;
-    std::array<double, kMostDelay> sent{};     ///< a ring
-    std::array<double, 2> before{};            ///< the last two positions
-    double u = 0.0, y = 0.0;                   ///< in the band
+    std::array<double, kMostDelay> sent{};          ///< a ring
+    std::array<double, 2> before{};                 ///< the last two positions
+    double u = 0.0, y = 0.0;                        ///< in the band
     std::array<double, kMaxAxes> uy{}, yy{}, uu{};  ///< sums of the episode with every axis
-    int length = 0;                            ///< of the episode [periods]
+    int length = 0;                                 ///< of the episode [periods]
     int contradictions = 0, excesses = 0;
   };
   Axis& at(int axis) noexcept { return judged_[static_cast<std::size_t>(axis)]; }

@@ -221,7 +221,8 @@ TEST(DailyCheck, FiftyEnablings_MakeItDueBeforeTheNextVisitAndNeverInsideOne) {
   EXPECT_TRUE(contains(refused(59 + 30), "enabled 60 times")) << refused(59 + 30);
   EXPECT_TRUE(contains(refused(59 + 30), "device commission --daily"));
   // Another check begins anew.
-  writeFile(f.check_path, dailyCheckText({orThrow(readPassport(f.path)).sha256, "Other", f.now, ""}));
+  writeFile(f.check_path,
+            dailyCheckText({orThrow(readPassport(f.path)).sha256, "Other", f.now, ""}));
   EXPECT_EQ(refused(59 + 30), "");
 }
 

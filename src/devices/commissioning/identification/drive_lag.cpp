@@ -8,9 +8,9 @@ namespace wholehand {
 namespace {
 
 constexpr int kMostDelay_periods = 8;
-constexpr int kLags = 80;          // tried lags, equally far apart
-constexpr double kNearly = 1.1;    // times the least residual
-constexpr double kExplained = 0.1; // largest residual, of the effort
+constexpr int kLags = 80;           // tried lags, equally far apart
+constexpr double kNearly = 1.1;     // times the least residual
+constexpr double kExplained = 0.1;  // largest residual, of the effort
 constexpr std::size_t kLeast = 200;
 
 // Rms residual of one delay and lag, relative to the measured effort; the gain is fitted.
@@ -53,7 +53,8 @@ Interval identifyDriveLag(const std::vector<double>& effort, const std::vector<d
   const auto first = std::find_if(least.begin(), least.end(), nearly) - least.begin();
   const auto last = least.rend() - std::find_if(least.rbegin(), least.rend(), nearly) - 1;
   const double step_s = kLongestDriveLag_s / kLags;
-  return {step_s * static_cast<double>(first), std::min(step_s * static_cast<double>(last + 2), kLongestDriveLag_s)};
+  return {step_s * static_cast<double>(first),
+          std::min(step_s * static_cast<double>(last + 2), kLongestDriveLag_s)};
 }
 
 }  // namespace wholehand
