@@ -232,11 +232,9 @@ void PluginDevice::beginEfforts(const wh_sample& sample) noexcept {
     judges_[i].begin(listed_[i] ? 0.0 : kept, listed_[i] ? neutral_.effort[i] : kept, now_ns_(),
                      tolerance_[i]);
   }
-  held_ = AxisEffort(axes_);
-  for (int a = 0; a < axes_; ++a) held_[a] = neutral_.effort[place_[a]];
-  worked_at_ = AxisPosition(0);
-  work_j_ = 0.0;
-  response_.send(held_);
+  AxisEffort neutral(axes_);
+  for (int a = 0; a < axes_; ++a) neutral[a] = neutral_.effort[place_[a]];
+  response_.send(neutral);
   response_.begin();
 }
 
@@ -297,10 +295,6 @@ Fault PluginDevice::checkEfforts(const wh_sample& sample) noexcept {
 // Judges every period, with the effort that was in force in it. A gap leaves nothing to compare.
 Fault PluginDevice::checkResponse(const AxisPosition& position, int elapsed_periods) noexcept {
   if (!enabled_) return Fault::kNone;
-  if (worked_at_.size() == axes_) {
-    for (int a = 0; a < axes_; ++a) work_j_ += held_[a] * (position[a] - worked_at_[a]);
-  }
-  worked_at_ = position;
   if (!allFinite(position) || elapsed_periods > 1) response_.begin();
   if (!allFinite(position)) return Fault::kNone;
   return response_.isAstray(position) ? Fault::kEffortAstray : Fault::kNone;
@@ -332,7 +326,6 @@ Fault PluginDevice::write(const AxisEffort& effort) noexcept {
   for (int a = 0; a < axes_; ++a) {
     judges_[static_cast<std::size_t>(place_[a])].send(effort[a], now_ns);
   }
-  held_ = effort;
   response_.send(effort);
   return Fault::kNone;
 }

@@ -79,9 +79,6 @@ class PluginDevice final : public HapticDevice {
   /// list must stay as it was when the device was enabled.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
-  /// Work of the device on the person and itself since it was enabled, as sent efforts times
-  /// motion [J]. It is shown and ends nothing. Read by the thread that reads the device.
-  [[nodiscard]] double work_j() const noexcept { return work_j_; }
   /// Disables the device; the driver stays open.
   void close() noexcept override;
 
@@ -123,9 +120,6 @@ class PluginDevice final : public HapticDevice {
   std::array<bool, WH_MAX_AXES> listed_{};  ///< the file lists this axis of the driver
   std::array<EffortJudge, WH_MAX_AXES> judges_{};
   ResponseJudge response_;
-  AxisEffort held_;         ///< the last effort that the driver accepted
-  AxisPosition worked_at_;  ///< position up to which work_j_ is counted
-  double work_j_ = 0.0;
 };
 
 }  // namespace wholehand
