@@ -107,7 +107,7 @@ TEST(ResponseJudge, TurnedSignBeneathALimb_IsAstrayAndTheTrueOneIsNot) {
     const RenderedAxis axis = i % 2 == 0 ? kDesktop : kLambda;
     Limb limb{1.0, 15.0, 300.0};  // relaxed-adult
     ResponseWorld world(axis, limb, random);
-    world.pulses = 0.4;  // an exercise that moves the hand
+    world.pulses = 0.4;  // an exercise with clicks
     world.pulses_hz = 1.5;
     double before_j = 0.0;
     const Verdict verdict = judge(world, axis, 12'000, [&](int tick) {

@@ -10,10 +10,10 @@ namespace wholehand {
 namespace {
 
 constexpr double kGainWithin = 1.3, kApartWithin = 0.25, kAlongWithin = 0.2;
-constexpr double kOfSpeed = 0.4, kOfRange = 0.1, kLongest_s = 0.15;
+constexpr double kOfSpeedLimit = 0.4, kOfWholeRange = 0.1, kLongest_s = 0.15;
 constexpr double kRest_s = 0.4;       // held by the spring before each push
 constexpr double kAfter_s = 0.02;     // seen after a push
-constexpr double kStepsMoved = 15.0;  // encoder steps below which a motion shows nothing
+constexpr double kShownSteps = 15.0;  // encoder steps below which a motion shows nothing
 constexpr int kSubsteps = 10;
 
 // Peak of the speed, the displacement and the slope of a push of peak 1, length 1 and mass 1.
@@ -25,8 +25,9 @@ constexpr double kSlope = 1.37 * 2.0 * std::numbers::pi;
 
 double pushLength_s(const DeviceAxis& axis, double mass) {
   const double acceleration = axis.effort_limit / mass;
-  const double by_speed = kOfSpeed * axis.speed_limit / (kSpeed * acceleration);
-  const double by_range = std::sqrt(kOfRange * (axis.upper - axis.lower) / (kWay * acceleration));
+  const double by_speed = kOfSpeedLimit * axis.speed_limit / (kSpeed * acceleration);
+  const double by_range =
+      std::sqrt(kOfWholeRange * (axis.upper - axis.lower) / (kWay * acceleration));
   const double by_slew = 1.2 * kSlope * axis.effort_limit / axis.effort_slew_limit;
   return std::max(by_slew, std::min({by_speed, by_range, kLongest_s}));
 }
@@ -118,11 +119,11 @@ Expected<Done> judge(const Bench& bench, std::size_t axis, double share, const O
   const std::vector<DeviceAxis>& axes = bench.model().axes;
   const double own = push.way(axis) * std::sqrt(axes[axis].mass);
   for (std::size_t j = 0; j < axes.size(); ++j) {
-    const double way = push.way(j) - kStepsMoved * axes[j].encoder_step;
+    const double way = push.way(j) - kShownSteps * axes[j].encoder_step;
     if (j == axis || way * std::sqrt(axes[j].mass) <= kAlongWithin * own) continue;
     return disagrees(bench, axis, share, fmt::format("it moves axis {} along", axes[j].name));
   }
-  if (push.way(axis) < kStepsMoved * axes[axis].encoder_step) {
+  if (push.way(axis) < kShownSteps * axes[axis].encoder_step) {
     return disagrees(bench, axis, share, "it does not move");
   }
   if (seen.gain < 1.0 / kGainWithin || seen.gain > kGainWithin) {

@@ -7,12 +7,15 @@
 namespace wholehand {
 namespace {
 
-constexpr double kHigh_hz = 15.0, kLow_hz = 50.0;
+constexpr double kHigh_hz = 15.0, kLow_hz = 40.0;
 constexpr double kSettle_s = 0.2;  // of the band, after a beginning
 constexpr double kMemory_s = 0.3;  // of an episode: quiet times are forgotten
-// An episode ends when ∫ u² dt has reached this share of the squared effort limit [s]: 0.85 % of
+// Between changes of the effort y shows only steps of the encoder. So an axis is judged while the
+// mean square of u over 20 ms is above this share of the squared effort limit, (0.3 %)².
+constexpr double kChanges = 9e-6, kMeanOver_s = 0.02;
+// An episode ends when ∫ u² dt has reached this share of the squared effort limit [s]: 0.53 % of
 // the limit over 70 ms.
-constexpr double kEnough_s = 5e-6;
+constexpr double kEnough_s = 2e-6;
 constexpr double kAgainst = -0.7, kFollows = 0.3;
 constexpr double kOther = 0.8;          // correlation with another axis
 constexpr double kLittle = 0.25;        // share of the squared effort that the other may be sent
@@ -150,6 +153,8 @@ bool ResponseJudge::isAstray(const AxisPosition& position) noexcept {
   for (int i = 0; i < axes_; ++i) {
     Axis& own = at(i);
     if (own.model.mass <= 0.0) continue;
+    own.change += period_s_ / kMeanOver_s * (own.u * own.u - own.change);
+    if (own.change < kChanges * own.model.effort_limit * own.model.effort_limit) continue;
     add(i);
     const double enough = kEnough_s * own.model.effort_limit * own.model.effort_limit;
     if (own.length * period_s_ < kLeastEpisode_s || own.uu[static_cast<std::size_t>(i)] < enough) {

@@ -24,7 +24,7 @@ struct ResponseModel {
   double effort_limit = 1.0;  ///< [N or N·m]
 };
 
-/// Band of the judge: four equal high-pass poles at 15 Hz and three low-pass poles at 50 Hz.
+/// Band of the judge: four equal high-pass poles at 15 Hz and four low-pass poles at 40 Hz.
 /// Single poles, because a sharper filter rings for longer after a knock. Real-time safe.
 class ResponseBand {
  public:
@@ -35,7 +35,7 @@ class ResponseBand {
  private:
   double high_share_ = 0.0, low_share_ = 0.0;
   std::array<double, 4> high_{};
-  std::array<double, 3> low_{};
+  std::array<double, 4> low_{};
 };
 
 /// Judges above 15 Hz whether axes respond to our own changes of effort as commissioning measured.
@@ -45,7 +45,8 @@ class ResponseBand {
 /// y follows from the positions, u from the efforts sent; both pass the band. There a limb is a
 /// mass M and a damper, muscles are too slow to act, and so without knocks
 ///   y = s u,  s = m / (m + M),  0 < s <= 1,  whatever the person wants.
-/// An episode lasts until u has changed enough to be judged, and 70 ms at least. With the
+/// An episode lasts until u has changed enough to be judged, and has
+/// 70 ms of change at least. With the
 /// correlation r of u and y and the share s = Σ u y / Σ u², an episode
 ///   - contradicts if r < -0.7: the sign is wrong, or the delay is longer by half a period;
 ///   - contradicts if r < 0.3 and another axis, which was sent little, follows u with r > 0.8;
@@ -88,6 +89,7 @@ class ResponseJudge {
     std::array<double, kMostDelay> sent{};          ///< a ring
     std::array<double, 2> before{};                 ///< the last two positions
     double u = 0.0, y = 0.0;                        ///< in the band
+    double change = 0.0;                            ///< mean square of u
     std::array<double, kMaxAxes> uy{}, yy{}, uu{};  ///< sums of the episode with every axis
     int length = 0;                                 ///< of the episode [periods]
     int contradictions = 0, excesses = 0;
