@@ -257,8 +257,7 @@ const std::map<std::string, const char*> kUnseeable = {
     {"attracts_late", "a push that grows with the distance looks like a person who reaches"},
     {"shakes_late", "8 Hz look like a tremor"},
     {"thrice_late", "three times the effort on a limb of four masses looks like a lighter limb"},
-    {"smoothed_late", "slow effort is no change above 15 Hz, like a hand held fast"},
-    {"tardy_late", "a delay turns the sign only above 25 Hz"},
+    {"coupled_worn", "an axis that moves along looks like a limb that couples the two"},
 };
 
 const std::vector<std::string> kOld = {

@@ -94,7 +94,7 @@ TEST(ResponseJudge, HonestDrivesWithKnocksAndTherapists_AreNeverStopped) {
     ticks += 20'000;
   }
   figure("ticks of honest drives judged by their response", ticks, "");
-  figure("most contradictions of one of them", contradictions, "of 3");
+  figure("most contradictions of one of them", contradictions, "of 6");
   figure("most excesses of one of them", excesses, "of 20");
 }
 
@@ -154,7 +154,7 @@ TEST(ResponseJudge, EveryShippedPatientInARenderedScene_IsNeverStopped) {
       for (int a = 0; a < device.axisCount(); ++a) most = std::max(most, judge.contradictions(a));
       ticks += 1.0;
     });
-    std::printf("%s: at most %d contradictions\n", patient.c_str(), most);
+    std::printf("%s: contradictions count %d at most\n", patient.c_str(), most);
   }
   figure("ticks of rendered patients judged by their response", ticks, "");
 }

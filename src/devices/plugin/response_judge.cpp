@@ -123,7 +123,7 @@ void ResponseJudge::close(int axis) noexcept {
   const double r = correlation(own.uy[a], own.uu[a], own.yy[a]);
   const double share = own.uy[a] / own.uu[a];
   if (r < kAgainst || (r < kFollows && anotherFollows(axis))) {
-    ++own.contradictions;
+    own.contradictions += 2;
   } else if (r > kExceeds && share > kMostShare) {
     ++own.excesses;
   } else if (r > kFollows && share < kMostShare) {

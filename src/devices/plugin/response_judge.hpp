@@ -52,13 +52,14 @@ class ResponseBand {
 ///   - contradicts if r < 0.3 and another axis, which was sent little, follows u with r > 0.8;
 ///   - exceeds if r > 0.9 and s > 2: more effort acts than was sent;
 ///   - agrees if r > 0.3 and s < 2.
-/// A knock may do either for an episode or two. So each agreement cancels one contradiction and two
-/// excesses, and only what remains is counted: 3 contradictions or 20 excesses are astray.
+/// A knock may do either for an episode or two. So a contradiction counts 2, an excess 1; an
+/// agreement takes 1 from the contradictions and 2 from the excesses. 6 of the one or 20 of the
+/// other are astray.
 ///
 /// Pure, deterministic, of fixed size; real-time safe.
 class ResponseJudge {
  public:
-  static constexpr int kMostContradictions = 3, kMostExcesses = 20;
+  static constexpr int kMostContradictions = 6, kMostExcesses = 20;
   static constexpr double kLeastEpisode_s = 0.07;
 
   using Models = std::array<ResponseModel, kMaxAxes>;
