@@ -26,7 +26,7 @@ def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 
     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     out = (f'kind = "passport"\nversion = 1\nmeasured_at = "{day + "T00:00:00+00:00" if day else now}"\n'
            f'operator = "A"\ndevice = "{re.search("(?m)^name = .(.*?).$", text)[1]}"\n'
-           f'device_sha256 = "{hashlib.sha256(device.read_bytes()).hexdigest()}"\nrate_hz = 1000\nserial = "{serial}"\n{known}')
+           f'device_sha256 = "{hashlib.sha256(device.read_bytes()).hexdigest()}"\nrate_hz = 1000\nresponds_up_to = 1\nserial = "{serial}"\n{known}')
     for block in text.split("[[axes]]")[1:]:
         value = lambda key: float(re.search(rf"(?m)^{key} = (\S+)", block)[1])
         pair = lambda shares, number: f"[{shares[0] * number:.9g}, {shares[1] * number:.9g}]"

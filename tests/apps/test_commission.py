@@ -157,7 +157,7 @@ class Commission(Terminal):
         self.answer("", "")
         self.until("x: its position did not change while it was pushed")
         self.answer("Next: signs.*quit:", "")
-        self.until("Step 3 of 11: signs")
+        self.until("Step 3 of 12: signs")
 
     def test_device_is_moved_with_the_priority_of_the_loop(self):
         """Otherwise it reports that this machine does not grant it."""

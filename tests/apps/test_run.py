@@ -79,6 +79,8 @@ class WhatItWrites(AppTest):
             for axis, name in enumerate(AXES):  # both outputs report the same values
                 self.assertEqual(abs(sent[:, axis]).max(), numpy.float32(summary["max_effort"][name]))
             self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
+            work_j = (sent[:-1] * numpy.diff(f["ticks/q_m"][:], axis=0)).sum()  # of the device, by the recording
+            self.assertAlmostEqual(work_j, summary["work_j"], delta=1e-3 * max(1.0, abs(work_j)))
             embedded = {group.attrs["name"].decode() for group in f["meta/files"].values()}
             for file in ("config/scenes/four-shapes.toml", "config/devices/lambda-pride.toml",
                          "config/rendering/lambda-pride.toml", "config/patients/relaxed-adult.toml",

@@ -82,6 +82,25 @@ TEST(TickStatistics, NoisyRecords_MatchDirectCounts) {
   EXPECT_NEAR(s.stage_cpu[2].p50_ns, nearestRank(stage, 0.5), 0.01 * nearestRank(stage, 0.5));
 }
 
+// A spring of 100 N/m that is pushed in by 2 cm takes 20 mJ from the person, and gives them back.
+TEST(TickStatistics, WorkOfASpring_IsItsEnergyBothWays) {
+  TickStatistics statistics;
+  constexpr double kStiffness = 100.0, kDeep = 0.02;
+  const auto move = [&](double from, double to) {
+    for (int k = 0; k <= 1000; ++k) {
+      TickRecord r;
+      r.q_m = AxisPosition(1, from + (to - from) * k / 1000.0);
+      r.sent = AxisEffort(1, -kStiffness * r.q_m[0]);
+      statistics.add(r);
+    }
+  };
+  move(0.0, kDeep);
+  const double pushed_in_j = statistics.snapshot().work_j;
+  EXPECT_NEAR(pushed_in_j, -0.5 * kStiffness * kDeep * kDeep, 1e-4);
+  move(kDeep, 0.0);
+  EXPECT_NEAR(statistics.snapshot().work_j, 0.0, 1e-4);
+}
+
 TEST(TickStatistics, FaultsOfAnAxis_AreCountedForThatAxis) {
   TickStatistics statistics;
   const auto tick = [&statistics](Fault faults, int axis) {

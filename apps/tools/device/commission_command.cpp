@@ -436,7 +436,8 @@ std::vector<int> stepsOf(bool daily) {
     const auto step = static_cast<CommissioningStep>(i);
     const bool of_a_day = step == CommissioningStep::kHome || step == CommissioningStep::kSigns ||
                           step == CommissioningStep::kWatchdog ||
-                          step == CommissioningStep::kEmergencyStop;
+                          step == CommissioningStep::kEmergencyStop ||
+                          step == CommissioningStep::kEffortLimit;
     if (!daily || of_a_day) steps.push_back(i);
   }
   return steps;

@@ -87,7 +87,7 @@ Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver
   return Done{};
 }
 
-// Permit for the present arming, with the delay that the device has now.
+// Permits one enabling with the delay that the device has now, and counts it.
 Expected<ArmingPermit> permitNow(DeviceDriver& driver, const DeviceModel& model,
                                  const std::string& armed_with, double period_s) {
   if (armed_with == kWithout) return ArmingPermit::withoutPassport();
@@ -100,6 +100,8 @@ Expected<ArmingPermit> permitNow(DeviceDriver& driver, const DeviceModel& model,
   const auto transport = measureTransport(driver, period_s);
   if (!transport) return transport.errors();
   checked->permit.setDelay(delayAtArming(model, checked->passport, *transport, period_s));
+  const auto counted = countEnabling(driver.identity(), model, placeTimeNow(), writeText);
+  if (!counted) return counted.errors();
   return checked->permit;
 }
 

@@ -96,6 +96,7 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   std::printf("  force    largest %s; at most %d contact%s at once\n",
               largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
               plural(s.contacts_max));
+  std::printf("  work     %.3g J of the device\n", s.work_j);
   std::string results;
   for (const ResultValue& r : outcome.results) results += (results.empty() ? "" : "; ") + r.shown;
   if (!results.empty()) std::printf("  result   %s\n", printable(results, 1000).c_str());
@@ -160,6 +161,7 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   for (int a = 0; a < s.max_effort.size(); ++a) {
     json["max_effort"][device.axes[a].name] = s.max_effort[a];
   }
+  json["work_j"] = s.work_j;
   json["contacts_max"] = s.contacts_max;
   json["max_coupling_error_rad"] = s.max_coupling_error_rad;
   json["cpu_us"] = microseconds(s.cpu);

@@ -71,6 +71,7 @@ class Validation {
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
       if (kind == "device-check") add(readDailyCheck(file));
+      if (kind == "device-enablings") add(readEnablings(file));
       if (kind == "clinic-presets") add(clinic::loadPresets(file));
       if (kind == "sweep") remark = checkSweep(file);
       if (kind == "motion") remark = checkMotion(file);
@@ -158,8 +159,9 @@ class Validation {
       add(toml.finish());
       return;
     }
-    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
-                                "passport", "device-check", "sweep", "clinic-presets"});
+    toml.root().choice("kind",
+                       {"hand", "device", "rendering", "patient", "scene", "exercise", "passport",
+                        "device-check", "device-enablings", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());

@@ -296,15 +296,18 @@ Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Oper
   }
   if (!out.empty()) return out;
   bench.config_ = guardConfig(driver, model, period_s);
-  for (int i = 0; i < bench.config_.limit.size(); ++i) {
-    bench.config_.limit[i] *= kCommissioningShare;
-  }
-  bench.config_.ramp.ramp_s = kCommissioningRamp_s;
+  bench.whole_limit_ = bench.config_.limit;
+  bench.allow(kCommissioningShare);
   bench.watch_ = SampleWatch(model, bench.place_, period_s);
   bench.guard_ = endSession(bench.guard_, bench.config_);
   bench.command_.size = sizeof(bench.command_);
   bench.command_.axes = static_cast<std::uint32_t>(driver.axes().size());
   return bench;
+}
+
+void Bench::allow(double share) {
+  for (int i = 0; i < config_.limit.size(); ++i) config_.limit[i] = share * whole_limit_[i];
+  config_.ramp.ramp_s = kCommissioningRamp_s * std::max(1.0, share / kCommissioningShare);
 }
 
 double Bench::limit(std::size_t axis) const {
@@ -717,6 +720,7 @@ Expected<AxisExcitation> excite(Bench& bench, std::size_t axis, const std::vecto
         now.effort[axis] = excitation.next(now.position[axis]);
         out.trace.position.push_back(now.position[axis]);
         out.taken_s.push_back(now.taken_s);
+        out.given.push_back(bench.measuredEffort(axis));
         if (before.empty()) before = now.position;
         // Compares accelerations, which show inertial coupling.
         for (std::size_t i = 0; i < axes; ++i) {

@@ -113,10 +113,10 @@ inline constexpr double kCommissioningRamp_s = 0.02;
 
 /// A device that moves under supervision: no person is attached, and somebody holds a key. Every
 /// effort passes the device host's guard (effort_guard.hpp) with a fifth of the file's effort
-/// limits and the full slew limits. The device is enabled only while the key is held. A released
-/// key, a fault, a runaway or the end of a motion ramps it to neutral within kCommissioningRamp_s,
-/// with the shape of the ramp in rendering, and disables it (WH_DISABLE). One thread. Axes are in
-/// the order of the device file.
+/// limits, or the share that a ShareInForce allows, and the full slew limits. The device is enabled
+/// only while the key is held. A released key, a fault, a runaway or the end of a motion ramps it
+/// to neutral within kCommissioningRamp_s, with the shape of the ramp in rendering, and disables it
+/// (WH_DISABLE). One thread. Axes are in the order of the device file.
 class Bench {
  public:
   /// Input and output of a law of motion.
@@ -184,12 +184,19 @@ class Bench {
   [[nodiscard]] const DeviceModel& model() const { return *model_; }
   [[nodiscard]] Operator& person() { return *person_; }
   [[nodiscard]] double period_s() const { return config_.period_s; }
-  /// Effort limit of an axis in commissioning [N or N·m].
+  /// Allows this share of the file's effort limits, for the climb. The ramp to neutral grows with
+  /// it. @pre the device is not enabled
+  void allow(double share);
+  /// Effort limit of an axis in commissioning but the climb [N or N·m].
   [[nodiscard]] double limit(std::size_t axis) const;
   /// Effort sent to an axis in the last tick [N or N·m].
   [[nodiscard]] double sent(std::size_t axis) const { return command_.effort[place_[axis]]; }
   /// Adds the newest sample and the newest command to a log of the transport.
   void note(TransportLog& log) const { log.add(newest_, driver_->way(), clock_->now_ns()); }
+  /// Effort of an axis in the newest sample [N or N·m]; NaN: not measured.
+  [[nodiscard]] double measuredEffort(std::size_t axis) const {
+    return newest_.effort[place_[axis]];
+  }
   /// Largest effort sent so far, relative to the limit of its axis in the file.
   [[nodiscard]] double largestShare() const { return largest_share_; }
 
@@ -211,6 +218,7 @@ class Bench {
   Operator* person_;
   TickClock* clock_;
   GuardConfig config_;
+  AxisEffort whole_limit_;  ///< the file's effort limits, in the driver's order
   GuardState guard_;
   wh_command command_{};
   std::vector<std::size_t> place_;  ///< for each axis of the file, the index of the driver's axis
@@ -220,6 +228,18 @@ class Bench {
   wh_sample newest_{};
   std::uint64_t sessions_ = 0;
   double largest_share_ = 0.0;
+};
+
+/// Allows a share of the effort limits for its lifetime, and then a fifth again.
+class ShareInForce {
+ public:
+  ShareInForce(Bench& bench, double share) : bench_(bench) { bench_.allow(share); }
+  ~ShareInForce() { bench_.allow(kCommissioningShare); }
+  ShareInForce(const ShareInForce&) = delete;
+  ShareInForce& operator=(const ShareInForce&) = delete;
+
+ private:
+  Bench& bench_;
 };
 
 /// Natural frequency of the springs that hold axes, for the mass of the device file [Hz].
@@ -267,6 +287,7 @@ struct Push {
 /// Result of the excitation of one axis (identification/identify_axis.hpp).
 struct AxisExcitation {
   AxisTrace trace;
+  std::vector<double> given;    ///< effort that the drive measured at each tick; NaN: none
   std::vector<double> taken_s;  ///< actual time of each tick
   double transport_s = 0.0;     ///< median of the transport
   /// Response of every axis: acceleration times the root of its mass, relative to the excited axis

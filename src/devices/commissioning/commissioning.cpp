@@ -1,6 +1,8 @@
 #include "devices/commissioning/commissioning.hpp"
 
 #include "devices/commissioning/bench.hpp"
+#include "devices/commissioning/climb.hpp"
+#include "devices/commissioning/identification/drive_lag.hpp"
 #include "devices/commissioning/identification/identify_axis.hpp"
 #include "devices/passport/passport.hpp"
 #include "devices/passport/sealed_file.hpp"
@@ -21,10 +23,10 @@ namespace wholehand {
 namespace {
 
 constexpr std::array<const char*, kCommissioningSteps> kNames = {
-    "identify",         "home",     "signs",
-    "scale-and-travel", "gravity",  "mass-friction-delay",
-    "known-weight",     "watchdog", "emergency-stop",
-    "range-stops",      "passport"};
+    "identify",         "home",         "signs",
+    "scale-and-travel", "gravity",      "mass-friction-delay",
+    "known-weight",     "watchdog",     "emergency-stop",
+    "range-stops",      "effort-limit", "passport"};
 constexpr double kZeroWithin = 0.01;  // share of the range
 
 // Measurements and tests of each step.
@@ -52,7 +54,8 @@ std::vector<FoundFigure> measured(const DeviceAxis& axis, const PassportAxis& p)
   return {{axis.name, "mass", turns ? "kg·m²" : "kg", p.mass.lower, p.mass.upper},
           {axis.name, "damping", turns ? "N·m·s/rad" : "N·s/m", p.damping.lower, p.damping.upper},
           {axis.name, "dry-friction", axis.effortUnit(), p.coulomb.lower, p.coulomb.upper},
-          {axis.name, "delay", "ms", 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper}};
+          {axis.name, "delay", "ms", 1e3 * p.delay_s.lower, 1e3 * p.delay_s.upper},
+          {axis.name, "drive-lag", "ms", 1e3 * p.drive_lag_s.lower, 1e3 * p.drive_lag_s.upper}};
 }
 
 // Steps that test the watchdog and the emergency stop. Both act when this program cannot.
@@ -185,10 +188,12 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
   }
   using Method = Expected<Done> (Commissioning::*)();
   static constexpr std::array<Method, kCommissioningSteps> kMethods = {
-      &Commissioning::identify,       &Commissioning::home,     &Commissioning::signs,
-      &Commissioning::scaleAndTravel, &Commissioning::gravity,  &Commissioning::massFrictionDelay,
-      &Commissioning::knownWeight,    &Commissioning::watchdog, &Commissioning::emergencyStop,
-      &Commissioning::rangeStops,     &Commissioning::write};
+      &Commissioning::identify,      &Commissioning::home,
+      &Commissioning::signs,         &Commissioning::scaleAndTravel,
+      &Commissioning::gravity,       &Commissioning::massFrictionDelay,
+      &Commissioning::knownWeight,   &Commissioning::watchdog,
+      &Commissioning::emergencyStop, &Commissioning::rangeStops,
+      &Commissioning::effortLimit,   &Commissioning::write};
   done_.back() = false;  // a new measurement makes the passport outdated
   Expected<Done> result = report(step, [&] { return (this->*kMethods.at(at))(); });
   done_.at(at) = result.ok();
@@ -339,7 +344,11 @@ Expected<Done> Commissioning::checkToday() {
       !good) {
     return good;
   }
-  const DailyCheck check{kept->sha256, plan_.operator_name, plan_.now()};
+  if (auto good = report(CommissioningStep::kEffortLimit, [&] { return climbWith(kept->axes); });
+      !good) {
+    return good;
+  }
+  const DailyCheck check{kept->sha256, plan_.operator_name, plan_.now(), ""};
   const std::string path = dailyCheckPath(model.path, passport_.identity.serial);
   if (auto written = plan_.write(path, dailyCheckText(check)); !written) {
     reportLine(format(written.errors()));
@@ -526,6 +535,7 @@ Expected<Done> Commissioning::measure(std::size_t i) {
   p.delay_s = found->delay_s;
   p.transport_s = excited->transport_s;
   p.resolution = found->resolution;
+  p.drive_lag_s = identifyDriveLag(excited->trace.effort, excited->given, bench_.period_s());
   reportLine(
       fmt::format("  {}: mass {:.4g} to {:.4g}, damping {:.4g} to {:.4g}, dry friction {:.4g} to "
                   "{:.4g}, delay {:.2f} to {:.2f} ms ({:.2f} ms of it transport)",
@@ -589,6 +599,30 @@ Expected<Done> Commissioning::rangeStops() {
     }
   }
   return Done{};
+}
+
+Expected<Done> Commissioning::climbWith(const std::vector<PassportAxis>& measured) {
+  for (std::size_t i = 0; i < axes(); ++i) {
+    if (auto there = driveTo(bench_, i, 0.5 * (axis(i).lower + axis(i).upper), offset_); !there) {
+      return there;
+    }
+    const PassportAxis& p = measured[i];
+    const auto reached = climb(bench_, i,
+                               {p.mass.middle(), std::max(0.0, p.damping.middle()),
+                                std::max(0.0, p.coulomb.middle()), p.delay_s.middle()},
+                               offset_);
+    if (!reached) return reached.errors();
+    reportLine(fmt::format("  {}: responds as measured up to {:.0f} % of its effort limit",
+                           axis(i).name, 100.0 * *reached),
+               {{axis(i).name, "responds-up-to", "%", 100.0 * *reached, 100.0 * *reached}});
+  }
+  return Done{};
+}
+
+// Nobody is attached, the emergency stop and the watchdog are proven: the only motion above a fifth
+// of the effort limits.
+Expected<Done> Commissioning::effortLimit() {
+  return climbWith(passport_.axes);
 }
 
 Expected<Done> Commissioning::watchdog() {

@@ -23,9 +23,10 @@ enum class CommissioningStep {
   kWatchdog,
   kEmergencyStop,
   kRangeStops,
+  kEffortLimit,
   kPassport
 };
-inline constexpr int kCommissioningSteps = 11;
+inline constexpr int kCommissioningSteps = 12;
 /// "identify", "home", "signs", "scale-and-travel", ...
 [[nodiscard]] const char* stepName(CommissioningStep step);
 
@@ -60,8 +61,8 @@ class Commissioning {
 
   /// The passport for the daily check. Refused when there is none or it is invalid.
   [[nodiscard]] Expected<Passport> passportInForce() const;
-  /// Runs the daily check of a device with a passport: zero, signs, watchdog, emergency stop.
-  /// Writes its file if all pass.
+  /// Runs the daily check of a device with a passport: zero, signs, watchdog, emergency stop,
+  /// and the climb to the effort limit. Writes its file if all pass.
   [[nodiscard]] Expected<Done> checkToday();
 
  private:
@@ -75,6 +76,8 @@ class Commissioning {
   [[nodiscard]] Expected<Done> watchdog();
   [[nodiscard]] Expected<Done> emergencyStop();
   [[nodiscard]] Expected<Done> rangeStops();
+  [[nodiscard]] Expected<Done> effortLimit();
+  [[nodiscard]] Expected<Done> climbWith(const std::vector<PassportAxis>& measured);
   [[nodiscard]] Expected<Done> write();
 
   [[nodiscard]] Expected<Done> pushAway(std::size_t i);

@@ -50,6 +50,10 @@ std::string axisText(const PassportAxis& axis) {
     out += fmt::format("transport_s = {:.9g}  # of delay_s; the rest is the drive's\n",
                        *axis.transport_s);
   }
+  if (axis.drive_lag_s.upper > 0.0) {
+    out += fmt::format("drive_lag_s = [{:.9g}, {:.9g}]\n", axis.drive_lag_s.lower,
+                       axis.drive_lag_s.upper);
+  }
   return out + fmt::format("{} = {:.9g}\n{} = {:.9g}\n", turns ? "resolution_rad" : "resolution_m",
                            axis.resolution, turns ? "mark_rad" : "mark_m", axis.mark);
 }
@@ -67,6 +71,10 @@ PassportAxis readAxis(TomlTable& table) {
   }
   if (table.has("transport_s")) {
     axis.transport_s = table.number("transport_s", between(0.0, 1.0, "s"));
+  }
+  if (table.has("drive_lag_s")) {
+    const auto ends = table.interval("drive_lag_s", between(0.0, 0.02, "s"));
+    axis.drive_lag_s = {ends[0], ends[1]};
   }
   axis.resolution = table.number(turns ? "resolution_rad" : "resolution_m", between(0.0, 1.0));
   axis.mark = table.number(turns ? "mark_rad" : "mark_m", between(-100.0, 100.0));
@@ -118,8 +126,9 @@ std::string passportText(const Passport& p) {
   std::string out = fmt::format(
       "# Measured by `wholehand device commission`. Do not edit: measure again.\n"
       "kind = \"passport\"\nversion = 1\nmeasured_at = \"{}\"\noperator = {}\n"
-      "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n{}",
+      "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\nresponds_up_to = {:.9g}\n{}",
       format(p.measured_at), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz,
+      p.responds_up_to,
       p.identity.simulated ? "simulated = true  # of no device: it arms none\n" : "");
   const std::array<std::pair<const char*, std::string>, 5> known = {
       {{"driver", p.driver},
@@ -151,6 +160,7 @@ Expected<Passport> readPassport(const std::string& path) {
   p.device = root.text("device");
   p.device_sha256 = root.text("device_sha256");
   p.rate_hz = root.number("rate_hz", above(0.0, 1e5, "Hz"));
+  p.responds_up_to = root.number("responds_up_to", between(1.0, 1.0));
   for (TomlTable& table : root.tables("axes", 1)) p.axes.push_back(readAxis(table));
   (void)root.table("seal").text("sha256");
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
@@ -221,6 +231,15 @@ double longestDelay_s(const Passport& passport) {
 }
 
 }  // namespace
+
+std::vector<MeasuredAxis> measuredAxes(const Passport& passport) {
+  std::vector<MeasuredAxis> out;
+  for (const PassportAxis& axis : passport.axes) {
+    out.push_back({axis.mass.middle(), std::max(0.0, axis.damping.middle()),
+                   std::max(0.0, axis.delay_s.middle()), axis.drive_lag_s.upper});
+  }
+  return out;
+}
 
 std::vector<DeviceModel> worstCorners(const DeviceModel& model, const Passport& passport,
                                       double period_s) {
@@ -314,25 +333,95 @@ std::string dailyCheckPath(const std::string& device_file, const std::string& se
 }
 
 std::string dailyCheckText(const DailyCheck& check) {
-  return seal(fmt::format(
-      "# The two-minute check: zero, signs, watchdog, emergency stop. Do not edit: do it again.\n"
-      "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
-      "passport_sha256 = \"{}\"\n\n",
-      format(check.done_at), quoted(check.operator_name), check.passport_sha256));
+  return seal(
+      fmt::format("# The two-minute check: zero, signs, watchdog, emergency stop, effort limit. Do "
+                  "not edit: do it again.\n"
+                  "kind = \"device-check\"\nversion = 1\ndone_at = \"{}\"\noperator = {}\n"
+                  "passport_sha256 = \"{}\"\n\n",
+                  format(check.done_at), quoted(check.operator_name), check.passport_sha256));
 }
 
 Expected<DailyCheck> readDailyCheck(const std::string& path) {
-  if (const auto sealed = checkSeal(path, kCheck); !sealed) return sealed.errors();
+  const auto sealed = checkSeal(path, kCheck);
+  if (!sealed) return sealed.errors();
   TomlFile file(path, "device-check");
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
   DailyCheck check;
+  check.sha256 = *sealed;
   check.done_at = readTime(root, "done_at");
   check.operator_name = root.text("operator");
   check.passport_sha256 = root.text("passport_sha256");
   (void)root.table("seal").text("sha256");
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   return check;
+}
+
+std::string enablingsPath(const std::string& device_file, const std::string& serial) {
+  return besideDeviceFile(device_file, serial, "enablings");
+}
+
+std::string enablingsText(const Enablings& enablings) {
+  return seal(
+      fmt::format("# Enablings of the device since its daily check. Do not edit: check it again.\n"
+                  "kind = \"device-enablings\"\nversion = 1\nlast_at = \"{}\"\ncount = {}\n"
+                  "check_sha256 = \"{}\"\n\n",
+                  format(enablings.last_at), enablings.count, enablings.check_sha256));
+}
+
+Expected<Enablings> readEnablings(const std::string& path) {
+  if (const auto sealed = checkSeal(path, kCheck); !sealed) return sealed.errors();
+  TomlFile file(path, "device-enablings");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  Enablings enablings;
+  enablings.last_at = readTime(root, "last_at");
+  enablings.count = static_cast<int>(root.integer("count", 0, 1'000'000'000));
+  enablings.check_sha256 = root.text("check_sha256");
+  (void)root.table("seal").text("sha256");
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return enablings;
+}
+
+namespace {
+
+// Enablings since this check. An unreadable count is not trusted, and no visit is open with it.
+Enablings enablingsSince(const DailyCheck& check, const std::string& path) {
+  Enablings none;
+  none.check_sha256 = check.sha256;
+  if (!std::filesystem::exists(path)) return none;
+  Expected<Enablings> kept = readEnablings(path);
+  if (!kept) {
+    none.count = kCheckEnablings;
+    return none;
+  }
+  return kept->check_sha256 == check.sha256 ? *kept : none;
+}
+
+Expected<Done> checkWear(const DailyCheck& check, const std::string& path, const PlaceTime& now) {
+  const Enablings since = enablingsSince(check, path);
+  if (since.count < kCheckEnablings) return Done{};
+  const auto pause = now.at - since.last_at.at;
+  if (pause >= std::chrono::seconds(0) && pause < kVisitPause) return Done{};
+  return keyFault(path, "count", std::to_string(since.count),
+                  fmt::format("the device was enabled {} times since its check: it is due before "
+                              "the next visit",
+                              since.count),
+                  kCheck);
+}
+
+}  // namespace
+
+Expected<Done> countEnabling(
+    const DriverIdentity& identity, const DeviceModel& model, const PlaceTime& now,
+    const std::function<Expected<Done>(const std::string& path, const std::string& text)>& write) {
+  const auto check = readDailyCheck(dailyCheckPath(model.path, identity.serial));
+  if (!check) return check.errors();
+  const std::string path = enablingsPath(model.path, identity.serial);
+  Enablings since = enablingsSince(*check, path);
+  ++since.count;
+  since.last_at = now;
+  return write(path, enablingsText(since));
 }
 
 Expected<CheckedPermit> checkArmingPermit(const DriverIdentity& identity, const DeviceModel& model,
@@ -370,6 +459,8 @@ Expected<CheckedPermit> checkArmingPermit(const DriverIdentity& identity, const 
     return keyFault(check_path, "passport_sha256", "",
                     "today's check was done with another passport", kCheck);
   }
+  const std::string count_path = enablingsPath(model.path, identity.serial);
+  if (auto fresh = checkWear(*check, count_path, now); !fresh) return fresh.errors();
   return CheckedPermit(std::move(*passport));
 }
 

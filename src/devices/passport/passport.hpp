@@ -9,6 +9,7 @@
 #include "loop/model/device_model.hpp"
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,6 +34,8 @@ struct PassportAxis {
   /// Part of delay_s that was the transport's: the median while it was measured. Empty: unknown, as
   /// in passports that are older than this key.
   std::optional<double> transport_s;
+  /// Time constant with which the drive's measured effort follows; 0 to 0: it measures none.
+  Interval drive_lag_s;
   double resolution = 0.0;  ///< smallest change of position read [m or rad]
   double mark = 0.0;        ///< its position at the device's mark [m or rad]
 };
@@ -46,6 +49,8 @@ struct Passport {
   std::string operator_name;
   PlaceTime measured_at;
   double rate_hz = 1000.0;  ///< tick rate of the measurement
+  /// Share of the effort limits up to which every axis responded as measured.
+  double responds_up_to = 1.0;
   std::vector<PassportAxis> axes;
   std::string sha256;  ///< digest of the passport itself; empty if not read from a file
 };
@@ -95,13 +100,43 @@ struct Passport {
 /// Longest validity of a daily check. It is valid only on the local day on which it was done.
 inline constexpr std::chrono::hours kCheckLasts{12};
 
-/// Daily check of a device with a passport: zero, signs, watchdog and emergency stop. Written only
-/// if all four passed.
+/// Daily check of a device with a passport: zero, signs, watchdog, emergency stop, response up to
+/// the effort limit. Written only if all passed.
 struct DailyCheck {
   std::string passport_sha256;  ///< digest of the passport that was used
   std::string operator_name;
   PlaceTime done_at;
+  std::string sha256;  ///< digest of the check itself; empty if not read from a file
 };
+
+/// The check is due again after so many enablings, by whatever program.
+inline constexpr int kCheckEnablings = 50;
+/// A visit is taken as open until the device was not enabled for so long: the check never becomes
+/// due by enablings inside it, but before the next one.
+inline constexpr std::chrono::minutes kVisitPause{30};
+
+/// Enablings of a device since a daily check.
+struct Enablings {
+  std::string check_sha256;  ///< digest of the check
+  int count = 0;
+  PlaceTime last_at;
+};
+
+/// Path of the count: mine.toml and serial S-1 give mine.S-1.enablings.toml.
+[[nodiscard]] std::string enablingsPath(const std::string& device_file, const std::string& serial);
+
+/// Text of the file, with its seal.
+[[nodiscard]] std::string enablingsText(const Enablings& enablings);
+
+/// Reads a count. Refused: a file that cannot be read, is truncated, was changed or is of another
+/// kind.
+[[nodiscard]] Expected<Enablings> readEnablings(const std::string& path);
+
+/// Counts an enabling that is about to come. Refused: the check is unreadable, or the count cannot
+/// be written; then the device must not be enabled. An unreadable count counts as kCheckEnablings.
+[[nodiscard]] Expected<Done> countEnabling(
+    const DriverIdentity& identity, const DeviceModel& model, const PlaceTime& now,
+    const std::function<Expected<Done>(const std::string& path, const std::string& text)>& write);
 
 /// Path of the daily check: mine.toml and serial S-1 give mine.S-1.check.toml.
 [[nodiscard]] std::string dailyCheckPath(const std::string& device_file, const std::string& serial);
@@ -113,18 +148,23 @@ struct DailyCheck {
 /// kind.
 [[nodiscard]] Expected<DailyCheck> readDailyCheck(const std::string& path);
 
+/// The middle of each interval, for the judges of a session; the upper end of the lag.
+[[nodiscard]] std::vector<MeasuredAxis> measuredAxes(const Passport& passport);
+
 /// A passport that is valid for a device now, and the clearance based on it.
 struct CheckedPermit {
-  explicit CheckedPermit(Passport valid) : passport(std::move(valid)), permit(passport.sha256) {}
+  explicit CheckedPermit(Passport valid)
+      : passport(std::move(valid)), permit(passport.sha256, measuredAxes(passport)) {}
   Passport passport;
   ArmingPermit permit;
 };
 
 /// Checks that a real device may be armed. It needs a passport that is valid now for this device,
 /// file and rate. It also needs a check done with that passport on the present local day, within
-/// kCheckLasts. Refused, each with its remedy: no serial number, no passport, a passport that
-/// readPassport() or checkPassport() refuses, no check, a check of another day or passport, an
-/// expired check, and a check from the future, because the clock was set back.
+/// kCheckLasts and, between two visits, within kCheckEnablings. Refused, each with its remedy: no
+/// serial number, no passport, a passport that readPassport() or checkPassport() refuses, no check,
+/// a check of another day or passport, an expired or worn check, and a check from the future,
+/// because the clock was set back.
 [[nodiscard]] Expected<CheckedPermit> checkArmingPermit(const DriverIdentity& identity,
                                                         const DeviceModel& model, double rate_hz,
                                                         const PlaceTime& now);

@@ -134,7 +134,23 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
     compare.atMost(axis, "a delay of", found->delay_s, model.output_delay_ticks * period_s);
   }
   if (Diagnostics refused = compare.take(); !refused.empty()) return refused;
+  device->useMeasured(model);
   return Expected<std::unique_ptr<HapticDevice>>(std::move(device));
+}
+
+// The judges use the figures of the passport. Without a passport nobody is attached.
+void PluginDevice::useMeasured(const DeviceModel& model) {
+  if (!permit_ || static_cast<int>(permit_->measured().size()) != axes_) return;
+  ResponseJudge::Models models{};
+  double lag_s = 0.0;
+  for (int a = 0; a < axes_; ++a) {
+    const MeasuredAxis& measured = permit_->measured()[static_cast<std::size_t>(a)];
+    models[static_cast<std::size_t>(a)] = {measured.mass, measured.damping, measured.delay_s,
+                                           model.axes[static_cast<std::size_t>(a)].effort_limit};
+    lag_s = std::max(lag_s, measured.drive_lag_s);
+  }
+  response_ = ResponseJudge(models, axes_, period_s_);
+  if (lag_s > 0.0) window_ns_ = static_cast<std::int64_t>(1e9 * (most_mean_age_s_ + kLags * lag_s));
 }
 
 Diagnostic PluginDevice::no(const std::string& why, const std::string& remedy) const {
@@ -224,6 +240,10 @@ void PluginDevice::beginEfforts(const wh_sample& sample) noexcept {
     judges_[i].begin(listed_[i] ? 0.0 : kept, listed_[i] ? neutral_.effort[i] : kept, now_ns_(),
                      tolerance_[i]);
   }
+  AxisEffort neutral(axes_);
+  for (int a = 0; a < axes_; ++a) neutral[a] = neutral_.effort[place_[a]];
+  response_.send(neutral);
+  response_.begin();
 }
 
 // Refuses an effort that is not the neutral one.
@@ -279,6 +299,14 @@ Fault PluginDevice::checkEfforts(const wh_sample& sample) noexcept {
   return faults;
 }
 
+// Judges every period, with the effort that was in force in it. A gap leaves nothing to compare.
+Fault PluginDevice::checkResponse(const AxisPosition& position, int elapsed_periods) noexcept {
+  if (!enabled_) return Fault::kNone;
+  if (!allFinite(position) || elapsed_periods > 1) response_.begin();
+  if (!allFinite(position)) return Fault::kNone;
+  return response_.isAstray(position) ? Fault::kEffortAstray : Fault::kNone;
+}
+
 Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   wh_sample sample{};
   if (!open_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
@@ -288,7 +316,7 @@ Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
     if ((sample.valid >> from & 1U) == 0) return Fault::kDeviceRead;
     reading.q_m[a] = sample.position[from];
   }
-  const Fault faults = check(sample, elapsed_periods);
+  const Fault faults = check(sample, elapsed_periods) | checkResponse(reading.q_m, elapsed_periods);
   begun_ = true;
   last_ = sample;
   return faults;
@@ -305,6 +333,7 @@ Fault PluginDevice::write(const AxisEffort& effort) noexcept {
   for (int a = 0; a < axes_; ++a) {
     judges_[static_cast<std::size_t>(place_[a])].send(effort[a], now_ns);
   }
+  response_.send(effort);
   return Fault::kNone;
 }
 

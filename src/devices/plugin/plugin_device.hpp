@@ -2,6 +2,7 @@
 
 #include "devices/plugin/device_driver.hpp"
 #include "devices/plugin/effort_judge.hpp"
+#include "devices/plugin/response_judge.hpp"
 #include "loop/device/arming_delay.hpp"
 #include "loop/device/haptic_device.hpp"
 #include "loop/model/device_model.hpp"
@@ -13,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 
@@ -27,6 +29,8 @@ class ArmingPermit {
 
   /// Digest of the passport; empty: no passport.
   [[nodiscard]] const std::string& passport() const noexcept { return passport_; }
+  /// Figures of the passport, in the order of the device file; empty: no passport.
+  [[nodiscard]] const std::vector<MeasuredAxis>& measured() const noexcept { return measured_; }
 
   /// The delay measured for this arming (delayAtArming()); not measured unless set.
   void setDelay(ArmingDelay delay) { delay_ = std::move(delay); }
@@ -34,10 +38,12 @@ class ArmingPermit {
 
  private:
   friend CheckedPermit;
-  explicit ArmingPermit(std::string passport) : passport_(std::move(passport)) {}
+  explicit ArmingPermit(std::string passport, std::vector<MeasuredAxis> measured = {})
+      : passport_(std::move(passport)), measured_(std::move(measured)) {}
 
   std::string passport_;
   ArmingDelay delay_;
+  std::vector<MeasuredAxis> measured_;
 };
 
 /// Longest time for which the samples of a device may stand still [s]: the file's `longest_gap_s`,
@@ -75,7 +81,8 @@ class PluginDevice final : public HapticDevice, public DelayedDevice {
   /// longestStill_s() or from the future, or when samples stand still or go back in time;
   /// kSampleDelay when their mean age over the last tenth of a second exceeds the certificate's
   /// delay plus a period; kEffortAstray when three of the last seven measured efforts of an axis do
-  /// not follow from the efforts sent (EffortJudge). The effort of an axis that the file does not
+  /// not follow from the efforts sent (EffortJudge), or when an axis does not respond to changes of
+  /// its effort as the passport says (ResponseJudge). The effort of an axis that the file does not
   /// list must stay as it was when the device was enabled.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
@@ -89,6 +96,8 @@ class PluginDevice final : public HapticDevice, public DelayedDevice {
   [[nodiscard]] Fault checkAge(const wh_sample& sample) noexcept;
   [[nodiscard]] Fault checkEfforts(const wh_sample& sample) noexcept;
   void beginEfforts(const wh_sample& sample) noexcept;
+  void useMeasured(const DeviceModel& model);
+  [[nodiscard]] Fault checkResponse(const AxisPosition& position, int elapsed_periods) noexcept;
   [[nodiscard]] Expected<Done> idle(const wh_sample& sample);
   [[nodiscard]] Expected<Done> mayFall() const;
   [[nodiscard]] Diagnostic no(const std::string& why, const std::string& remedy) const;
@@ -120,6 +129,7 @@ class PluginDevice final : public HapticDevice, public DelayedDevice {
   std::array<bool, WH_MAX_AXES> judged_{};                ///< this axis of the driver has a motor
   std::array<bool, WH_MAX_AXES> listed_{};  ///< the file lists this axis of the driver
   std::array<EffortJudge, WH_MAX_AXES> judges_{};
+  ResponseJudge response_;
 };
 
 }  // namespace wholehand

@@ -118,6 +118,12 @@ void TickStatistics::add(const TickRecord& r) {
   keepLargest(t.max_effort, r.sent);
   t.contacts_max = std::max(t.contacts_max, r.contact_count + r.contacts_dropped);
   t.max_coupling_error_rad = std::max(t.max_coupling_error_rad, std::abs(r.coupling_error_rad));
+  // The effort of a record is in force until the position of the next one.
+  for (int a = 0; a < r.q_m.size() && q_before_.size() == r.q_m.size(); ++a) {
+    const double work_j = a < t.sent.size() ? t.sent[a] * (r.q_m[a] - q_before_[a]) : 0.0;
+    if (std::isfinite(work_j)) t.work_j += work_j;
+  }
+  q_before_ = r.q_m;
   t.time_s = r.time_s;
   t.contacts = r.contact_count;
   t.sent = r.sent;

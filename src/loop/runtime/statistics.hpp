@@ -49,6 +49,9 @@ struct TickSummary {
   std::array<std::array<std::uint64_t, kMaxAxes>, kFaultBits> fault_axes{};
   std::uint64_t stopping_faults = 0;  ///< ticks with a fault that stops rendering
   AxisEffort max_effort;              ///< largest |sent| per axis [N or N·m]
+  /// Work of the device on the person and on itself: efforts sent times motion, all axes [J]. It
+  /// is negative where the person works, and no reason to stop.
+  double work_j = 0.0;
   std::int32_t contacts_max = 0;      ///< largest number of contacts in one tick
   double max_coupling_error_rad = 0.0;
   Percentiles cpu, wall, lateness;
@@ -70,7 +73,8 @@ class TickStatistics {
 
  private:
   mutable std::mutex mutex_;
-  TickSummary totals_;  ///< all but the percentiles
+  TickSummary totals_;     ///< all but the percentiles
+  AxisPosition q_before_;  ///< of the last record
   DurationHistogram cpu_, wall_, lateness_;
   std::array<DurationHistogram, kStages> stages_;
 };

@@ -47,8 +47,8 @@ class PassportFolder {
   /// Writes the passport and today's check as commissioning does.
   void keep() {
     writeFile(path, passportText(passport));
-    writeFile(check_path,
-              dailyCheckText({orThrow(readPassport(path)).sha256, passport.operator_name, now}));
+    writeFile(check_path, dailyCheckText({orThrow(readPassport(path)).sha256,
+                                          passport.operator_name, now, ""}));
   }
 
   Folder folder;

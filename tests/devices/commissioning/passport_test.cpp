@@ -31,6 +31,7 @@ TEST(Passport, WrittenPassport_IsReadBackUnchanged) {
   PassportFolder f;
   f.passport.axes[1].mark = 0.0125;
   f.passport.axes[2].transport_s = 0.00025;
+  f.passport.axes[2].drive_lag_s = {0.5e-3, 2e-3};
   f.keep();
   const Passport read = orThrow(readPassport(f.path));
   EXPECT_EQ(read.identity.serial, "S-1");
@@ -47,6 +48,7 @@ TEST(Passport, WrittenPassport_IsReadBackUnchanged) {
     EXPECT_EQ(read.axes[i].mass.lower, f.passport.axes[i].mass.lower);
     EXPECT_EQ(read.axes[i].delay_s.upper, f.passport.axes[i].delay_s.upper);
     EXPECT_EQ(read.axes[i].resolution, f.passport.axes[i].resolution);
+    EXPECT_EQ(read.axes[i].drive_lag_s.upper, f.passport.axes[i].drive_lag_s.upper);
   }
 }
 
@@ -100,7 +102,7 @@ TEST(Arming, PassportAndTodaysCheck_PermitArming) {
   EXPECT_EQ(armingAfter([](PassportFolder& f) {  // on its last day, with a new check
               const std::string digest = orThrow(readPassport(f.path)).sha256;
               f.now.at += days(30);
-              writeFile(f.check_path, dailyCheckText({digest, "A", f.now}));
+              writeFile(f.check_path, dailyCheckText({digest, "A", f.now, ""}));
             }),
             "");
 }
@@ -202,6 +204,44 @@ TEST(DailyCheck, CheckAtRandomPlaces_IsValidOnItsLocalDayForTwelveHours) {
     open += said.empty() ? 1 : 0;
   }
   EXPECT_GT(open, 0);
+}
+
+// The rule of docs/commissioning.md: after 50 enablings, before the next visit, never inside one.
+TEST(DailyCheck, FiftyEnablings_MakeItDueBeforeTheNextVisitAndNeverInsideOne) {
+  using std::chrono::minutes;
+  PassportFolder f;
+  f.keep();
+  const auto write = [](const std::string& to, const std::string& text) -> Expected<Done> {
+    writeFile(to, text);
+    return Done{};
+  };
+  const auto refused = [&](long after_min) {
+    return refusal(checkArmingPermit(f.identity, f.model, f.rate_hz,
+                                     {f.now.at + minutes(after_min), f.now.ahead}));
+  };
+  // A visit of 60 enablings, one a minute.
+  for (long k = 0; k < 60; ++k) {
+    EXPECT_EQ(refused(k), "") << k;
+    orThrow(countEnabling(f.identity, f.model, {f.now.at + minutes(k), f.now.ahead}, write));
+  }
+  EXPECT_EQ(refused(59 + 29), "") << "the visit is still open";
+  EXPECT_TRUE(contains(refused(59 + 30), "enabled 60 times")) << refused(59 + 30);
+  EXPECT_TRUE(contains(refused(59 + 30), "device commission --daily"));
+  // Another check begins anew.
+  writeFile(f.check_path,
+            dailyCheckText({orThrow(readPassport(f.path)).sha256, "Other", f.now, ""}));
+  EXPECT_EQ(refused(59 + 30), "");
+}
+
+TEST(DailyCheck, DamagedCountOrOneThatCannotBeWritten_IsDue) {
+  PassportFolder f;
+  f.keep();
+  writeFile(enablingsPath(f.device_file, f.identity.serial), "count = 3\n");
+  EXPECT_TRUE(contains(refusal(checkArmingPermit(f.identity, f.model, f.rate_hz, f.now)), "due"));
+  const auto full = [](const std::string& to, const std::string&) -> Expected<Done> {
+    return fileFault(to, "the disk is full", "make room");
+  };
+  EXPECT_FALSE(countEnabling(f.identity, f.model, f.now, full).ok());
 }
 
 TEST(DailyCheck, CheckInLosAngelesAndAuckland_IsValidOnTheLocalDate) {

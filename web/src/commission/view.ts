@@ -34,7 +34,7 @@ function holds(c: CommissioningT): boolean {
   if (c.motionState !== MotionState.Over) return true;
   return c.steps.some((step) => step.state === StepState.UnderWay && MOVING.includes(String(step.name)));
 }
-const MOVING = ['home', 'signs', 'gravity', 'mass-friction-delay', 'known-weight', 'watchdog', 'emergency-stop', 'range-stops'];
+const MOVING = ['home', 'signs', 'gravity', 'mass-friction-delay', 'known-weight', 'watchdog', 'emergency-stop', 'range-stops', 'effort-limit'];
 
 /** Index of the step that is under way or failed last; -1: none. */
 export function stepNow(c: CommissioningT): number {

@@ -8,11 +8,12 @@ export const de: CommissionTexts = {
   step: {
     identify: 'Welches Gerät', home: 'Marke und Nullpunkt', signs: 'Vorzeichen', 'scale-and-travel': 'Massstab und Weg', gravity: 'Schwerkraft',
     'mass-friction-delay': 'Masse, Reibung, Verzögerung', 'known-weight': 'Bekannte Kraft', watchdog: 'Watchdog', 'emergency-stop': 'Not-Halt',
-    'range-stops': 'Ganzer Bereich', passport: 'Pass',
+    'range-stops': 'Ganzer Bereich', 'effort-limit': 'Kraftgrenze', passport: 'Pass',
   },
   finding: {
     'carried-by': 'getragen von', 'moves-at-plus': 'bewegt sich in + bei', 'moves-at-minus': 'bewegt sich in − bei', travel: 'Weg', mass: 'Masse',
     damping: 'Dämpfung', 'dry-friction': 'Trockenreibung', delay: 'Verzögerung', 'known-force': 'bekannte Kraft', 'carried-with': 'getragen mit', 'let-go-after': 'lässt los nach',
+    'responds-up-to': 'antwortet wie gemessen bis', 'drive-lag': 'Trägheit des Antriebs',
   },
   away: { x: 'von sich weg', y: 'nach links', z: 'nach oben' },
   axis: 'Achse {name}',

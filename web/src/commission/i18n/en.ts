@@ -7,11 +7,12 @@ export const en = {
   step: {
     identify: 'Which device', home: 'Mark and zero', signs: 'Signs', 'scale-and-travel': 'Scale and travel', gravity: 'Gravity',
     'mass-friction-delay': 'Mass, friction, delay', 'known-weight': 'Known force', watchdog: 'Watchdog', 'emergency-stop': 'Emergency stop',
-    'range-stops': 'Whole range', passport: 'Passport',
+    'range-stops': 'Whole range', 'effort-limit': 'Effort limit', passport: 'Passport',
   } as Record<string, string>,
   finding: {
     'carried-by': 'carried by', 'moves-at-plus': 'moves in + direction at', 'moves-at-minus': 'moves in − direction at', travel: 'travel', mass: 'mass',
     damping: 'damping', 'dry-friction': 'dry friction', delay: 'delay', 'known-force': 'known force', 'carried-with': 'carried with', 'let-go-after': 'let go after',
+    'responds-up-to': 'responds as measured up to', 'drive-lag': 'lag of the drive',
   } as Record<string, string>,
   away: { x: 'away from you', y: 'to your left', z: 'up' } as Record<string, string>,
   axis: 'axis {name}',

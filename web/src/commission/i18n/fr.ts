@@ -8,11 +8,12 @@ export const fr: CommissionTexts = {
   step: {
     identify: 'Quel appareil', home: 'Repère et zéro', signs: 'Signes', 'scale-and-travel': 'Échelle et course', gravity: 'Gravité',
     'mass-friction-delay': 'Masse, frottement, retard', 'known-weight': 'Force connue', watchdog: 'Chien de garde', 'emergency-stop': 'Arrêt d’urgence',
-    'range-stops': 'Toute la course', passport: 'Passeport',
+    'range-stops': 'Toute la course', 'effort-limit': 'Limite d’effort', passport: 'Passeport',
   },
   finding: {
     'carried-by': 'porté par', 'moves-at-plus': 'bouge vers + à', 'moves-at-minus': 'bouge vers − à', travel: 'course', mass: 'masse',
     damping: 'amortissement', 'dry-friction': 'frottement sec', delay: 'retard', 'known-force': 'force connue', 'carried-with': 'porté avec', 'let-go-after': 'lâche après',
+    'responds-up-to': 'répond comme mesuré jusqu’à', 'drive-lag': 'retard de l’entraînement',
   },
   away: { x: 'en l’éloignant de vous', y: 'vers votre gauche', z: 'vers le haut' },
   axis: 'l’axe {name}',
