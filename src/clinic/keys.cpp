@@ -1,9 +1,8 @@
 #include "clinic/keys.hpp"
 
+#include "clinic/request.hpp"
 #include "files/text/text_file.hpp"
 #include "loop/core/sha256.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -16,8 +15,6 @@
 
 namespace wholehand::clinic {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kKey_bytes = crypto_secretbox_KEYBYTES;
 constexpr std::size_t kNonce_bytes = crypto_secretbox_NONCEBYTES;

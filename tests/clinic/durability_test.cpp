@@ -81,7 +81,7 @@ TEST(Durability, PatientName_AppearsInNoFileCsvOrLog) {
   b.post("/api/accounts",
          {{"name", "Tile of " + canary}, {"colour", "#aa0000"}, {"pin", "73519462"}});
   b.finish(visit);
-  ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/b.db").ok());
+  ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/b.db", b.clock.now).ok());
   const std::string all = allBytesOf(b.folder.path()) +
                           b.raw("GET", "/api/export/all.csv", "").body +
                           b.raw("GET", fmt::format("/api/export/patient/{}.csv", id), "").body;
@@ -116,7 +116,7 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
       },
       {});
   const std::string backup = b.options.backups + "/old.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
   EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/erase", id), {{"code", "P-002"}}), "bad_value");
   const Json said = b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "P-001"}});
   EXPECT_EQ(said["recordings_left"], Json::array());
@@ -127,7 +127,7 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   // The second folder knows of the erasure only from the list beside the backup.
   for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();
-    const auto restored = restoreBackup(backup, folder);
+    const auto restored = restoreBackup(backup, folder, b.clock.now);
     ASSERT_TRUE(restored.ok()) << format(restored.errors());
     b.options.folder = folder;
     b.restart();
@@ -149,7 +149,7 @@ TEST(Durability, PatientErasedAfterAMerge_StaysErasedWithItsDoubleAfterAnOlderBa
                      stays = b.addPatient("P-004", "Karl Stays");
   b.post(fmt::format("/api/patients/{}/notes", third), {{"text", "calls on Monday"}});
   const std::string backup = b.options.backups + "/old.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
   b.post(fmt::format("/api/patients/{}/merge", twin), {{"from", third}});
   b.post(fmt::format("/api/patients/{}/merge", id), {{"from", twin}});
   ASSERT_EQ(b.status, 200);
@@ -158,7 +158,7 @@ TEST(Durability, PatientErasedAfterAMerge_StaysErasedWithItsDoubleAfterAnOlderBa
   EXPECT_EQ(
       Database(b.database(), Database::Mode::kReadWrite).number("SELECT COUNT(*) FROM merged"), 0);
   b.clinic.reset();
-  const auto restored = restoreBackup(backup, b.options.folder);
+  const auto restored = restoreBackup(backup, b.options.folder, b.clock.now);
   ASSERT_TRUE(restored.ok()) << format(restored.errors());
   b.restart();
   const Json patients = b.get("/api/patients")["patients"];
@@ -170,12 +170,13 @@ TEST(Durability, Backup_IsVerifiedAndADamagedOneIsRefused) {
   Bench b;
   b.addPatient("P-001");
   const std::string backup = b.options.backups + "/b.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
-  EXPECT_FALSE(backUp(b.options.folder, backup).ok());  // an existing backup is never overwritten
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
+  EXPECT_FALSE(backUp(b.options.folder, backup, b.clock.now)
+                   .ok());  // an existing backup is never overwritten
   std::string bytes = textOf(backup);
   bytes.resize(bytes.size() / 2);
   std::ofstream(backup, std::ios::binary) << bytes;
-  EXPECT_FALSE(restoreBackup(backup, b.folder.path() + "/second").ok());
+  EXPECT_FALSE(restoreBackup(backup, b.folder.path() + "/second", b.clock.now).ok());
   EXPECT_FALSE(std::filesystem::exists(b.folder.path() + "/second/clinic.db"));
   b.clock.now = b.clock.now + 40 * kDay_us;
   b.clinic->backUpIfDue();
