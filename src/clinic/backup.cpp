@@ -399,15 +399,19 @@ std::int64_t newestBackup_us(const std::string& folder) {
 
 void removeOldBackups(const std::string& folder, std::int64_t now_us) {
   std::error_code error;
-  std::vector<fs::path> old;
+  std::vector<std::pair<std::int64_t, fs::path>> backups;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     struct stat file {};
     const bool ours = name.starts_with("clinic-") && name.ends_with(".db");
     if (!ours || ::stat(it->path().c_str(), &file) != 0) continue;
-    if (now_us - file.st_mtim.tv_sec * kSecond_us > kBackupsKept_us) old.push_back(it->path());
+    backups.emplace_back(file.st_mtim.tv_sec * kSecond_us, it->path());
   }
-  for (const fs::path& path : old) {
+  // A clock that was set forward makes every backup old: the newest ones stay.
+  std::sort(backups.rbegin(), backups.rend());
+  for (std::size_t i = kBackupsAlwaysKept; i < backups.size(); ++i) {
+    const auto& [made_us, path] = backups[i];
+    if (now_us - made_us <= kBackupsKept_us) continue;
     fs::remove(path, error);
     fs::remove(path.string() + ".keys", error);
   }

@@ -51,9 +51,11 @@ void finishRestore(const std::string& folder);
 
 /// Time for which a folder keeps its backups.
 inline constexpr std::int64_t kBackupsKept_us = 30 * kDay_us;
+inline constexpr std::size_t kBackupsAlwaysKept = 7;
 /// Time of the newest backup of a folder [µs UTC]; 0: none.
 [[nodiscard]] std::int64_t newestBackup_us(const std::string& folder);
-/// Removes backups that this program made in the folder and that are older than 30 days.
+/// Removes backups that this program made in the folder and that are older than 30 days,
+/// except the newest seven.
 void removeOldBackups(const std::string& folder, std::int64_t now_us);
 
 }  // namespace wholehand::clinic

@@ -2,8 +2,10 @@
 #include "clinic_bench.hpp"
 #include "loop/core/sha256.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <random>
+#include <set>
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -182,6 +184,48 @@ TEST(Durability, Backup_IsVerifiedAndADamagedOneIsRefused) {
   b.clinic->backUpIfDue();
   EXPECT_EQ(b.get("/api/state")["backup"]["last_us"], b.clock.now);
   EXPECT_TRUE(verifyClinic(b.options.folder).ok());
+}
+
+TEST(Durability, ClockThreeYearsForward_KeepsTheNewestSevenBackups) {
+  Bench b;
+  b.addPatient("P-001");
+  const auto backups = [&] {
+    std::set<std::string> names;
+    for (const auto& file : std::filesystem::directory_iterator(b.options.backups)) {
+      if (file.path().extension() == ".db") names.insert(file.path().filename().string());
+    }
+    return names;
+  };
+  for (int day = 0; day < 29; ++day) {
+    const std::string path = fmt::format("{}/clinic-{:02}.db", b.options.backups, day);
+    std::filesystem::create_directories(b.options.backups);
+    std::ofstream(path) << "a backup";
+    using FileTime = std::filesystem::file_time_type;
+    std::filesystem::last_write_time(path, FileTime::clock::now() - std::chrono::hours(24 * day));
+  }
+  removeOldBackups(b.options.backups, kNoon_us + 3 * 365 * kDay_us + 365 * 10 * kDay_us);
+  EXPECT_EQ(backups(),
+            (std::set<std::string>{"clinic-00.db", "clinic-01.db", "clinic-02.db", "clinic-03.db",
+                                   "clinic-04.db", "clinic-05.db", "clinic-06.db"}));
+}
+
+TEST(Durability, DamagedKeyFile_IsToldFromAWrongPassPhrase) {
+  Bench b;
+  const std::string path = b.options.folder + "/keys", whole = textOf(path);
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 60) {
+    std::string bytes = whole;
+    bytes[at] = bytes[at] == '7' ? '8' : '7';
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto keys = readKeyFile(path);
+    if (!keys) continue;  // named as damaged
+    const auto good = KeyFile(*keys);
+    std::ofstream(path, std::ios::binary) << whole;
+    const auto before = readKeyFile(path);
+    ASSERT_TRUE(before.ok());
+    EXPECT_EQ(good.clinic, before->clinic) << "byte " << at;
+    EXPECT_EQ(good.by_phrase, before->by_phrase) << "byte " << at;
+    EXPECT_EQ(good.by_recovery, before->by_recovery) << "byte " << at;
+  }
 }
 
 TEST(Durability, NewerSchemaAndEditedMigration_AreRefusedByName) {

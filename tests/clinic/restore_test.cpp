@@ -115,7 +115,8 @@ class History {
 
   Json person(std::int64_t id) { return b_.get(fmt::format("/api/patients/{}", id)); }
   std::int64_t idOf(const std::string& code) {
-    for (const Json& row : b_.get("/api/patients")["patients"]) {
+    const Json list = b_.get("/api/patients");
+    for (const Json& row : list["patients"]) {
       if (row["code"] == code) return row["id"];
     }
     ADD_FAILURE() << "no patient " << code;
@@ -229,7 +230,8 @@ class History {
   }
   void give(const std::string& name, const std::string& code) {
     if (name.empty() || code.empty()) return;
-    for (const Json& session : b_.get("/api/sessions")["sessions"]) {
+    const Json list = b_.get("/api/sessions");
+    for (const Json& session : list["sessions"]) {
       if (session["recording"] != name) continue;
       const Json visit =
           b_.post("/api/sessions/give", {{"patient", idOf(code)}, {"sessions", {session["id"]}}});
@@ -315,7 +317,8 @@ class History {
   void deleteSession(Random& random) {
     const std::string name = anySession(random);
     if (name.empty()) return;
-    for (const Json& session : b_.get("/api/sessions")["sessions"]) {
+    const Json list = b_.get("/api/sessions");
+    for (const Json& session : list["sessions"]) {
       if (session["recording"] != name) continue;
       b_.ask("DELETE", fmt::format("/api/sessions/{}", session["id"].get<std::int64_t>()));
       ASSERT_EQ(b_.status, 200);
