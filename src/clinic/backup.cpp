@@ -119,6 +119,7 @@ void renameOrThrow(const std::string& from, const std::string& to) {
 struct Replaced {
   Lines lines;
   std::vector<std::string> recordings;  ///< still to be removed
+  Kept kept;
 };
 Replaced replacedBy(const std::string& database, const std::string& clinic) {
   Replaced out;
@@ -129,6 +130,7 @@ Replaced replacedBy(const std::string& database, const std::string& clinic) {
     if (clinicOf(db) != clinic) return {};
     migrate(db);
     out.lines = linesOf(db);
+    out.kept = keptOf(db);
     Statement rows = db.query("SELECT recordings FROM intent WHERE what <> 'list'");
     while (rows.step()) {
       for (const Json& name : Json::parse(rows.text(0))) out.recordings.push_back(name);
@@ -204,7 +206,7 @@ void makeRestored(const std::string& file, const std::string& folder, const std:
   Transaction transaction(db);
   for (const Lines& lines : {beside.lines, here.lines, replaced.lines}) addLines(db, lines);
   const Lines all = linesOf(db);
-  const std::int64_t erased = eraseMarked(db, all);
+  const std::int64_t erased = eraseMarked(db, all, replaced.kept);
   const bool whole =
       !replaced.lines.empty() ||
       std::any_of(here.lines.begin(), here.lines.end(),

@@ -244,11 +244,12 @@ void Clinic::carryOut() {
       if (!erases(records_.db(), last)) break;
       compact(records_.db());
       const Lines lines = linesOf(records_.db());
+      const Kept kept = keptOf(records_.db());
       lock.unlock();  // copies of many patients take a while
       Lines more;
       std::string problem;
       try {
-        more = eraseFromCopies(places, lines);
+        more = eraseFromCopies(places, lines, kept);
       } catch (const std::exception& error) {
         problem = error.what();
       }

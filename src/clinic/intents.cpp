@@ -120,7 +120,7 @@ std::vector<std::string> copiesOf(const Places& places) {
 }
 
 /// Erases from a database that nobody has open. @return its marks; empty: it has no such row
-Lines eraseFromCopy(const std::string& path, const Lines& lines) {
+Lines eraseFromCopy(const std::string& path, const Lines& lines, const Kept& kept) {
   const std::string part = path + ".erasing";
   std::error_code error;
   // The log of a replaced database becomes a part of it: it would be read into the new file.
@@ -138,7 +138,7 @@ Lines eraseFromCopy(const std::string& path, const Lines& lines) {
     migrate(db);
     Transaction transaction(db);
     addLines(db, lines);
-    (void)eraseMarked(db, lines);
+    (void)eraseMarked(db, lines, kept);
     transaction.commit();
     checkIntegrity(db);
     after = linesOf(db);
@@ -247,18 +247,21 @@ std::vector<std::string> removeErasedFiles(Database& db, const Places& places,
   if (!removes) return {};
   removeUnnamedHandFiles(db, places.folder);
   // Sessions without a patient that turned out to be of an erased visit.
-  for (std::string& name : textsOf(db.query(
-           "SELECT recording FROM trial WHERE visit IS NULL AND ('recording ' || sha256 IN (SELECT"
-           " line FROM mark) OR 'visit ' || json_extract(measures, '$.visit') IN (SELECT line FROM"
-           " mark))"))) {
-    names.insert(std::move(name));
+  Statement loose = db.query(
+      "SELECT recording, sha256, 'recording ' || sha256 IN (SELECT line FROM mark) AS named FROM"
+      " trial WHERE visit IS NULL AND (named OR 'visit ' || json_extract(measures, '$.visit') IN"
+      " (SELECT line FROM mark))");
+  while (loose.step()) {
+    if (loose.integer(2) != 0 || !isGivenAway(db, loose.text(1))) names.insert(loose.text(0));
   }
   if (places.recordings.empty()) return {names.begin(), names.end()};
   for (const std::string& name : names) stems.insert(stemOf(name));
   return removeFiles(places.recordings, [&](const std::string& name) {
+    if (belongsTo(name, stems)) return true;
+    if (!isErasedVisit(db, visitInName(name))) return false;
     // A recording that was given to somebody is of that visit, whatever its name says.
-    const bool given = db.number("SELECT visit FROM trial WHERE recording = ?", name) != 0;
-    return (isErasedVisit(db, visitInName(name)) && !given) || belongsTo(name, stems);
+    Statement row = db.query("SELECT visit, sha256 FROM trial WHERE recording = ?", name);
+    return !row.step() || (row.isNull(0) && !isGivenAway(db, row.text(1)));
   });
 }
 
@@ -287,12 +290,12 @@ void compact(Database& db) {
                       " erased: end that program");
 }
 
-Lines eraseFromCopies(const Places& places, const Lines& lines) {
+Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept) {
   Lines more;
   std::string problem;
   for (const std::string& path : copiesOf(places)) {
     try {
-      append(more, eraseFromCopy(path, lines));
+      append(more, eraseFromCopy(path, lines, kept));
     } catch (const DatabaseError& error) {
       removeDatabase(path + ".erasing");
       problem = error.what();
@@ -303,24 +306,13 @@ Lines eraseFromCopies(const Places& places, const Lines& lines) {
 }
 
 bool addLinesOfCopies(Database& db, const Lines& lines) {
-  bool added = false, known = false;  // a visit's line stands before those of its recordings
   Transaction transaction(db);
-  for (const std::string& line : lines) {
-    const std::vector<std::string> words = wordsOf(line);
-    if (words.size() == 2 && words[0] == "visit") {
-      known = db.number("SELECT COUNT(*) FROM visit WHERE id = CAST(? AS INTEGER)", words[1]) != 0;
-    } else if (words[0] != "recording") {
-      known = false;
-    } else if (db.number("SELECT COUNT(*) FROM trial WHERE sha256 = ? AND visit IS NOT NULL",
-                         words[1]) != 0) {
-      continue;
-    }
-    if (known || hasLine(db, line)) continue;
-    addLines(db, {line});
-    added = true;
-  }
-  if (added) transaction.commit();
-  return added;
+  const bool known = std::all_of(lines.begin(), lines.end(),
+                                 [&](const std::string& line) { return hasLine(db, line); });
+  if (known) return false;
+  addLines(db, lines);
+  transaction.commit();
+  return true;
 }
 
 std::string notRemoved(const std::vector<std::string>& left) {
@@ -357,7 +349,7 @@ std::vector<std::string> carryOutIntents(Database& db, const Places& places, std
       left = removeErasedFiles(db, places, now_us);
       if (!erases(db, last)) break;
       compact(db);
-    } while (addLinesOfCopies(db, eraseFromCopies(places, linesOf(db))));
+    } while (addLinesOfCopies(db, eraseFromCopies(places, linesOf(db), keptOf(db))));
   } catch (const DatabaseError& error) {
     noteProblem(db, last, error.what());
     throw;

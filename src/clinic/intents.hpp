@@ -49,8 +49,8 @@ void compact(Database& db);
 /// Third step: erases from every backup and replaced database: copies, erases, verifies, renames.
 /// Needs no database: other threads may use it.
 /// @return marks that the copies added
-[[nodiscard]] Lines eraseFromCopies(const Places& places, const Lines& lines);
-/// Adds marks of copies, except of visits that the database has. @return false: it has them all
+[[nodiscard]] Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept);
+/// Adds marks of copies. @return false: the database has them all
 bool addLinesOfCopies(Database& db, const Lines& lines);
 /// Last step.
 void finishIntents(Database& db, std::int64_t up_to, std::int64_t now_us);

@@ -73,11 +73,12 @@ std::map<std::string, std::pair<std::int64_t, std::string>> lastOwners(const Lin
 
 /// Marks of visits that no line names although their patient is erased: a backup may know a visit
 /// that a restored database did not. What was moved or given to another person since stays.
-Lines visitsWithThem(Database& db, const Lines& lines) {
+Lines visitsWithThem(Database& db, const Lines& lines, const Kept& kept) {
   const std::set<std::string> erased(lines.begin(), lines.end());
   const auto owners = lastOwners(lines);
   const auto isOthers = [&](const std::string& what) {
     const auto owner = owners.find(what);
+    if (kept.contains(what)) return true;
     return owner != owners.end() && !erased.contains("patient " + owner->second.second);
   };
   Lines more;
@@ -166,9 +167,9 @@ void extendMarkList(const std::string& path, const MarkList& more) {
   }
 }
 
-std::int64_t eraseMarked(Database& db, const Lines& lines) {
+std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept) {
   fillGone(db, lines);
-  const Lines more = visitsWithThem(db, lines);
+  const Lines more = visitsWithThem(db, lines, kept);
   addLines(db, more);
   for (const std::string& line : more) insertGone(db, line);
   // A visit that was erased as another person's: its settings are not this person's either.
@@ -189,6 +190,14 @@ std::int64_t eraseMarked(Database& db, const Lines& lines) {
   erased += db.change("DELETE FROM patient WHERE " + erasedRowsOf("patient"));
   if (erased > 0) db.run("DELETE FROM answer");
   return erased;
+}
+
+Kept keptOf(Database& db) {
+  Kept kept;
+  Statement rows = db.query(
+      "SELECT CAST(id AS TEXT) FROM visit UNION SELECT sha256 FROM trial WHERE visit IS NOT NULL");
+  while (rows.step()) kept.insert(rows.text(0));
+  return kept;
 }
 
 bool hasMarked(Database& db, const Lines& lines) {
@@ -212,6 +221,12 @@ bool isErasedVisit(Database& db, std::int64_t visit) {
 
 bool isErasedRecording(Database& db, const std::string& sha256) {
   return !sha256.empty() && hasLine(db, "recording " + sha256);
+}
+
+bool isGivenAway(Database& db, const std::string& sha256) {
+  const auto owners = lastOwners(linesOf(db));
+  const auto owner = owners.find(sha256);
+  return owner != owners.end() && !hasLine(db, "patient " + owner->second.second);
 }
 
 bool isDrawnHere(Database& db, std::int64_t visit) {

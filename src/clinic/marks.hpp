@@ -49,17 +49,22 @@ void extendMarkList(const std::string& path, const MarkList& more);
 
 /// Marks of a visit and of its recordings.
 [[nodiscard]] Lines linesOfVisit(Database& db, std::int64_t visit);
+/// Visits, and digests of recordings of visits, that a database has: they are no erased person's.
+using Kept = std::set<std::string>;
+[[nodiscard]] Kept keptOf(Database& db);
 /// Deletes every row that the lines name, except in the log, and all visits of an erased patient;
-/// marks of those that no line names are added. A visit that was moved to another person stays,
-/// without a patient. @pre a transaction is open
+/// marks of those that no line names are added. A visit that was moved to another person, or that
+/// the clinic's database has, stays, without a patient. @pre a transaction is open
 /// @return number of deleted patients, visits, notes and trials
-std::int64_t eraseMarked(Database& db, const Lines& lines);
+std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept = {});
 /// True when a row is left that eraseMarked() would delete.
 [[nodiscard]] bool hasMarked(Database& db, const Lines& lines);
 
 /// Visits and recordings that the database's lines name as erased.
 [[nodiscard]] bool isErasedVisit(Database& db, std::int64_t visit);
 [[nodiscard]] bool isErasedRecording(Database& db, const std::string& sha256);
+/// True when the recording was given at last to somebody who is not erased.
+[[nodiscard]] bool isGivenAway(Database& db, const std::string& sha256);
 /// True when this clinic drew the block of a visit's number.
 [[nodiscard]] bool isDrawnHere(Database& db, std::int64_t visit);
 /// The visit's number in a file name of the station ("…-visit-5512340001-…"); 0: none.

@@ -130,8 +130,9 @@ void findUnderAnotherName(Database& db, const std::string& recordings, const std
 bool isErased(Database& db, const std::string& name, const std::optional<Json>& json) {
   if (db.number("SELECT visit FROM trial WHERE recording = ?", name) != 0) return false;
   if (!json) return isErasedVisit(db, visitInName(name));
-  return isErasedVisit(db, integerOf(*json, "visit")) ||
-         isErasedRecording(db, json->value("recording", Json::object()).value("sha256", ""));
+  const std::string sha256 = json->value("recording", Json::object()).value("sha256", "");
+  return isErasedRecording(db, sha256) ||
+         (isErasedVisit(db, integerOf(*json, "visit")) && !isGivenAway(db, sha256));
 }
 
 void insertOrUpdate(Database& db, const FileEntry& file, const Outcome& out) {

@@ -62,6 +62,7 @@ class History {
 
   /// Compares everything that the pages show, and the recordings that are there.
   void compare() {
+    b_.clinic->carryOut();
     look();
     Rows seen;
     std::map<std::string, std::int64_t> trials;  // recording → visit
@@ -261,13 +262,11 @@ class History {
     }
     rows_.patients.erase(code);
     rows_.joined.erase(code);
-    for (Copy& copy : copies_) {
-      if (copy.known) eraseFrom(copy.rows);
-    }
+    eraseFromCopies();
   }
   /// Erases what belongs to an erased patient in an older state. What was moved or given to
-  /// somebody else since is that person's.
-  void eraseFrom(Rows& rows) {
+  /// somebody else since is that person's, and so is what the clinic's database has.
+  void eraseFrom(Rows& rows, const Rows& kept) {
     const auto isOthers = [&](const auto& owners, const auto& key) {
       const auto owner = owners.find(key);
       return owner != owners.end() && !gone_patients_.contains(owner->second);
@@ -276,14 +275,13 @@ class History {
       if (gone_visits_.contains(id)) {
         rows.visits.erase(id);
       } else if (gone_patients_.contains(visit.patient)) {
-        if (isOthers(moved_, id)) {
+        if (isOthers(moved_, id) || kept.visits.contains(id)) {
           rows.visits[id].patient.clear();
           continue;
         }
         std::set<std::string> erased;
         for (const std::string& name : recordingsOf(rows, id)) {
-          const bool others = &rows != &rows_ && ownerOf(rows_, name) != 0;
-          if (!isOthers(given_, name) && !others) erased.insert(name);
+          if (!isOthers(given_, name) && ownerOf(kept, name) == 0) erased.insert(name);
         }
         forget(rows, id, erased);
       }
@@ -292,9 +290,18 @@ class History {
       rows.patients.erase(code);
       rows.joined.erase(code);
     }
-    // A recording of an erased visit that is nobody's in the clinic's database goes with the visit.
+    // A recording of an erased visit that is nobody's goes with the visit.
     for (const auto& [name, visit] : std::map(recordings_)) {
-      if (gone_visits_.contains(visit) && ownerOf(rows_, name) == 0) recordings_.erase(name);
+      if (!gone_visits_.contains(visit) || isOthers(given_, name)) continue;
+      if (ownerOf(rows_, name) == 0) recordings_.erase(name);
+    }
+  }
+  void eraseFromCopies() {
+    for (std::size_t before = 0; before != gone_visits_.size() + 1;) {
+      before = gone_visits_.size() + 1;
+      for (Copy& copy : copies_) {
+        if (copy.known) eraseFrom(copy.rows, rows_);
+      }
     }
   }
   template <class Random>
@@ -309,9 +316,7 @@ class History {
     ASSERT_EQ(b_.status, 200);
     b_.clinic->carryOut();
     forget(rows_, id, recordingsOf(rows_, id));
-    for (Copy& copy : copies_) {
-      if (copy.known) eraseFrom(copy.rows);
-    }
+    eraseFromCopies();
   }
   template <class Random>
   void deleteSession(Random& random) {
@@ -340,11 +345,9 @@ class History {
     b_.restart();
     copies_.push_back({"", true, rows_});
     rows_ = copies_[which].rows;
-    eraseFrom(rows_);
+    eraseFrom(rows_, copies_.back().rows);
     b_.clinic->carryOut();
-    for (Copy& copy : copies_) {
-      if (copy.known) eraseFrom(copy.rows);
-    }
+    eraseFromCopies();
     look();
   }
 
