@@ -92,6 +92,13 @@ std::string stemOf(const std::string& name) {
   return fs::path(name).stem().string();
 }
 
+/// Recording that a file accompanies.
+std::string recordingOf(const std::string& name) {
+  const std::string stem = name.ends_with(kReport) ? name.substr(0, name.size() - kReport.size())
+                                                   : name.substr(0, name.find('.'));
+  return stem + ".h5";
+}
+
 bool isTail(const fs::path& path) {
   const std::string name = path.filename().string();
   return name.ends_with("-wal") || name.ends_with("-shm") || name.ends_with("-journal");
@@ -260,7 +267,8 @@ std::vector<std::string> removeErasedFiles(Database& db, const Places& places,
     if (belongsTo(name, stems)) return true;
     if (!isErasedVisit(db, visitInName(name))) return false;
     // A recording that was given to somebody is of that visit, whatever its name says.
-    Statement row = db.query("SELECT visit, sha256 FROM trial WHERE recording = ?", name);
+    Statement row =
+        db.query("SELECT visit, sha256 FROM trial WHERE recording = ?", recordingOf(name));
     return !row.step() || (row.isNull(0) && !isGivenAway(db, row.text(1)));
   });
 }

@@ -300,5 +300,59 @@ TEST(Intents, KilledRestore_IsCompletedAtTheNextStartOrHasNotBegun) {
   });
 }
 
+TEST(Intents, EraseBesideAReaderOrADamagedBackup_IsShownUntilItIsDone) {
+  Bench b;
+  const std::int64_t id = b.addPatient("GONE-1");
+  ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/a.db", b.clock.now).ok());
+  const std::string damaged = b.options.backups + "/b.db";
+  std::ofstream(damaged) << "GONE-1 in half a backup";
+  auto reader = std::make_unique<Database>(b.database(), Database::Mode::kReadOnly);
+  reader->run("BEGIN");
+  EXPECT_EQ(reader->number("SELECT COUNT(*) FROM patient"), 1);
+  b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "GONE-1"}});
+  ASSERT_EQ(b.status, 200);
+  const auto problem = [&] {
+    b.clock.pass(61 * kSecond_us);
+    b.clinic->carryOut();
+    const Json under_way = b.get("/api/patients")["under_way"];
+    return under_way.empty() ? "" : under_way.back()["problem"].get<std::string>();
+  };
+  EXPECT_NE(problem().find("another program reads it"), std::string::npos);
+  reader.reset();
+  b.restart();  // the next start goes on
+  EXPECT_NE(problem().find("b.db"), std::string::npos);
+  fs::remove(damaged);
+  EXPECT_EQ(problem(), "");
+  EXPECT_EQ(fileWith(b.folder.path(), {"GONE-1"}), "");
+}
+
+TEST(Intents, RecordingOfAnErasedVisit_IsRemovedWheneverItIsFound) {
+  Bench b;
+  const std::int64_t id = b.addPatient("GONE-1"), visit = b.beginVisit(id);
+  b.finish(visit);
+  b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "GONE-1"}});
+  b.clinic->carryOut();
+  const std::string named = fmt::format("recordings/2026-visit-{}-bar.h5", visit);
+  write(b, named, "cut off");                     // cannot be read: its name says the visit
+  write(b, "recordings/renamed.h5", "readable");  // its content does
+  write(b, "recordings/renamed.h5.json", "{}");
+  write(b, "recordings/others.h5", "of nobody");
+  for (int i = 0; i < 2; ++i, b.clock.pass(3 * kSecond_us)) {
+    b.clinic->lookAtRecordings(
+        [&](const std::string& path, std::string& why) -> std::optional<Json> {
+          why = "is truncated";
+          if (path.ends_with("renamed.h5")) return measuresOf(visit, "aa");
+          if (path.ends_with("others.h5")) return measuresOf(0, "bb");
+          return {};
+        },
+        {});
+  }
+  std::set<std::string> left;
+  for (const auto& file : fs::directory_iterator(b.options.recordings)) {
+    left.insert(file.path().filename().string());
+  }
+  EXPECT_EQ(left, std::set<std::string>{"others.h5"});
+}
+
 }  // namespace
 }  // namespace wholehand::clinic
