@@ -2,6 +2,7 @@
 #include "clinic/backup.hpp"
 #include "clinic/clinic.hpp"
 #include "clinic/http_server.hpp"
+#include "clinic/intents.hpp"
 #include "clinic/station_client.hpp"
 #include "clinic/trials.hpp"
 #include "loop/core/expected.hpp"
@@ -128,6 +129,7 @@ int serve(ServeOptions o) {
     const PeriodicTask look_at_recordings(seconds(4),
                                           [&] { clinic.lookAtRecordings(measure, stop); });
     const PeriodicTask back_up(seconds(60), [&] { clinic.backUpIfDue(); });
+    const PeriodicTask carry_out(seconds(1), [&] { clinic.carryOut(); });
     std::array<char, 256> ignored{};
     while (::read(STDIN_FILENO, ignored.data(), ignored.size()) > 0) {
     }
@@ -199,20 +201,19 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
   if (db.number("SELECT COUNT(*) FROM visit WHERE patient = ? AND state = 'open'", id) != 0) {
     return refuse({{options.folder, 0, "CODE", code, "has a visit open", "finish it first"}});
   }
-  listErased(options.folder, options.backups, marksOf(db, id));
-  ErasedFiles files;
+  const std::int64_t now_us = SystemClock().now_us();
   {
     Transaction transaction(db);
-    files = eraseRows(db, id);
+    storeIntent(db, now_us, "erase", erasureOfPatient(db, id));
     db.change(
         "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, 0, 'erased',"
         " ?, 0, 'by the command line')",
-        SystemClock().now_us(), id);
+        now_us, id);
     transaction.commit();
   }
   row = db.query("SELECT 1");
-  compact(db);
-  for (const std::string& left : removeFiles(options.folder, options.recordings, files)) {
+  const Places places{options.folder, options.recordings, options.backups};
+  for (const std::string& left : carryOutIntents(db, places, now_us)) {
     std::fprintf(stderr, "%s is still there: remove it, or give --recordings\n", left.c_str());
   }
   std::printf("erased\n");
@@ -266,8 +267,8 @@ int runProgram(int argc, char** argv) {
   CLI::App* b = add("backup", "Copy a clinic while it runs, and compare the copy");
   b->add_option("--to", file, "New file")->required();
   b->callback([&] {
-    exit_code =
-        printResult<std::int64_t>(backUp(o.clinic.folder, file), [&](const std::int64_t& rows) {
+    exit_code = printResult<std::int64_t>(
+        backUp(o.clinic.folder, file, SystemClock().now_us()), [&](const std::int64_t& rows) {
           return fmt::format("{}: {} rows, compared; its keys are in {}.keys", file, rows, file);
         });
   });
@@ -276,9 +277,9 @@ int runProgram(int argc, char** argv) {
   r->add_option("--to", o.clinic.folder, "The clinic's folder")->required();
   r->callback([&] {
     using Lines = std::vector<std::string>;
-    exit_code = printResult<Lines>(restoreBackup(file, o.clinic.folder), [](const Lines& lines) {
-      return fmt::format("{}", fmt::join(lines, "\n"));
-    });
+    exit_code = printResult<Lines>(
+        restoreBackup(file, o.clinic.folder, SystemClock().now_us()),
+        [](const Lines& lines) { return fmt::format("{}", fmt::join(lines, "\n")); });
   });
   add("verify", "Check database and keys")->callback([&] {
     exit_code = printResult<std::int64_t>(

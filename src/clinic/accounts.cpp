@@ -1,6 +1,5 @@
 #include "clinic/accounts.hpp"
 
-#include "clinic/backup.hpp"
 #include "clinic/text.hpp"
 #include "loop/core/sha256.hpp"
 
@@ -97,7 +96,9 @@ Json Accounts::init(Call& call) {
   records_.begin(call);
   records_.unlock(std::move(key));
   try {
-    records_.db().change("INSERT INTO clinic VALUES (1, ?, ?)", clinic, drawnVisitNumber());
+    records_.db().change("INSERT INTO clinic (one, id, next_visit) VALUES (1, ?, ?)", clinic,
+                         drawBlock(records_.db(), clinic));
+    records_.storeIntent("list");
     const std::int64_t account = insertAccount(tile, "tile.");
     records_.log(account, "began the clinic");
     call.transaction->commit();

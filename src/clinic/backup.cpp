@@ -1,6 +1,9 @@
 #include "clinic/backup.hpp"
 
+#include "clinic/intents.hpp"
 #include "clinic/keys.hpp"
+#include "clinic/marks.hpp"
+#include "clinic/request.hpp"
 #include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
@@ -12,37 +15,21 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kVisitsPerBlock = 1 << 20;  // keeps numbers below 2^53, the integers of JSON
-
-std::set<std::string> marksIn(const std::string& path) {
-  std::set<std::string> marks;
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) {
-    if (!line.empty() && line[0] != '#') marks.insert(line);
-  }
-  return marks;
-}
-
-void addMarks(const std::string& path, const std::set<std::string>& more) {
-  std::set<std::string> marks = marksIn(path);
-  const std::size_t before = marks.size();
-  marks.insert(more.begin(), more.end());
-  if (marks.size() == before) return;
-  std::string text = "# Erased patients, by random marks: a restored backup has them no longer.\n";
-  for (const std::string& mark : marks) text += mark + "\n";
-  if (const int error = writeDurably(path, text); error != 0) {
-    throw DatabaseError(path + ": cannot be written: " + std::strerror(error) +
-                        "; nothing was erased");
-  }
-}
+/// Numbers of notes begin anew, above those that pages draw (schema/004.sql).
+constexpr const char* kDrawNotes =
+    "DELETE FROM sqlite_sequence WHERE name = 'note';"
+    "INSERT INTO sqlite_sequence VALUES ('note', 281474976710656 + (abs(random()) % 1048576) *"
+    " 4294967296)";
 
 std::string folderOf(const std::string& file) {
   const fs::path folder = fs::path(file).parent_path();
@@ -66,17 +53,6 @@ std::int64_t sum(const std::map<std::string, std::int64_t>& rows) {
   return total;
 }
 
-void checkIntegrity(Database& db) {
-  Statement check = db.query("PRAGMA integrity_check");
-  if (!check.step() || check.text(0) != "ok") {
-    throw DatabaseError(db.path() + ": is damaged: " + check.text(0));
-  }
-  Statement references = db.query("PRAGMA foreign_key_check");
-  if (references.step()) {
-    throw DatabaseError(db.path() + ": a row of " + references.text(0) + " refers to none");
-  }
-}
-
 std::string clinicOf(Database& db) {
   Statement row = db.query("SELECT id FROM clinic");
   if (!row.step()) throw DatabaseError(db.path() + ": has no clinic; it was never begun");
@@ -84,7 +60,9 @@ std::string clinicOf(Database& db) {
 }
 
 /// Copies a whole clinic database to a new file and compares the two. Throws on failure.
-std::int64_t copyCompared(const std::string& from, Database::Mode mode, const std::string& to) {
+/// @param copied_us noted in the copy; 0: nothing is
+std::int64_t copyCompared(const std::string& from, Database::Mode mode, const std::string& to,
+                          std::int64_t copied_us) {
   std::map<std::string, std::int64_t> before;
   {
     Database db(from, mode);
@@ -96,73 +74,206 @@ std::int64_t copyCompared(const std::string& from, Database::Mode mode, const st
   Database copy(to, Database::Mode::kReadWrite);
   checkIntegrity(copy);
   if (rowsOf(copy) != before) throw DatabaseError(to + ": differs from " + from);
+  if (copied_us != 0) copy.change("UPDATE clinic SET copied_us = ?", copied_us);
   copy.run("PRAGMA journal_mode = DELETE;");  // a single file without a write-ahead log
   return sum(before);
 }
 
-void removeDatabase(const std::string& path) {
-  std::error_code ignored;
-  for (const char* tail : {"", "-wal", "-shm", "-journal"}) fs::remove(path + tail, ignored);
+void migrateFile(const std::string& path) {
+  Database db(path, Database::Mode::kReadWrite);
+  migrate(db);
 }
 
-void restoreInto(const std::string& file, const std::string& folder,
+/// Erases from a copy what was erased while it was made. @return the marks
+Lines eraseSince(const std::string& database, const std::string& copy) {
+  Database now(database, Database::Mode::kReadWrite);
+  const Lines lines = linesOf(now);
+  Database db(copy, Database::Mode::kReadWrite);
+  if (lines != linesOf(db)) {
+    Transaction transaction(db);
+    addLines(db, lines);
+    (void)eraseMarked(db, lines);
+    transaction.commit();
+    compact(db);
+  }
+  db.run("PRAGMA journal_mode = DELETE");
+  return lines;
+}
+
+std::string madeIn(const std::string& folder) {
+  return folder + "/clinic.db.restored";
+}
+
+/// Plan of the renaming that completes a restore.
+std::string planIn(const std::string& folder) {
+  return folder + "/restore.json";
+}
+
+void renameOrThrow(const std::string& from, const std::string& to) {
+  if (const int failure = renameDurably(from, to); failure != 0) {
+    throw DatabaseError(to + ": cannot be written: " + std::strerror(failure));
+  }
+}
+
+/// Marks and stored actions of the database that a restore replaces; empty when it cannot be read.
+struct Replaced {
+  Lines lines;
+  std::vector<std::string> recordings;  ///< still to be removed
+  Kept kept;
+};
+Replaced replacedBy(const std::string& database, const std::string& clinic) {
+  Replaced out;
+  std::error_code error;
+  if (!fs::exists(database, error)) return out;
+  try {
+    Database db(database, Database::Mode::kReadWrite);
+    if (clinicOf(db) != clinic) return {};
+    migrate(db);
+    out.lines = linesOf(db);
+    out.kept = keptOf(db);
+    Statement rows = db.query("SELECT recordings FROM intent WHERE what <> 'list'");
+    while (rows.step()) {
+      for (const Json& name : Json::parse(rows.text(0))) out.recordings.push_back(name);
+    }
+    // One file, so that it is renamed at once.
+    rows = db.query("SELECT 1");
+    db.run("PRAGMA journal_mode = DELETE");
+  } catch (const DatabaseError&) {  // damaged: that may be why a backup is restored
+  }
+  return out;
+}
+
+std::string codeOf(Database& db, const std::string& mark) {
+  Statement row = db.query("SELECT code FROM patient WHERE mark = ?", mark);
+  return row.step() ? row.text(0) : std::string{};
+}
+
+/// What people did since the backup and have to do again, of patients who are there.
+Json toDoAgain(Database& db, const Lines& all, const Lines& known) {
+  std::map<std::string, std::pair<std::int64_t, Json>> last;  // by what is moved: the last time
+  const std::set<std::string> before(known.begin(), known.end());
+  for (const std::string& line : all) {
+    const std::vector<std::string> words = wordsOf(line);
+    if (words.size() != 4 || before.contains(line)) continue;
+    const std::string code = codeOf(db, words[3]);
+    Json entry = {{"what", words[0]}, {"to", code}};
+    bool there = !code.empty();
+    if (words[0] == "moved") {
+      Statement visit = db.query(
+          "SELECT v.began_us, p.code FROM visit v LEFT JOIN patient p ON p.id = v.patient"
+          " WHERE v.id = CAST(? AS INTEGER)",
+          words[2]);
+      there = visit.step() && visit.text(1) != code && there;
+      entry["visit"] = numberIn(words[2]);
+      if (there) entry.update({{"began_us", visit.integer(0)}, {"from", visit.text(1)}});
+    } else if (words[0] == "joined") {
+      entry["from"] = codeOf(db, words[2]);
+      there = there && entry["from"] != "";
+    } else {
+      entry["sha256"] = words[2];
+    }
+    auto& slot = last[words[0] + words[2]];
+    const std::int64_t count = numberIn(words[1]);
+    if (count >= slot.first) slot = {count, there ? entry : Json()};
+  }
+  std::vector<std::pair<std::int64_t, Json>> entries;
+  for (auto& [key, entry] : last) {
+    if (!entry.second.is_null()) entries.push_back(std::move(entry));
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  Json out = Json::array();
+  for (auto& [count, entry] : entries) out.push_back(std::move(entry));
+  return out;
+}
+
+/// Makes the copy that becomes the clinic's database.
+void makeRestored(const std::string& file, const std::string& folder, const std::string& clinic,
+                  std::int64_t now_us, std::vector<std::string>& done) {
+  const std::string made = madeIn(folder);
+  removeDatabase(made);
+  const std::int64_t rows = copyCompared(file, Database::Mode::kReadOnly, made, 0);
+  Database db(made, Database::Mode::kReadWrite);
+  migrate(db);
+  if (clinicOf(db) != clinic) {
+    throw DatabaseError(file + ".keys: belongs to another clinic than " + file);
+  }
+  // All marks that are known. A clinic that ran in this folder has written all of its own here.
+  const MarkList beside = readMarkList(markListIn(folderOf(file))),
+                 here = readMarkList(markListIn(folder));
+  const Replaced replaced = replacedBy(folder + "/clinic.db", clinic);
+  const Lines known = linesOf(db);
+  Transaction transaction(db);
+  for (const Lines& lines : {beside.lines, here.lines, replaced.lines}) addLines(db, lines);
+  const Lines all = linesOf(db);
+  const std::int64_t erased = eraseMarked(db, all, replaced.kept);
+  const bool whole =
+      !replaced.lines.empty() ||
+      std::any_of(here.lines.begin(), here.lines.end(),
+                  [&](const std::string& line) { return line.starts_with("block " + clinic); });
+  const std::int64_t copied_us = db.number("SELECT copied_us FROM clinic");
+  const std::int64_t until_us = whole ? now_us : std::max(copied_us, beside.until_us);
+  const Json again = toDoAgain(db, all, known);
+  const Json restored = {
+      {"at_us", now_us}, {"copied_us", copied_us}, {"until_us", until_us}, {"again", again}};
+  // Recordings made after the backup use visit numbers that the restored database would assign
+  // again, so a new block of numbers is drawn.
+  db.change("UPDATE clinic SET next_visit = ?, restored = ?, copied_us = 0", drawBlock(db, clinic),
+            restored.dump());
+  db.run(kDrawNotes);
+  db.change(
+      "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE 'unfinished' END"
+      " WHERE state = 'open'");
+  storeIntent(db, now_us, "restore", {{}, replaced.recordings});
+  db.change(
+      "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, 0, 'restored', 0,"
+      " 0, ?)",
+      now_us, fmt::format("{} rows erased again", erased));
+  transaction.commit();
+  compact(db);
+  db.run("PRAGMA journal_mode = DELETE");
+  done.push_back(fmt::format("restored {} rows of {}", rows, file));
+  if (erased > 0) done.push_back(fmt::format("{} erased rows stay erased", erased));
+  if (!whole) {
+    done.push_back(
+        fmt::format("the marks of erased patients reach until {}: erase again whoever was erased "
+                    "later",
+                    isoTime(until_us)));
+  }
+  for (const Json& entry : again) {
+    done.push_back(fmt::format(
+        "to be done again: {} {} to {}", entry.value("what", ""),
+        entry.contains("visit") ? entry["visit"].dump() : entry.value("from", "a recording"),
+        entry.value("to", "")));
+  }
+}
+
+void restoreInto(const std::string& file, const std::string& folder, std::int64_t now_us,
                  std::vector<std::string>& done) {
   const auto keys = readKeyFile(file + ".keys");
   if (!keys) throw DatabaseError(format(keys.errors()));
-  const std::string made = folder + "/clinic.db.restored";
-  removeDatabase(made);
-  const std::int64_t rows = copyCompared(file, Database::Mode::kReadOnly, made);
-  std::set<std::string> marks = marksIn(folder + "/erased");
-  marks.merge(marksIn(folderOf(file) + "/erased"));
-  {
-    Database db(made, Database::Mode::kReadWrite);
-    migrate(db);
-    if (clinicOf(db) != keys->clinic) {
-      throw DatabaseError(file + ".keys: belongs to another clinic than " + file);
-    }
-    int erased = 0;
-    for (const std::string& mark : marks) {
-      const std::int64_t patient = db.number("SELECT id FROM patient WHERE mark = ?", mark);
-      if (patient == 0) continue;
-      Transaction transaction(db);
-      (void)eraseRows(db, patient);
-      db.change(
-          "INSERT INTO log (at_us, account, what, patient, visit, detail)"
-          " VALUES (0, 0, 'erased again after a restore', ?, 0, '')",
-          patient);
-      transaction.commit();
-      ++erased;
-    }
-    // Recordings made after the backup use visit numbers that the restored database would assign
-    // again, so a new block of numbers is drawn.
-    db.change("UPDATE clinic SET next_visit = ?", drawnVisitNumber());
-    db.change(
-        "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE 'unfinished' END"
-        " WHERE state = 'open'");
-    compact(db);
-    done.push_back(fmt::format("restored {} rows of {}", rows, file));
-    if (erased > 0) done.push_back(fmt::format("{} erased stay erased", erased));
-  }
-  addMarks(folder + "/erased", marks);
-  const std::string database = folder + "/clinic.db";
+  finishRestore(folder);
+  makeRestored(file, folder, keys->clinic, now_us, done);
+  // From here on every step may be repeated.
+  Json plan = {{"database", ""}, {"keys", ""}};
   std::error_code error;
-  if (fs::exists(database, error)) {
-    const std::string kept = database + ".replaced-" + randomHex(4);
-    for (const char* tail : {"", "-wal", "-shm"}) fs::rename(database + tail, kept + tail, error);
-    done.push_back("the database that was here is now " + kept);
-  }
-  if (const int failure = renameDurably(made, database); failure != 0) {
-    throw DatabaseError(database + ": cannot be written: " + std::strerror(failure));
+  if (fs::exists(folder + "/clinic.db", error)) {
+    plan["database"] = "clinic.db.replaced-" + randomHex(4);
+    done.push_back("the database that was here is now " + folder + "/" +
+                   plan["database"].get<std::string>());
   }
   const auto there = readKeyFile(folder + "/keys");
-  if (there && there->clinic == keys->clinic) return;
-  if (fs::exists(folder + "/keys", error)) {
-    fs::rename(folder + "/keys", folder + "/keys.replaced-" + randomHex(4), error);
+  if (!there || there->clinic != keys->clinic) {
+    if (auto written = writeKeyFile(folder + "/keys.restored", *keys); !written) {
+      throw DatabaseError(format(written.errors()));
+    }
+    plan["keys"] = "keys.replaced-" + randomHex(4);
+    done.push_back("its keys are those of the backup");
   }
-  if (auto written = writeKeyFile(folder + "/keys", *keys); !written) {
-    throw DatabaseError(format(written.errors()));
+  if (const int failure = writeDurably(planIn(folder), plan.dump()); failure != 0) {
+    throw DatabaseError(planIn(folder) + ": cannot be written: " + std::strerror(failure));
   }
-  done.push_back("its keys are those of the backup");
+  finishRestore(folder);
 }
 
 }  // namespace
@@ -188,7 +299,39 @@ FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
 }
 
-Expected<std::int64_t> backUp(const std::string& folder, const std::string& file) {
+void finishRestore(const std::string& folder) {
+  std::error_code error;
+  const std::string made = madeIn(folder), database = folder + "/clinic.db";
+  if (!fs::exists(planIn(folder), error)) {
+    removeDatabase(made);  // one that was broken off earlier changes nothing
+    fs::remove(folder + "/keys.restored", error);
+    return;
+  }
+  std::ifstream in(planIn(folder));
+  const Json plan = Json::parse(in, nullptr, false);
+  if (!plan.is_object()) throw DatabaseError(planIn(folder) + ": is damaged: restore again");
+  const auto kept = [&](const char* key) {
+    return folder + "/" + fs::path(plan.value(key, "")).filename().string();
+  };
+  if (fs::exists(made, error)) {
+    if (fs::exists(database, error)) {
+      for (const char* tail : {"-wal", "-shm"}) {  // of a database that cannot be opened
+        fs::rename(database + tail, kept("database") + tail, error);
+      }
+      renameOrThrow(database, kept("database"));
+    }
+    renameOrThrow(made, database);
+  }
+  const std::string keys = folder + "/keys", new_keys = keys + ".restored";
+  if (fs::exists(new_keys, error)) {
+    if (fs::exists(keys, error)) renameOrThrow(keys, kept("keys"));
+    renameOrThrow(new_keys, keys);
+  }
+  fs::remove(planIn(folder), error);
+}
+
+Expected<std::int64_t> backUp(const std::string& folder, const std::string& file,
+                              std::int64_t now_us) {
   std::error_code error;
   fs::create_directories(folderOf(file), error);
   if (fs::exists(file, error)) return fileFault(file, "exists already", "give a new name");
@@ -197,8 +340,11 @@ Expected<std::int64_t> backUp(const std::string& folder, const std::string& file
   const std::string part = file + ".part";
   try {
     removeDatabase(part);
-    const std::int64_t rows = copyCompared(folder + "/clinic.db", Database::Mode::kReadWrite, part);
-    addMarks(folderOf(file) + "/erased", marksIn(folder + "/erased"));
+    migrateFile(folder + "/clinic.db");
+    const std::int64_t rows =
+        copyCompared(folder + "/clinic.db", Database::Mode::kReadWrite, part, now_us);
+    const Lines lines = eraseSince(folder + "/clinic.db", part);
+    extendMarkList(markListIn(folderOf(file)), {lines, now_us});
     if (auto written = writeKeyFile(file + ".keys", *keys); !written) return written.errors();
     if (const int failure = renameDurably(part, file); failure != 0) {
       throw DatabaseError(file + ": cannot be written: " + std::strerror(failure));
@@ -210,17 +356,16 @@ Expected<std::int64_t> backUp(const std::string& folder, const std::string& file
   }
 }
 
-Expected<std::vector<std::string>> restoreBackup(const std::string& file,
-                                                 const std::string& folder) {
+Expected<std::vector<std::string>> restoreBackup(const std::string& file, const std::string& folder,
+                                                 std::int64_t now_us) {
   const auto lock = FolderLock::take(folder);
   if (!lock) return lock.errors();
   std::vector<std::string> done;
   try {
-    restoreInto(file, folder, done);
+    restoreInto(file, folder, now_us, done);
     return done;
   } catch (const DatabaseError& failure) {
-    removeDatabase(folder + "/clinic.db.restored");
-    return fileFault("", failure.what(), "the folder is as it was");
+    return fileFault("", failure.what(), "correct the cause, then restore again");
   }
 }
 
@@ -256,87 +401,22 @@ std::int64_t newestBackup_us(const std::string& folder) {
 
 void removeOldBackups(const std::string& folder, std::int64_t now_us) {
   std::error_code error;
-  std::vector<fs::path> old;
+  std::vector<std::pair<std::int64_t, fs::path>> backups;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     struct stat file {};
     const bool ours = name.starts_with("clinic-") && name.ends_with(".db");
     if (!ours || ::stat(it->path().c_str(), &file) != 0) continue;
-    if (now_us - file.st_mtim.tv_sec * kSecond_us > kBackupsKept_us) old.push_back(it->path());
+    backups.emplace_back(file.st_mtim.tv_sec * kSecond_us, it->path());
   }
-  for (const fs::path& path : old) {
+  // A clock that was set forward makes every backup old: the newest ones stay.
+  std::sort(backups.rbegin(), backups.rend());
+  for (std::size_t i = kBackupsAlwaysKept; i < backups.size(); ++i) {
+    const auto& [made_us, path] = backups[i];
+    if (now_us - made_us <= kBackupsKept_us) continue;
     fs::remove(path, error);
     fs::remove(path.string() + ".keys", error);
   }
-}
-
-std::set<std::string> marksOf(Database& db, std::int64_t patient) {
-  std::set<std::string> marks;
-  Statement rows = db.query(
-      "SELECT mark FROM patient WHERE id = ?1 UNION SELECT mark FROM merged WHERE patient = ?1",
-      patient);
-  while (rows.step()) marks.insert(rows.text(0));
-  return marks;
-}
-
-void listErased(const std::string& folder, const std::string& backups,
-                const std::set<std::string>& marks) {
-  addMarks(folder + "/erased", marks);
-  if (!backups.empty()) {
-    std::error_code ignored;
-    fs::create_directories(backups, ignored);
-    addMarks(backups + "/erased", marks);
-  }
-}
-
-ErasedFiles eraseRows(Database& db, std::int64_t patient) {
-  ErasedFiles files;
-  {
-    Statement rows = db.query(
-        "SELECT t.recording FROM trial t JOIN visit v ON v.id = t.visit WHERE v.patient = ?",
-        patient);
-    while (rows.step()) files.recordings.push_back(rows.text(0));
-    Statement hands =
-        db.query("SELECT hand_file FROM visit WHERE patient = ? AND hand_file <> ''", patient);
-    while (hands.step()) files.hands.push_back(hands.text(0));
-  }
-  db.change("DELETE FROM visit WHERE patient = ?", patient);  // its trials and notes are deleted
-                                                              // with it
-  db.change("DELETE FROM patient WHERE id = ?", patient);
-  db.run("DELETE FROM answer");
-  return files;
-}
-
-std::vector<std::string> removeFiles(const std::string& folder, const std::string& recordings,
-                                     const ErasedFiles& files) {
-  std::vector<std::string> left;
-  std::error_code error;
-  for (const std::string& hand : files.hands) fs::remove(folder + "/hands/" + hand, error);
-  if (recordings.empty()) return files.recordings;
-  for (const std::string& name : files.recordings) {
-    const std::string stem = fs::path(name).stem().string();
-    std::vector<fs::path> parts;  // the recording, its JSON file and its input journal
-    for (fs::directory_iterator it(recordings, error), end; !error && it != end;
-         it.increment(error)) {
-      if (it->path().filename().string().starts_with(stem + ".")) parts.push_back(it->path());
-    }
-    for (const fs::path& part : parts) fs::remove(part, error);
-    const std::string report = stem + "-report";  // report page that the station made
-    fs::remove_all(fs::path(recordings) / report, error);
-    for (const std::string& removed : {name, report}) {
-      if (fs::exists(fs::path(recordings) / removed, error)) left.push_back(removed);
-    }
-  }
-  return left;
-}
-
-void compact(Database& db) {
-  db.run("VACUUM");
-  db.run("PRAGMA wal_checkpoint(TRUNCATE)");
-}
-
-std::int64_t drawnVisitNumber() {
-  return std::int64_t{randomBelow(0xFFFF'FFFEU) + 1U} * kVisitsPerBlock + 1;
 }
 
 }  // namespace wholehand::clinic

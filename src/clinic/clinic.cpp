@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <string>
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kAnswersKept_us = 2 * kDay_us;
+constexpr std::int64_t kCarryOutAgain_us = 60 * kSecond_us;
 
 /// Facts about the folder that the page shows before a clinic is created there. An empty folder may
 /// be a disk that is not mounted.
@@ -81,6 +83,8 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"POST", "/api/hide", A::kSigned, K::kSession, by(accounts_, &Accounts::hide)},
       {"POST", "/api/show", A::kSigned, K::kSession, by(accounts_, &Accounts::show)},
       {"POST", "/api/accounts", A::kShown, K::kWrite, by(accounts_, &Accounts::addAccount)},
+      {"POST", "/api/restored/done", A::kShown, K::kWrite,
+       by(patients_, &Patients::forgetRestored)},
       {"GET", "/api/presets", A::kSigned, K::kRead, by(plans_, &Plans::presets)},
       {"GET", "/api/patients", A::kShown, K::kRead, by(patients_, &Patients::list)},
       {"GET", "/api/patients/propose", A::kShown, K::kRead, by(patients_, &Patients::proposeCode)},
@@ -217,6 +221,49 @@ Json Clinic::lock(Call& call) {
 void Clinic::backUpIfDue() {
   const std::lock_guard lock(mutex_);
   records_.backUpIfDue();
+}
+
+void Clinic::carryOut() {
+  std::int64_t last = 0;
+  const auto fail = [&](const std::string& problem) {
+    carry_out_again_us_ = records_.clock().steady_us() + kCarryOutAgain_us;
+    try {
+      if (records_.isOpen()) noteProblem(records_.db(), last, problem);
+    } catch (const DatabaseError&) {  // the disk is full: the intent stays, without its reason
+    }
+  };
+  std::unique_lock lock(mutex_);
+  try {
+    records_.open();
+    last = lastIntent(records_.db());
+    if (last == 0 || records_.clock().steady_us() < carry_out_again_us_) return;
+    const Places places = records_.places();
+    std::vector<std::string> left;
+    do {
+      left = removeErasedFiles(records_.db(), places, records_.clock().now_us());
+      if (!erases(records_.db(), last)) break;
+      compact(records_.db());
+      const Lines lines = linesOf(records_.db());
+      const Kept kept = keptOf(records_.db());
+      lock.unlock();  // copies of many patients take a while
+      Lines more;
+      std::string problem;
+      try {
+        more = eraseFromCopies(places, lines, kept);
+      } catch (const std::exception& error) {
+        problem = error.what();
+      }
+      lock.lock();
+      if (!problem.empty()) return fail(problem);
+      if (!addLinesOfCopies(records_.db(), more)) break;
+    } while (true);
+    if (!left.empty()) return fail(notRemoved(left));
+    finishIntents(records_.db(), last, records_.clock().now_us());
+  } catch (const DatabaseError& error) {
+    fail(error.what());
+  } catch (const Json::exception&) {
+    fail("a row of the database is damaged; run wholehand-clinic verify");
+  }
 }
 
 void Clinic::lookAtStation() {

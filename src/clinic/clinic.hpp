@@ -31,9 +31,12 @@ class Clinic {
   /// Measures recordings that are new or changed since the database knew them. Call every few
   /// seconds. Stops early when `stop` returns true.
   void lookAtRecordings(const Measure& measure, const std::function<bool()>& stop);
-  /// Makes a backup when the last one is a day old, and removes backups older than 30 days. Frees
-  /// erased rows that are not freed yet. Call every minute.
+  /// Makes a backup when the last one is a day old, and removes backups older than 30 days. Call
+  /// every minute.
   void backUpIfDue();
+  /// Carries out actions over rows and files that are stored and not done, those of an earlier
+  /// process included. After a failure it tries again a minute later. Call every second.
+  void carryOut();
 
  private:
   enum class Kind { kRead, kWrite, kStation, kSession };
@@ -58,6 +61,7 @@ class Clinic {
   Patients patients_{records_, accounts_, plans_};
   Visits visits_;
   Trials trials_;
+  std::int64_t carry_out_again_us_ = 0;  ///< steady clock: not earlier, after a failure
   const std::vector<Route> routes_;
 };
 

@@ -1,9 +1,8 @@
 #include "clinic/keys.hpp"
 
+#include "clinic/request.hpp"
 #include "files/text/text_file.hpp"
 #include "loop/core/sha256.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -16,8 +15,6 @@
 
 namespace wholehand::clinic {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr std::size_t kKey_bytes = crypto_secretbox_KEYBYTES;
 constexpr std::size_t kNonce_bytes = crypto_secretbox_NONCEBYTES;
@@ -137,6 +134,18 @@ std::optional<std::string> Key::open(std::string_view kind, std::string_view sea
   return plain.substr(kind.size() + 1);
 }
 
+namespace {
+
+constexpr int kNoDigest = 1;  // version of files without a digest
+
+std::string digestOf(const Json& file) {
+  Json parts = file;
+  parts.erase("sha256");
+  return sha256(parts.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
 Expected<KeyFile> readKeyFile(const std::string& path) {
   const Diagnostic missing{path,
                            0,
@@ -154,15 +163,22 @@ Expected<KeyFile> readKeyFile(const std::string& path) {
       !file.contains("phrase") || !file.contains("recovery")) {
     return fileFault(path, "is damaged", "copy it from beside a backup", DiagnosticCode::kSyntax);
   }
+  // Without the digest, damage would look like a wrong pass phrase.
+  if (file.value("version", Json()) != kNoDigest &&
+      file.value("sha256", Json()) != digestOf(file)) {
+    return fileFault(path, "is damaged: its digest does not fit", "copy it from beside a backup",
+                     DiagnosticCode::kSyntax);
+  }
   return KeyFile{file["clinic"], file["phrase"].dump(), file["recovery"].dump()};
 }
 
 Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys) {
-  const Json file = {{"kind", "clinic-keys"},
-                     {"version", 1},
-                     {"clinic", keys.clinic},
-                     {"phrase", Json::parse(keys.by_phrase)},
-                     {"recovery", Json::parse(keys.by_recovery)}};
+  Json file = {{"kind", "clinic-keys"},
+               {"version", 2},
+               {"clinic", keys.clinic},
+               {"phrase", Json::parse(keys.by_phrase)},
+               {"recovery", Json::parse(keys.by_recovery)}};
+  file["sha256"] = digestOf(file);
   if (const int error = writeDurably(path, file.dump(1) + "\n"); error != 0) {
     return fileFault(path, std::string("cannot be written: ") + std::strerror(error),
                      "make room, or give another folder", DiagnosticCode::kUnreadable);

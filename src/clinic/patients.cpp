@@ -1,6 +1,5 @@
 #include "clinic/patients.hpp"
 
-#include "clinic/backup.hpp"
 #include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 
@@ -128,6 +127,24 @@ Json Patients::rows(std::string_view find, std::int64_t only) {
   return rows;
 }
 
+namespace {
+
+/// What a restore left to people; null: nothing.
+Json restored(Database& db) {
+  Statement row = db.query("SELECT restored FROM clinic");
+  Json out = row.step() ? Json::parse(row.text(0)) : Json::object();
+  const bool whole = out.value("until_us", std::int64_t{0}) >= out.value("at_us", std::int64_t{0});
+  return whole && out.value("again", Json::array()).empty() ? Json() : out;
+}
+
+}  // namespace
+
+Json Patients::forgetRestored(Call& call) {
+  records_.db().run("UPDATE clinic SET restored = '{}'");
+  records_.log(call.session.account, "did again what a restore had undone");
+  return Json::object();
+}
+
 Json Patients::list(Call& call) {
   Json all = rows(call.request.find, 0), open = Json::array(), guests = Json::array();
   for (const Json& row : all) {
@@ -136,7 +153,11 @@ Json Patients::list(Call& call) {
   Statement query = records_.db().query(
       "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
   while (query.step()) guests.push_back(visitJson(records_, query.integer(0), false));
-  return {{"open", open}, {"patients", all}, {"guests", guests}};
+  return {{"open", open},
+          {"patients", all},
+          {"guests", guests},
+          {"under_way", records_.underWay()},
+          {"restored", restored(records_.db())}};
 }
 
 Json Patients::proposeCode(Call&) {
@@ -306,9 +327,9 @@ Json Patients::remove(Call& call) {
   if (records_.db().number("SELECT COUNT(*) FROM visit WHERE patient = ?", id) != 0) {
     throw changedMeanwhile("the patient has visits: move them, or erase the patient", toJson(id));
   }
-  records_.db().change("DELETE FROM patient WHERE id = ?", id);
-  records_.db().run("DELETE FROM answer");
+  records_.storeIntent("delete", erasureOfPatient(records_.db(), id));
   records_.log(call.session.account, "deleted", id);
+  call.after.emplace_back([this] { (void)records_.removeErased(); });
   return Json::object();
 }
 
@@ -329,6 +350,10 @@ Json Patients::merge(Call& call) {
   records_.db().change(
       "INSERT INTO merged (patient, mark) SELECT ?, mark FROM patient WHERE id = ?", id, other);
   records_.db().change("UPDATE merged SET patient = ? WHERE patient = ?", id, other);
+  records_.storeIntent("list",
+                       {{fmt::format("joined {} {} {}", nextCount(records_.db()),
+                                     markOf(records_.db(), other), markOf(records_.db(), id))},
+                        {}});
   records_.db().change("DELETE FROM patient WHERE id = ?", other);
   records_.log(call.session.account, "merged", id, 0, fmt::format("from {}", other));
   return toJson(id);
@@ -342,16 +367,12 @@ Json Patients::erase(Call& call) {
     throw badValue("code", "type the patient's code to erase everything of this person");
   }
   checkNoOpenVisit(id);
-  listErased(records_.options().folder, records_.options().backups, marksOf(records_.db(), id));
-  const ErasedFiles files = eraseRows(records_.db(), id);
+  records_.storeIntent("erase", erasureOfPatient(records_.db(), id));
   records_.log(call.session.account, "erased", id);
-  call.after.emplace_back([this, &call, files] {
-    const auto left = removeFiles(records_.options().folder, records_.options().recordings, files);
-    records_.freeErased();
-    call.answer.body = Json({{"erased", true},
-                             {"recordings_left", left},
-                             {"gone_from_backups_us", records_.lastBackupExpires_us()}})
-                           .dump();
+  // Backups follow in Clinic::carryOut().
+  call.after.emplace_back([this, &call] {
+    const auto left = records_.removeErased();
+    call.answer.body = Json({{"erased", true}, {"recordings_left", left}}).dump();
   });
   return {{"erased", true}};
 }

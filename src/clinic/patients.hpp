@@ -24,6 +24,8 @@ class Patients {
   [[nodiscard]] Json rows(std::string_view find, std::int64_t only);
 
   Json list(Call& call);
+  /// What a restore left to people was done.
+  Json forgetRestored(Call& call);
   Json proposeCode(Call& call);
   Json add(Call& call);
   Json change(Call& call);

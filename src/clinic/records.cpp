@@ -36,14 +36,15 @@ void Records::open() {
     hands_ = std::move(*hands);
   }
   std::error_code error;
+  fs::create_directories(options_.folder + "/hands", error);
+  if (error) throw DatabaseError(options_.folder + ": cannot be made: " + error.message());
+  fs::permissions(options_.folder, fs::perms::owner_all, error);
+  finishRestore(options_.folder);
   // Refuses to create a new database where one existed before.
   const std::string path = options_.folder + "/clinic.db", keys_path = options_.folder + "/keys";
   if (!fs::exists(path, error) && (was_open_ || fs::exists(keys_path, error))) {
     throw DatabaseError(path + ": is gone: put it back, or restore a backup");
   }
-  fs::create_directories(options_.folder + "/hands", error);
-  if (error) throw DatabaseError(options_.folder + ": cannot be made: " + error.message());
-  fs::permissions(options_.folder, fs::perms::owner_all, error);
   Database db(path, Database::Mode::kCreate);
   migrate(db);
   // Checks that the key file belongs to this database.
@@ -61,6 +62,7 @@ void Records::open() {
                         ": is here, but clinic.db is empty: restore a backup; "
                         "to begin anew, move the file keys away");
   }
+  removeUnnamedHandFiles(db, options_.folder);
   last_backup_us_ = newestBackup_us(options_.backups);
   db_ = std::move(db);
   was_open_ = true;
@@ -108,26 +110,38 @@ bool Records::tryToLog(std::int64_t account, const std::string& what, std::int64
   }
 }
 
-// Erased rows are overwritten at once, but the write-ahead log keeps them until it is emptied.
-void Records::tryToCompact() {
-  if (!compact_due_ || !db_) return;
+void Records::storeIntent(const std::string& what, const Erasure& erasure) {
+  clinic::storeIntent(db(), clock_.now_us(), what, erasure);
+}
+
+std::vector<std::string> Records::removeErased() {
+  std::vector<std::string> left;
   try {
-    compact(*db_);
-    compact_due_ = false;
-  } catch (const DatabaseError&) {  // the next call, a minute later, tries again
+    left = removeErasedFiles(db(), places(), clock_.now_us());
+    compact(db());
+  } catch (const DatabaseError&) {  // the intent stays: Clinic::carryOut() tries again
   }
+  return left;
+}
+
+Json Records::underWay() {
+  Json out = Json::array();
+  Statement rows = db().query("SELECT what, at_us, problem FROM intent ORDER BY n");
+  while (rows.step()) {
+    out.push_back({{"what", rows.text(0)}, {"at_us", rows.integer(1)}, {"problem", rows.text(2)}});
+  }
+  return out;
 }
 
 void Records::backUpIfDue() {
   const std::int64_t now_us = clock_.now_us();
-  tryToCompact();
   if (options_.backups.empty() || !db_ || std::abs(now_us - last_backup_us_) < kDay_us) return;
   try {
     if (isNew()) return;
     std::string name = isoTime(now_us);
     std::erase_if(name, [](char c) { return c == '-' || c == ':'; });
     const std::string path = options_.backups + "/clinic-" + name + ".db";
-    if (const auto done = backUp(options_.folder, path); !done) {
+    if (const auto done = backUp(options_.folder, path, now_us); !done) {
       backup_problem_ = format(done.errors());
       return;
     }
@@ -140,19 +154,10 @@ void Records::backUpIfDue() {
   }
 }
 
-void Records::freeErased() {
-  compact_due_ = true;
-  tryToCompact();
-}
-
 Json Records::backupFacts() const {
   Json facts = {{"last_us", last_backup_us_}, {"folder", options_.backups}};
   if (!backup_problem_.empty()) facts["problem"] = backup_problem_;
   return facts;
-}
-
-std::int64_t Records::lastBackupExpires_us() const {
-  return last_backup_us_ == 0 ? 0 : last_backup_us_ + kBackupsKept_us;
 }
 
 }  // namespace wholehand::clinic

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "clinic/database.hpp"
+#include "clinic/intents.hpp"
 #include "clinic/keys.hpp"
 #include "clinic/presets/presets.hpp"
 #include "clinic/request.hpp"
@@ -61,16 +62,23 @@ class Records {
   /// written
   bool tryToLog(std::int64_t account, const std::string& what, std::int64_t patient = 0);
 
-  /// Frees the space of erased rows; if the disk is full, a later backUpIfDue() does.
-  void freeErased();
+  /// Stores an action over rows and files, and deletes the rows that it erases (intents.hpp). @pre
+  /// a transaction is open
+  void storeIntent(const std::string& what, const Erasure& erasure = {});
+  /// Removes files and bytes of what was erased, after the commit; Clinic::carryOut() does the
+  /// rest.
+  /// @return recordings and reports that could not be removed
+  std::vector<std::string> removeErased();
+  /// Actions that are stored and not done yet: kind, time, problem.
+  [[nodiscard]] Json underWay();
+  [[nodiscard]] Places places() const {
+    return {options_.folder, options_.recordings, options_.backups};
+  }
   void backUpIfDue();
   /// Time and folder of the last backup, and the reason if none could be made.
   [[nodiscard]] Json backupFacts() const;
-  /// Time from which no backup contains data erased now [µs UTC]; 0: no backup contains them.
-  [[nodiscard]] std::int64_t lastBackupExpires_us() const;
 
  private:
-  void tryToCompact();
   [[nodiscard]] const Key& openKey() const;
 
   const ClinicOptions options_;
@@ -82,8 +90,6 @@ class Records {
   std::vector<ShippedHand> hands_;
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
-  bool compact_due_ = false;  ///< rows were erased, but a full disk kept their pages from being
-                              ///< freed
 };
 
 }  // namespace wholehand::clinic

@@ -122,6 +122,20 @@ Json visitJson(Records& records, std::int64_t id, bool hidden) {
           {"pain_after", v.pain_after}};
 }
 
+void takeBackSettings(Database& db, const VisitRow& visit) {
+  if (!visit.patient || visit.before.empty()) return;
+  Statement row = db.query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  Json own = Json::parse(row.text(0));
+  for (const auto& [name, value] : visit.before.items()) {
+    if (own.value(name, Json()) != visit.changed.at(name)) continue;
+    own[name] = value;
+    if (value.is_null()) own.erase(name);
+  }
+  db.change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?", own.dump(),
+            *visit.patient);
+}
+
 std::int64_t takeVisitNumber(Database& db) {
   db.run("UPDATE clinic SET next_visit = next_visit + 1");
   return db.number("SELECT next_visit - 1 FROM clinic");

@@ -21,6 +21,9 @@ struct VisitRow {
 };
 [[nodiscard]] VisitRow visitRow(Database& db, std::int64_t id);
 [[nodiscard]] Json visitJson(Records& records, std::int64_t id, bool hidden);
+/// Restores the person's values from before the visit, except those changed again since. Used when
+/// the visit belongs to somebody else.
+void takeBackSettings(Database& db, const VisitRow& visit);
 [[nodiscard]] std::int64_t takeVisitNumber(Database& db);
 /// Inserts a finished visit without a plan. @return its number
 std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t account,
@@ -34,11 +37,14 @@ inline constexpr std::string_view kTrialColumns =
 /// @param rows query with the columns kTrialColumns
 [[nodiscard]] Json trialsIn(Statement rows, const Plan& plan);
 
+/// Largest number of a note that a page draws.
+inline constexpr std::int64_t kLastDrawnNote = (std::int64_t{1} << 48) - 1;
+
 /// Notes as JSON.
 /// @param column column that `id` refers to: "patient", "visit" or "id"
 [[nodiscard]] Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden);
 /// Inserts a note.
-/// @param id number of the note; empty: the next one
+/// @param id number of the note; empty: the next one above those that pages draw
 void insertNote(Records& records, Call& call, std::optional<std::int64_t> patient,
                 std::optional<std::int64_t> visit, std::optional<std::int64_t> id = {});
 

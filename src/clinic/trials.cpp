@@ -1,5 +1,6 @@
 #include "clinic/trials.hpp"
 
+#include "clinic/intents.hpp"
 #include "clinic/text.hpp"
 #include "files/process/child_process.hpp"
 #include "loop/core/printable.hpp"
@@ -61,17 +62,11 @@ bool isVisit(Database& db, std::int64_t id) {
 /// Outcome for a recording that cannot be read. Its file name names the visit, if the station gave
 /// the name.
 Outcome failed(Database& db, const std::string& name, const std::string& why) {
-  constexpr std::string_view kWord = "-visit-";
-  constexpr std::size_t kMostDigits = 16;
   Outcome out;
   out.state = "failed";
   out.why = why;
-  const std::size_t word = name.find(kWord);
-  if (word == std::string::npos) return out;
-  const std::string rest = name.substr(word + kWord.size());
-  const std::string digits = rest.substr(0, rest.find_first_not_of("0123456789"));
-  if (digits.empty() || digits.size() > kMostDigits) return out;
-  if (isVisit(db, std::stoll(digits))) out.visit = std::stoll(digits);
+  const std::int64_t visit = visitInName(name);
+  if (isVisit(db, visit)) out.visit = visit;
   return out;
 }
 
@@ -84,15 +79,15 @@ Outcome outcomeOf(Database& db, const std::string& name, const Json& json) {
   out.item = integerOf(json, "item");
   out.measures = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const std::int64_t visit = integerOf(json, "visit");
-  if (visit != 0 && !isVisit(db, visit)) {
-    out.state = "ignored";
-    out.why = fmt::format("visit {} is not of this clinic, or was erased", visit);
-    return out;
-  }
-  if (visit != 0) {
+  if (visit != 0 && isVisit(db, visit)) {
     out.visit = visit;
+  } else if (visit != 0 && !isDrawnHere(db, visit)) {
+    out.state = "ignored";
+    out.why = fmt::format("visit {} is not of this clinic", visit);
+    return out;
   } else {
-    // The session was recorded outside a visit; somebody may have assigned it to one since.
+    // The session was recorded outside a visit, or in one that a restored backup does not know;
+    // somebody may have assigned it to one since.
     const std::int64_t given = db.number("SELECT visit FROM trial WHERE recording = ?", name);
     if (given != 0) out.visit = given;
   }
@@ -104,6 +99,8 @@ Outcome outcomeOf(Database& db, const std::string& name, const Json& json) {
     out.why = "the session was broken off: the program or the machine failed";
   } else if (!recording.value("complete", true)) {
     out.why = "the recording is not whole: its measures are of a part";
+  } else if (visit != 0 && !out.visit) {
+    out.why = fmt::format("visit {} is not in these records, which were restored", visit);
   }
   return out;
 }
@@ -130,6 +127,16 @@ void findUnderAnotherName(Database& db, const std::string& recordings, const std
   }
 }
 
+/// True for a recording that a mark names, or whose visit one names. A recording that was given to
+/// somebody is of that visit.
+bool isErased(Database& db, const std::string& name, const std::optional<Json>& json) {
+  if (db.number("SELECT visit FROM trial WHERE recording = ?", name) != 0) return false;
+  if (!json) return isErasedVisit(db, visitInName(name));
+  const std::string sha256 = json->value("recording", Json::object()).value("sha256", "");
+  return isErasedRecording(db, sha256) ||
+         (isErasedVisit(db, integerOf(*json, "visit")) && !isGivenAway(db, sha256));
+}
+
 void insertOrUpdate(Database& db, const FileEntry& file, const Outcome& out) {
   db.change(
       "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, sha256,"
@@ -150,6 +157,11 @@ void insertOrUpdate(Database& db, const FileEntry& file, const Outcome& out) {
 void Trials::store(const std::string& name, const FileState& file, const std::optional<Json>& json,
                    const std::string& why) {
   const std::lock_guard lock(mutex_);
+  if (isErased(records_.db(), name, json)) {
+    removeRecording(records_.options().recordings, name);
+    records_.db().change("DELETE FROM trial WHERE recording = ?", name);
+    return;
+  }
   Transaction transaction(records_.db());
   Outcome out = json ? outcomeOf(records_.db(), name, *json) : failed(records_.db(), name, why);
   findUnderAnotherName(records_.db(), records_.options().recordings, name, out);
@@ -283,6 +295,12 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
     for (const FileEntry& file : found) {
       std::string why;
       const auto json = measure((fs::path(recordings) / file.name).string(), why);
+      if (isErased(db, file.name, json)) {
+        removeRecording(recordings, file.name);
+        db.change("DELETE FROM trial WHERE recording = ?", file.name);
+        ++others;
+        continue;
+      }
       Transaction transaction(db);
       Outcome out = json ? outcomeOf(db, file.name, *json) : failed(db, file.name, why);
       findUnderAnotherName(db, recordings, file.name, out);

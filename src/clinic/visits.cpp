@@ -1,6 +1,5 @@
 #include "clinic/visits.hpp"
 
-#include "clinic/backup.hpp"
 #include "loop/core/tick_record.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +19,6 @@ namespace {
 /// A shorter difference between station and database means that an order is still on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 constexpr int kMostPain = 10;
-constexpr std::int64_t kLastNote = (std::int64_t{1} << 48) - 1;
 constexpr double kRounding = 1e-6;  // tolerance for values sent in single precision
 constexpr int kMostTrials = 100;
 
@@ -145,23 +143,6 @@ void Visits::close(std::int64_t account, VisitRow visit, const std::string& stat
                        toJson(capped(planFrom(row.text(1)), plans_.limitsOf(visit.patient))).dump(),
                        *visit.patient);
   records_.log(account, "kept settings", *visit.patient, visit.id, visit.changed.dump());
-}
-
-/// Restores the person's values from before the visit, except those changed again since. Used when
-/// the visit belongs to somebody else.
-void Visits::takeBackSettings(const VisitRow& visit) {
-  if (!visit.patient || visit.before.empty()) return;
-  Statement row =
-      records_.db().query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
-  row.step();
-  Json own = Json::parse(row.text(0));
-  for (const auto& [name, value] : visit.before.items()) {
-    if (own.value(name, Json()) != visit.changed.at(name)) continue;
-    own[name] = value;
-    if (value.is_null()) own.erase(name);
-  }
-  records_.db().change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?",
-                       own.dump(), *visit.patient);
 }
 
 /// Chooses a shipped hand of the person's size, or writes a hand file for the visit.
@@ -402,7 +383,7 @@ Json Visits::putNote(Call& call) {
     return given.get<std::int64_t>();
   };
   std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
-  if (id < 1 || id > kLastNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
+  if (id < 1 || id > kLastDrawnNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
   if (patient && visit) throw badValue("visit", "a note is a visit's or a patient's, not both");
   records_.begin(call);
   Statement row =
@@ -465,10 +446,13 @@ Json Visits::move(Call& call) {
   if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
   const auto patient = to.get<std::int64_t>();
   patients_.check(patient);
-  takeBackSettings(visit);
+  takeBackSettings(records_.db(), visit);
   records_.db().change(
       "UPDATE visit SET patient = ?, state = ?, changed = '{}', before = '{}' WHERE id = ?",
       patient, visit.state == "guest" ? std::string("done") : visit.state, visit.id);
+  records_.storeIntent("list", {{fmt::format("moved {} {} {}", nextCount(records_.db()), visit.id,
+                                             markOf(records_.db(), patient))},
+                                {}});
   records_.log(call.session.account, "moved a visit", patient, visit.id,
                fmt::format("from {}", visit.patient.value_or(0)));
   return visitJson(records_, visit.id, false);
@@ -480,10 +464,11 @@ Json Visits::show(Call& call) {
   return visitJson(records_, visit.id, call.session.hidden);
 }
 
-void Visits::removeRecordings(Call& call, std::vector<std::string> recordings) {
-  call.after.emplace_back([this, &call, files = ErasedFiles{std::move(recordings), {}}] {
-    const auto left = removeFiles(records_.options().folder, records_.options().recordings, files);
-    call.answer.body = Json({{"recordings_left", left}}).dump();
+/// Erases after the change is committed. The answer lists recordings that could not be removed.
+void Visits::erase(Call& call, const Erasure& erasure) {
+  records_.storeIntent("delete", erasure);
+  call.after.emplace_back([this, &call] {
+    call.answer.body = Json({{"recordings_left", records_.removeErased()}}).dump();
   });
 }
 
@@ -533,10 +518,18 @@ Json Visits::giveSessions(Call& call) {
   // Creates the visit and assigns the sessions.
   const std::int64_t visit =
       insertVisit(records_, patient, call.session.account, side, began_us, ended_us, "done");
+  Erasure given;  // erases nothing
+  const std::int64_t count = nextCount(records_.db());
   for (const Json& id : ids) {
     records_.db().change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit,
                          id.get<std::int64_t>());
+    Statement row =
+        records_.db().query("SELECT sha256 FROM trial WHERE id = ?", id.get<std::int64_t>());
+    row.step();
+    given.lines.push_back(
+        fmt::format("given {} {} {}", count, row.text(0), markOf(records_.db(), patient)));
   }
+  records_.storeIntent("list", given);
   records_.log(call.session.account, "gave sessions", patient, visit, ids.dump());
   return visitJson(records_, visit, false);
 }
@@ -548,8 +541,7 @@ Json Visits::deleteSession(Call& call) {
   if (!row.step()) {
     throw RequestRefusal{409, "changed", "this session was given or deleted meanwhile", {}};
   }
-  removeRecordings(call, {row.text(0)});
-  records_.db().change("DELETE FROM trial WHERE id = ?", id);
+  erase(call, erasureOfSession(records_.db(), id));
   records_.log(call.session.account, "deleted a session", 0, 0, row.text(0));
   return Json::object();
 }
@@ -561,11 +553,7 @@ Json Visits::remove(Call& call) {
                            visitJson(records_, visit.id, false));
   }
   if (visit.state == "open") refuseWhileOpen();
-  std::vector<std::string> recordings;
-  Statement rows = records_.db().query("SELECT recording FROM trial WHERE visit = ?", visit.id);
-  while (rows.step()) recordings.push_back(rows.text(0));
-  removeRecordings(call, std::move(recordings));
-  records_.db().change("DELETE FROM visit WHERE id = ?", visit.id);
+  erase(call, erasureOfVisit(records_.db(), visit.id));
   records_.log(call.session.account, "deleted a guest visit", 0, visit.id);
   return Json::object();
 }

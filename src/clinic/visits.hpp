@@ -59,16 +59,13 @@ class Visits {
   [[nodiscard]] Json inForce(const VisitOrder& order) const;
   void keepSettings(VisitRow& visit);
   void close(std::int64_t account, VisitRow visit, const std::string& state);
-  void takeBackSettings(const VisitRow& visit);
   void chooseHand(VisitRow& visit);
   void fitToPerson(VisitRow& visit);
   void removeHandFile(const std::string& name) const;
   void refuseOtherSide(std::int64_t patient, const std::string& side);
   void refuseWhileOpen();
   void ask(Call& call, const std::function<StationReply()>& order);
-  /// Removes recordings after the change is committed. The answer lists those that could not be
-  /// removed.
-  void removeRecordings(Call& call, std::vector<std::string> recordings);
+  void erase(Call& call, const Erasure& erasure);
 
   Records& records_;
   Accounts& accounts_;

@@ -2,8 +2,10 @@
 #include "clinic_bench.hpp"
 #include "loop/core/sha256.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <random>
+#include <set>
 #include <sqlite3.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -81,7 +83,7 @@ TEST(Durability, PatientName_AppearsInNoFileCsvOrLog) {
   b.post("/api/accounts",
          {{"name", "Tile of " + canary}, {"colour", "#aa0000"}, {"pin", "73519462"}});
   b.finish(visit);
-  ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/b.db").ok());
+  ASSERT_TRUE(backUp(b.options.folder, b.options.backups + "/b.db", b.clock.now).ok());
   const std::string all = allBytesOf(b.folder.path()) +
                           b.raw("GET", "/api/export/all.csv", "").body +
                           b.raw("GET", fmt::format("/api/export/patient/{}.csv", id), "").body;
@@ -116,7 +118,7 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
       },
       {});
   const std::string backup = b.options.backups + "/old.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
   EXPECT_EQ(b.refused(fmt::format("/api/patients/{}/erase", id), {{"code", "P-002"}}), "bad_value");
   const Json said = b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "P-001"}});
   EXPECT_EQ(said["recordings_left"], Json::array());
@@ -127,7 +129,7 @@ TEST(Durability, ErasedPatient_StaysErasedAfterAnOlderBackup) {
   // The second folder knows of the erasure only from the list beside the backup.
   for (const std::string& folder : {b.options.folder, b.folder.path() + "/second"}) {
     b.clinic.reset();
-    const auto restored = restoreBackup(backup, folder);
+    const auto restored = restoreBackup(backup, folder, b.clock.now);
     ASSERT_TRUE(restored.ok()) << format(restored.errors());
     b.options.folder = folder;
     b.restart();
@@ -149,7 +151,7 @@ TEST(Durability, PatientErasedAfterAMerge_StaysErasedWithItsDoubleAfterAnOlderBa
                      stays = b.addPatient("P-004", "Karl Stays");
   b.post(fmt::format("/api/patients/{}/notes", third), {{"text", "calls on Monday"}});
   const std::string backup = b.options.backups + "/old.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
   b.post(fmt::format("/api/patients/{}/merge", twin), {{"from", third}});
   b.post(fmt::format("/api/patients/{}/merge", id), {{"from", twin}});
   ASSERT_EQ(b.status, 200);
@@ -158,7 +160,7 @@ TEST(Durability, PatientErasedAfterAMerge_StaysErasedWithItsDoubleAfterAnOlderBa
   EXPECT_EQ(
       Database(b.database(), Database::Mode::kReadWrite).number("SELECT COUNT(*) FROM merged"), 0);
   b.clinic.reset();
-  const auto restored = restoreBackup(backup, b.options.folder);
+  const auto restored = restoreBackup(backup, b.options.folder, b.clock.now);
   ASSERT_TRUE(restored.ok()) << format(restored.errors());
   b.restart();
   const Json patients = b.get("/api/patients")["patients"];
@@ -170,17 +172,60 @@ TEST(Durability, Backup_IsVerifiedAndADamagedOneIsRefused) {
   Bench b;
   b.addPatient("P-001");
   const std::string backup = b.options.backups + "/b.db";
-  ASSERT_TRUE(backUp(b.options.folder, backup).ok());
-  EXPECT_FALSE(backUp(b.options.folder, backup).ok());  // an existing backup is never overwritten
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
+  EXPECT_FALSE(backUp(b.options.folder, backup, b.clock.now)
+                   .ok());  // an existing backup is never overwritten
   std::string bytes = textOf(backup);
   bytes.resize(bytes.size() / 2);
   std::ofstream(backup, std::ios::binary) << bytes;
-  EXPECT_FALSE(restoreBackup(backup, b.folder.path() + "/second").ok());
+  EXPECT_FALSE(restoreBackup(backup, b.folder.path() + "/second", b.clock.now).ok());
   EXPECT_FALSE(std::filesystem::exists(b.folder.path() + "/second/clinic.db"));
   b.clock.now = b.clock.now + 40 * kDay_us;
   b.clinic->backUpIfDue();
   EXPECT_EQ(b.get("/api/state")["backup"]["last_us"], b.clock.now);
   EXPECT_TRUE(verifyClinic(b.options.folder).ok());
+}
+
+TEST(Durability, ClockThreeYearsForward_KeepsTheNewestSevenBackups) {
+  Bench b;
+  b.addPatient("P-001");
+  const auto backups = [&] {
+    std::set<std::string> names;
+    for (const auto& file : std::filesystem::directory_iterator(b.options.backups)) {
+      if (file.path().extension() == ".db") names.insert(file.path().filename().string());
+    }
+    return names;
+  };
+  for (int day = 0; day < 29; ++day) {
+    const std::string path = fmt::format("{}/clinic-{:02}.db", b.options.backups, day);
+    std::filesystem::create_directories(b.options.backups);
+    std::ofstream(path) << "a backup";
+    using FileTime = std::filesystem::file_time_type;
+    std::filesystem::last_write_time(path, FileTime::clock::now() - std::chrono::hours(24 * day));
+  }
+  removeOldBackups(b.options.backups, kNoon_us + 3 * 365 * kDay_us + 365 * 10 * kDay_us);
+  EXPECT_EQ(backups(),
+            (std::set<std::string>{"clinic-00.db", "clinic-01.db", "clinic-02.db", "clinic-03.db",
+                                   "clinic-04.db", "clinic-05.db", "clinic-06.db"}));
+}
+
+TEST(Durability, DamagedKeyFile_IsToldFromAWrongPassPhrase) {
+  Bench b;
+  const std::string path = b.options.folder + "/keys", whole = textOf(path);
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 60) {
+    std::string bytes = whole;
+    bytes[at] = bytes[at] == '7' ? '8' : '7';
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto keys = readKeyFile(path);
+    if (!keys) continue;  // named as damaged
+    const auto good = KeyFile(*keys);
+    std::ofstream(path, std::ios::binary) << whole;
+    const auto before = readKeyFile(path);
+    ASSERT_TRUE(before.ok());
+    EXPECT_EQ(good.clinic, before->clinic) << "byte " << at;
+    EXPECT_EQ(good.by_phrase, before->by_phrase) << "byte " << at;
+    EXPECT_EQ(good.by_recovery, before->by_recovery) << "byte " << at;
+  }
 }
 
 TEST(Durability, NewerSchemaAndEditedMigration_AreRefusedByName) {

@@ -40,6 +40,7 @@ TEST(Requests, EachRole_IsAnsweredAsDocumented) {
                                  {"GET", "/api/sessions", kLocked, kOut, kHidden},
                                  {"POST", "/api/sessions/give", kLocked, kOut, kHidden},
                                  {"DELETE", "/api/sessions/1", kLocked, kOut, kHidden},
+                                 {"POST", "/api/restored/done", kLocked, kOut, kHidden},
                                  {"PUT", "/api/notes/1", kLocked, kOut, kNo},
                                  {"POST", "/api/visits/OPEN/item", kLocked, kOut, kNo},
                                  {"POST", "/api/visits/OPEN/notes", kLocked, kOut, kNo},

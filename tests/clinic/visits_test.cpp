@@ -624,7 +624,7 @@ TEST(Trials, UnusableOrMovedRecordings_AreReportedWithTheReason) {
     Statement row = db.query("SELECT state || ': ' || why FROM trial WHERE recording = ?", name);
     return row.step() ? row.text(0) : "";
   };
-  EXPECT_EQ(why("foreign.h5"), "ignored: visit 12345 is not of this clinic, or was erased");
+  EXPECT_EQ(why("foreign.h5"), "ignored: visit 12345 is not of this clinic");
   EXPECT_EQ(why("none.h5"), "measured: ");  // not yet given to a person
   EXPECT_EQ(why("broken.h5"), "failed: is truncated");
   EXPECT_EQ(why("empty.h5"), "failed: the recording has no tick");
@@ -681,7 +681,7 @@ TEST(Trials, EveryKindOfBadRecording_IsListedByName) {
                    {"written.h5", ""}}));
   EXPECT_EQ(named(b.get("/api/sessions")["sessions"]),
             (Named{{"20261128-120005-visit-77-bar.h5", "is truncated"},
-                   {"foreign.h5", "visit 12345 is not of this clinic, or was erased"}}));
+                   {"foreign.h5", "visit 12345 is not of this clinic"}}));
   // A recording that returns, or is written to its end, is measured.
   record(b, stem + "-2.h5");
   b.station.now.recording = "";

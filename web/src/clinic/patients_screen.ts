@@ -6,7 +6,7 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './page';
 import { PatientPicker } from './picker';
-import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Visit } from './records';
+import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
 import { button, once, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { itemNow } from './records';
@@ -27,6 +27,7 @@ export class PatientsScreen implements Screen {
   private readonly extra = h('div', { class: 'extra' });
   private readonly timer: ReturnType<typeof setInterval>;
   private typing: ReturnType<typeof setTimeout> | undefined;
+  private readonly notices = h('div', { class: 'extra' });
   private readonly loose = h('div', { class: 'extra' });
   private readonly chosen = new Set<number>();
   private list: PatientList | undefined;
@@ -39,7 +40,7 @@ export class PatientsScreen implements Screen {
     const { t } = this;
     this.find.addEventListener('input', () => { clearTimeout(this.typing); this.typing = setTimeout(() => void this.read(), 150); });
     const fresh = h('a', { class: 'b go', href: hashOf({ at: 'new' }), 'data-testid': 'new-patient' }, t.fresh);
-    this.element.append(this.cards, this.extra, this.loose, h('section', { class: 'panel list', 'aria-label': t.title },
+    this.element.append(this.notices, this.cards, this.extra, this.loose, h('section', { class: 'panel list', 'aria-label': t.title },
       h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.message.element, this.rows));
     this.timer = setInterval(() => { if (!document.hidden && !this.context.clinic.silentSince) void this.read(); }, EVERY_MS);
     const seen = context.clinic.seen.get('/api/patients');
@@ -90,6 +91,8 @@ export class PatientsScreen implements Screen {
     const shown = JSON.stringify(list);
     if (shown === this.shown) return;
     this.shown = shown;
+    this.notices.replaceChildren(...(list.under_way ?? []).map(({ what, problem }) => h('p', { class: problem === '' ? 'aside' : 'warning', role: 'status', 'data-testid': 'under-way' }, [t.underWay[what], problem].filter(Boolean).join(' '))),
+      ...(list.restored ? [this.restored(list.restored)] : []));
     this.cards.replaceChildren(...list.open.map((row) => this.card(row)), ...(list.guests ?? []).map((visit) => this.unassigned(visit)));
     const searched = this.find.value.trim() !== '';
     const empty = list.patients.length === 0 && !searched;
@@ -99,6 +102,21 @@ export class PatientsScreen implements Screen {
     else if (list.patients.length === 0) this.rows.replaceChildren(h('p', { class: 'none', 'data-testid': 'nobody' }, fill(t.nobody, { find: this.find.value.trim() })));
     else this.rows.replaceChildren(h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.name, t.code, t.hand, t.last, t.visits].map((words) => h('th', { scope: 'col' }, words)))),
       h('tbody', {}, ...list.patients.map((row) => this.row(row)))));
+  }
+
+  /** What a restore left to people. */
+  private restored({ at_us, until_us, again }: Restored): HTMLElement {
+    const words = this.t.restored, message = new StatusMessage();
+    const done = button(words.done, 'restored-done', () => once(done, async () => {
+      try {
+        await this.context.clinic.api.send('POST', '/api/restored/done', {});
+        await this.read();
+      } catch (problem) { message.showProblem(problem); }
+    }));
+    const line = ({ what, to, from = '', began_us }: Restored['again'][number]): string => fill(words[what], { to, from, day: began_us === undefined ? '' : dayOf(began_us) });
+    return h('section', { class: 'panel', 'aria-label': words.title, 'data-testid': 'restored' }, h('div', { class: 'hd' }, h('h2', {}, words.title), h('span', { class: 'sp' }), done),
+      until_us < at_us ? h('p', {}, fill(words.until, { day: dayOf(until_us), at: clockOf(until_us) })) : null,
+      again.length > 0 ? h('p', {}, words.again) : null, message.element, h('ul', {}, ...again.map((entry) => h('li', {}, line(entry)))));
   }
 
   private row(row: PatientRow): HTMLElement {

@@ -46,6 +46,17 @@ export interface PatientList {
   readonly patients: readonly PatientRow[];
   /** Ended visits without a patient, to be assigned or deleted. */
   readonly guests?: readonly Visit[];
+  /** Actions over rows and files that are not done yet. */
+  readonly under_way?: readonly { readonly what: 'erase' | 'delete' | 'restore' | 'list'; readonly problem: string }[];
+  /** What a restore left to people. */
+  readonly restored?: Restored | null;
+}
+
+export interface Restored {
+  readonly at_us: number;
+  /** Everything that was erased until then stays erased. */
+  readonly until_us: number;
+  readonly again: readonly { readonly what: 'moved' | 'joined' | 'given'; readonly to: string; readonly from?: string; readonly began_us?: number }[];
 }
 
 export interface Size { readonly length_m: number; readonly breadth_m: number }

@@ -46,6 +46,8 @@ export const de: ClinicTexts = {
     title: 'Personen', find: 'Name oder Code', fresh: 'Neue Person', count: '{n} Personen', countOne: '1 Person', name: 'Name', code: 'Code', hand: 'Hand', last: 'Letzte Sitzung', visits: 'Sitzungen', never: 'noch keine',
     empty: 'Noch niemand.', nobody: 'Niemand heisst «{find}».', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht; bleibt es so, starten Sie das Programm neu.', asOf: 'Die Liste ist von {at}.',
     open: 'offen', unfinished: 'nicht beendet', goOn: 'Weiter', endIt: 'Beenden', without: 'Sitzung ohne Person', withoutMore: 'Mit den sanften Werten. Sie ordnen sie später zu oder löschen sie.', beginWith: 'Beginnen, {side}',
+    underWay: { erase: 'Das Löschen ist noch nicht fertig.', delete: 'Das Entfernen ist noch nicht fertig.', restore: 'Das Zurückholen ist noch nicht fertig.', list: 'Eine Änderung ist noch nicht überall geschrieben.' },
+    restored: { title: 'Eine Sicherung wurde zurückgeholt', until: 'Wer nach {day}, {at} gelöscht wurde, ist wieder da: bitte erneut löschen.', again: 'Noch einmal zu tun:', done: 'Erledigt', moved: 'Die Sitzung vom {day} von {from} zu {to} verschieben', joined: '{from} mit {to} zusammenlegen', given: 'Eine Aufnahme {to} geben' },
     sessions: { title: 'Sitzungen ohne Person', words: 'Aufgezeichnet, während die Akten nicht antworteten, oder ausserhalb einer Sitzung.', choose: 'Sitzung vom {day}, {at}, wählen', give: 'Zuordnen', whose: 'Wessen Sitzung war es?', more: 'Und {n} weitere.' },
     noPatient: 'ohne Person', give: 'Zuordnen', giveTo: 'Wessen Sitzung war es?', giveYes: 'Zuordnen: {name}, {code}', remove: 'Löschen', removeYes: 'Endgültig löschen',
   },
@@ -67,7 +69,7 @@ export const de: ClinicTexts = {
     replay: 'Wiedergabe', report: 'Bericht', compare: 'Vergleich', notes: 'Notizen', person: 'Person', edit: 'Ändern', born: 'Geboren', number: 'Nummer', hand: 'Grösse, {side}', preset: 'Kräfte',
     more: 'Fehler und Seltenes', noShowNote: 'Heute nicht gekommen', noShowYes: 'Vermerken', moveTitle: 'Wem gehört die Sitzung vom {day}, {at}?', moveYes: 'Verschieben zu {name}, {code}', remove: 'Person löschen', removeYes: '{name} endgültig löschen',
     merge: { title: 'Doppelte vereinen', which: 'Wer ist doppelt zu {name}, {code}?', yes: 'Vereinen: {name}, {code} verschwindet, die Sitzungen kommen hierher' },
-    erase: { title: 'Alles löschen', words: 'Sitzungen, Notizen und Aufnahmen werden endgültig gelöscht, in Sicherungen innert 30 Tagen.', code: 'Schreiben Sie den Code {code}', wrong: 'Das ist ein anderer Code.', press: 'Alles löschen', done: 'Gelöscht. Die letzte Sicherung, die die Person kennt, ist in 30 Tagen weg.' },
+    erase: { title: 'Alles löschen', words: 'Sitzungen, Notizen und Aufnahmen werden endgültig gelöscht, auch in Sicherungen.', code: 'Schreiben Sie den Code {code}', wrong: 'Das ist ein anderer Code.', press: 'Alles löschen', done: 'Gelöscht. Ist es eine Sicherung noch nicht, so steht es in der Liste.' },
   },
   notes: {
     write: 'Notiz schreiben. Sie wird laufend behalten.', done: 'Notiz fertig', none: 'Noch keine Notizen.', states: { empty: '', typing: 'hier behalten', saved: 'gespeichert', waits: 'hier behalten, gespeichert sobald die Akten antworten' },

@@ -44,6 +44,8 @@ export const en = {
     title: 'Patients', find: 'Name or code', fresh: 'New patient', count: '{n} patients', countOne: '1 patient', name: 'Name', code: 'Code', hand: 'Hand', last: 'Last visit', visits: 'Visits', never: 'none yet',
     empty: 'No patients yet.', nobody: 'Nobody is called “{find}”.', failed: 'Not read since {at}. It is tried again by itself; if it stays so, start the program again.', asOf: 'The list is as of {at}.',
     open: 'open', unfinished: 'unfinished', goOn: 'Go on', endIt: 'End it', without: 'Visit without a patient', withoutMore: 'Under the gentle preset. You give it to a patient later, or delete it.', beginWith: 'Begin, {side}',
+    underWay: { erase: 'Erasing is not done yet.', delete: 'Deleting is not done yet.', restore: 'The restore is not done yet.', list: 'A change is not written everywhere yet.' },
+    restored: { title: 'A backup was restored', until: 'Whoever was erased after {day}, {at} is here again: erase them again.', again: 'To be done again:', done: 'Done', moved: 'Move the visit of {day} from {from} to {to}', joined: 'Join {from} into {to}', given: 'Give a session to {to}' },
     sessions: { title: 'Sessions without a patient', words: 'Recorded while the records did not answer, or outside of a visit.', choose: 'Choose the session of {day}, {at}', give: 'Give to a patient', whose: 'Whose session was it?', more: 'And {n} more.' },
     noPatient: 'no patient', give: 'Give to a patient', giveTo: 'Whose visit was it?', giveYes: 'Give it to {name}, {code}', remove: 'Delete', removeYes: 'Delete for good',
   },
@@ -65,7 +67,7 @@ export const en = {
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
     more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
     merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} goes, the visits come here' },
-    erase: { title: 'Erase everything', words: 'Visits, notes and recordings are deleted for good, in backups within 30 days.', code: 'Type the code {code}', wrong: 'That is another code.', press: 'Erase everything', done: 'Erased. The last backup that knows the person is gone in 30 days.' },
+    erase: { title: 'Erase everything', words: 'Visits, notes and recordings are deleted for good, in backups, too.', code: 'Type the code {code}', wrong: 'That is another code.', press: 'Erase everything', done: 'Erased. The list of patients says so while a backup is not.' },
   },
   notes: {
     write: 'Write a note. It is kept as you type.', done: 'Note done', none: 'No notes yet.', states: { empty: '', typing: 'kept here', saved: 'saved', waits: 'kept here, saved when the records answer' },

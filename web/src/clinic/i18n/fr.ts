@@ -46,6 +46,8 @@ export const fr: ClinicTexts = {
     title: 'Patients', find: 'Nom ou code', fresh: 'Nouveau patient', count: '{n} patients', countOne: '1 patient', name: 'Nom', code: 'Code', hand: 'Main', last: 'Dernière séance', visits: 'Séances', never: 'aucune',
     empty: 'Pas encore de patients.', nobody: 'Personne ne s’appelle « {find} ».', failed: 'Pas lu depuis {at}. Nouvel essai automatique ; si cela dure, relancez le programme.', asOf: 'La liste date de {at}.',
     open: 'en cours', unfinished: 'inachevée', goOn: 'Continuer', endIt: 'Terminer', without: 'Séance sans patient', withoutMore: 'Avec le réglage doux. Vous la donnez plus tard à un patient, ou vous l’effacez.', beginWith: 'Commencer, {side}',
+    underWay: { erase: 'L’effacement n’est pas encore terminé.', delete: 'La suppression n’est pas encore terminée.', restore: 'La restauration n’est pas encore terminée.', list: 'Un changement n’est pas encore écrit partout.' },
+    restored: { title: 'Une copie a été restaurée', until: 'Qui a été effacé après le {day}, {at} est de nouveau ici : effacez-le encore.', again: 'À refaire :', done: 'Fait', moved: 'Déplacer la séance du {day} de {from} à {to}', joined: 'Réunir {from} avec {to}', given: 'Donner un enregistrement à {to}' },
     sessions: { title: 'Séances sans patient', words: 'Enregistrées pendant que les dossiers ne répondaient pas, ou hors d’une séance.', choose: 'Choisir la séance du {day}, {at}', give: 'Donner à un patient', whose: 'À qui était cette séance ?', more: 'Et {n} autres.' },
     noPatient: 'sans patient', give: 'Donner à un patient', giveTo: 'À qui était cette séance ?', giveYes: 'La donner à {name}, {code}', remove: 'Effacer', removeYes: 'Effacer pour toujours',
   },
@@ -67,7 +69,7 @@ export const fr: ClinicTexts = {
     replay: 'Rejouer', report: 'Rapport', compare: 'Comparer', notes: 'Notes', person: 'Personne', edit: 'Modifier', born: 'Naissance', number: 'Numéro', hand: 'Taille, {side}', preset: 'Forces',
     more: 'Erreurs et cas rares', noShowNote: 'Pas venu aujourd’hui', noShowYes: 'Le noter', moveTitle: 'À qui est la séance du {day}, {at} ?', moveYes: 'Déplacer vers {name}, {code}', remove: 'Effacer ce patient', removeYes: 'Effacer {name} pour toujours',
     merge: { title: 'Réunir avec un double', which: 'Qui est le double de {name}, {code} ?', yes: 'Réunir : {name}, {code} disparaît, ses séances viennent ici' },
-    erase: { title: 'Tout effacer', words: 'Séances, notes et enregistrements sont effacés pour toujours, dans les copies en 30 jours.', code: 'Écrivez le code {code}', wrong: 'C’est un autre code.', press: 'Tout effacer', done: 'Effacé. La dernière copie qui connaît la personne disparaît dans 30 jours.' },
+    erase: { title: 'Tout effacer', words: 'Séances, notes et enregistrements sont effacés pour toujours, dans les copies aussi.', code: 'Écrivez le code {code}', wrong: 'C’est un autre code.', press: 'Tout effacer', done: 'Effacé. Si une copie ne l’est pas encore, la liste le dit.' },
   },
   notes: {
     write: 'Écrivez une note. Elle est gardée à mesure.', done: 'Note finie', none: 'Pas encore de notes.', states: { empty: '', typing: 'gardée ici', saved: 'enregistrée', waits: 'gardée ici, enregistrée quand les dossiers répondent' },
