@@ -9,6 +9,7 @@ import { Memory } from '../src/game/memory';
 import { RunState, Steering, type SceneT, type WorldStateT } from '../src/protocol';
 import type { Play } from '../src/exercises/exercise';
 import { en as input } from '../src/input/i18n/en';
+import { fill } from '../src/shared/i18n';
 import { en } from '../src/shared/i18n/en';
 
 describe('another press', () => {
@@ -78,7 +79,8 @@ describe('the strip', () => {
   const more = (change: Partial<PlayWordsInput>): string => playWords(play, {} as WorldStateT, { ...asked, ...change }).more;
 
   it('asks for the press at once if a press closes the hand', () => {
-    expect(more({})).toBe(en['hint.again']);
+    expect(more({})).toBe(fill(en['hint.again'], { x: en['hint.pressOnce'] }));
+    expect(more({ press: 'Space' })).toBe('Space: your hand squeezes');
     expect(more({ closing: true })).toBe(en['game.closing']);
     expect(more({ help: 'some' })).toBe('of the thing');
   });
@@ -86,7 +88,7 @@ describe('the strip', () => {
   it('explains squeezing after a tap without effect, and only then', () => {
     expect(more({ now: 'free', inVain: input.hold.mouse })).toBe(input.hold.mouse);
     expect(more({ now: 'free' })).toBe('of the thing');
-    expect(more({ inVain: input.hold.mouse })).toBe(en['hint.again']);
+    expect(more({ inVain: input.hold.mouse })).toBe(fill(en['hint.again'], { x: en['hint.pressOnce'] }));
   });
 
   it('explains letting go, or that nothing is to be done', () => {

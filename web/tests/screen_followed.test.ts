@@ -14,6 +14,7 @@ import { AimModel } from '../src/input/aim_model';
 import { Keys } from '../src/input/keys';
 import type { Help } from '../src/input/wish';
 import type { SceneT } from '../src/protocol';
+import { fill } from '../src/shared/i18n';
 import { en } from '../src/shared/i18n/en';
 import { LOOK_S, SteeredHand } from './steered_hand';
 
@@ -76,7 +77,7 @@ class Page {
     if (hint === 3 && this.hint < 3) model.show();
     this.hint = hint;
     const prompt = playWords(play, state, {
-      now, help: this.help, hint, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: palmOffsetOf(targets, true, state, palm),
+      now, help: this.help, hint, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, acts: model.acts, beside: palmOffsetOf(targets, true, state, palm),
     });
     this.title = prompt.title;
     this.more = prompt.more;
@@ -89,8 +90,8 @@ class Page {
 /** The keys that the text on the screen asks for: held, or `press`ed once; "a little" is a `nudge`. */
 function askedBy({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
   if (title === bar.letGo || title === bar.drawBack || title.startsWith(bar.wrong.replace('{x}', ''))) return { hold: 'ArrowDown' };
-  if ([en['hint.press'], en['hint.again']].includes(more as never)) return { press: 'Space' };
-  if (more === en['game.onItsWay'] || more === en['game.closing'] || more === en['hint.shows']) return {};
+  if (['hint.press', 'hint.again', 'hint.goOn'].some((key) => more === fill(en[key as keyof typeof en], { x: en['hint.pressOnce'] }))) return { press: 'Space' };
+  if ([en['game.onItsWay'], en['game.closing'], en['game.letsGo'], en['game.doesIt'], en['hint.shows']].includes(more as never)) return {};
   if (title === bar.squeeze) return { hold: 'Space' };
   if (more === en['hint.back']) return { hold: 'ArrowDown' };
   if (sign !== '') return { hold: sign === 'left' ? 'ArrowLeft' : 'ArrowRight' };

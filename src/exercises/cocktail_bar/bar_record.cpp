@@ -37,7 +37,8 @@ Json dispensersJson(const Bar& bar) {
                    {"height_m", d.height_m},
                    {"start_l", d.start_l},
                    {"nozzle_m", json(d.nozzle_m)},
-                   {"grip_m", json(d.grip_m)}});
+                   {"grip_m", json(d.grip_m)},
+                   {"home_m", json(d.home_m)}});
   }
   return out;
 }

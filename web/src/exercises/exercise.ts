@@ -39,6 +39,8 @@ export interface Prompt {
   readonly more: string;
   /** It takes precedence over every hint. */
   readonly urgent?: boolean;
+  /** It takes precedence over every hint while the person moves; with full help the page may do the step. */
+  readonly steady?: boolean;
 }
 
 export interface TaskStep {

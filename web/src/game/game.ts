@@ -70,6 +70,7 @@ export class Game {
   }
 
   private takeScene(scene: SceneT): void {
+    this.followed = this.connection.latestState;   // it belongs to the scene before
     this.memory.takeScene(scene);
     this.screen.setScene(scene);
   }

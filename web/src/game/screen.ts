@@ -187,7 +187,7 @@ export class Screen {
     if (play.isPaused(state)) return [text('watch.paused'), text('watch.pausedMore')];
     const { title, more } = playWords(play, state, {
       now, help: memory.help, hint: this.hint, oneButton: memory.way !== 'webcam' && !memory.hardware,
-      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0, letGo: controls.letGoWords, inVain: controls.holdWords,
+      onItsWay: controls.onItsWay, outOfReach: controls.outOfReach, closing: controls.squeeze > 0, acts: controls.acts, press: controls.pressName, letGo: controls.letGoWords, inVain: controls.holdWords,
       beside: scene && this.targets && palmOffsetOf(this.targets, scene.rightHand, state, memory.palmLink),
     });
     return [title, more];

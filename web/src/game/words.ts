@@ -45,10 +45,23 @@ export function wayTo({ ahead_m, left_m, goesIn }: PalmOffset): TextKey {
 }
 
 /** The text of a hint beside the instruction. */
-function hintOf(now: PageState, help: Help): TextKey {
-  if (now === 'reach') return help === 'full' ? 'hint.press' : 'hint.forward';
-  if (now === 'squeeze') return help === 'full' ? 'hint.again' : 'hint.hold';
+function hintOf(now: PageState): TextKey {
+  if (now === 'reach') return 'hint.forward';
+  if (now === 'squeeze') return 'hint.hold';
   return now === 'letgo' || now === 'ease' ? 'hint.open' : 'hint.back';
+}
+
+/** What the page does for the person in a phase, with full help: an instruction would ask for what is done already. */
+function doneForYou(now: PageState, steady = false): TextKey | undefined {
+  if (now === 'reach' || now === 'drawback') return 'game.onItsWay';
+  if (now === 'squeeze') return 'game.closing';
+  if (now === 'hold' && steady) return 'game.doesIt';
+  return now === 'hold' || now === 'ease' || now === 'letgo' ? 'game.letsGo' : undefined;
+}
+
+/** What a press does in a phase in which full help waits for one. */
+function askedPress(now: PageState): TextKey | undefined {
+  return now === 'reach' ? 'hint.press' : now === 'squeeze' ? 'hint.again' : now === 'hold' || now === 'ease' ? 'hint.goOn' : undefined;
 }
 
 export interface PlayWordsInput {
@@ -59,6 +72,8 @@ export interface PlayWordsInput {
   readonly onItsWay: boolean;
   readonly outOfReach: boolean;
   readonly closing: boolean;      // the hand is asked to close, by a held or an earlier press
+  readonly acts?: boolean;        // with full help the page does the step
+  readonly press?: string;        // the name of the press that is enough: "Space"
   readonly letGo?: string;        // how the person ends a squeeze
   readonly inVain?: string;       // how to squeeze, after a tap that had no effect
   readonly beside: PalmOffset | null;
@@ -74,11 +89,13 @@ export function playWords(play: Play, state: WorldStateT, asked: PlayWordsInput)
   if (onItsWay) return hinted('game.onItsWay');
   if (prompt.urgent) return prompt;
   if (hint === 3) return hinted('hint.shows');
+  if (help === 'full' && oneButton) {
+    const key = asked.acts || (closing && now !== 'reach') ? doneForYou(now, prompt.steady) : askedPress(now);
+    if (key) return { ...prompt, more: text(key, { x: asked.press || text('hint.pressOnce') }) };
+  }
+  if (prompt.steady) return prompt;
   if (now === 'reach' && help === 'none' && beside) return hinted(wayTo(beside));
-  // A person who is asked to close the hand would press again, and so end the action of the first press.
-  if (now === 'squeeze' && help === 'full' && (closing || oneButton)) return hinted(closing ? 'game.closing' : 'hint.again');
-  if ((now === 'hold' || now === 'ease' || now === 'letgo') && help === 'full' && closing && oneButton) return hinted('game.letsGo');
   if ((now === 'letgo' || (now === 'ease' && hint > 0)) && closing && letGo) return { ...prompt, more: letGo };
-  if (hint > 0) return hinted(hintOf(now, help));
-  return now === 'reach' && help === 'full' && oneButton ? hinted('hint.press') : prompt;
+  if (hint > 0) return hinted(hintOf(now));
+  return prompt;
 }

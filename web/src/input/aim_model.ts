@@ -127,6 +127,11 @@ export class AimModel {
     return this.waits;
   }
 
+  /** The help does what was asked for: the person need not do anything. */
+  get acts(): boolean {
+    return this.config.help === 'full' && this.pilot.acts;
+  }
+
   /** The current target is out of reach. */
   get outOfReach(): boolean {
     return this.tooFar;

@@ -128,6 +128,16 @@ export class Controls {
     return this.began && (this.model?.onItsWay ?? false);
   }
 
+  /** With full help the page does what was asked for. */
+  get acts(): boolean {
+    return this.began && (this.model?.acts ?? false);
+  }
+
+  /** The name of the single press that is enough with full help; empty: none is used, or a press is not enough. */
+  get pressName(): string {
+    return this.current && this.pressIsEnough ? this.texts().oneButton[this.current.way] ?? '' : '';
+  }
+
   /** The current target is out of reach. */
   get outOfReach(): boolean {
     return this.began && (this.model?.outOfReach ?? false);

@@ -131,6 +131,11 @@ export class Pilot {
     this.cursor_s = 0;
   }
 
+  /** It does something that was asked for, or demonstrates it. */
+  get acts(): boolean {
+    return this.meant !== undefined || this.carry !== undefined || this.resumes || this.shows;
+  }
+
   steer(asked: Wish, sight: PilotInput, set: Help, dt_s: number): Course {
     const help = this.showing ? 'full' : set;
     const own = ownGrip(sight.grips, sight.hand.y, sight.beside);

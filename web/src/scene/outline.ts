@@ -1,7 +1,7 @@
 // The region that must be visible where no exercise draws the scene: the hand, and everything that it can grasp.
 
-import { Vector3 } from 'three';
-import type { SceneT, ShapeT, WorldStateT } from '../protocol';
+import { Quaternion, Vector3 } from 'three';
+import type { PoseT, SceneT, ShapeT, WorldStateT } from '../protocol';
 import { toThree, type Triple } from './frames';
 
 /** Margin around the middle of every link of the hand [m]: its skin, and some movement. */
@@ -22,16 +22,26 @@ function about(p: Triple, half_m: number): Vector3[] {
   return ends.flatMap((x) => ends.flatMap((y) => ends.map((z) => toThree({ x: p.x + x, y: p.y + y, z: p.z + z }))));
 }
 
+/** Corners of the hand with all joints at 0, in three.js's frame [m]: the camera must not depend on where a page found the hand. */
+export function outlineOfHand({ links, capsules }: Pick<SceneT, 'links' | 'capsules'>): Vector3[] {
+  const poses: { at: Vector3; turn: Quaternion }[] = [];
+  for (const { parent, atZero } of links ?? []) {
+    const { at, turn } = poses[parent] ?? { at: new Vector3(), turn: new Quaternion() };
+    const { positionM: p, orientationXyzw: q } = atZero as PoseT;
+    poses.push({
+      at: new Vector3(p!.x, p!.y, p!.z).applyQuaternion(turn).add(at),
+      turn: turn.clone().multiply(new Quaternion(q!.x, q!.y, q!.z, q!.w)),
+    });
+  }
+  return [...new Set(capsules.map(({ link }) => link))].flatMap((link) => (poses[link] ? about(poses[link].at, HAND_M) : []));
+}
+
 /** Corners of the region at a state, in three.js's frame [m]; none before the first state. */
-export function outlineOfScene(scene: Pick<SceneT, 'bodies' | 'capsules'>, state: Pick<WorldStateT, 'bodies' | 'links'> | undefined): Vector3[] {
+export function outlineOfScene(scene: Pick<SceneT, 'bodies' | 'capsules' | 'links'>, state: Pick<WorldStateT, 'bodies'> | undefined): Vector3[] {
   if (!state) return [];
-  const hand = [...new Set(scene.capsules.map((capsule) => capsule.link))].flatMap((link) => {
-    const at = state.links[link]?.positionM;
-    return at ? about(at, HAND_M) : [];
-  });
   const things = scene.bodies.flatMap((body, i) => {
     const at = state.bodies[i]?.positionM, reach = Math.max(0, ...body.shapes.map(reachOf));
     return at && reach < GRASPABLE_M ? about(at, reach / Math.sqrt(3)) : [];
   });
-  return [...hand, ...things];
+  return [...outlineOfHand(scene), ...things];
 }

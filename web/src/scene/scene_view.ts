@@ -28,6 +28,8 @@ export interface SceneViewOptions {
   quality: Quality; tone: string; view: View;
   /** Each contact's force is drawn as an arrow. */
   forces?: boolean;
+  /** Draws instead of the canvas's own renderer, for tests. */
+  renderer?: WebGLRenderer;
 }
 
 export interface Look {
@@ -85,10 +87,7 @@ export class SceneView {
     this.quality = options.quality;
     this.forces = options.forces ? new ForceArrows() : undefined;
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone };
-    // The picture is opaque, so that the browser need not blend it with the page.
-    const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
-    if (!context) throw new Error('WebGL 2 is not there');
-    this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer = options.renderer ?? rendererOf(canvas, options.quality);
     this.renderer.setClearColor(ROOM);
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
@@ -106,8 +105,8 @@ export class SceneView {
 
   setState(state: WorldStateT): void {
     const start = performance.now();
-    // A program that is not armed yet reports no links.
-    const first = this.state === undefined || (this.poses.length === 0 && state.links.length > 0);
+    // A program that is not armed yet reports no poses.
+    const first = this.state === undefined || (this.state.links.length === 0 && state.links.length > 0);
     this.state = state;
     this.fresh = true;
     this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
@@ -142,6 +141,9 @@ export class SceneView {
     this.quality = quality;
     this.build();
   }
+
+  /** Everything that is drawn, for tests. */
+  get drawnTree(): Scene { return this.scene; }
 
   /** Objects of this view in the graphics card's memory. */
   get memory(): { geometries: number; textures: number } {
@@ -314,6 +316,13 @@ export class SceneView {
     this.contacts.root.visible = !this.look.ghostHand;
     this.hand?.tint(this.look.ghostHand ? [] : spots);
   }
+}
+
+function rendererOf(canvas: HTMLCanvasElement, quality: Quality): WebGLRenderer {
+  // The picture is opaque, so that the browser need not blend it with the page.
+  const context = canvas.getContext('webgl2', { alpha: false, antialias: quality === 'high', powerPreference: 'high-performance' });
+  if (!context) throw new Error('WebGL 2 is not there');
+  return new WebGLRenderer({ canvas, context });
 }
 
 /** A key of the scene's drawn parts. A new session or recording changes none of them. */

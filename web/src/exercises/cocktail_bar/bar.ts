@@ -7,6 +7,7 @@ export interface BarDispenser {
   readonly body: string; readonly liquid: string; readonly free: boolean;
   readonly radius_m: number; readonly height_m: number;
   readonly nozzle_m: Numbers3; readonly grip_m: Numbers3;   // in the body's frame
+  readonly home_m?: Numbers3;                               // its place before anything moved; undefined in old recordings
 }
 export interface BarGlass {
   readonly body: string; readonly radius_m: number; readonly height_m: number;
@@ -48,7 +49,7 @@ const point = (value: unknown): Numbers3 => {
 function readDispenser(d: Json): BarDispenser {
   return {
     body: words(d.body), liquid: words(d.liquid), free: d.free === true, radius_m: number(d.radius_m), height_m: number(d.height_m),
-    nozzle_m: point(d.nozzle_m), grip_m: point(d.grip_m),
+    nozzle_m: point(d.nozzle_m), grip_m: point(d.grip_m), home_m: Array.isArray(d.home_m) ? point(d.home_m) : undefined,
   };
 }
 

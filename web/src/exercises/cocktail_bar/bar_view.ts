@@ -33,7 +33,7 @@ const SEEN_OVER_SHELF = 0.42;
 /** Air returns within this time into a bottle that nobody holds [s]. */
 const AIR_S = 0.3;
 
-interface HungDispenser { readonly body: number; readonly root: Group; readonly shell: Shell; readonly sign: Sign; slot: Vector3 | undefined; pressed_l: number; keeps: number }
+interface HungDispenser { readonly body: number; readonly root: Group; readonly shell: Shell; readonly sign: Sign; pressed_l: number; keeps: number }
 
 /** Steps of a drink whose poured amounts the program reports. */
 const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
@@ -50,7 +50,6 @@ export class BarView implements ExerciseView {
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly glassBody: number;
   private readonly railBody: number;
-  private row_y0: number | undefined;
   private line_m: number | undefined;
   private target = -1;
   private bottles: Vector3[] = [];   // positions in three.js's frame
@@ -77,7 +76,7 @@ export class BarView implements ExerciseView {
       const { root, shell } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
       this.root.add(root, sign.root);
-      return { body: bodyIndex(d.body), root, shell, sign, slot: undefined, pressed_l: 0, keeps: 0 };
+      return { body: bodyIndex(d.body), root, shell, sign, pressed_l: 0, keeps: 0 };
     });
   }
 
@@ -98,10 +97,10 @@ export class BarView implements ExerciseView {
 
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
     const { bar, scene } = this;
-    const row_x = state?.bodies[this.hung[0]?.body]?.positionM?.x ?? -DEFAULT_PLACE.row_z;
     this.bottles = state ? bottlesOf(bar, scene, state) : [];
+    const row_z = this.bottles[0]?.z ?? DEFAULT_PLACE.row_z;
     this.shelf_m = state ? this.shelfOf(state) : 0;
-    return { place: { right: scene.rightHand, counter_y: bar.counter_z_m, row_z: -row_x }, outline: state ? outlineOf(bar, scene, state) : [] };
+    return { place: { right: scene.rightHand, counter_y: bar.counter_z_m, row_z }, outline: state ? outlineOf(bar, scene, state) : [] };
   }
 
   yieldTo(skin: SkinUniforms): void {
@@ -173,17 +172,16 @@ export class BarView implements ExerciseView {
   }
 
   private placeDispensers(state: WorldStateT, eye: Vector3, done: boolean): void {
-    const row_y = this.values.get(state, 'row_y_m');
-    this.row_y0 ??= row_y;
+    const slid = this.values.get(state, 'row_y_m') + (this.bottles[0]?.x ?? 0);
     this.hung.forEach((h, i) => {
       const body = state.bodies[h.body], d = this.bar.dispensers[i];
       if (!body) return;
       place(h.root, body, 0);
-      h.slot ??= h.root.position.clone();
+      const home = this.bottles[i] ?? h.root.position;
       // A free dispenser moves away; its sign stays on the rail, and slides with the row.
-      const x = d.free ? h.slot.x - (row_y - (this.row_y0 ?? 0)) : h.root.position.x;
+      const x = d.free ? home.x - slid : h.root.position.x;
       // On the rail, wherever that is, and over the dispenser as seen from the camera.
-      const z = (this.railZ(state) ?? h.slot.z) + SIGN_BEFORE_M, further = (eye.z - z) / (eye.z - h.slot.z);
+      const z = (this.railZ(state) ?? home.z) + SIGN_BEFORE_M, further = (eye.z - z) / (eye.z - home.z);
       h.sign.root.position.set(eye.x + (x - eye.x) * further, this.bar.rail_z_m + SIGN_OVER_M, z);
       const running = state.runState === RunState.Rendering || state.runState === RunState.Disarmed;
       h.sign.show(nameOf('liquid', d.liquid), i === this.target && !done && running);

@@ -3,7 +3,7 @@ import { Group, Vector3, type SpotLight } from 'three';
 import type { SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
 import { programFrame, toThree } from '../../scene/frames';
-import { outlineOfScene } from '../../scene/outline';
+import { outlineOfHand } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
 import type { Setting } from '../../scene/stage';
 import type { Anchors, ExerciseView } from '../exercise_view';
@@ -69,7 +69,8 @@ export class KitchenView implements ExerciseView {
   owns(name: string): boolean { return this.names.has(name); }
 
   placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
-    if (state) this.place ??= this.furnish(state);
+    // A state before arming has no poses.
+    if (state && this.pieces.size <= state.bodies.length) this.place ??= this.furnish(state);
     return { place: this.place ?? { ...DEFAULT_PLACE, right: this.scene.rightHand }, outline: this.outline(state) };
   }
 
@@ -106,19 +107,25 @@ export class KitchenView implements ExerciseView {
   /** Corners of the hand, and of handles now and at their goals. */
   private outline(state: WorldStateT | undefined): Vector3[] {
     if (!state) return [];
-    const now = this.task.steps[this.values.get(state, 'instruction')], q = this.values.get(state, 'joint_q');
     const handles = this.task.steps.flatMap(({ body, to }) => {
-      const placed = placedOf(state.bodies[body]), joint = jointOf(this.task, body), { at_m, length_m } = handleOf(this.scene.bodies[body]!);
-      if (!placed) return [];
-      const there = joint && to !== undefined ? moved(placed, joint, to - (now?.body === body ? q : 0)) : placed;
-      return [-1, 1].map((end) => toThree(pointOf(there, { ...at_m, z: at_m.z + end * (length_m / 2 + CUE_M) })));
+      const shut = this.shutOf(body, state), joint = jointOf(this.task, body), { at_m, length_m } = handleOf(this.scene.bodies[body]!);
+      if (!shut) return [];
+      return [shut, ...(joint && to !== undefined ? [moved(shut, joint, to)] : [])].flatMap((there) =>
+        [-1, 1].map((end) => toThree(pointOf(there, { ...at_m, z: at_m.z + end * (length_m / 2 + CUE_M) }))));
     });
-    return [...outlineOfScene({ capsules: this.scene.capsules, bodies: [] }, { links: state.links, bodies: [] }), ...handles];
+    return [...outlineOfHand(this.scene), ...handles];
+  }
+
+  /** Pose of a body at its joint's 0. The program reports the coordinate of the present step's body; other bodies are at 0. */
+  private shutOf(body: number, state: WorldStateT): Placement | undefined {
+    const { steps } = this.task, now = steps[Math.min(this.values.get(state, 'instruction'), steps.length - 1)]!;
+    const placed = placedOf(state.bodies[body]), joint = jointOf(this.task, body);
+    return placed && joint && now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
   }
 
   /** Builds the surroundings of the bodies at their initial poses. */
   private furnish(state: WorldStateT): CameraPlace {
-    const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = placedOf(state.bodies[body]);
+    const { scene, task, shop, program } = this, { body } = task.steps[0]!, placed = this.shutOf(body, state);
     const row_x = placed ? pointOf(placed, handleOf(scene.bodies[body]!).at_m).x : -DEFAULT_PLACE.row_z;
     const fixed = [...this.pieces].flatMap(([i, piece]) => (scene.bodies[i]!.fixed ? [{ i, piece, ...extentOf(placedOf(state.bodies[i]), scene.bodies[i]!.shapes) }] : []));
     const wide = ({ low, high }: Extent): number => (high[0] - low[0]) * (high[1] - low[1]);
@@ -145,12 +152,10 @@ export class KitchenView implements ExerciseView {
 
   /** The first front that is on a joint, at its joint's 0. */
   private shutFront(state: WorldStateT): Extent & { readonly color: string; readonly turns: boolean } | undefined {
-    const { scene, task } = this, now = task.steps[Math.min(this.values.get(state, 'instruction'), task.steps.length - 1)]!;
+    const { scene, task } = this;
     for (const { body, joint } of task.things) {
-      const front = joint && hasBar(scene.bodies[body]!) ? frontOf(scene.bodies[body]!) : undefined, placed = placedOf(state.bodies[body]);
-      if (!joint || !front || !placed) continue;
-      // The program reports only the coordinate of the present step's body; the others are at their initial pose.
-      const shut = now.body === body ? moved(placed, joint, -this.values.get(state, 'joint_q')) : placed;
+      const front = joint && hasBar(scene.bodies[body]!) ? frontOf(scene.bodies[body]!) : undefined, shut = this.shutOf(body, state);
+      if (!joint || !front || !shut) continue;
       return { ...extentOf(shut, [front]), color: colorOf(scene.bodies[body]!), turns: joint.type === 'hinge' };
     }
     return undefined;

@@ -75,7 +75,7 @@ export class KitchenPlay implements Play {
 
   prompt(state: WorldStateT): Prompt {
     const step = this.now(state);
-    return { title: this.plain.prompt(state).title, more: step ? text(this.leaves(step) ? 'more.leave' : `more.${step.verb}`) : '', urgent: step?.to !== undefined };
+    return { title: this.plain.prompt(state).title, more: step ? text(this.leaves(step) ? 'more.leave' : `more.${step.verb}`) : '', steady: step !== undefined && PHASES[step.verb] === 'hold' };
   }
 
   donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }

@@ -60,7 +60,7 @@ export class LevelPlay implements Play {
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
   prompt(state: WorldStateT): Prompt {
     const { cue } = this.flight(state);
-    return { title: this.plain.prompt(state).title, more: MORE[cue](), urgent: cue === 'down' };
+    return { title: this.plain.prompt(state).title, more: MORE[cue](), steady: cue === 'down' };
   }
 
   donePrompt(): Prompt { return { title: text('done.title'), more: text('more.none') }; }
