@@ -143,7 +143,7 @@ struct StationState {
   bool quit = false;
   bool over = false;  ///< no more orders are carried out
 
-  bool live = false;  ///< a session takes commands and stops, from before its device is enabled
+  bool live = false;   ///< a session takes commands and stops, from before its device is enabled
   bool began = false;  ///< the live session has ticked, and its start was permitted
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;

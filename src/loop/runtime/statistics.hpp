@@ -52,7 +52,7 @@ struct TickSummary {
   /// Work of the device on the person and on itself: efforts sent times motion, all axes [J]. It
   /// is negative where the person works, and no reason to stop.
   double work_j = 0.0;
-  std::int32_t contacts_max = 0;      ///< largest number of contacts in one tick
+  std::int32_t contacts_max = 0;  ///< largest number of contacts in one tick
   double max_coupling_error_rad = 0.0;
   Percentiles cpu, wall, lateness;
   std::array<Percentiles, kStages> stage_cpu{};
