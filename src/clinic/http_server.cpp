@@ -30,8 +30,8 @@ using ErrorCode = boost::system::error_code;
 
 constexpr std::uint64_t kLargestBody_bytes = 64 * 1024;
 constexpr std::uint32_t kLargestHeader_bytes = 16 * 1024;
-/// A header that is too large is refused after this time, because its copies in the kernel would
-/// delay the station if they were repeated at once.
+/// A header that is too large is refused after this time, because a client that repeats it at once
+/// occupies the processors of this machine.
 constexpr std::chrono::milliseconds kTooLargeWait{500};
 constexpr std::chrono::seconds kPatience{10};
 constexpr int kMostConnections = 64, kThreads = 4;

@@ -282,8 +282,9 @@ class Compared(AppTest):
             self.assertIsNone(measured["reach_s"])
 
     def compare_drawn(self, bases, cases):
-        """Compares copies of these recordings with random hand-overs; returns the kinds of parts that occurred."""
-        kinds = set()
+        """Compares copies of these recordings with random lives and hand-overs; returns the kinds of parts that occurred,
+        and in how many sessions somebody was active, helped, led and reached."""
+        kinds, lived = set(), [0, 0, 0, 0]
         for case in range(cases):
             seed = 1000 * SEED + case
             with self.subTest(seed=seed):
@@ -292,9 +293,12 @@ class Compared(AppTest):
                 draw = random.Random(seed)
                 live_through(path, draw)
                 hand_over(path, draw)
+                own = self.compare(path)
                 kinds |= {(name, "all" if share == 1 else "none" if share == 0 else "part")
-                          for name, _, _, share, *_ in self.compare(path).parts()}
-        return kinds
+                          for name, _, _, share, *_ in own.parts()}
+                times = [*own.active(), sum(share == 1 for _, share in own.reaches())]
+                lived = [count + (time > 0) for count, time in zip(lived, times)]
+        return kinds, lived
 
     def compare_parts(self, said, own, parts):
         self.assertEqual([(p["event"], p["index"], p["value"], p["share"], p["help"]) for p in said["parts"]],

@@ -10,9 +10,11 @@ class Figures(Compared):
         # Played by the virtual patient: two drinks of two steps each, and three bands of force.
         bases = [self.record("bar.h5", "--exercise", "cocktail-bar", "--level", 2, "--seed", str(SEED), duration=60),
                  self.record("squeeze.h5", "--exercise", "squeeze-to-level", "--seed", str(SEED), duration=40)]
-        kinds = self.compare_drawn(bases, CASES)
-        print(f"figure: {CASES} sessions recounted, parts of {len(kinds)} of 9 kinds")
+        kinds, lived = self.compare_drawn(bases, CASES)
+        print(f"figure: {CASES} sessions recounted, parts of {len(kinds)} of 9 kinds; active in {lived[0]}, helped in "
+              f"{lived[1]}, led in {lived[2]}, with reaches in {lived[3]}")
         self.assertGreaterEqual(len(kinds), 6)  # the random cases cover the kinds of parts
+        self.assertGreater(min(lived), 0)
 
     def test_figures_of_the_virtual_patient_or_a_motion_credit_no_person(self):
         bar = self.record("bar.h5", "--exercise", "cocktail-bar", duration=30)

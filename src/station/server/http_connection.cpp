@@ -26,7 +26,7 @@ namespace {
 
 /// A header that is too large is refused after this time. The kernel copies megabytes for every
 /// such request before anybody can refuse it; a client that is answered at once repeats it hundreds
-/// of times a second, and the copies delay the loop and stops.
+/// of times a second and occupies the processors of this machine.
 constexpr std::chrono::milliseconds kTooLargeWait{500};
 
 /// A client's WebSocket connection. Lives while one of its operations is pending, or while
