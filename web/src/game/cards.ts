@@ -4,10 +4,10 @@ import type { ExerciseWords, Praise } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { RunState, type WorldStateT } from '../protocol';
-import { setLanguage } from '../shared/i18n';
+import { setLanguage, text } from '../shared/i18n';
 import type { ToneName as Tone } from '../hand/tones';
 import type { CameraView } from './camera_view';
-import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type LettingGo, type TextSize } from './dialogs';
+import { absentCard, endedCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type LettingGo, type TextSize } from './dialogs';
 import type { Hud } from './hud';
 import type { Memory } from './memory';
 import { causeOf, type PageState } from './page_state';
@@ -31,6 +31,9 @@ function focusedChoice(): (card: HTMLElement) => HTMLElement | null {
   const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
   return (card) => card.querySelector<HTMLElement>(`[data-${attribute}="${value}"]`);
 }
+
+/** What is said of a part that the program moved, wholly or partly: results would be its own. */
+const uncredited = (praise: Praise): Praise => ({ ...praise, stars: undefined, figures: [], effort: text('success.notYours') });
 
 export interface CardActions { rest(): void; tone(wanted: Tone): void }
 
@@ -69,6 +72,7 @@ export class Cards {
     else if (now === 'lost') this.overlay.open('low', lostCard(attempts, memory.hardware));
     else if (now === 'absent') this.overlay.open('low', absentCard(attempts, connection.refusedWith));
     else if (now === 'stopped') this.overlay.open('stop', stoppedCard(this.letting(latestState), latestState ? causeOf(connection.scene, latestState) : ''), { alone: true });
+    else if (now === 'ended') this.overlay.open('pause', endedCard(memory.visitWords, memory.stars.count));
     else if (memory.helpOpen) {
       this.openHelp();
     } else if (now === 'framing') this.overlay.open('pause', this.camera.card, { first: this.camera.otherWay, onEscape: () => presses.otherWay() });
@@ -136,7 +140,7 @@ export class Cards {
     if (memory.partFollows && !memory.praised) presses.hold();
     memory.praised = true;
     const more = memory.level < memory.levels && !this.behind.connection.controls.led;
-    const { card, first } = praiseCard(praise, more, praise.stars === undefined ? 0 : memory.countStars(praise.stars), {
+    const { card, first } = praiseCard(memory.credit.own ? praise : uncredited(praise), more, praise.stars === undefined || !memory.credit.own ? 0 : memory.countStars(praise.stars), {
       next: () => { void presses.goOn(); },
       nextLevel: () => { void presses.load(memory.level + 1); },
       again: () => presses.again(),

@@ -198,6 +198,13 @@ export function restCard(off: LettingGo, notice: string, goOn: () => void): { ca
   return { card, first };
 }
 
+/** The card between two exercises of a visit, and after it. @param stars those of the visit */
+export function endedCard(words: string, stars: number): HTMLElement {
+  const card = messageCard(cupPicture(), text('success.title'), words, stars > 0 ? text('ended.stars', { a: stars }) : '');
+  card.dataset.testid = 'ended';
+  return card;
+}
+
 /** The card after a loss of the controls; only a press takes them again. @param notice why that failed */
 export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));

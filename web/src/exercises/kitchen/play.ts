@@ -71,6 +71,7 @@ export class KitchenPlay implements Play {
     return step && !this.shown.done(state) ? PHASES[step.verb] : 'success';
   }
 
+  atStart(state: WorldStateT): boolean { return !this.shown.done(state) && this.values.get(state, 'instruction') === 0; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
 
   prompt(state: WorldStateT): Prompt {

@@ -57,6 +57,7 @@ export class LevelPlay implements Play {
   }
 
   phase(state: WorldStateT): Phase { return this.shown.done(state) ? 'success' : PHASES[this.flight(state).cue]; }
+  atStart(state: WorldStateT): boolean { const { lit, held } = this.flight(state); return !this.shown.done(state) && lit === 0 && held === 0; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
   prompt(state: WorldStateT): Prompt {
     const { cue } = this.flight(state);
