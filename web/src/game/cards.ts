@@ -35,6 +35,8 @@ function focusedChoice(): (card: HTMLElement) => HTMLElement | null {
 /** What is said of a part that the program moved, wholly or partly: results would be its own. */
 const uncredited = (praise: Praise): Praise => ({ ...praise, stars: undefined, figures: [], effort: text('success.notYours') });
 
+const helped = (praise: Praise): Praise => ({ ...praise, effort: [praise.effort, text('success.withHelp')].filter(Boolean).join(' ') });
+
 export interface CardActions { rest(): void; tone(wanted: Tone): void }
 
 export class Cards {
@@ -96,7 +98,10 @@ export class Cards {
   private openHelp(): void {
     const { memory, presses, sound } = this.behind;
     const again = focusedChoice(), close = () => presses.help();
-    const { card, first } = helpCard(this.ways(), { sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
+    const { card, first } = helpCard(this.ways(), { help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, levels: this.behind.connection.controls.led ? 0 : memory.levels, level: memory.level, recordings: !this.behind.connection.controls.led, sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
+      language: (wanted) => this.choose(() => setLanguage(wanted)),
+      help: (wanted) => this.choose(() => { memory.chooseHelp(wanted); this.behind.controls.help = wanted; }),
+      level: (wanted) => { presses.help(); void presses.load(wanted); },
       sounds: () => this.choose(() => { sound.toggle(); }),
       music: (wanted) => this.choose(() => sound.setMusic(wanted)),
       speech: () => this.choose(() => this.speech.toggle()),
@@ -140,7 +145,7 @@ export class Cards {
     if (memory.partFollows && !memory.praised) presses.hold();
     memory.praised = true;
     const more = memory.level < memory.levels && !this.behind.connection.controls.led;
-    const { card, first } = praiseCard(memory.credit.own ? praise : uncredited(praise), more, praise.stars === undefined || !memory.credit.own ? 0 : memory.countStars(praise.stars), {
+    const { card, first } = praiseCard(!memory.credit.own ? uncredited(praise) : memory.ownGrip ? praise : helped(praise), more, praise.stars === undefined || !memory.credit.own ? 0 : memory.countStars(praise.stars), {
       next: () => { void presses.goOn(); },
       nextLevel: () => { void presses.load(memory.level + 1); },
       again: () => presses.again(),

@@ -85,6 +85,7 @@ export class Memory {
   private readonly ownBefore = ownPart();
   private ownStored: boolean | undefined;
   private loadedLevel = 1;
+  private session = 0;            // number of the newest session: a program that was started again counts from 1
 
   /** Facts that orders read again while they are under way, because they change them. */
   readonly known = (): PlayContext => ({ play: this.play, hardware: this.hardware });
@@ -156,6 +157,8 @@ export class Memory {
 
   takeState(state: WorldStateT): void {
     this.hardware = hasHardware(state);
+    if (state.session < this.session && this.wish !== 'undecided') this.notice = text('watch.restarted');
+    this.session = state.session;
     this.setHelp = SET[state.help];
     this.restSeen ||= state.rested;
     if (this.resting === 'off' && this.restSeen && state.runState === RunState.Rendering) this.resting = 'no';

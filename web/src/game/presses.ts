@@ -130,7 +130,10 @@ export class Presses {
     // The reason is shown, except after this person's own stop.
     if (outcome.is === 'stopped' && !press.isCancelled) memory.notice = text('refusal.StopNotSeen');
     // Another page plays: this page watches and shows that.
-    if (outcome.is === 'another plays') memory.wish = 'watch';
+    if (outcome.is === 'another plays') {
+      memory.wish = 'watch';
+      memory.notice = text('refusal.ControlsHeld');
+    }
   }
 
   /** A press with the endings and the basis that are on the screen now. */

@@ -195,14 +195,15 @@ export class Screen {
 
   /** The text while somebody else plays; the virtual patient's steps have the same text as a person's. */
   private watchingWords(play: Play | null, state: WorldStateT): [string, string] {
-    const { connection: { controls }, memory: { notice } } = this.behind;
+    const { connection: { controls }, memory: { notice } } = this.behind, { led } = controls;
     const renders = state.runState === RunState.Rendering;
     const kind = controls.held && !controls.heldByYou ? 'other' : renders ? 'program' : 'idle';
     if (renders && play?.isPaused(state)) return [text('watch.paused'), text('watch.pausedMore')];
     if (kind === 'program' && isFaded(state)) return [text('watch.program'), text('watch.fadedMore')];
     const title = kind === 'program' && !notice ? play?.watchedTitle(state) : '';
     if (title) return [title, text('watch.programMore')];
-    return [text(`watch.${kind}`), notice ? text('welcome.refused', { x: notice }) : text(`watch.${kind}More`)];
+    if (notice) return [text(`watch.${kind}`), notice === text('watch.restarted') ? notice : text('welcome.refused', { x: notice })];
+    return kind === 'idle' && led ? [play?.words.title() || text('watch.idle'), text('watch.ledMore')] : [text(`watch.${kind}`), text(`watch.${kind}More`)];
   }
 
   private placeWords(play: Play, state: WorldStateT, now: PageState, { goal, target }: ReturnType<Picture['labels']>): void {
@@ -210,7 +211,7 @@ export class Screen {
     const { connection: { scene }, memory } = this.behind, { picture, targets } = this;
     const right = scene?.rightHand !== false;
     const both = targets && targetAndPalm(targets, state, memory.palmLink);
-    this.hud.place(goal, both && reaching && target ? cueTowards(both.palm.y, both.target.y, right, target, unit_px()) : null);
+    this.hud.place(goal, both && reaching && target && !targets.met?.(state, targets.wanted(state))?.pushes ? cueTowards(both.palm.y, both.target.y, right, target, unit_px()) : null);
     this.hud.depth(both && picture && this.hint >= 2 && now === 'reach' ? depthMarks(both, targets.counter_z_m, right, (at) => picture.project(at)) : null);
   }
 }
