@@ -4,7 +4,7 @@ import { EffortMeter, effortText, farthestStep, gripWord } from '../src/exercise
 import { Memory } from '../src/game/memory';
 import type { BarDrink } from '../src/exercises/cocktail_bar/bar';
 import { ExerciseValues } from '../src/exercises/values';
-import { addStars, starsOf } from '../src/game/stars';
+import { Stars } from '../src/game/stars';
 import type { WorldStateT } from '../src/protocol';
 
 const NAMES = ['flow_l_s', 'engaged_dispenser', 'target_dispenser', 'squeeze_n', 'squeeze_low_n', 'squeeze_high_n'];
@@ -64,11 +64,25 @@ describe('stars', () => {
   });
   afterEach(() => { vi.unstubAllGlobals(); });
 
-  it('are stored for each patient', () => {
-    addStars('anna', 3);
-    addStars('anna', 2);
-    addStars('', 1);
-    expect([starsOf('anna'), starsOf('ben'), starsOf('')]).toEqual([5, 0, 1]);
+  const of = (visit: bigint, profile: string): Stars => {
+    const stars = new Stars();
+    stars.belongTo(visit, profile);
+    return stars;
+  };
+
+  it('are stored for each patient, and counted from 0 in each visit', () => {
+    of(0n, 'anna').add(3);
+    of(0n, 'anna').add(2);
+    of(7n, 'anna').add(1);
+    expect([of(0n, 'anna'), of(0n, 'ben'), of(7n, 'anna'), of(7n, ''), of(8n, 'anna')].map(({ count }) => count)).toEqual([5, 0, 1, 1, 0]);
+  });
+
+  it('of a person without a profile do not go to the next one at the same page', () => {
+    const stars = of(0n, '');
+    stars.add(3);
+    expect(stars.count).toBe(3);
+    stars.begin();
+    expect(stars.count).toBe(0);
   });
 
   it('of a drink count once, however often its praise is shown', () => {
@@ -81,7 +95,7 @@ describe('stars', () => {
 
   it('that cannot be read count as none', () => {
     kept.set('wholehand.stars.anna', 'many');
-    expect(starsOf('anna')).toBe(0);
-    expect(addStars('anna', 3)).toBe(3);
+    expect(of(0n, 'anna').count).toBe(0);
+    expect(of(0n, 'anna').add(3)).toBe(3);
   });
 });

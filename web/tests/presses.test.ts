@@ -27,7 +27,7 @@ function playing() {
     steer: async (to: Steering) => { state.steering = to; return YES; },
     act: async (what: Act) => { acts.push(what); return YES; },
   };
-  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, framing: false, remember: () => {}, endingsShown: 4, basisShown: 6, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
+  const memory = { wish: 'undecided', isTheirs: true, credit: { own: true }, stars: { begin: () => {} }, way: 'mouse', level: 1, framing: false, remember: () => {}, endingsShown: 4, basisShown: 6, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
   const controls = { stopped: 0, stopWebcam() { this.stopped += 1; } }, sound = { unlock: () => {} };
   const presses = new Presses(connection as unknown as Connection, controls as unknown as Controls, memory as unknown as Memory, sound as Sound);
   const start = async (): Promise<Act | undefined> => {
@@ -37,6 +37,13 @@ function playing() {
   };
   return { presses, memory, connection, controls, start, leave: () => leave() };
 }
+
+test('Start_AfterTheProgramDidAPart_BeginsItAnew', async () => {
+  const { memory, start } = playing();
+  memory.isTheirs = false;
+  memory.credit.own = false;
+  expect(await start()).toBe(Act.Restart);
+});
 
 test('Start_ByANewPerson_RestartsTheExercise', async () => {
   const { memory, start } = playing();

@@ -118,6 +118,7 @@ export class ConsoleModel {
     if (axes(this.scene) !== axes(scene)) this.history = new History(scene.axes);
     if (this.scene?.session !== scene.session) this.paused = false;
     this.scene = scene;
+    this.fresh = false;   // the last state belongs to the scene before
     this.onScene();
   }
 

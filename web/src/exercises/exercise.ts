@@ -119,6 +119,8 @@ export interface Play {
   /** Processes a state; true when a part of the exercise begins. */
   follow(state: WorldStateT): boolean;
   phase(state: WorldStateT): Phase;
+  /** Nothing of the present part is done yet. */
+  atStart(state: WorldStateT): boolean;
   isPaused(state: WorldStateT): boolean;
   /** @param outOfReach the current target cannot be reached */
   prompt(state: WorldStateT, outOfReach: boolean): Prompt;

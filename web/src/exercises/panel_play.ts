@@ -16,6 +16,7 @@ export class PanelPlay implements Play {
 
   follow(): boolean { return false; }
   phase(state: WorldStateT): Phase { return this.panel.done(state) ? 'success' : 'free'; }
+  atStart(state: WorldStateT): boolean { return !this.panel.done(state) && this.values.get(state, 'instruction') === 0; }
   isPaused(state: WorldStateT): boolean { return this.values.get(state, 'paused') > 0.5; }
 
   /** The current instruction; without one, the exercise's description. */

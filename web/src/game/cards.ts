@@ -4,10 +4,10 @@ import type { ExerciseWords, Praise } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { RunState, type WorldStateT } from '../protocol';
-import { setLanguage } from '../shared/i18n';
+import { setLanguage, text } from '../shared/i18n';
 import type { ToneName as Tone } from '../hand/tones';
 import type { CameraView } from './camera_view';
-import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type LettingGo, type TextSize } from './dialogs';
+import { absentCard, endedCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, unseenCard, versionCard, welcomeCard, type HelpSection, type LettingGo, type TextSize } from './dialogs';
 import type { Hud } from './hud';
 import type { Memory } from './memory';
 import { causeOf, type PageState } from './page_state';
@@ -31,6 +31,11 @@ function focusedChoice(): (card: HTMLElement) => HTMLElement | null {
   const attribute = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
   return (card) => card.querySelector<HTMLElement>(`[data-${attribute}="${value}"]`);
 }
+
+/** What is said of a part that the program moved, wholly or partly: results would be its own. */
+const uncredited = (praise: Praise): Praise => ({ ...praise, stars: undefined, figures: [], effort: text('success.notYours') });
+
+const helped = (praise: Praise): Praise => ({ ...praise, effort: [praise.effort, text('success.withHelp')].filter(Boolean).join(' ') });
 
 export interface CardActions { rest(): void; tone(wanted: Tone): void }
 
@@ -69,6 +74,7 @@ export class Cards {
     else if (now === 'lost') this.overlay.open('low', lostCard(attempts, memory.hardware));
     else if (now === 'absent') this.overlay.open('low', absentCard(attempts, connection.refusedWith));
     else if (now === 'stopped') this.overlay.open('stop', stoppedCard(this.letting(latestState), latestState ? causeOf(connection.scene, latestState) : ''), { alone: true });
+    else if (now === 'ended') this.overlay.open('pause', endedCard(memory.visitWords, memory.stars.count));
     else if (memory.helpOpen) {
       this.openHelp();
     } else if (now === 'framing') this.overlay.open('pause', this.camera.card, { first: this.camera.otherWay, onEscape: () => presses.otherWay() });
@@ -92,7 +98,10 @@ export class Cards {
   private openHelp(): void {
     const { memory, presses, sound } = this.behind;
     const again = focusedChoice(), close = () => presses.help();
-    const { card, first } = helpCard(this.ways(), { sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
+    const { card, first } = helpCard(this.ways(), { help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, levels: this.behind.connection.controls.led ? 0 : memory.levels, level: memory.level, recordings: !this.behind.connection.controls.led, sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
+      language: (wanted) => this.choose(() => setLanguage(wanted)),
+      help: (wanted) => this.choose(() => { memory.chooseHelp(wanted); this.behind.controls.help = wanted; }),
+      level: (wanted) => { presses.help(); void presses.load(wanted); },
       sounds: () => this.choose(() => { sound.toggle(); }),
       music: (wanted) => this.choose(() => sound.setMusic(wanted)),
       speech: () => this.choose(() => this.speech.toggle()),
@@ -136,7 +145,7 @@ export class Cards {
     if (memory.partFollows && !memory.praised) presses.hold();
     memory.praised = true;
     const more = memory.level < memory.levels && !this.behind.connection.controls.led;
-    const { card, first } = praiseCard(praise, more, praise.stars === undefined ? 0 : memory.countStars(praise.stars), {
+    const { card, first } = praiseCard(!memory.credit.own ? uncredited(praise) : memory.ownGrip ? praise : helped(praise), more, praise.stars === undefined || !memory.credit.own ? 0 : memory.countStars(praise.stars), {
       next: () => { void presses.goOn(); },
       nextLevel: () => { void presses.load(memory.level + 1); },
       again: () => presses.again(),

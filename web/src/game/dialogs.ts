@@ -190,18 +190,31 @@ export function stoppedCard(letting: LettingGo, cause: string): HTMLElement {
   return card;
 }
 
+/** The squeeze key does nothing on a button that goes on: who rests may lean on it. */
+function notBySqueeze(press: HTMLButtonElement): HTMLButtonElement {
+  for (const kind of ['keydown', 'keyup']) press.addEventListener(kind, (event) => { if ((event as KeyboardEvent).code === 'Space') event.preventDefault(); });
+  return press;
+}
+
 /** @param off whether the device is being released, or is released @param notice why continuing failed */
 export function restCard(off: LettingGo, notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
-  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting' || off === 'heard', onclick: goOn }, text('game.back'));
+  const first = notBySqueeze(h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting' || off === 'heard', onclick: goOn }, text('game.back')));
   const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' || off === 'heard' ? stoppedWords(off) : 'rest.more'), off === 'let' ? text('rest.anew') : '',
     h('p', { class: 'links' }, first), notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
   return { card, first };
 }
 
+/** The card between two exercises of a visit, and after it. @param stars those of the visit */
+export function endedCard(words: string, stars: number): HTMLElement {
+  const card = messageCard(cupPicture(), text('success.title'), words, stars > 0 ? text('ended.stars', { a: stars }) : '');
+  card.dataset.testid = 'ended';
+  return card;
+}
+
 /** The card after a loss of the controls; only a press takes them again. @param notice why that failed */
 export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
-  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));
-  const card = messageCard(cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
+  const first = notBySqueeze(h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back')));
+  const card = messageCard(loss === 'unheard' ? plugPicture() : cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
     notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
   card.dataset.testid = 'left';
   return { card, first };
@@ -209,7 +222,7 @@ export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goO
 
 /** The card after the browser lost the picture. The play waits until it is `back` and the person continues. */
 export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
-  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'see-again', disabled: !back, onclick: goOn }, text('game.back'));
+  const first = notBySqueeze(h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'see-again', disabled: !back, onclick: goOn }, text('game.back')));
   const card = back ? messageCard(cupPicture(), text('webgl.backTitle'), text('rest.more'), '', h('p', { class: 'links' }, first))
     : messageCard(plugPicture(), text('webgl.lostTitle'), text('webgl.lostWhat'), text('webgl.lostSoft'), h('p', { class: 'links' }, first));
   card.dataset.testid = 'unseen';
@@ -241,6 +254,10 @@ function starsHeader(won: number, soFar: number): HTMLElement {
 }
 
 export interface Settings {
+  readonly help: Help | null;     // null: the therapist has set it, or the exercise has none
+  readonly levels: number;        // 0: a therapist chooses
+  readonly level: number;
+  readonly recordings: boolean;   // this page may look at them
   readonly sounds: boolean;
   readonly music: MusicVolume;
   readonly speech: boolean;
@@ -248,7 +265,7 @@ export interface Settings {
   readonly textSize: TextSize;
 }
 
-export interface SettingsActions { sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
+export interface SettingsActions { language(wanted: Language): void; help(wanted: Help): void; level(wanted: number): void; sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
 
 /** The settings of sound and text, which the browser stores. */
 function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
@@ -257,10 +274,14 @@ function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
   const onOff = (name: string, on: boolean, toggle: () => void) => [true, false].map((wanted) =>
     pressable(text(wanted ? 'settings.on' : 'settings.off'), wanted === on, () => { if (wanted !== on) toggle(); }, { [`data-${name}`]: String(wanted) }));
   return h('section', { class: 'settings', 'data-testid': 'settings' },
+    now.help && line('help', 'settings.help', HELPS.map((help) => pressable(text(`help.${help}`), help === now.help, () => actions.help(help), { 'data-help': help }))),
+    now.levels < 2 ? null : line('level', 'settings.level', Array.from({ length: now.levels }, (_, i) => pressable(String(i + 1), i + 1 === now.level, () => actions.level(i + 1), { 'data-level': String(i + 1) }))),
+    line('language', 'settings.language', LANGUAGES.map((l) => pressable(l.toUpperCase(), l === language(), () => actions.language(l), { 'data-lang': l }))),
     line('sounds', 'settings.sounds', onOff('sounds', now.sounds, actions.sounds)),
     line('music', 'settings.music', MUSIC_VOLUMES.map((volume) => pressable(text(`music.${volume}`), volume === now.music, () => actions.music(volume), { 'data-music': volume }))),
     line('speech', 'settings.speech', onOff('speech', now.speech, actions.speech), now.speech && !now.voice ? text('settings.noVoice') : ''),
-    line('text', 'settings.text', TEXT_SIZES.map((size) => pressable(text(`text.${size}`), size === now.textSize, () => actions.textSize(size), { 'data-text-size': size }))));
+    line('text', 'settings.text', TEXT_SIZES.map((size) => pressable(text(`text.${size}`), size === now.textSize, () => actions.textSize(size), { 'data-text-size': size }))),
+    now.recordings ? h('p', { class: 'links' }, h('a', { class: 'console-link t-s', href: `/console${location.search}#recordings`, 'data-testid': 'recordings' }, text('settings.recordings'))) : null);
 }
 
 export function helpCard(ways: readonly HelpSection[], settings: Settings, actions: SettingsActions, close: () => void): { card: HTMLElement; first: HTMLElement } {

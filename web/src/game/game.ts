@@ -79,6 +79,7 @@ export class Game {
     this.followed = state;
     this.memory.takeState(state);
     if (this.controls.help !== this.memory.help) this.controls.help = this.memory.help;
+    this.memory.rememberCredit();
     this.screen.setState(state);
     const { play } = this.memory;
     const { rate, level, air = 0, sound } = play?.flow(state) ?? { rate: 0, level: 0 };

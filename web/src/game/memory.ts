@@ -3,10 +3,11 @@ import { playOf } from '../exercises';
 import type { Play } from '../exercises/exercise';
 import type { Connection } from '../net/connection';
 import { HandPart, Help as HelpSet, RunState, type SceneT, type WorldStateT } from '../protocol';
-import { store, stored } from '../shared/i18n';
+import { store, stored, text } from '../shared/i18n';
 import { TONES, type ToneName as Tone } from '../hand/tones';
 import type { TextSize } from './dialogs';
-import { addStars, starsOf } from './stars';
+import { Credit } from './credit';
+import { Stars } from './stars';
 import type { PlayContext, Press } from './takeover';
 import { hasHardware } from '../shared/hardware';
 import { isFaded, type RestState, type Situation, type PictureLoss } from './page_state';
@@ -32,6 +33,13 @@ const PLAYED = 'wholehand.played';
 
 function playedSession(): number {
   try { return Number(sessionStorage.getItem(PLAYED) ?? -1); } catch { return -1; }
+}
+
+/** The part that was under way in this tab was the person's. */
+const OWN = 'wholehand.own';
+
+function ownPart(): boolean {
+  try { return sessionStorage.getItem(OWN) === 'true'; } catch { return false; }
 }
 
 export class Memory {
@@ -66,11 +74,18 @@ export class Memory {
   // The current part of the exercise.
   partFollows = false;         // another part comes after it
   praised = false;             // the current part was praised
-  private profile = '';
+  readonly credit = new Credit();
+  readonly stars = new Stars();
+  /** The page has seen a visit of the clinic, and it has not been followed by a session without one. */
+  private inVisit = false;
+  private visitOver = false;
   private starsCounted = false;   // the stars of this part were added
   private restSeen = false;    // the program has reported this rest
   private readonly playedBefore = playedSession();
+  private readonly ownBefore = ownPart();
+  private ownStored: boolean | undefined;
   private loadedLevel = 1;
+  private session = 0;            // number of the newest session: a program that was started again counts from 1
 
   /** Facts that orders read again while they are under way, because they change them. */
   readonly known = (): PlayContext => ({ play: this.play, hardware: this.hardware });
@@ -78,8 +93,12 @@ export class Memory {
   situation({ status, problem, attempts, controls, loss }: Connection): Situation {
     const { everOpen, wish, resting, framing, unseen } = this;
     const loading = this.press?.holds ?? false;
-    return { status, problem, everOpen, attempts, wish, loading, resting, framing, unseen, loss, held: controls };
+    const visit = this.visitOver ? 'over' : this.inVisit ? 'open' : 'none';
+    return { status, problem, everOpen, attempts, wish, loading, resting, framing, unseen, loss, held: controls, visit };
   }
+
+  /** What the end of an exercise of a visit means for the person. */
+  get visitWords(): string { return this.visitOver ? text('ended.over') : text('ended.next'); }
 
   chooseTone(wanted: Tone): void { this.tone = wanted; store(STORED.tone, wanted); }
   chooseWay(wanted: string): void { this.way = wanted; store(STORED.way, wanted); }
@@ -92,11 +111,11 @@ export class Memory {
   /** Whether the measured grip is the person's own: with full help the page squeezes. */
   get ownGrip(): boolean { return this.hardware || this.help !== 'full'; }
 
-  /** The stars of the loaded profile, including those of this part, which are added once. */
+  /** The person's stars, including those of this part, which are added once. */
   countStars(won: number): number {
-    if (this.starsCounted) return starsOf(this.profile);
+    if (this.starsCounted) return this.stars.count;
     this.starsCounted = true;
-    return addStars(this.profile, won);
+    return this.stars.add(won);
   }
 
   /** Ends the play. Only a press of the person begins it again. */
@@ -111,6 +130,13 @@ export class Memory {
     try { sessionStorage.setItem(PLAYED, String(state?.session ?? -1)); } catch { /* without storage a reload starts anew */ }
   }
 
+  /** Records whose the present part is, for a reload. */
+  rememberCredit(): void {
+    if (this.credit.own === this.ownStored) return;
+    this.ownStored = this.credit.own;
+    try { sessionStorage.setItem(OWN, String(this.ownStored)); } catch { /* without storage a reload credits nothing */ }
+  }
+
   /** Begins a rest, in which the device is released. It is over when the device renders again, or when another stop happens. */
   beginRest(): void {
     this.resting = 'off';
@@ -120,7 +146,9 @@ export class Memory {
   takeScene(scene: SceneT): void {
     this.play = playOf(scene, this.play);
     this.levels = Math.max(1, scene.levels);
-    this.profile = String(scene.profile ?? '');
+    if (Number(scene.visit ?? 0) > 0 || !this.inVisit) this.stars.belongTo(scene.visit ?? 0, String(scene.profile ?? ''));
+    this.visitOver = Number(scene.visit ?? 0) === 0 && this.inVisit;
+    this.inVisit ||= Number(scene.visit ?? 0) > 0;
     const wanted = Number(new URLSearchParams(location.search).get('level') ?? stored(STORED.level) ?? 0);
     this.level = this.wish === 'undecided' && wanted >= 1 && wanted <= this.levels ? wanted : Math.max(1, scene.level);
     this.loadedLevel = Math.max(1, scene.level);
@@ -129,13 +157,18 @@ export class Memory {
 
   takeState(state: WorldStateT): void {
     this.hardware = hasHardware(state);
+    if (state.session < this.session && this.wish !== 'undecided') this.notice = text('watch.restarted');
+    this.session = state.session;
     this.setHelp = SET[state.help];
     this.restSeen ||= state.rested;
     if (this.resting === 'off' && this.restSeen && state.runState === RunState.Rendering) this.resting = 'no';
     if (this.play?.follow(state)) this.starsCounted = false;
+    if (this.play) this.credit.follow(state, this.play);
+    if (this.visitOver && state.runState === RunState.Rendering) this.visitOver = this.inVisit = false;
     // Nobody has played since this tab did, so its play continues.
     if (this.wish !== 'undecided' || !this.isTheirs || state.session !== this.playedBefore || !isFaded(state)) return;
     this.isTheirs = false;
+    this.credit.own = this.ownBefore;
     this.level = this.loadedLevel;
   }
 }

@@ -6,12 +6,13 @@ import { RunState, Steering, type SceneT, type WorldStateT } from '../protocol';
 import { hasHardware } from '../shared/hardware';
 import { faultWord } from '../shared/i18n';
 
-/** Bit of WorldState.faults; docs/safety.md. */
+/** Bits of WorldState.faults; docs/safety.md. */
 const OWNER_SILENT = 1 << 20;
+const EMERGENCY_STOP = 1 << 11;
 
 /** The phase of the task while the person plays; otherwise the obstacle to playing. */
 export type PageState =
-  | Phase | 'version' | 'silent' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest';
+  | Phase | 'version' | 'silent' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest' | 'ended';
 
 /** 'between': the exercise is paused between two parts. 'off': the device was released at this person's wish. */
 export type RestState = 'no' | 'between' | 'off';
@@ -31,6 +32,7 @@ export interface Situation {
   readonly unseen: PictureLoss;         // state of the picture that the person plays by
   readonly loss: Loss;             // why this page lost the controls
   readonly held: Pick<Hands, 'heldByYou' | 'held'>;
+  readonly visit?: 'none' | 'open' | 'over';   // of the clinic's records
 }
 
 /** Whether the exercise's effort is faded out: the page that held the controls was lost, and nobody has taken them since. */
@@ -49,6 +51,11 @@ function restHolds({ runState, rested }: Pick<WorldStateT, 'runState' | 'rested'
   return runState === RunState.Rendering || (rested && (runState === RunState.Stopping || runState === RunState.Stopped));
 }
 
+/** Whether a visit goes to its next exercise, or is over: neither a fault nor an emergency stop ended the rendering. */
+function isOrdinaryEnd({ visit = 'none' }: Situation, { runState, latchedFaults }: WorldStateT): boolean {
+  return visit !== 'none' && runState !== RunState.Faulted && (latchedFaults & EMERGENCY_STOP) === 0;
+}
+
 /** The state that the page shows: the most serious one that applies. */
 export function pageState(s: Situation, play: Play | null, state: WorldStateT | null): PageState {
   if (s.problem) return 'version';
@@ -58,7 +65,8 @@ export function pageState(s: Situation, play: Play | null, state: WorldStateT | 
   if (s.loading && state) return 'loading';
   const run = state?.runState;
   if (s.resting === 'off' && state && restHolds(state)) return 'rest';
-  if (run === RunState.Stopping || run === RunState.Stopped || run === RunState.Faulted) return 'stopped';
+  if (run === RunState.Stopping || run === RunState.Stopped || run === RunState.Faulted) return isOrdinaryEnd(s, state!) ? 'ended' : 'stopped';
+  if (s.visit === 'over' && state && run !== RunState.Rendering) return 'ended';
   if (s.framing && state) return 'framing';
   if (s.wish === 'undecided' || !state) return 'welcome';
   if (s.loss !== '' && s.wish === 'play') return 'left';

@@ -117,8 +117,9 @@ export class Presses {
     // After a stop in the meantime, here or elsewhere, the person must press again.
     if (!press.holds) return;
     if (!camera.accepted) { memory.notice = camera.reason; return; }
-    const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs };
+    const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs || !memory.credit.own };
     this.begins = true;
+    if (wishes.fresh) memory.stars.begin();
     const outcome = await this.busy(press, () => takeOver(connection, memory.known, press, wishes)).finally(() => { this.begins = false; });
     memory.notice = outcome.is === 'refused' ? outcome.reason : '';
     if (outcome.is === 'playing') {
@@ -129,7 +130,10 @@ export class Presses {
     // The reason is shown, except after this person's own stop.
     if (outcome.is === 'stopped' && !press.isCancelled) memory.notice = text('refusal.StopNotSeen');
     // Another page plays: this page watches and shows that.
-    if (outcome.is === 'another plays') memory.wish = 'watch';
+    if (outcome.is === 'another plays') {
+      memory.wish = 'watch';
+      memory.notice = text('refusal.ControlsHeld');
+    }
   }
 
   /** A press with the endings and the basis that are on the screen now. */

@@ -19,7 +19,7 @@ import { isFaded, isPlaying, type PageState } from './page_state';
 import { palmOffsetOf, playWords } from './words';
 
 /** States in which the person does not move the hand. */
-const CARDS: ReadonlySet<PageState> = new Set<PageState>(['silent', 'watching', 'welcome', 'loading', 'left', 'rest', 'success', 'framing', 'unseen']);
+const CARDS: ReadonlySet<PageState> = new Set<PageState>(['silent', 'watching', 'welcome', 'loading', 'left', 'rest', 'success', 'framing', 'unseen', 'ended']);
 
 /** States in which an exercise without a card of its own shows its panel. */
 const PANEL: ReadonlySet<PageState> = new Set<PageState>(['free', 'watching', 'loading']);
@@ -92,12 +92,12 @@ export class Screen {
     const { attempts, problem } = connection;
     const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
     const key = [
-      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp, memory.level,
+      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp, memory.level, now === 'ended' && memory.visitWords,
       now === 'rest' && this.cards.restState, now === 'stopped' && this.cards.letting(connection.latestState),
     ].join();
     this.cards.showAttempts(attempts);
     // After a stop the controls are given back, so that the next person to start may command.
-    if (now === 'stopped' && connection.controls.heldByYou && !this.givingBack) void this.giveBack();
+    if ((now === 'stopped' || now === 'ended') && connection.controls.heldByYou && !this.givingBack) void this.giveBack();
     if (key === this.shown) return;
     this.shown = key;
     if (now !== 'success' && now !== 'rest') memory.praised = false;
@@ -106,7 +106,7 @@ export class Screen {
     this.hud.play.hidden = now !== 'watching' || memory.helpOpen;
     this.hud.rest.disabled = connection.status !== 'open';
     this.picture?.setLook({ dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent' || now === 'left' || now === 'silent', ghostHand: now === 'lost' });
-    if (now === 'lost' || now === 'stopped') {
+    if (now === 'lost' || now === 'stopped' || now === 'ended') {
       memory.leavePlay();
       controls.stopWebcam();
     }
@@ -141,7 +141,7 @@ export class Screen {
     const panel = PANEL.has(now) ? play?.panel ?? null : null;
     this.hud.panel.show(panel, state, performance.now());
     const shown = own && now !== 'silent' && now !== 'welcome' && now !== 'framing' && now !== 'unseen' ? play : null;
-    const metered = panel ? play : now !== 'success' && now !== 'rest' ? shown : null;
+    const metered = panel ? play : now !== 'success' && now !== 'rest' && now !== 'ended' ? shown : null;
     this.hud.show(shown?.card(state) ?? null, metered?.meter(state) ?? null, shown?.goal(state) ?? null);
     if (own && labels) this.placeWords(play, state, now, labels);
     else if (this.blind) this.hud.place({ x_px: 0, y_px: 0 }, null);
@@ -149,9 +149,10 @@ export class Screen {
 
   /** Speaks the text on the screen. */
   private speak(now: PageState, [title, more]: [string, string]): void {
+    const { memory } = this.behind;
     const spoken: Partial<Record<PageState, [string, string]>> = {
       stopped: [text('stopped.title'), text(stoppedWords(this.cards.letting(this.behind.connection.latestState)))], silent: [alarmWords(this.behind.connection.latestState), ''], lost: [text('lost.title'), text('lost.what')], rest: [text('rest.title'), ''],
-      welcome: ['', ''], success: [text('success.title'), now === 'success' ? [title, this.effort()].filter(Boolean).join(' ') : ''],
+      welcome: ['', ''], ended: [memory.visitWords, ''], success: [text('success.title'), now === 'success' ? [title, this.effort()].filter(Boolean).join(' ') : ''],
     };
     this.cards.speech.onInstruction(...(spoken[now] ?? [title, more]), performance.now());
   }
@@ -195,14 +196,15 @@ export class Screen {
 
   /** The text while somebody else plays; the virtual patient's steps have the same text as a person's. */
   private watchingWords(play: Play | null, state: WorldStateT): [string, string] {
-    const { connection: { controls }, memory: { notice } } = this.behind;
+    const { connection: { controls }, memory: { notice } } = this.behind, { led } = controls;
     const renders = state.runState === RunState.Rendering;
     const kind = controls.held && !controls.heldByYou ? 'other' : renders ? 'program' : 'idle';
     if (renders && play?.isPaused(state)) return [text('watch.paused'), text('watch.pausedMore')];
     if (kind === 'program' && isFaded(state)) return [text('watch.program'), text('watch.fadedMore')];
     const title = kind === 'program' && !notice ? play?.watchedTitle(state) : '';
     if (title) return [title, text('watch.programMore')];
-    return [text(`watch.${kind}`), notice ? text('welcome.refused', { x: notice }) : text(`watch.${kind}More`)];
+    if (notice) return [text(`watch.${kind}`), notice === text('watch.restarted') ? notice : text('welcome.refused', { x: notice })];
+    return kind === 'idle' && led ? [play?.words.title() || text('watch.idle'), text('watch.ledMore')] : [text(`watch.${kind}`), text(`watch.${kind}More`)];
   }
 
   private placeWords(play: Play, state: WorldStateT, now: PageState, { goal, target }: ReturnType<Picture['labels']>): void {
@@ -210,7 +212,7 @@ export class Screen {
     const { connection: { scene }, memory } = this.behind, { picture, targets } = this;
     const right = scene?.rightHand !== false;
     const both = targets && targetAndPalm(targets, state, memory.palmLink);
-    this.hud.place(goal, both && reaching && target ? cueTowards(both.palm.y, both.target.y, right, target, unit_px()) : null);
+    this.hud.place(goal, both && reaching && target && !targets.met?.(state, targets.wanted(state))?.pushes ? cueTowards(both.palm.y, both.target.y, right, target, unit_px()) : null);
     this.hud.depth(both && picture && this.hint >= 2 && now === 'reach' ? depthMarks(both, targets.counter_z_m, right, (at) => picture.project(at)) : null);
   }
 }

@@ -1,17 +1,31 @@
-// The stars that a person has won. The browser stores them for each patient's profile, or for all players together without a profile.
+// The stars that a person has won: of a visit, or of a patient's profile. Without either they are those of the present play.
 import { store, stored } from '../shared/i18n';
 
 const STORED = 'wholehand.stars';
-const key = (profile: string): string => (profile === '' ? STORED : `${STORED}.${profile}`);
 
-/** A stored value that is not a count is read as 0. */
-export function starsOf(profile: string): number {
-  const count = Number(stored(key(profile)) ?? 0);
-  return Number.isInteger(count) && count > 0 ? count : 0;
-}
+export class Stars {
+  private owner = '';
+  private unowned = 0;
 
-export function addStars(profile: string, won: number): number {
-  const count = starsOf(profile) + Math.max(0, Math.round(won));
-  store(key(profile), String(count));
-  return count;
+  /** @param visit 0: none @param profile '': none */
+  belongTo(visit: bigint | number, profile: string): void {
+    this.owner = Number(visit) > 0 ? `visit-${visit}` : profile;
+  }
+
+  /** Another person may be here now. */
+  begin(): void { this.unowned = 0; }
+
+  /** A stored value that is not a count is read as 0. */
+  get count(): number {
+    if (this.owner === '') return this.unowned;
+    const count = Number(stored(`${STORED}.${this.owner}`) ?? 0);
+    return Number.isInteger(count) && count > 0 ? count : 0;
+  }
+
+  add(won: number): number {
+    const count = this.count + Math.max(0, Math.round(won));
+    if (this.owner === '') this.unowned = count;
+    else store(`${STORED}.${this.owner}`, String(count));
+    return count;
+  }
 }

@@ -130,6 +130,7 @@ export class BarView implements ExerciseView {
     this.serve(serving);
     // While the glass is drawn elsewhere, a stream into it would hit the counter: it is hidden.
     const away = serving.toMiddle > 0 || serving.away > 0 || serving.seen < 1;
+    this.stream.root.visible = !away;
     this.updateStream(state, away ? 0 : this.values.get(state, 'flow_l_s'), surfaceHeight(poured, rise, rim), dt_s);
   }
 

@@ -32,7 +32,7 @@ export function filledPercent(drink: BarDrink, layers_l: readonly number[]): num
 }
 
 /** The remembered progress of the current drink. */
-interface Progress { drink: number; spiltBefore_l: number; wrong: number; speed_l_s: number; pressed_l: number; air_l_s: number; last_s: number; readonly effort: EffortMeter }
+interface Progress { drink: number; atStart: boolean; spiltBefore_l: number; wrong: number; speed_l_s: number; pressed_l: number; air_l_s: number; last_s: number; readonly effort: EffortMeter }
 
 export class BarPlay implements Play {
   readonly words = barWords;
@@ -44,7 +44,7 @@ export class BarPlay implements Play {
   /** @param before the bar of an earlier scene: praise for its drink continues */
   constructor(private readonly bar: Bar, scene: SceneT, before?: BarPlay) {
     this.values = new ExerciseValues(scene.valueNames);
-    this.progress = before ? { ...before.progress, drink: -1 } : { drink: -1, spiltBefore_l: 0, wrong: -1, speed_l_s: 0, pressed_l: 0, air_l_s: 0, last_s: NaN, effort: new EffortMeter() };
+    this.progress = before ? { ...before.progress, drink: -1 } : { drink: -1, atStart: false, spiltBefore_l: 0, wrong: -1, speed_l_s: 0, pressed_l: 0, air_l_s: 0, last_s: NaN, effort: new EffortMeter() };
   }
 
   follow(state: WorldStateT): boolean {
@@ -53,9 +53,9 @@ export class BarPlay implements Play {
     const now_s = Number(state.sentMonotonicNs) / 1e9;
     progress.effort.look(this.values, state, now_s);
     this.lookAtFlow(state, now_s);
-    const drink = this.value(state, 'drink');
-    const begins = this.value(state, 'step') === 0 && this.value(state, 'poured_l') === 0;
-    if (drink === progress.drink || (!begins && progress.drink >= 0) || this.isDone(state)) return false;
+    const drink = this.value(state, 'drink'), begins = this.atStart(state), again = begins && !progress.atStart;
+    progress.atStart = begins;
+    if ((drink === progress.drink && !again) || (!begins && progress.drink >= 0) || this.isDone(state)) return false;
     progress.drink = drink;
     progress.effort.begin();
     progress.spiltBefore_l = begins ? this.value(state, 'spilt_l') : 0;
@@ -63,6 +63,7 @@ export class BarPlay implements Play {
   }
 
   phase(state: WorldStateT): Phase { return PHASES[this.value(state, 'stage')] ?? 'reach'; }
+  atStart(state: WorldStateT): boolean { return this.value(state, 'step') === 0 && this.value(state, 'poured_l') === 0 && !this.isDone(state); }
   isPaused(state: WorldStateT): boolean { return this.value(state, 'paused') > 0.5; }
 
   prompt(state: WorldStateT, outOfReach: boolean): Prompt {

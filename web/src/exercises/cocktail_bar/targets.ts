@@ -10,9 +10,41 @@ const EASES_S = 0.5;
 /** A carried dispenser is squeezed with its nozzle this far above the glass [m]. */
 const OVER_GLASS_M = 0.02;
 
+/** A slowing stroke still gives about its flow times this [s]. */
+const STROKE_S = 1.3;
+/** Whether a stroke reaches the line is decided this far below the line's tolerance; a drink may be off by the second amount [l]. */
+const DECIDES_L = 0.0015;
+const OFF_L = 0.001;
+/** Air has come back into a bottle when this share of its stroke is left. */
+const BACK = 0.2;
+
+/**
+ * Eases a grip whose stroke would end between the line's tolerance and the line: there the program takes the step as
+ * finished, and a new stroke would no longer count.
+ */
+class Breath {
+  private at_l = 0;   // the stroke when it was eased; 0: it is not
+
+  constructor(private readonly bar: Bar, private readonly values: ExerciseValues) {}
+
+  eases(state: WorldStateT): boolean {
+    const { bar, values } = this, value = (name: string): number => values.get(state, name);
+    if (value('stage') === Stage.Breathe) return true;
+    if (value('stage') > Stage.Pour) this.at_l = 0;
+    if (this.at_l > 0) {
+      if (value('pressed_l') < BACK * this.at_l) this.at_l = 0;
+      return this.at_l > 0;
+    }
+    const step = bar.drinks[value('drink')]?.steps[value('step')], left_l = value('asked_l') - value('poured_l');
+    if (value('stage') !== Stage.Pour || !step || left_l <= step.tolerance_l || left_l > step.tolerance_l + DECIDES_L) return false;
+    if (STROKE_S * value('flow_l_s') < left_l - OFF_L) this.at_l = value('pressed_l');
+    return this.at_l > 0;
+  }
+}
+
 /** The dispensers as grasp targets. */
 export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
-  const values = new ExerciseValues(scene.valueNames);
+  const values = new ExerciseValues(scene.valueNames), breath = new Breath(bar, values);
   const bodies = scene.bodies.map(({ name }) => String(name));
   const grips = bar.dispensers.map(({ body, grip_m: [x, y, z] }, dispenser) => ({ dispenser, body: bodies.indexOf(body), at_m: { x, y, z } }))
     .filter(({ body }) => body >= 0);
@@ -22,7 +54,7 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
     wanted: (state) => grips.findIndex(({ dispenser }) => dispenser === values.get(state, 'target_dispenser', -1)),
     letGo: (state) => isToLetGo(values, state, isFree(state) ? EASES_S : OPENS_S),
     // A carried bottle would fall.
-    easesOff: (state) => values.get(state, 'stage') === Stage.Breathe && !isFree(state),
+    easesOff: (state) => !isFree(state) && breath.eases(state),
     awayFromUse(state, grip) {
       const dispenser = bar.dispensers[grips[grip]?.dispenser ?? -1];
       return dispenser?.free ? nozzleToGlass(bar, dispenser, state.bodies[grips[grip]!.body], state.bodies[bodies.indexOf(bar.glass.body)]) : undefined;

@@ -40,6 +40,7 @@ export class GraspPlay implements Play {
   }
 
   phase(): Phase { return 'free'; }
+  atStart(): boolean { return this.grasps.count === 0; }
   isPaused(): boolean { return false; }
 
   prompt(): Prompt {

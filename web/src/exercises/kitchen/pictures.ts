@@ -42,8 +42,19 @@ function arm(skin: string, x: number, closed: boolean): string {
     + `<path d="M${x + 26} 78L${x + 74} 90" stroke="${INK}" stroke-width="40"/><path d="M${x + 28} 78L${x + 76} 90" stroke="#3A4A57" stroke-width="32"/>`;
 }
 
+const plate = (x: number, tilt: number): string => `<g transform="rotate(${tilt} ${x + 10} 68)"><rect x="${x}" y="34" width="20" height="68" rx="6" fill="#FFF6E6" stroke="${INK}" stroke-width="4"/></g><rect x="${x - 14}" y="18" width="10" height="100" rx="4" fill="#C99A66" stroke="${INK}" stroke-width="4"/>`;
+
+/** The steps reach, push and draw back at a thing that the hand does not close around. */
+function pushPicture(step: 1 | 2 | 3, skin: string): string {
+  const arrow = (d: string): string => `${[[INK, 14], ['#FFB938', 7]].map(([color, wide]) => `<path d="${d}" fill="none" stroke="${color}" stroke-width="${wide}" stroke-linecap="round" stroke-linejoin="round"/>`).join('')}`;
+  const ring = [[INK, 10], ['#FFB938', 5]].map(([color, wide]) => `<circle cx="72" cy="52" r="22" fill="none" stroke="${color}" stroke-width="${wide}"/>`).join('');
+  return step === 1 ? `${plate(52, 10)}${ring}${arm(skin, 168, false)}` : step === 2 ? `${plate(52, -10)}${arrow('M132 16H76M92 5L74 16 92 27')}${arm(skin, 134, false)}` : `${plate(52, -10)}${arrow('M100 16H154M138 5L156 16 138 27')}${arm(skin, 178, false)}`;
+}
+
 /** The steps take hold, move and let go; the hand has the chosen skin tone. */
-export function stepPicture(step: 1 | 2 | 3, skin: string): SVGElement {
+/** @param pushed the hand stays open, and pushes a plate without a handle */
+export function stepPicture(step: 1 | 2 | 3, skin: string, pushed = false): SVGElement {
+  if (pushed) return drawing(`<svg viewBox="0 0 260 132" aria-hidden="true">${pushPicture(step, skin)}</svg>`);
   const arrow = `<path d="M70 14H142M124 3L144 14 124 25" fill="none" stroke="${INK}" stroke-width="14" stroke-linecap="round" stroke-linejoin="round"/><path d="M70 14H142M124 3L144 14 124 25" fill="none" stroke="#FFB938" stroke-width="7" stroke-linecap="round" stroke-linejoin="round"/>`;
   const content = {
     1: `${front(36)}<circle cx="79" cy="74" r="46" fill="none" stroke="${INK}" stroke-width="10"/><circle cx="79" cy="74" r="46" fill="none" stroke="#FFB938" stroke-width="5"/>${arm(skin, 168, false)}`,

@@ -1,7 +1,7 @@
 // A kitchen task in the game: its steps as a card, instruction, praise. The task's texts are its panel's.
 import type { SceneT, WorldStateT } from '../../protocol';
 import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
-import { labelOf, type ExercisePanel } from '../panel';
+import type { ExercisePanel } from '../panel';
 import { PanelPlay } from '../panel_play';
 import { ExerciseValues } from '../values';
 import { text } from './i18n';
@@ -49,10 +49,11 @@ export class KitchenPlay implements Play {
   constructor(private readonly task: KitchenTask, private readonly shown: ExercisePanel, private readonly scene: SceneT) {
     this.values = new ExerciseValues(scene.valueNames);
     this.plain = new PanelPlay(shown, scene);
+    const pushed = task.steps[0]?.met?.means === 'push';
     this.words = {
       ...this.plain.words,
       oneButton: () => ({ press: text('oneButton.press'), point: text('oneButton.point') }),
-      steps: (skin) => ([1, 2, 3] as const).map((n) => ({ picture: stepPicture(n, skin), title: text(`welcome.step${n}`), more: text(`welcome.step${n}More`) })),
+      steps: (skin) => ([1, 2, 3] as const).map((n) => ({ picture: stepPicture(n, skin, pushed), title: text(pushed ? `welcome.push${n}` : `welcome.step${n}`), more: text(pushed ? `welcome.push${n}More` : `welcome.step${n}More`) })),
     };
   }
 
@@ -71,6 +72,7 @@ export class KitchenPlay implements Play {
     return step && !this.shown.done(state) ? PHASES[step.verb] : 'success';
   }
 
+  atStart(state: WorldStateT): boolean { return !this.shown.done(state) && this.values.get(state, 'instruction') === 0; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
 
   prompt(state: WorldStateT): Prompt {
@@ -78,7 +80,7 @@ export class KitchenPlay implements Play {
     return { title: this.plain.prompt(state).title, more: step ? text(this.leaves(step) ? 'more.leave' : `more.${step.verb}`) : '', steady: step !== undefined && PHASES[step.verb] === 'hold' };
   }
 
-  donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: text('done.effort') }; }
+  donePrompt(state: WorldStateT): Prompt { return { title: this.shown.instruction(state), more: '' }; }
   watchedTitle(state: WorldStateT): string { return this.shown.instruction(state); }
 
   /** No task is named while a handle moves. */
@@ -95,13 +97,13 @@ export class KitchenPlay implements Play {
     const joint = step && jointOf(this.task, step.body);
     if (step?.verb === 'press') {
       const share = values.get(state, 'handle_n') / Math.max(askedOf(step, this.scene, state), 1e-6);
-      return { shown: true, value: Math.min(1, share / 2), low: 0.5, high: 1, zone: share >= 1 ? 'right' : 'low', label: labelOf(this.scene, 'handle_n') || text('verb.press') };
+      return { shown: true, value: Math.min(1, share / 2), low: 0.5, high: 1, zone: share >= 1 ? 'right' : 'low', label: text('verb.press') };
     }
     if (!joint || step.to === undefined || high <= low) return null;
     const least = joint.least ?? Math.min(0, low), most = joint.most ?? 1.25 * Math.max(high, ...this.task.steps.map(({ to }) => to ?? 0));
     const share = (q: number): number => Math.max(0, Math.min(1, (q - least) / (most - least)));
     const q = values.get(state, 'joint_q'), isWell = q >= low && q <= high;
-    return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: labelOf(this.scene, 'joint_q') || text(`verb.${step.verb}`) };
+    return { shown: true, value: share(q), low: share(low), high: share(high), zone: isWell ? 'right' : 'low', label: text(`verb.${step.verb}`) };
   }
 
   /** A row for each step; of many steps those around the present one. */
@@ -118,9 +120,9 @@ export class KitchenPlay implements Play {
     return { label: this.shown.title, count: text('count', { n: Math.min(all, steps.length), m: steps.length }), title: this.shown.title, steps: rows.slice(first, first + MOST_ROWS) };
   }
 
-  praise(state: WorldStateT): Praise {
+  praise(state: WorldStateT, ownGrip: boolean): Praise {
     const score = this.values.get(state, 'score');
-    return { ...this.plain.praise(state), effort: text('done.effort'), stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1 };
+    return { ...this.plain.praise(state), effort: text(ownGrip ? 'done.effort' : 'done.helped'), stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1 };
   }
 
   /** The sound of motion: wood on wood, higher with speed. */
@@ -159,9 +161,6 @@ export class KitchenPlay implements Play {
   private amounts(step: KitchenStep, state: WorldStateT): { askedWords: string; doneWords: string } {
     const a = this.values.get(state, 'held_s').toFixed(1);
     if (step.for_s) return { askedWords: text('hold', { a: step.for_s }), doneWords: text('holdOf', { a, b: step.for_s }) };
-    if (step.verb !== 'move' || step.to === undefined) return { askedWords: '', doneWords: '' };
-    const turns = jointOf(this.task, step.body)?.type === 'hinge';
-    const shown = (q: number): string => turns ? `${Math.round(q * 180 / Math.PI)}°` : `${Math.round(100 * q)} cm`;
-    return { askedWords: text('to', { a: shown(step.to) }), doneWords: text('toOf', { a: shown(this.values.get(state, 'joint_q')), b: shown(step.to) }) };
+    return { askedWords: '', doneWords: step.verb === 'move' ? text('partOf', { a: Math.round(100 * shareOf(step, this.values.get(state, 'joint_q'), this.from, 0)) }) : '' };
   }
 }

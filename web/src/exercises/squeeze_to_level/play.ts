@@ -57,6 +57,7 @@ export class LevelPlay implements Play {
   }
 
   phase(state: WorldStateT): Phase { return this.shown.done(state) ? 'success' : PHASES[this.flight(state).cue]; }
+  atStart(state: WorldStateT): boolean { const { lit, held } = this.flight(state); return !this.shown.done(state) && lit === 0 && held === 0; }
   isPaused(state: WorldStateT): boolean { return this.plain.isPaused(state); }
   prompt(state: WorldStateT): Prompt {
     const { cue } = this.flight(state);
@@ -89,10 +90,10 @@ export class LevelPlay implements Play {
     return { label: this.shown.title, count: text('count', { n: all, m: bands }), title: this.shown.title, steps };
   }
 
-  praise(state: WorldStateT): Praise {
+  praise(state: WorldStateT, ownGrip: boolean): Praise {
     const score = this.values.get(state, 'score');
     return {
-      ...this.plain.praise(state), lead: text('done.title'), effort: text('done.effort'),
+      ...this.plain.praise(state), lead: text('done.title'), effort: text(ownGrip ? 'done.effort' : 'done.helped'),
       stars: score >= THREE_STARS ? 3 : score >= TWO_STARS ? 2 : 1,
     };
   }

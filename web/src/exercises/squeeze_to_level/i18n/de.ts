@@ -16,6 +16,7 @@ export const de: LevelTexts = {
   'oneButton.press': 'einmal drücken: Ihre Hand hebt den Ballon',
   'oneButton.point': 'auf den Griff: Ihre Hand hebt den Ballon',
   'done.title': 'Das ganze Tal fliegt',
+  'done.helped': 'Jede Höhe wurde gehalten.',
   'done.effort': 'Sie haben jede Höhe gehalten.',
   'welcome.lead': 'Ihre Hand hebt einen Ballon über das Tal. Nehmen Sie sich alle Zeit.',
   'welcome.step1': 'Greifen',

@@ -15,6 +15,7 @@ export const en = {
   'oneButton.press': 'press once: your hand lifts the balloon',
   'oneButton.point': 'the handle: your hand lifts the balloon',
   'done.title': 'The whole valley is flying',
+  'done.helped': 'Every height was held.',
   'done.effort': 'You held every height.',
   'welcome.lead': 'Your hand lifts a balloon over the valley. Take all the time you need.',
   'welcome.step1': 'Take hold',

@@ -16,6 +16,7 @@ export const fr: LevelTexts = {
   'oneButton.press': 'appuyez une fois : la main lève le ballon',
   'oneButton.point': 'sur la poignée : la main lève le ballon',
   'done.title': 'Toute la vallée vole',
+  'done.helped': 'Chaque hauteur a été tenue.',
   'done.effort': 'Vous avez tenu chaque hauteur.',
   'welcome.lead': 'Votre main soulève un ballon au-dessus de la vallée. Prenez tout votre temps.',
   'welcome.step1': 'Prenez',
