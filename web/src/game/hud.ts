@@ -2,6 +2,7 @@
 import type { GoalWords, Meter, TaskCard, TaskStep } from '../exercises/exercise';
 import { h, setAttribute, setText } from '../shared/dom';
 import { text } from '../shared/i18n';
+import { fitWords } from './fit_words';
 import { PanelCard } from './panel_card';
 import { helpPicture, restPicture, stopPicture, tickPicture } from './pictures';
 
@@ -129,6 +130,8 @@ export class Hud {
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
       this.unconfirmed, this.meter.element, this.play, this.help, this.rest, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
+    addEventListener('resize', this.refit);
+    void document.fonts?.ready.then(this.refit);
     root.append(this.ring, this.shadow, this.task.element, this.panel.element, this.chevrons, this.callOut, this.recorded, this.strip);
   }
 
@@ -148,9 +151,15 @@ export class Hud {
   }
 
   writeInstruction(title: string, more: string): void {
-    setText(this.title, title);
-    setText(this.more, more);
+    for (const [line, words] of [[this.title, title], [this.more, more]] as const) {
+      if (line.textContent === words) continue;
+      setText(line, words);
+      fitWords(line);
+    }
   }
+
+  /** Fits the instruction to a strip of another size. */
+  private readonly refit = (): void => { for (const line of [this.title, this.more]) fitWords(line); };
 
   /** Shows the parts of the play; null hides a part. */
   show(card: TaskCard | null, meter: Meter | null, goal: GoalWords | null): void {

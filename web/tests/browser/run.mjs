@@ -33,6 +33,7 @@ import * as reports from './report_checks.mjs';
 import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 import * as trouble from './trouble_checks.mjs';
+import { instructionsFit } from './words_fit.mjs';
 
 // Tests in real time, since a page that plays or holds a button loses the controls after 200 ms of silence. A failure is
 // judged only if the machine did not delay a sleeping thread meanwhile.
@@ -53,6 +54,7 @@ const TESTS = [
   ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, FIRST_PACED],
   ['reconnects after a restart', checks.reconnects, PACED],
   ['pages are accessible', checks.pagesAreAccessible],
+  ['instructions are not cut', instructionsFit, FIRST],
   ['a missing camera is reported', cameras.missingCameraIsReported],
   ['a camera plays_slow', cameras.cameraPlays, PACED],
   ['a lost picture is reported', lostPictureIsReported, PACED],
