@@ -24,6 +24,7 @@ const BACK = 0.2;
  */
 class Breath {
   private at_l = 0;   // the stroke when it was eased; 0: it is not
+  private most_l_s = 0;   // largest flow of the stroke
 
   constructor(private readonly bar: Bar, private readonly values: ExerciseValues) {}
 
@@ -31,13 +32,15 @@ class Breath {
     const { bar, values } = this, value = (name: string): number => values.get(state, name);
     if (value('stage') === Stage.Breathe) return true;
     if (value('stage') > Stage.Pour) this.at_l = 0;
+    const flow_l_s = value('flow_l_s'), slows = flow_l_s < this.most_l_s;
+    this.most_l_s = flow_l_s > 0 ? Math.max(this.most_l_s, flow_l_s) : 0;
     if (this.at_l > 0) {
       if (value('pressed_l') < BACK * this.at_l) this.at_l = 0;
       return this.at_l > 0;
     }
     const step = bar.drinks[value('drink')]?.steps[value('step')], left_l = value('asked_l') - value('poured_l');
     if (value('stage') !== Stage.Pour || !step || left_l <= step.tolerance_l || left_l > step.tolerance_l + DECIDES_L) return false;
-    if (STROKE_S * value('flow_l_s') < left_l - OFF_L) this.at_l = value('pressed_l');
+    if (slows && STROKE_S * flow_l_s < left_l - OFF_L) this.at_l = value('pressed_l');
     return this.at_l > 0;
   }
 }
