@@ -204,7 +204,7 @@ describe('the game', () => {
   it('meters the joint\'s position while it has a goal, and never reports the way there as too much', () => {
     expect(play.meter(at({ instruction: 1 }))).toBeNull();
     const open = play.meter(at({ instruction: 2, joint_q: 0.06, goal_low: 0.09, goal_high: 0.11 }))!;
-    expect(open).toMatchObject({ zone: 'low', label: 'Opened' });
+    expect(open).toMatchObject({ zone: 'low', label: 'Move' });
     expect([open.value, open.low, open.high].map((share) => share.toFixed(6))).toEqual(['0.500000', '0.750000', '0.916667']);
     expect(play.meter(at({ instruction: 3, joint_q: 0.1, goal_low: 0.09, goal_high: 0.11 }))!.zone).toBe('right');
     expect(play.meter(at({ instruction: 4, joint_q: 0.08, goal_low: -0.01, goal_high: 0.01 }))!.zone).toBe('low');

@@ -157,7 +157,7 @@ export class Memory {
 
   takeState(state: WorldStateT): void {
     this.hardware = hasHardware(state);
-    if (state.session < this.session && this.wish !== 'undecided') this.notice = text('watch.restarted');
+    if (state.session < this.session && this.wish === 'play') this.notice = text('watch.restarted');
     this.session = state.session;
     this.setHelp = SET[state.help];
     this.restSeen ||= state.rested;
