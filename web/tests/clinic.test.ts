@@ -13,7 +13,7 @@ import { NoteKeeper, SAVED_AFTER_MS } from '../src/clinic/note_keeper';
 import { Outbox } from '../src/clinic/outbox';
 import { painWords } from '../src/clinic/pain';
 import { differing } from '../src/clinic/patient_form';
-import { isCounting, isOpen, itemNow, timeOf_s, type Patient, type Visit } from '../src/clinic/records';
+import { allNotes, isCounting, isOpen, itemNow, nextWish, timeOf_s, type Note, type Patient, type Visit } from '../src/clinic/records';
 import { hashOf, routeOf, type Route } from '../src/clinic/routes';
 import { activeWords, timeWords, trialWords } from '../src/clinic/words';
 import { FakeClinic } from './clinic_fake';
@@ -472,5 +472,38 @@ describe('texts', () => {
   it('cover every code of a refusal', () => {
     const codes = ['locked', 'not_signed_in', 'hidden', 'wrong_pin', 'too_many_tries', 'wrong_phrase', 'not_found', 'code_exists', 'changed', 'visit_open', 'station', 'station_silent', 'no_recording', 'database', 'busy'];
     for (const texts of [en, fr, de]) expect(Object.keys(texts.refusals).sort()).toEqual([...codes].sort());
+  });
+});
+
+describe('the seams of a visit', () => {
+  const note = (id: number, visit: number, kind: string, text: string, at_us = id): Note => ({ id, visit, kind, text, at_us, account: 1 });
+  const visit = (id: number, began_us: number, notes: Note[], state: Visit['state'] = 'done'): Visit => ({ id, began_us, notes, state, patient: 1, side: 'right', ended_us: began_us + 1, offset_min: 0, account: 1, plan: [], item: 0, trials: [], pain_before: null, pain_after: null });
+
+  it('what comes next, as written in the last visit, stands in Today, and every note with words in the list', () => {
+    const patient = { visits: [visit(7, 100, [note(1, 7, 'next', 'Level 2'), note(2, 7, 'tired', '')]), visit(8, 200, [note(3, 8, 'next', 'Left hand too'), note(4, 8, 'text', 'Good mood')]), visit(9, 300, [], 'no_show')], notes: [note(5, 0, 'text', 'From home')] };
+    expect(nextWish(patient)?.text).toBe('Left hand too');
+    expect(nextWish({ ...patient, visits: [patient.visits[1]!, visit(10, 400, [])] })).toBeUndefined();
+    expect(allNotes(patient).map(({ text }) => text)).toEqual(['From home', 'Good mood', 'Left hand too', 'Level 2']);
+  });
+
+  it('a page whose records answer at another port is loaded again', async () => {
+    const clinic = await page();
+    expect(clinic.moved).toBe(false);
+    fake.gone = true;
+    await clinic.look(fake.fetch);
+    await clinic.look(async (url, init) => (url === '/api/clinic' ? new Response('{"port":10}') : fake.fetch(url, init)));
+    expect(clinic.moved).toBe(true);
+  });
+
+  it('a half-typed note goes on in the field after names were hidden', async () => {
+    const clinic = await page();
+    const keeper = (): NoteKeeper => new NoteKeeper(clinic.outbox, clinic.drafts, { patient: 1 }, 'note', 1, () => now_ms);
+    const first = keeper();
+    first.type('Half a no');
+    await first.save();
+    first.close();
+    expect(keeper().text).toBe('Half a no');
+    now_ms += 31 * 60_000;
+    expect(keeper().text).toBe('');
   });
 });

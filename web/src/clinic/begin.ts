@@ -5,7 +5,7 @@ import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './page';
 import { PlanEditor, planList } from './plan';
-import { newestFirst, tookPlace, type Item, type OneSide, type Patient, type Visit } from './records';
+import { newestFirst, nextWish, tookPlace, type Item, type OneSide, type Patient, type Visit } from './records';
 import { besideTitle, button, once, panel, StatusMessage } from './ui';
 import { minutes, sideWords, visitClock, visitDay } from './words';
 
@@ -36,9 +36,10 @@ export class TodayPanel {
     sides.element.dataset.testid = 'visit-side';
     this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
     const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; setText(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
-    const last = newestFirst(patient.visits).find(tookPlace);
+    const last = newestFirst(patient.visits).find(tookPlace), wish = nextWish(patient);
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
-    this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings), this.body,
+    this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
+      wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.body,
       patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.begin, change), this.total);
     this.show();
     this.refresh();

@@ -35,6 +35,8 @@ export class Clinic {
   silentSince: Date | undefined;
   /** The records answer again after a silence: a visit without a patient may have been wanted meanwhile. */
   cameBack = false;
+  /** The records listen on another port than before: a page may only connect to the port that it was loaded with, so it must be loaded again. */
+  moved = false;
   /** Called when any of these fields has changed. */
   onChange: () => void = () => {};
   private port = 0;
@@ -178,7 +180,9 @@ export class Clinic {
       const answer = await station('/api/clinic', { cache: 'no-store', signal: AbortSignal.timeout(6000) });
       if (answer.status === 404) this.without = true;
       else if (answer.ok) {
-        this.port = Number((await answer.json() as { port?: number }).port) || 0;
+        const port = Number((await answer.json() as { port?: number }).port) || 0;
+        this.moved ||= this.port > 0 && port > 0 && port !== this.port;
+        this.port = port;
         this.without = false;
       }
     } catch { /* the next call tries again */ }

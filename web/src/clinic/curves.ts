@@ -28,13 +28,17 @@ export function curvePoints({ points }: Curve): CurvePoints | undefined {
   return { low, high, dots: good.map(([t_us, value], i) => [x(t_us, i), y(value)]) };
 }
 
+/** Less than a minute is no figure to compare. */
+const isShort = ({ name }: Curve, value: number | undefined): boolean => name === 'active_min' && value !== undefined && value > 0 && value < 1;
+const figure = (curve: Curve, value: number): string => (isShort(curve, value) ? texts().curves.short : curve.name === 'active_min' ? String(Math.round(value)) : number(value));
+
 /** One value over the visits, with the last one as a number. */
 export function curveFigure(curve: Curve): HTMLElement {
   const t = texts().curves, drawn = curvePoints(curve);
   const name = [resultName(curve.name), curve.exercise ? itemWords({ exercise: curve.exercise, level: 0 }) : ''].filter(Boolean).join(', ');
   const last = curve.points.at(-1);
-  const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? number(last[1]) : '', curve.unit ? h('small', {}, ` ${curve.unit}`) : null));
-  if (!drawn) return h('figure', { class: 'curve' }, head, h('p', { class: 'none' }, last ? t.one : t.none));
+  const head = h('figcaption', {}, h('b', {}, name), h('span', { class: 'num last' }, last ? figure(curve, last[1]) : '', curve.unit && !isShort(curve, last?.[1]) ? h('small', {}, ` ${curve.unit}`) : null));
+  if (!drawn) return h('figure', { class: 'curve' }, head, h('p', { class: 'none' }, last ? '' : t.none));
   return h('figure', { class: 'curve' }, head, picture(curve, drawn, fill(t.image, { name, n: drawn.dots.length, first: number(curve.points[0][1]), last: number(last![1]) })));
 }
 

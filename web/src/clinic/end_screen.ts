@@ -45,7 +45,7 @@ export class EndScreen implements Screen {
 
   who(): readonly [string, string] {
     const { visitPatient } = this.context.clinic;
-    return [visitPatient?.name ?? this.patient?.name ?? this.t.title, visitPatient ? `${visitPatient.code} · ${sideWords(this.visit?.side ?? visitPatient.side)}` : ''];
+    return [visitPatient?.name ?? this.patient?.name ?? (this.visit?.patient ? texts().visit.hiddenName : texts().visit.noPatient), visitPatient ? `${visitPatient.code} · ${sideWords(this.visit?.side ?? visitPatient.side)}` : ''];
   }
   what(): readonly [string, string] { return [this.t.title, this.visit ? timeWords(this.visit) : '']; }
 

@@ -3,6 +3,8 @@ import type { Outbox } from './outbox';
 
 /** A note is saved this long after the last key [ms]. */
 export const SAVED_AFTER_MS = 1000;
+/** A note that was begun longer ago is finished when its screen is built again [ms]. */
+const GOES_ON_MS = 30 * 60_000;
 /** Numbers of notes that the page assigns are below this; the records accept them. */
 const NUMBERS = 2 ** 48;
 
@@ -23,15 +25,18 @@ export class NoteKeeper {
   /** @param what the name under which the draft is stored @param person the patient's number; 0: none */
   constructor(private readonly outbox: Outbox, private readonly drafts: Drafts, private readonly about: NoteTarget, private readonly what: string, private readonly person: number, private readonly now_ms: () => number = Date.now) {
     const kept = drafts.get<NoteDraft>(what, person);
-    // A note that was saved completely is in the list and needs no draft.
-    if (kept && !outbox.has(this.place(kept))) drafts.drop(what, person);
+    const waits = kept !== undefined && outbox.has(this.place(kept));
+    // A saved note goes on in the field after names were hidden or the page was loaded again; later it is finished.
+    if (kept && !waits && now_ms() - kept.at_us / 1000 > GOES_ON_MS) drafts.drop(what, person);
     else if (kept) {
       this.writing = kept;
-      this.state = 'waits';
-      this.later();
+      this.state = waits ? 'waits' : 'saved';
+      if (waits) this.later();
     }
   }
 
+  /** The number of the note that is being written; 0: none. */
+  get id(): number { return this.writing?.id ?? 0; }
   get text(): string { return this.writing?.text ?? ''; }
 
   type(text: string): void {

@@ -38,6 +38,8 @@ export class NoteBox {
   }
 
   save(): Promise<void> { return this.keeper.save(); }
+  /** The number of the note in the field, which is not in the list yet; 0: none. */
+  get writing(): number { return this.keeper.id; }
 
   close(): void {
     clearInterval(this.timer);

@@ -118,6 +118,11 @@ export class ClinicPage implements ClinicContext {
   }
 
   frame(now_ms: number): void {
+    // What was typed is kept, and a session that runs is not left.
+    if (this.clinic.moved && this.clinic.silentSince && !running(this)) {
+      this.clinic.moved = false;
+      location.reload();
+    }
     if (now_ms - this.refreshed_ms >= REFRESH_MS) {
       this.refreshed_ms = now_ms;
       this.header?.refresh();

@@ -188,11 +188,13 @@ export class PatientForm implements Screen {
   private async save(): Promise<void> {
     const { t, typed, context: { clinic } } = this;
     this.message.show('');
-    if (typed.name.trim() === '') return this.refuse('name', t.noName);
-    if (typed.side === '') {
-      setText(this.sideWrong, t.noSide);
-      return void this.element.querySelector<HTMLElement>('[data-testid=patient-side] button')?.focus();
-    }
+    const future = typed.born !== '' && new Date(`${typed.born}T00:00:00`) > new Date();
+    setText(this.sideWrong, typed.side === '' ? t.noSide : '');
+    if (typed.side === '') this.element.querySelector<HTMLElement>('[data-testid=patient-side] button')?.focus();
+    // Every mistake is marked at once, and the first one has the focus.
+    if (future) this.refuse('born', t.bornLater);
+    if (typed.name.trim() === '') this.refuse('name', t.noName);
+    if (future || typed.side === '' || typed.name.trim() === '') return;
     const hands = Object.fromEntries(Object.entries(typed.hands).filter(([side]) => typed.side === 'both' || side === typed.side));
     const body = { ...typed, name: typed.name.trim(), code: typed.code.trim(), hands };
     try {

@@ -9,7 +9,7 @@ import { accountName, NoteBox, noteList } from './notes';
 import type { ClinicContext } from './page';
 import { painWords } from './pain';
 import { PatientPicker } from './picker';
-import { newestFirst, tookPlace, type OneSide, type Patient, type Trial, type Visit } from './records';
+import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { besideTitle, button, Field, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
@@ -102,7 +102,7 @@ export class PatientScreen implements Screen {
   }
 
   private showLists(patient: Patient): void {
-    const notes = [...patient.notes].sort((a, b) => b.at_us - a.at_us), first = this.allNotes ? notes : notes.slice(0, FIRST_NOTES);
+    const notes = allNotes(patient).filter(({ id }) => id !== this.notes?.writing), first = this.allNotes ? notes : notes.slice(0, FIRST_NOTES);
     this.listed.replaceChildren(noteList(first, accountName(this.context)), notes.length > first.length ? button(fill(this.t.all, { n: notes.length }), 'all-notes', () => { this.allNotes = true; this.showLists(patient); }, 'wide') : '');
     this.element.querySelector('.lists')?.replaceChildren(this.progressPanel(patient), this.visitsPanel(patient));
   }
@@ -111,7 +111,7 @@ export class PatientScreen implements Screen {
     const { t } = this;
     const first = newestFirst(visits).filter(tookPlace).at(-1);
     return besideTitle(panel(first ? fill(t.progressSince, { day: visitDay(first) }) : t.progress, 'progress',
-      first ? h('div', { class: 'curves' }, ...curves.map(curveFigure)) : h('p', { class: 'none' }, t.noProgress)), h('span', { class: 'aside' }, first ? t.noClaim : ''));
+      first ? h('div', { class: 'curves' }, ...(curves.some(({ points }) => points.length > 1) ? [] : [h('p', { class: 'none' }, texts().curves.one)]), ...curves.map(curveFigure)) : h('p', { class: 'none' }, t.noProgress)), h('span', { class: 'aside' }, first ? t.noClaim : ''));
   }
 
   private visitsPanel(patient: Patient): HTMLElement {
@@ -177,18 +177,25 @@ export class PatientScreen implements Screen {
     h('details', {}, h('summary', {}, t.erase.title), h('p', {}, t.erase.words), code.element, erase));
   }
 
-  private pick(title: string, ask: string, act: (other: number) => Promise<unknown>): void {
+  private pick(title: string, ask: string, act: (other: PatientRow) => Promise<unknown>): void {
     const done = (): void => this.extra.replaceChildren();
-    this.extra.replaceChildren(new PatientPicker(this.context, title, ask, this.id, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
+    this.extra.replaceChildren(new PatientPicker(this.context, title, ask, this.id, async (row) => { await act(row); done(); if (!this.closed) await this.read(); }, done).element);
     this.extra.scrollIntoView({ block: 'nearest' });
   }
 
   private move(visit: Visit): void {
-    this.pick(fill(this.t.moveTitle, { day: visitDay(visit), at: visitClock(visit) }), this.t.moveYes, (patient) => this.context.clinic.api.send('POST', `/api/visits/${visit.id}/move`, { patient }));
+    this.pick(fill(this.t.moveTitle, { day: visitDay(visit), at: visitClock(visit) }), this.t.moveYes, async (row) => {
+      await this.context.clinic.api.send('POST', `/api/visits/${visit.id}/move`, { patient: row.id });
+      this.context.showMessage(fill(this.t.moved, { name: row.name, code: row.code }));
+      this.context.go({ at: 'patient', patient: row.id });
+    });
   }
 
   private merge(patient: Patient): void {
-    this.pick(fill(this.t.merge.which, { name: patient.name, code: patient.code }), this.t.merge.yes, (from) => this.context.clinic.api.send('POST', `/api/patients/${patient.id}/merge`, { from }));
+    this.pick(fill(this.t.merge.which, { name: patient.name, code: patient.code }), this.t.merge.yes, async (row) => {
+      await this.context.clinic.api.send('POST', `/api/patients/${patient.id}/merge`, { from: row.id });
+      this.context.showMessage(fill(this.t.merge.done, { name: row.name, code: row.code }));
+    });
   }
 }
 

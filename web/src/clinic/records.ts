@@ -166,5 +166,15 @@ export const isOpen = ({ state, ended_us }: Visit): boolean => state === 'open' 
 /** Whether a visit took place and belongs to a patient. */
 export const tookPlace = ({ state }: Visit): boolean => state === 'done' || state === 'unfinished';
 
+/** The newest wish for the next visit, and whether it was written in the last visit; undefined: none. */
+export const nextWish = ({ notes, visits }: Pick<Patient, 'notes' | 'visits'>): Note | undefined => {
+  const last = newestFirst(visits).find(tookPlace), all = [...notes, ...visits.flatMap((visit) => visit.notes ?? [])];
+  return all.filter(({ kind, visit, text }) => kind === 'next' && text.trim() !== '' && visit === last?.id).sort((a, b) => b.at_us - a.at_us)[0];
+};
+
+/** The person's notes and those of their visits, the newest first; marks without words are left out. */
+export const allNotes = ({ notes, visits }: Pick<Patient, 'notes' | 'visits'>): Note[] =>
+  [...new Map([...visits.flatMap((visit) => visit.notes ?? []), ...notes].filter(({ text }) => text.trim() !== '').map((note) => [`${note.id} ${note.at_us}`, note])).values()].sort((a, b) => b.at_us - a.at_us);
+
 /** Visits sorted by date, the newest first. */
 export const newestFirst = (visits: readonly Visit[]): Visit[] => [...visits].sort((a, b) => b.began_us - a.began_us);

@@ -7,7 +7,7 @@ import { texts } from './i18n';
 import { NoteBox } from './notes';
 import type { ClinicContext } from './page';
 import { PainChoice, type PainTime } from './pain';
-import { activeOf_s, itemNow, type Visit } from './records';
+import { activeOf_s, itemNow, type Patient, type Visit } from './records';
 import { gently, running, SideQuestion, Training } from './training';
 import { besideTitle, button, link, panel, problemWords, StatusMessage, type Screen } from './ui';
 import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
@@ -26,6 +26,7 @@ export class VisitScreen implements Screen {
   private readonly active = h('span', { class: 'num', 'data-testid': 'active' });
   private readonly side: SideQuestion;
   private readonly message = new StatusMessage();
+  private readonly warning = h('p', { class: 'warning', hidden: true, 'data-testid': 'visit-warnings' });
   private readonly marked = h('p', { class: 'marked', role: 'status' });
   private readonly next: HTMLButtonElement;
   private readonly end: HTMLButtonElement;
@@ -142,9 +143,18 @@ export class VisitScreen implements Screen {
       this.note = new NoteBox(context, { visit: this.id }, `note-visit-${this.id}`, visit.patient ?? 0, () => void context.clinic.lookAtVisit().catch(() => {}));
       marks.append(this.note.element);
     }
-    this.element.replaceChildren(h('div', { class: 'col seen' }, this.side.element, this.training.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.training.controls));
+    this.element.replaceChildren(h('div', { class: 'col seen' }, this.warning, this.side.element, this.training.picture, h('div', { class: 'under' }, marks, panel(t.pain, 'pains', this.painPlace))), h('div', { class: 'col' }, plan, this.training.controls));
     this.training.begin();
     this.refresh();
+    if (this.named && visit.patient) void this.readWarnings(visit.patient);
+  }
+
+  /** What the therapist must know of the person, during the visit too. It goes with the names. */
+  private async readWarnings(patient: number): Promise<void> {
+    const { warnings } = await this.context.clinic.read<Patient>(`/api/patients/${patient}`).catch(() => ({ warnings: '' }));
+    if (this.closed) return;
+    this.warning.hidden = warnings === '';
+    setText(this.warning, warnings);
   }
 
   /** The active time of the item and of the visit: measured trials plus the running session. */

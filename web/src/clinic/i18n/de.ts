@@ -30,7 +30,7 @@ export const de: ClinicTexts = {
     poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft', time_s: 'Zeit',
     active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
   },
-  curves: { one: 'Erst eine Sitzung. Eine Kurve braucht zwei.', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
+  curves: { one: 'Bisher eine Sitzung. Kurven stehen hier nach zweien.', short: 'unter einer Minute', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
   first: {
     title: 'Erster Start', words: 'Das Kennwort öffnet die Akten einmal am Tag. Ohne Kennwort und ohne Notschlüssel kann sie niemand mehr lesen.',
     folder: 'Die Akten kommen nach {path}.', folderEmpty: 'Der Ordner ist leer.', folderAsk: 'Gab es schon Akten: Ist der Datenträger eingehängt?',
@@ -59,7 +59,7 @@ export const de: ClinicTexts = {
     fields: { name: 'Name', code: 'Code', born: 'Geburtsdatum', number: 'Nummer', side: 'Betroffene Seite', hands: 'Hände', preset: 'Kräfte', parameters: 'Reichweite und Finger', warnings: 'Warnungen', plan: 'Plan' },
     hints: { code: 'kein Name', born: 'freiwillig', number: 'freiwillig', warnings: 'vor jeder Sitzung zu sehen' },
     length_m: 'Länge', breadth_m: 'Breite', measure: 'Länge: Handgelenksfalte bis Spitze des Mittelfingers. Breite: über die Knöchel, ohne Daumen.', handImage: '{side}, {length} mm lang, {breadth} mm breit', sideFirst: 'Wählen Sie zuerst die betroffene Seite.',
-    reach: 'Reichweite und Finger', kept: 'Das wurde früher geschrieben und ist noch nicht gespeichert.', stays: 'Was Sie geschrieben haben, bleibt hier.', noName: 'Bitte geben Sie einen Namen ein.', noSide: 'Bitte wählen Sie eine Seite.',
+    reach: 'Reichweite und Finger', kept: 'Das wurde früher geschrieben und ist noch nicht gespeichert.', stays: 'Was Sie geschrieben haben, bleibt hier.', noName: 'Bitte geben Sie einen Namen ein.', bornLater: 'Dieser Tag war noch nicht.', noSide: 'Bitte wählen Sie eine Seite.',
     both: { title: 'Von jemand anderem geändert', words: 'Diese Angaben wurden an einem anderen Bildschirm gespeichert, während Sie schrieben.', yours: 'Ihre', now: 'Dort gespeichert', mine: 'Meine speichern', theirs: 'Die anderen nehmen' },
   },
   patient: {
@@ -67,8 +67,8 @@ export const de: ClinicTexts = {
     progress: 'Verlauf', progressSince: 'Verlauf seit {day}', noProgress: 'Nach zwei Sitzungen stehen hier Kurven.', noClaim: 'Werte wie gemessen; keiner ist ein Urteil.', visits: 'Sitzungen', noVisits: 'Noch keine Sitzungen.', csv: 'Als CSV speichern', print: 'Verlauf drucken', all: 'Alle {n} zeigen', newest: 'Nur die neusten',
     active: 'aktiv', led: 'geführt', counting: 'wird gezählt …', brokenOff: 'abgebrochen: Programm oder Rechner fiel aus', endedByFault: 'durch eine Störung beendet', painWords: 'Schmerz vorher {before}, nachher {after}', nothingDone: 'Nichts gemacht.', look: 'Ansehen', move: 'Verschieben', open: 'offen', unfinished: 'nicht beendet', noShow: 'nicht gekommen', helped: '{share} % geholfen', notByPerson: 'nicht von einer Person bewegt', waiting: 'wird gemessen', failedTrial: 'nicht gemessen: {why}', partly: 'aus einem Teil: Die Aufnahme ist nicht ganz', noRecording: 'keine Aufnahme',
     replay: 'Wiedergabe', report: 'Bericht', compare: 'Vergleich', notes: 'Notizen', person: 'Person', edit: 'Ändern', born: 'Geboren', number: 'Nummer', hand: 'Grösse, {side}', preset: 'Kräfte',
-    more: 'Fehler und Seltenes', noShowNote: 'Heute nicht gekommen', noShowYes: 'Vermerken', moveTitle: 'Wem gehört die Sitzung vom {day}, {at}?', moveYes: 'Verschieben zu {name}, {code}', remove: 'Person löschen', removeYes: '{name} endgültig löschen',
-    merge: { title: 'Doppelte vereinen', which: 'Wer ist doppelt zu {name}, {code}?', yes: 'Vereinen: {name}, {code} verschwindet, die Sitzungen kommen hierher' },
+    more: 'Fehler und Seltenes', noShowNote: 'Heute nicht gekommen', noShowYes: 'Vermerken', moveTitle: 'Wem gehört die Sitzung vom {day}, {at}?', moved: 'Die Sitzung gehört jetzt zu {name}, {code}.', moveYes: 'Verschieben zu {name}, {code}', remove: 'Person löschen', removeYes: '{name} endgültig löschen',
+    merge: { title: 'Doppelte vereinen', which: 'Wer ist doppelt zu {name}, {code}?', yes: 'Vereinen: {name}, {code} wird entfernt, die Sitzungen beider stehen hier', done: '{name}, {code} wurde mit dieser Person vereint.' },
     erase: { title: 'Alles löschen', words: 'Sitzungen, Notizen und Aufnahmen werden endgültig gelöscht, auch in Sicherungen.', code: 'Schreiben Sie den Code {code}', wrong: 'Das ist ein anderer Code.', press: 'Alles löschen', done: 'Gelöscht. Ist es eine Sicherung noch nicht, so steht es in der Liste.' },
   },
   notes: {

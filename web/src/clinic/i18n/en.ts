@@ -28,7 +28,7 @@ export const en = {
     poured_total_l: 'Poured', spilt_l: 'Spilt', bands_done: 'Levels done', time_s: 'Time',
     active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
   } as Record<string, string>,
-  curves: { one: 'One visit so far. A curve needs two.', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
+  curves: { one: 'One visit so far. Curves stand here after two.', short: 'under a minute', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
   first: {
     title: 'First start', words: 'The pass phrase opens the records once a day. Without it, and without the recovery code, nobody can read them again.',
     folder: 'The records are made in {path}.', folderEmpty: 'The folder is empty.', folderAsk: 'If there were records before: is its disk mounted?',
@@ -57,7 +57,7 @@ export const en = {
     fields: { name: 'Name', code: 'Code', born: 'Birth date', number: 'Number', side: 'Affected side', hands: 'Hands', preset: 'Forces', parameters: 'Reach and fingers', warnings: 'Warnings', plan: 'Plan' },
     hints: { code: 'not a name', born: 'optional', number: 'optional', warnings: 'seen before each visit' } as Record<string, string>,
     length_m: 'Length', breadth_m: 'Breadth', measure: 'Length: wrist crease to the tip of the middle finger. Breadth: across the knuckles, without the thumb.', handImage: '{side}, {length} mm long, {breadth} mm broad', sideFirst: 'Choose the affected side first.',
-    reach: 'Reach and fingers', kept: 'This was typed before and is not saved yet.', stays: 'What you typed stays here.', noName: 'Please enter a name.', noSide: 'Please choose a side.',
+    reach: 'Reach and fingers', kept: 'This was typed before and is not saved yet.', stays: 'What you typed stays here.', noName: 'Please enter a name.', bornLater: 'That day has not been yet.', noSide: 'Please choose a side.',
     both: { title: 'Changed by somebody else', words: 'This patient was saved on another screen while you typed.', yours: 'Yours', now: 'Saved there', mine: 'Save mine', theirs: 'Take theirs' },
   },
   patient: {
@@ -65,8 +65,8 @@ export const en = {
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
     active: 'active', led: 'led', counting: 'counting …', brokenOff: 'broken off: the program or the machine failed', endedByFault: 'ended by a fault', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
-    more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
-    merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} goes, the visits come here' },
+    more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moved: 'The visit is now at {name}, {code}.', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
+    merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} is removed, and the visits of both stand here', done: '{name}, {code} was joined with this patient.' },
     erase: { title: 'Erase everything', words: 'Visits, notes and recordings are deleted for good, in backups, too.', code: 'Type the code {code}', wrong: 'That is another code.', press: 'Erase everything', done: 'Erased. The list of patients says so while a backup is not.' },
   },
   notes: {

@@ -30,7 +30,7 @@ export const fr: ClinicTexts = {
     poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits', time_s: 'Temps',
     active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
   },
-  curves: { one: 'Une seule séance. Il en faut deux pour une courbe.', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
+  curves: { one: 'Une seule séance jusqu’ici. Les courbes viennent après deux.', short: 'moins d’une minute', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
   first: {
     title: 'Premier démarrage', words: 'La phrase secrète ouvre les dossiers une fois par jour. Sans elle et sans le code de secours, personne ne pourra plus les lire.',
     folder: 'Les dossiers sont créés dans {path}.', folderEmpty: 'Le répertoire est vide.', folderAsk: 'S’il y avait déjà des dossiers : son disque est-il monté ?',
@@ -59,7 +59,7 @@ export const fr: ClinicTexts = {
     fields: { name: 'Nom', code: 'Code', born: 'Date de naissance', number: 'Numéro', side: 'Côté atteint', hands: 'Mains', preset: 'Forces', parameters: 'Portée et doigts', warnings: 'Avertissements', plan: 'Programme' },
     hints: { code: 'pas un nom', born: 'facultatif', number: 'facultatif', warnings: 'vus avant chaque séance' },
     length_m: 'Longueur', breadth_m: 'Largeur', measure: 'Longueur : du pli du poignet au bout du majeur. Largeur : sur les articulations, sans le pouce.', handImage: '{side}, longueur {length} mm, largeur {breadth} mm', sideFirst: 'Choisissez d’abord le côté atteint.',
-    reach: 'Portée et doigts', kept: 'Ceci a été écrit avant et n’est pas encore enregistré.', stays: 'Ce que vous avez écrit reste ici.', noName: 'Entrez un nom.', noSide: 'Choisissez un côté.',
+    reach: 'Portée et doigts', kept: 'Ceci a été écrit avant et n’est pas encore enregistré.', stays: 'Ce que vous avez écrit reste ici.', noName: 'Entrez un nom.', bornLater: 'Ce jour n’est pas encore venu.', noSide: 'Choisissez un côté.',
     both: { title: 'Modifié par quelqu’un d’autre', words: 'Ce patient a été enregistré sur un autre écran pendant que vous écriviez.', yours: 'Le vôtre', now: 'Enregistré là', mine: 'Enregistrer le mien', theirs: 'Prendre l’autre' },
   },
   patient: {
@@ -67,8 +67,8 @@ export const fr: ClinicTexts = {
     progress: 'Évolution', progressSince: 'Évolution depuis {day}', noProgress: 'Les courbes viennent après deux séances.', noClaim: 'Valeurs mesurées ; aucune n’est un jugement.', visits: 'Séances', noVisits: 'Pas encore de séances.', csv: 'Enregistrer en CSV', print: 'Imprimer l’évolution', all: 'Montrer les {n}', newest: 'Seulement les plus récentes',
     active: 'actives', led: 'guidées', counting: 'comptage en cours …', brokenOff: 'interrompue : panne du programme ou de la machine', endedByFault: 'terminée par un défaut', painWords: 'douleur avant {before}, après {after}', nothingDone: 'Rien n’a été fait.', look: 'Regarder', move: 'Déplacer', open: 'en cours', unfinished: 'inachevée', noShow: 'pas venu', helped: 'aidé à {share} %', notByPerson: 'pas bougé par une personne', waiting: 'mesure en cours', failedTrial: 'pas mesuré : {why}', partly: 'd’une partie : l’enregistrement est incomplet', noRecording: 'pas d’enregistrement',
     replay: 'Rejouer', report: 'Rapport', compare: 'Comparer', notes: 'Notes', person: 'Personne', edit: 'Modifier', born: 'Naissance', number: 'Numéro', hand: 'Taille, {side}', preset: 'Forces',
-    more: 'Erreurs et cas rares', noShowNote: 'Pas venu aujourd’hui', noShowYes: 'Le noter', moveTitle: 'À qui est la séance du {day}, {at} ?', moveYes: 'Déplacer vers {name}, {code}', remove: 'Effacer ce patient', removeYes: 'Effacer {name} pour toujours',
-    merge: { title: 'Réunir avec un double', which: 'Qui est le double de {name}, {code} ?', yes: 'Réunir : {name}, {code} disparaît, ses séances viennent ici' },
+    more: 'Erreurs et cas rares', noShowNote: 'Pas venu aujourd’hui', noShowYes: 'Le noter', moveTitle: 'À qui est la séance du {day}, {at} ?', moved: 'La séance est maintenant chez {name}, {code}.', moveYes: 'Déplacer vers {name}, {code}', remove: 'Effacer ce patient', removeYes: 'Effacer {name} pour toujours',
+    merge: { title: 'Réunir avec un double', which: 'Qui est le double de {name}, {code} ?', yes: 'Réunir : {name}, {code} disparaît, les séances des deux sont ici', done: '{name}, {code} a été réuni avec cette personne.' },
     erase: { title: 'Tout effacer', words: 'Séances, notes et enregistrements sont effacés pour toujours, dans les copies aussi.', code: 'Écrivez le code {code}', wrong: 'C’est un autre code.', press: 'Tout effacer', done: 'Effacé. Si une copie ne l’est pas encore, la liste le dit.' },
   },
   notes: {
