@@ -119,7 +119,8 @@ TEST_F(ForeignMemory, NotSetUp_IsRefused) {
 }
 TEST_F(ForeignMemory, OtherLayoutVersion_IsRefusedWithBothVersions) {
   make()->layout = kFrameLayout + 1;
-  expectRefused("version 5, this is 4");
+  expectRefused("version " + std::to_string(kFrameLayout + 1) + ", this is " +
+                std::to_string(kFrameLayout));
 }
 TEST_F(ForeignMemory, OtherStatedSize_IsRefused) {
   make()->size = 77;
