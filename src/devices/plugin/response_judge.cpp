@@ -8,6 +8,9 @@ namespace wholehand {
 namespace {
 
 constexpr double kHigh_hz = 15.0, kLow_hz = 40.0;
+// Single poles let a tremor of 12 Hz through, at 0.15. Beyond a higher pole less of it is left than
+// of a change above 16 Hz: an episode with less than this share of u² there accuses nobody.
+constexpr double kHigher_hz = 22.0, kAboveTremor = 0.14;
 constexpr double kSettle_s = 0.2;  // of the band, after a beginning
 constexpr double kMemory_s = 0.3;  // of an episode: quiet times are forgotten
 // Between changes of the effort y shows only steps of the encoder. So an axis is judged while the
@@ -33,8 +36,8 @@ double poleShare(double frequency_hz, double period_s) noexcept {
 
 }  // namespace
 
-ResponseBand::ResponseBand(double period_s) noexcept
-    : high_share_(poleShare(kHigh_hz, period_s)), low_share_(poleShare(kLow_hz, period_s)) {}
+ResponseBand::ResponseBand(double high_hz, double period_s) noexcept
+    : high_share_(poleShare(high_hz, period_s)), low_share_(poleShare(kLow_hz, period_s)) {}
 
 double ResponseBand::pass(double value) noexcept {
   for (double& slow : high_) {
@@ -65,9 +68,11 @@ void ResponseJudge::begin() noexcept {
   fresh_ = true;
   for (int i = 0; i < axes_; ++i) {
     Axis& axis = at(i);
-    axis.efforts = axis.responses = ResponseBand(period_s_);
+    axis.efforts = axis.responses = ResponseBand(kHigh_hz, period_s_);
+    axis.faster = ResponseBand(kHigher_hz, period_s_);
     axis.uy = axis.yy = axis.uu = {};
     axis.length = 0;
+    axis.above_tremor = 0.0;
   }
 }
 
@@ -85,6 +90,7 @@ void ResponseJudge::filter(Axis& axis, double position, double effort) noexcept 
     acted += axis.weights[static_cast<std::size_t>(i)] * axis.sent[static_cast<std::size_t>(back)];
   }
   axis.u = axis.efforts.pass(acted);
+  axis.u_faster = axis.faster.pass(acted);
   axis.y = axis.responses.pass(axis.model.mass * (change - last) / (period_s_ * period_s_) +
                                axis.model.damping * (change + last) / (2.0 * period_s_));
 }
@@ -92,6 +98,7 @@ void ResponseJudge::filter(Axis& axis, double position, double effort) noexcept 
 void ResponseJudge::add(int axis) noexcept {
   Axis& own = at(axis);
   ++own.length;
+  own.above_tremor = kept_ * own.above_tremor + own.u_faster * own.u_faster * period_s_;
   for (int j = 0; j < axes_; ++j) {
     const auto k = static_cast<std::size_t>(j);
     const Axis& other = at(j);
@@ -122,15 +129,17 @@ void ResponseJudge::close(int axis) noexcept {
   const auto a = static_cast<std::size_t>(axis);
   const double r = correlation(own.uy[a], own.uu[a], own.yy[a]);
   const double share = own.uy[a] / own.uu[a];
-  if (r < kAgainst || (r < kFollows && anotherFollows(axis))) {
+  const bool accuses = own.above_tremor > kAboveTremor * own.uu[a];
+  if (accuses && (r < kAgainst || (r < kFollows && anotherFollows(axis)))) {
     own.contradictions += 2;
-  } else if (r > kExceeds && share > kMostShare) {
+  } else if (accuses && r > kExceeds && share > kMostShare) {
     ++own.excesses;
   } else if (r > kFollows && share < kMostShare) {
     own.contradictions = std::max(own.contradictions - 1, 0);
     own.excesses = std::max(own.excesses - 2, 0);
   }
   own.uy = own.yy = own.uu = {};
+  own.above_tremor = 0.0;
   own.length = 0;
 }
 

@@ -29,7 +29,8 @@ struct ResponseModel {
 class ResponseBand {
  public:
   ResponseBand() = default;
-  explicit ResponseBand(double period_s) noexcept;
+  /// @param high_hz frequency of the high-pass poles
+  ResponseBand(double high_hz, double period_s) noexcept;
   [[nodiscard]] double pass(double value) noexcept;
 
  private:
@@ -52,6 +53,7 @@ class ResponseBand {
 ///   - contradicts if r < 0.3 and another axis, which was sent little, follows u with r > 0.8;
 ///   - exceeds if r > 0.9 and s > 2: more effort acts than was sent;
 ///   - agrees if r > 0.3 and s < 2.
+/// It accuses nobody if u changed below 16 Hz for the most part: that may be a tremor.
 /// A knock may do either for an episode or two. So a contradiction counts 2, an excess 1; an
 /// agreement takes 1 from the contradictions and 2 from the excesses. 6 of the one or 20 of the
 /// other are astray.
@@ -86,11 +88,13 @@ class ResponseJudge {
     ResponseModel model;
     std::array<double, 3> weights{};  ///< of the efforts `whole` periods back and before
     int whole = 0;
-    ResponseBand efforts, responses;
+    ResponseBand efforts, responses, faster;
     std::array<double, kMostDelay> sent{};          ///< a ring
     std::array<double, 2> before{};                 ///< the last two positions
     double u = 0.0, y = 0.0;                        ///< in the band
     double change = 0.0;                            ///< mean square of u
+    double u_faster = 0.0;                          ///< u beyond a higher high-pass
+    double above_tremor = 0.0;                      ///< ∫ u_faster² dt of the episode
     std::array<double, kMaxAxes> uy{}, yy{}, uu{};  ///< sums of the episode with every axis
     int length = 0;                                 ///< of the episode [periods]
     int contradictions = 0, excesses = 0;
