@@ -297,7 +297,7 @@ class Devices(DeviceTest):
         shutil.copy(DRIVERS / "rails.so", self.folder / "mine.so")
         for piece, serial in ((0, "rails-0001"), (1, "simulated")):
             command, = commands("commissioning.md", piece)
-            self.expect(self.run_app(*command[1:]), 1, "Step 1 of 11: identify", serial, "Not finished")
+            self.expect(self.run_app(*command[1:]), 1, "Step 1 of 12: identify", serial, "Not finished")
         command, = commands("commissioning.md", 2)
         self.expect_refused(self.run_app(*command[1:]), "rails-0001.passport.toml")
 

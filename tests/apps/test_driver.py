@@ -130,7 +130,7 @@ class Commission(AppTest):
     COMMISSION = ("device", "commission", "--operator", "A", "--device", CONFIG / "devices/desktop-3axis.toml")
 
     def test_missing_answer_gives_no_passport(self):
-        self.expect(self.run_app(*self.COMMISSION, "--driver", DRIVERS / "rails.so"), 1, "Step 1 of 11: identify",
+        self.expect(self.run_app(*self.COMMISSION, "--driver", DRIVERS / "rails.so"), 1, "Step 1 of 12: identify",
                     "rails-0001", "Not finished")
         self.assertEqual(self.names_in(self.folder), [])
 
@@ -138,7 +138,7 @@ class Commission(AppTest):
         done = subprocess.run([BINARY, *map(str, self.COMMISSION), "--driver", DRIVERS / "rails.so"], text=True,
                               input="yes\nyes\nquit\n", capture_output=True, timeout=HANG_S)
         self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
-        self.assertIn("Step 2 of 11: home", done.stdout)
+        self.assertIn("Step 2 of 12: home", done.stdout)
         self.assertIn("no key can be held", done.stderr)
 
     def test_mismatched_device_is_refused(self):
