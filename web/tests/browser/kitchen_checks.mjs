@@ -25,7 +25,7 @@ export async function drawerIsOpenedAndShut(t) {
   await t.picture(game, 'kitchen');
   await instructionIs('Refermez-le');
   await until('a shut drawer', async () => (await open_cm()) < 1);
-  await instructionIs('Le tiroir est fermé. Bravo');
+  await instructionIs('Le tiroir est fermé');
   const done = await game.locator('.row .tick:not([hidden])').count();
   expect(done === 3, `${done} of the 3 rows of the card are done`);
   for (const page of [game, console]) await expectAccessible(page);
