@@ -46,9 +46,8 @@ class ResponseBand {
 /// y follows from the positions, u from the efforts sent; both pass the band. There a limb is a
 /// mass M and a damper, muscles are too slow to act, and so without knocks
 ///   y = s u,  s = m / (m + M),  0 < s <= 1,  whatever the person wants.
-/// An episode lasts until u has changed enough to be judged, and has
-/// 70 ms of change at least. With the
-/// correlation r of u and y and the share s = Σ u y / Σ u², an episode
+/// An episode lasts until u has changed enough to be judged, and has 70 ms of change at least. With
+/// the correlation r of u and y and the share s = Σ u y / Σ u², an episode
 ///   - contradicts if r < -0.7: the sign is wrong, or the delay is longer by half a period;
 ///   - contradicts if r < 0.3 and another axis, which was sent little, follows u with r > 0.8;
 ///   - exceeds if r > 0.9 and s > 2: more effort acts than was sent;
