@@ -202,8 +202,9 @@ class World {
   bool stopping_ = false;  ///< the live loop was asked to stop
   bool raised_ = false;    ///< a client that did not press raised a limit since
   std::uint32_t presser_ = 0;
-  bool began_ = false;    ///< effort has begun in the live session
-  bool adopted_ = false;  ///< the newest event adopted a run
+  bool began_ = false;     ///< effort has begun in the live session
+  bool adopted_ = false;   ///< the newest event adopted a run
+  bool has_loop_ = false;  ///< a run was adopted, and neither dropped nor retired
   /// The newest load whose models were read.
   struct Load {
     Order order;
@@ -249,6 +250,7 @@ void World::feed(const events::Any& event) {
   for (const effects::Any& effect : decide(state_, event, now())) judge(effect);
   law(adopted_ || rendered || state_.run_state != RunState::kRendering,
       "the state says Rendering though nothing was started");
+  law(state_.live == has_loop_, "the state does not know whether a loop is there");
   law(state_.live || state_.run_state != RunState::kRendering, "Rendering without a session");
   const double limit_n = state_.person.valueOf(state_.scene->parameters[0]);
   law(limit_n == limit_n_,
@@ -331,12 +333,13 @@ void World::judge(const effects::Any& effect) {
   } else if (std::holds_alternative<effects::StopLoop>(effect)) {
     stopping_ = true;
   } else if (std::holds_alternative<effects::AdoptRun>(effect)) {
-    adopted_ = true;
+    adopted_ = has_loop_ = true;
     stopping_ = fault_ = began_ = raised_ = false;
     presser_ = state_.under_way->start.order.client;
     judgeStart();
   } else if (std::holds_alternative<effects::RetireRun>(effect) ||
              std::holds_alternative<effects::DropRun>(effect)) {
+    has_loop_ = false;
     stopping_ = fault_ = began_ = false;
   } else if (std::holds_alternative<effects::UseModels>(effect)) {
     noteModels();
@@ -471,6 +474,7 @@ void World::workOn(const work::Any& work, bool done) {
                      began_ = true;
                    }
                    feed(events::FirstTick{may});
+                   law(may.accepted || stopping_, "a start without a permit goes on");
                  },
                  [&](const work::CloseUnused&) { feed(events::UnusedClosed{}); }},
       work);
