@@ -35,13 +35,14 @@ void PersonSettings::changePerson(const Change& change, const Values& first,
     const auto found = next.find(parameter.name);
     const double coming =
         found == next.end() ? parameter.initial : inRange(parameter, found->second.value);
-    const bool lowered = isEffortLimit(parameter.name) && valueOf(parameter) < coming;
-    const bool later =
-        set != set_.end() && set->second.asked > change.asked && (!change.visit || lowered);
+    const bool limit = isEffortLimit(parameter.name);
+    const double now = valueOf(parameter);
+    const bool later = set != set_.end() && set->second.asked > change.asked &&
+                       (!change.visit || (limit && now <= coming));
     if (later) {
       next[parameter.name] = set->second;
-    } else if (lowered && !change.may_raise_limits) {
-      next[parameter.name] = {valueOf(parameter), change.asked};
+    } else if (limit && now < coming && !change.may_raise_limits) {
+      next[parameter.name] = {now, change.asked};
     }
   }
   set_ = std::move(next);

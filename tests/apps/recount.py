@@ -193,9 +193,11 @@ class Recount:
             yield self.share(begin, end), t[-1] - t[0], force_n[begin:end + 1][inner].mean()
 
 
-def hand_over(path, draw):
+def hand_over(path, draw, given=None):
     """Changes who moved the hand in a recording at random ticks, some of them at or next to the border of a part.
-    Sometimes also removes ticks."""
+    Sometimes also removes ticks.
+
+    given -- the help that the person surely has for half of the session"""
     own = Recount(path)
     moments = [row for row, name, *_ in own.events if name in ENDS + BEGINS + ("restarted",)]
     rows = len(own.by)
@@ -213,21 +215,26 @@ def hand_over(path, draw):
             who = mostly if draw.random() < 0.6 else draw.choice((NOBODY, PERSON, VIRTUAL_PATIENT, MOTION))
             by[begin:end] = who
             help[begin:end] = draw.choice((UNSPECIFIED, FULL_HELP, SOME_HELP, NO_HELP)) if who == PERSON else UNSPECIFIED
+        if given is not None:
+            begin = draw.randrange(rows // 2)
+            by[begin:begin + rows // 2], help[begin:begin + rows // 2] = PERSON, given
     if draw.random() < 0.3:
         begin = draw.randrange(1, rows - 2)
         lose_ticks(path, begin, min(rows - 1, begin + draw.choice((1, 7, 400))))
 
 
-def live_through(path, draw):
+def live_through(path, draw, lives=False):
     """Lets the person of a recording rest, pause, leave and aim at random; some are in a device, whose intention nobody
-    knows."""
+    knows.
+
+    lives -- the person surely aims, and no interruption lasts long"""
     with h5py.File(path, "r+", libver="latest") as f:
         ticks, rows = f["ticks"], len(f["ticks/tick"])
 
         def spans(most):
             for _ in range(draw.randrange(most + 1)):
                 begin = draw.randrange(rows)
-                yield begin, min(rows, begin + draw.choice((1, 30, 700, 1999, 2001, 6000, rows)))
+                yield begin, min(rows, begin + draw.choice((1, 30, 700, 1999, 2001, 6000) + (() if lives else (rows,))))
 
         for begin, end in spans(4):
             for name in ("q_m", "intention"):
@@ -241,7 +248,7 @@ def live_through(path, draw):
             ticks["intention"][:] = MISSING
         if len(f["commands/row"]) > 0:
             return  # it has aims
-        aims = sorted(draw.sample(range(rows), draw.choice((0, 1, 40))))
+        aims = sorted(draw.sample(range(rows), 40 if lives else draw.choice((0, 1, 40))))
         for name, value in (("row", aims), ("type", AIM), ("index", NO_HELP), ("value", 0.0), ("aim", 0.0)):
             column = f[f"commands/{name}"]
             column.resize(len(aims), axis=0)
@@ -291,8 +298,10 @@ class Compared(AppTest):
                 path = self.folder / "drawn.h5"
                 path.write_bytes(bases[case % len(bases)].read_bytes())
                 draw = random.Random(seed)
-                live_through(path, draw)
-                hand_over(path, draw)
+                # Each kind of help is surely given to an active person once in every base.
+                given = dict(enumerate((NO_HELP, SOME_HELP, FULL_HELP))).get(case // len(bases))
+                live_through(path, draw, given is not None)
+                hand_over(path, draw, given)
                 own = self.compare(path)
                 kinds |= {(name, "all" if share == 1 else "none" if share == 0 else "part")
                           for name, _, _, share, *_ in own.parts()}

@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 
 constexpr int kClients = 3;
 constexpr const char* kLimit = "effort_limit_x_n";
-constexpr double kFileLimit_n = 8.0;
+constexpr double kFileLimit_n = 8.0, kVisitLimit_n = 3.0;
 
 /// What a client was shown, and what it then may mean by Start.
 struct Shown {
@@ -369,6 +369,8 @@ void World::noteModels() {
   } else {
     limit_n_ = coming_n;
   }
+  // What a visit replaced does not outlive it.
+  if (limit_n_ != before_n) limit_set_ = load.asked;
   visit_ = load.visit ? load.visit->number : visit_;
   eachShownTo(static_cast<int>(order.client) - 1, [&](Shown& shown) {
     shown.own_hand = shown.own_hand || load.other_hand;
@@ -557,7 +559,7 @@ bool World::happens(const Event& event) {
       open.visit = state_.visit.number == 0 ? 7 : state_.visit.number;
       open.exercise = "bar";
       open.hand = "left";
-      open.parameters = {{kLimit, 3.0}};
+      open.parameters = {{kLimit, kVisitLimit_n}};
       ask(event.client, open);
       return true;
     }
@@ -570,7 +572,7 @@ bool World::happens(const Event& event) {
       ask(event.client, orders::LoadProfile{"p-1"});
       return true;
     case Step::kLowerLimit:
-      return !player && setLimit(event.client, 2.0);
+      return !player && setLimit(event.client, event.client == 0 ? 2.0 : kVisitLimit_n);
     case Step::kRaiseLimit:
       return !player && setLimit(event.client, 6.0);
     case Step::kGoesOn:
