@@ -87,7 +87,7 @@ void migrateFile(const std::string& path) {
 /// Erases from a copy what was erased while it was made. @return the marks
 Lines eraseSince(const std::string& database, const std::string& copy) {
   Database now(database, Database::Mode::kReadWrite);
-  const Lines lines = linesOf(now);
+  Lines lines = linesOf(now);
   Database db(copy, Database::Mode::kReadWrite);
   if (lines != linesOf(db)) {
     Transaction transaction(db);
@@ -167,8 +167,9 @@ Json toDoAgain(Database& db, const Lines& all, const Lines& known) {
       entry["visit"] = numberIn(words[2]);
       if (there) entry.update({{"began_us", visit.integer(0)}, {"from", visit.text(1)}});
     } else if (words[0] == "joined") {
-      entry["from"] = codeOf(db, words[2]);
-      there = there && entry["from"] != "";
+      const std::string from = codeOf(db, words[2]);
+      entry["from"] = from;
+      there = there && !from.empty();
     } else {
       entry["sha256"] = words[2];
     }

@@ -54,7 +54,7 @@ void compact(Database& db);
 bool addLinesOfCopies(Database& db, const Lines& lines);
 /// Last step.
 void finishIntents(Database& db, std::int64_t up_to, std::int64_t now_us);
-[[nodiscard]] std::string notRemoved(const std::vector<std::string>& recordings);
+[[nodiscard]] std::string notRemoved(const std::vector<std::string>& left);
 /// Notes why the intents are not done.
 void noteProblem(Database& db, std::int64_t up_to, const std::string& problem);
 

@@ -76,7 +76,7 @@ std::map<std::string, std::pair<std::int64_t, std::string>> lastOwners(const Lin
 Lines visitsWithThem(Database& db, const Lines& lines, const Kept& kept) {
   const std::set<std::string> erased(lines.begin(), lines.end());
   const auto owners = lastOwners(lines);
-  const auto isOthers = [&](const std::string& what) {
+  const auto is_others = [&](const std::string& what) {
     const auto owner = owners.find(what);
     if (kept.contains(what)) return true;
     return owner != owners.end() && !erased.contains("patient " + owner->second.second);
@@ -85,9 +85,9 @@ Lines visitsWithThem(Database& db, const Lines& lines, const Kept& kept) {
   for (const std::int64_t visit :
        numbersOf(db.query("SELECT id FROM visit WHERE patient IN (" + erasedPatients() +
                           ") AND NOT (" + erasedRowsOf("visit") + ")"))) {
-    if (isOthers(std::to_string(visit))) continue;
+    if (is_others(std::to_string(visit))) continue;
     for (std::string& line : linesOfVisit(db, visit)) {
-      if (!isOthers(line.substr(line.find(' ') + 1))) more.push_back(std::move(line));
+      if (!is_others(line.substr(line.find(' ') + 1))) more.push_back(std::move(line));
     }
   }
   return more;

@@ -147,12 +147,12 @@ Expected<int> recordedDelay(const std::string& path) {
 Expected<std::vector<DeviceModel>> recordedCorners(const RecordingMeta& meta,
                                                    const DeviceModel& device,
                                                    const std::string& recording) {
-  const auto textOf = [&meta](const char* name) -> const std::string* {
+  const auto text_of = [&meta](const char* name) -> const std::string* {
     const auto carried = std::find_if(meta.files.begin(), meta.files.end(),
                                       [name](const auto& file) { return file.first == name; });
     return carried != meta.files.end() ? &carried->second : nullptr;
   };
-  const std::string* const passport_text = textOf(kRecordedPassport);
+  const std::string* const passport_text = text_of(kRecordedPassport);
   if (passport_text == nullptr) return std::vector<DeviceModel>();
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "passport.toml";
@@ -164,7 +164,7 @@ Expected<std::vector<DeviceModel>> recordedCorners(const RecordingMeta& meta,
                      "the recording was tampered with");
   }
   std::vector<DeviceModel> corners = worstCorners(device, *passport, meta.period_s);
-  const std::string* const delay_text = textOf(kRecordedDelay);
+  const std::string* const delay_text = text_of(kRecordedDelay);
   if (delay_text == nullptr) return corners;
   const fs::path delay_path = folder.path() / "delay.toml";
   if (auto written = write(delay_path, *delay_text); !written) return written.errors();
