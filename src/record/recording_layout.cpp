@@ -1,6 +1,8 @@
 #include "record/recording_layout.hpp"
 
+#include "loop/core/record_fields.hpp"
 #include "loop/core/tick_digest.hpp"
+#include "record/recording_meta.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -38,16 +40,6 @@ constexpr auto absent() {
   }
 }
 
-/// Accessors Row& -> T& for a member and for a member's member.
-template <class Row, class T>
-auto path(T Row::*member) {
-  return [member](Row& row) -> T& { return row.*member; };
-}
-template <class Row, class Part, class T>
-auto path(Part Row::*part, T Part::*member) {
-  return [part, member](Row& row) -> T& { return row.*part.*member; };
-}
-
 /// Column of a plain number that `at` accesses (Row& -> T&), stored in its own type or as Stored.
 template <class Row, class Stored = void, class At>
 Column<Row> number(const char* name, const char* unit, At at) {
@@ -58,7 +50,7 @@ Column<Row> number(const char* name, const char* unit, At at) {
   c.type = numberType<S>();
   c.units = {unit};
   c.store = [at](const Row& row, std::byte* out) {
-    const S value = static_cast<S>(at(const_cast<Row&>(row)));
+    const S value = static_cast<S>(at(row));
     std::memcpy(out, &value, sizeof value);
   };
   c.load = [at](const std::byte* in, Row& row) {
@@ -67,12 +59,6 @@ Column<Row> number(const char* name, const char* unit, At at) {
     at(row) = static_cast<T>(value);
   };
   return c;
-}
-
-/// Column of a double that no re-run needs, stored in single precision.
-template <class Row, class At>
-Column<Row> single(const char* name, const char* unit, At at) {
-  return number<Row, float>(name, unit, at);
 }
 
 /// Column of `width` contiguous numbers of the row, each stored as Stored.
@@ -87,7 +73,7 @@ Column<Row> block(const char* name, std::uint64_t width, const Texts& units, con
   c.units = units;
   c.labels = labels;
   c.store = [at, width](const Row& row, std::byte* out) {
-    const T* values = at(const_cast<Row&>(row));
+    const T* values = at(row);
     for (std::uint64_t i = 0; i < width; ++i) {
       const auto value = static_cast<Stored>(values[i]);
       std::memcpy(out + i * sizeof value, &value, sizeof value);
@@ -118,7 +104,7 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
   c.labels = labels;
   const int width = static_cast<int>(c.labels.size());
   c.store = [at, width](const Row& row, std::byte* out) {
-    const Array& values = at(const_cast<Row&>(row));
+    const auto& values = at(row);
     for (int i = 0; i < width; ++i) {
       const Stored v = i < values.size() ? static_cast<Stored>(values[i])
                                          : std::bit_cast<Stored>(absent<Stored>());
@@ -141,21 +127,28 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
   return c;
 }
 
-Column<TickRecord> bodyColumn(const Texts& names) {
+/// One unit for all elements, or one per axis.
+template <class Path>
+Texts unitsOf(const RecordingMeta& meta, const Field<Path>& field) {
+  const FieldUnit& unit = field.unit;
+  if (std::strcmp(unit.per_m, unit.per_rad) == 0) return {unit.per_m};
+  Texts out;
+  for (const std::string& of : meta.axis_units) {
+    out.emplace_back(of == "rad" ? unit.per_rad : unit.per_m);
+  }
+  return out;
+}
+
+template <class Of>
+Column<TickRecord> bodyColumn(const char* name, const Texts& names, Of bodies) {
   static_assert(sizeof(BodyState) == 13 * sizeof(double));
   auto c = block<TickRecord, float>(
-      "bodies", names.size() * 13,
+      name, names.size() * 13,
       {"m", "m", "m", "1", "1", "1", "1", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"}, names,
-      [](TickRecord& r) { return reinterpret_cast<double*>(r.bodies.data()); });
+      [bodies](auto& row) { return &bodies(row).data->position_m.x; });
   c.shape = {names.size(), 13};
   c.columns = {"px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"};
   return c;
-}
-
-Texts perUnit(const Texts& units, const char* per_m, const char* per_rad) {
-  Texts out;
-  for (const std::string& unit : units) out.emplace_back(unit == "rad" ? per_rad : per_m);
-  return out;
 }
 
 /// Column of the digest, which is computed when a row is stored. A reader gets it with
@@ -175,160 +168,108 @@ Column<TickRecord> digestColumn() {
 
 /// Column of a number below `count`, stored as int32. Any other number in a file is read as 0,
 /// which means unknown.
-template <class T>
-Column<TickRecord> named(const char* name, T TickRecord::*member, int count) {
-  Column<TickRecord> c;
-  c.name = name;
-  c.type = NumberType::kInt32;
-  c.units = {"1"};
-  c.store = [member](const TickRecord& row, std::byte* out) {
-    const auto number = static_cast<std::int32_t>(row.*member);
-    std::memcpy(out, &number, sizeof number);
-  };
-  c.load = [member, count](const std::byte* in, TickRecord& row) {
+template <class At>
+Column<TickRecord> named(const char* name, int count, At at) {
+  Column<TickRecord> c = number<TickRecord, std::int32_t>(name, "1", at);
+  c.load = [at, count](const std::byte* in, TickRecord& row) {
     std::int32_t number = 0;
     std::memcpy(&number, in, sizeof number);
-    row.*member = static_cast<T>(number >= 0 && number < count ? number : 0);
+    auto& value = at(row);
+    value = static_cast<std::remove_reference_t<decltype(value)>>(
+        number >= 0 && number < count ? number : 0);
   };
   return c;
 }
 
-void addSessionColumns(std::vector<Column<TickRecord>>& out) {
+/// Adds the column of a field, if the recording has such elements.
+template <class Row, class Path>
+void addColumn(std::vector<Column<Row>>& out, const RecordingMeta& meta, const Field<Path>& field) {
+  if (field.storage == FieldStorage::kNot) return;
+  const Texts& labels = labelsOf(meta, field.labels);
+  const Texts units = unitsOf(meta, field);
+  if (field.labels != FieldLabels::kNone && labels.empty()) return;
+  const bool exact = field.storage == FieldStorage::kExact;
+  const char* const slash = std::strrchr(field.name, '/');
+  const char* const name = slash == nullptr ? field.name : slash + 1;
+  const Path of = field.of;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  using R = TickRecord;
-  add(number<R>("tick", "1", path(&R::tick)));
-  add(number<R>("time_s", "s", path(&R::time_s)));
-  add(number<R>("elapsed_periods", "1", path(&R::elapsed_periods)));
-  add(number<R>("faults", "bits", path(&R::faults)));
-  add(named("moved_by", &R::moved_by, kMovers));
-  add(named("help", &R::help, kHelps));
-  add(digestColumn());
-  add(number<R>("lateness_ns", "ns", path(&R::lateness_ns)));
-  add(number<R>("wall_ns", "ns", path(&R::wall_ns)));
-  add(number<R>("cpu_ns", "ns", path(&R::cpu_ns)));
-  Texts stages;
-  for (int i = 0; i < kStages; ++i) stages.emplace_back(stageName(static_cast<Stage>(i)));
-  add(block<R, std::int32_t>("stage_cpu_ns", kStages, {"ns"}, stages,
-                             [](R& r) { return r.stage_cpu_ns.data(); }));
+  using Value = std::remove_cvref_t<std::invoke_result_t<Path, Row&>>;
+  if constexpr (kIsItems<Value>) {
+    using Item = std::remove_cvref_t<decltype(*std::declval<Value>().data)>;
+    const auto data = [of](auto& row) { return of(row).data; };
+    if constexpr (std::is_same_v<Item, BodyState>) add(bodyColumn(name, labels, of));
+    if constexpr (std::is_same_v<Item, double>) {
+      add(exact ? block<Row, double>(name, labels.size(), units, labels, data)
+                : block<Row, float>(name, labels.size(), units, labels, data));
+    }
+  } else if constexpr (kIsTaggedArray<Value>) {
+    add(exact ? perAxis<Row, double>(name, of, units, labels)
+              : perAxis<Row, float>(name, of, units, labels));
+  } else if constexpr (std::is_same_v<Value, Vec3>) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    add(block<Row, float>(name, 3, units, {"x", "y", "z"}, [of](auto& row) { return &of(row).x; }));
+  } else if constexpr (std::is_enum_v<Value> || std::is_arithmetic_v<Value>) {
+    if (field.below > 0) {
+      if constexpr (std::is_same_v<Row, TickRecord>) add(named(name, field.below, of));
+    } else if (exact) {
+      add(number<Row>(name, field.unit.per_m, of));
+    } else {
+      add(number<Row, float>(name, field.unit.per_m, of));
+    }
+  } else {
+    using Element = typename Value::value_type;
+    add(block<Row, Element>(name, labels.size(), units, labels,
+                            [of](auto& row) { return of(row).data(); }));
+  }
 }
 
-void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& meta) {
-  const Texts& names = meta.axis_names;
-  const Texts position = perUnit(meta.axis_units, "m", "rad");
-  const Texts velocity = perUnit(meta.axis_units, "m/s", "rad/s");
-  const Texts effort = perUnit(meta.axis_units, "N", "N·m");
-  const auto add = [&](const char* name, auto member, const Texts& units) {
-    out.push_back(perAxis<TickRecord>(name, path(member), units, names));
-  };
-  out.push_back(perAxis<TickRecord, double>("q_m", path(&TickRecord::q_m), position, names));
-  add("intention", &TickRecord::intention, position);
-  add("patient_effort", &TickRecord::patient_effort, effort);
-  add("qd_mf", &TickRecord::qd_mf, velocity);
-  add("q_s", &TickRecord::q_s, position);
-  add("qd_s", &TickRecord::qd_s, velocity);
-  add("f_s", &TickRecord::f_s, effort);
-  add("coupling", &TickRecord::coupling, effort);
-  add("phi", &TickRecord::phi, {"1"});
-  add("damping", &TickRecord::damping, effort);
-  add("rendered", &TickRecord::rendered, effort);
-  add("sent", &TickRecord::sent, effort);
-}
-
-void addExerciseColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& meta) {
-  using R = TickRecord;
-  const Texts& names = meta.axis_names;
-  const Texts position = perUnit(meta.axis_units, "m", "rad");
-  const Texts effort = perUnit(meta.axis_units, "N", "N·m");
-  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(perAxis<R>("effort_limit", path(&R::effort_limit), effort, names));
-  add(perAxis<R>("tank", path(&R::tank), {"J"}, names));
-  add(perAxis<R>("tank_effort", path(&R::tank_effort), effort, names));
-  add(perAxis<R>("closure", path(&R::closure), position, names));
-  add(perAxis<R>("exercise_effort", path(&R::exercise, &ExerciseRecord::effort), effort, names));
-  add(perAxis<R>("wall", path(&R::exercise, &ExerciseRecord::wall), position, names));
-  add(perAxis<R>("wall_active", path(&R::exercise, &ExerciseRecord::wall_active), {"1"}, names));
-  add(single<R>("alpha", "1", path(&R::exercise, &ExerciseRecord::alpha)));
-  add(number<R>("palm_body", "1", path(&R::palm_body)));
-  add(single<R>("palm_target_distance_m", "m", path(&R::palm_target_distance_m)));
-  add(number<R>("event_count", "1", path(&R::exercise, &ExerciseRecord::event_count)));
-  add(number<R>("command_count", "1", path(&R::command_count)));
-  if (!meta.parameter_names.empty()) {
-    add(block<R, double>("parameters", meta.parameter_names.size(), {"see name"},
-                         meta.parameter_names, [](R& r) { return r.parameters.data(); }));
-  }
-  if (!meta.value_names.empty()) {
-    add(block<R, float>("exercise_values", meta.value_names.size(), {"see name"}, meta.value_names,
-                        [](R& r) { return r.exercise.values.data(); }));
-  }
+/// Adds the columns of an item's fields, and before them its row of /ticks.
+template <class Row, class Item, class... Fields>
+std::vector<Column<Row>> itemColumns(Item Row::*item, const std::tuple<Fields...>& table) {
+  std::vector<Column<Row>> out;
+  out.push_back(number<Row>("row", "1", fieldPath(&Row::row)));
+  visitFields(table, [&](const auto& field) {
+    const auto in_row = fieldPath(item, field.of.member);
+    addColumn(out, {},
+              Field<std::remove_const_t<decltype(in_row)>>{field.name, field.unit, field.role,
+                                                           field.storage, in_row});
+  });
+  return out;
 }
 
 }  // namespace
 
 std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
-  using R = TickRecord;
-  std::vector<Column<R>> out;
-  addSessionColumns(out);
-  addAxisColumns(out, meta);
-  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  if (!meta.joint_names.empty()) {
-    add(perAxis<R>("theta", path(&R::theta), {"m or rad"}, meta.joint_names));
-  }
-  add(single<R>("coupling_error_rad", "rad", path(&R::coupling_error_rad)));
-  add(single<R>("palm_distance_m", "m", path(&R::palm_distance_m)));
-  add(single<R>("authority", "1", path(&R::authority)));
-  add(number<R>("body_count", "1", path(&R::body_count)));
-  if (!meta.body_names.empty()) add(bodyColumn(meta.body_names));
-  add(number<R>("contact_count", "1", path(&R::contact_count)));
-  add(number<R>("contacts_dropped", "1", path(&R::contacts_dropped)));
-  addExerciseColumns(out, meta);
-  add(number<R>("safety_state", "1", path(&R::safety_state)));
-  add(number<R>("fault_axis", "1", path(&R::fault_axis)));
+  std::vector<Column<TickRecord>> out;
+  visitFields(kRecordFields, [&](const auto& field) { addColumn(out, meta, field); });
+  out.push_back(digestColumn());
   return out;
 }
 
 std::vector<Column<EventRow>> eventColumns() {
-  using R = EventRow;
-  std::vector<Column<R>> out;
-  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>("row", "1", path(&R::row)));
-  add(number<R>("type", "1", path(&R::event, &ExerciseEvent::type)));
-  add(number<R>("index", "1", path(&R::event, &ExerciseEvent::index)));
-  add(number<R>("value", "see type", path(&R::event, &ExerciseEvent::value)));
-  return out;
+  return itemColumns(&EventRow::event, kEventFields);
+}
+
+std::vector<Column<ContactRow>> contactColumns() {
+  return itemColumns(&ContactRow::contact, kContactFields);
 }
 
 std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
   using R = CommandRow;
   std::vector<Column<R>> out;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>("row", "1", path(&R::row)));
-  add(number<R>("type", "1", path(&R::command, &Command::type)));
-  add(number<R>("index", "1", path(&R::command, &Command::index)));
-  add(number<R>("value", "see type", path(&R::command, &Command::value)));
-  add(perAxis<R, double>("aim", path(&R::command, &Command::aim),
-                         perUnit(meta.axis_units, "m", "rad"), meta.axis_names));
+  add(number<R>("row", "1", fieldPath(&R::row)));
+  add(number<R>("type", "1", fieldPath(&R::command, &Command::type)));
+  add(number<R>("index", "1", fieldPath(&R::command, &Command::index)));
+  add(number<R>("value", "see type", fieldPath(&R::command, &Command::value)));
+  Texts position;
+  for (const std::string& unit : meta.axis_units)
+    position.emplace_back(unit == "rad" ? "rad" : "m");
+  add(perAxis<R, double>("aim", fieldPath(&R::command, &Command::aim), position, meta.axis_names));
   if (meta.game_slots > 0) {
     add(block<R, double>("numbers", kOrderNumbers, {"see type"}, {},
-                         [](R& r) { return r.command.numbers.data(); }));
+                         [](auto& row) { return row.command.numbers.data(); }));
   }
-  return out;
-}
-
-std::vector<Column<ContactRow>> contactColumns() {
-  using R = ContactRow;
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  const Texts xyz = {"x", "y", "z"};
-  std::vector<Column<R>> out;
-  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>("row", "1", path(&R::row)));
-  add(number<R>("capsule", "1", path(&R::contact, &Contact::capsule)));
-  add(number<R>("link", "1", path(&R::contact, &Contact::link)));
-  add(number<R>("body", "1", path(&R::contact, &Contact::body)));
-  add(block<R, float>("point_m", 3, {"m"}, xyz, [](R& r) { return &r.contact.point_m.x; }));
-  add(block<R, float>("normal", 3, {"1"}, xyz, [](R& r) { return &r.contact.normal.x; }));
-  add(block<R, float>("force_n", 3, {"N"}, xyz, [](R& r) { return &r.contact.force_n.x; }));
-  add(block<R, float>("torque_nm", 3, {"N·m"}, xyz, [](R& r) { return &r.contact.torque_nm.x; }));
-  add(single<R>("distance_m", "m", path(&R::contact, &Contact::distance_m)));
   return out;
 }
 

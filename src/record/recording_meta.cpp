@@ -202,31 +202,56 @@ bool isPlausible(const TickRecord& record) {
          record.contacts_dropped <= kMostContactsDropped;
 }
 
+const std::vector<std::string>& labelsOf(const RecordingMeta& meta, FieldLabels labels) {
+  static const std::vector<std::string> none;
+  static const std::vector<std::string> stages = [] {
+    std::vector<std::string> names;
+    for (int i = 0; i < kStages; ++i) names.emplace_back(stageName(static_cast<Stage>(i)));
+    return names;
+  }();
+  switch (labels) {
+    case FieldLabels::kStages:
+      return stages;
+    case FieldLabels::kAxes:
+      return meta.axis_names;
+    case FieldLabels::kJoints:
+      return meta.joint_names;
+    case FieldLabels::kBodies:
+      return meta.body_names;
+    case FieldLabels::kParameters:
+      return meta.parameter_names;
+    case FieldLabels::kValues:
+      return meta.value_names;
+    case FieldLabels::kNone:
+      break;
+  }
+  return none;
+}
+
 bool fits(const TickRecord& record, const RecordingMeta& meta) {
-  const auto axes = static_cast<std::int64_t>(meta.axis_names.size());
+  const auto axes = static_cast<int>(meta.axis_names.size());
+  bool all = isPlausible(record) && record.q_m.size() == axes && record.sent.size() == axes;
   const auto or_none = [axes](const auto& array) {
     return array.size() == 0 || array.size() == axes;
   };
-  const auto within = [](std::int64_t n, std::size_t most) {
-    return n >= 0 && n <= static_cast<std::int64_t>(most);
-  };
-  const auto commands = within(record.command_count, kMaxCommands);
-  for (std::int32_t i = 0; commands && i < record.command_count; ++i) {
-    if (!or_none(record.commands[i].aim)) return false;
+  visitFields(kRecordFields, [&](const auto& field) {
+    const auto& value = field.of(record);
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (kIsItems<Value>) {
+      const auto most = field.labels == FieldLabels::kNone
+                            ? static_cast<std::size_t>(value.capacity)
+                            : labelsOf(meta, field.labels).size();
+      all = all && value.count >= 0 && static_cast<std::size_t>(value.count) <= most;
+    } else if constexpr (std::is_same_v<Value, JointPosition>) {
+      all = all && value.size() <= static_cast<int>(meta.joint_names.size());
+    } else if constexpr (kIsTaggedArray<Value>) {
+      all = all && or_none(value);
+    }
+  });
+  for (std::int32_t i = 0; all && i < record.command_count; ++i) {
+    all = or_none(record.commands[i].aim);
   }
-  return commands && isPlausible(record) && record.q_m.size() == axes &&
-         record.sent.size() == axes && or_none(record.intention) &&
-         or_none(record.patient_effort) && or_none(record.qd_mf) && or_none(record.q_s) &&
-         or_none(record.qd_s) && or_none(record.closure) && or_none(record.f_s) &&
-         or_none(record.coupling) && or_none(record.phi) && or_none(record.damping) &&
-         or_none(record.tank) && or_none(record.tank_effort) && or_none(record.rendered) &&
-         or_none(record.effort_limit) && or_none(record.exercise.effort) &&
-         within(record.theta.size(), meta.joint_names.size()) &&
-         within(record.body_count, meta.body_names.size()) &&
-         within(record.parameter_count, meta.parameter_names.size()) &&
-         within(record.exercise.value_count, meta.value_names.size()) &&
-         within(record.exercise.event_count, kMaxExerciseEvents) &&
-         within(record.contact_count, kMaxContacts) && within(record.placements.count, kMaxBodies);
+  return all;
 }
 
 }  // namespace wholehand::recording

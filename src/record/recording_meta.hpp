@@ -1,6 +1,6 @@
 #pragma once
 
-#include "loop/core/tick_record.hpp"
+#include "loop/core/record_fields.hpp"
 #include "record/hdf5_handle.hpp"
 #include "record/recording.hpp"
 
@@ -30,6 +30,9 @@ inline constexpr const char* kFormat = "wholehand-recording";
 /// False when a number that every reader computes with cannot have been written by a tick: a time
 /// that is not finite, an impossible count.
 [[nodiscard]] bool isPlausible(const TickRecord& record);
+/// Names of the elements of a field with these labels.
+[[nodiscard]] const std::vector<std::string>& labelsOf(const RecordingMeta& meta,
+                                                       FieldLabels labels);
 /// True when isPlausible(), and every array and count of the tick matches the description.
 [[nodiscard]] bool fits(const TickRecord& record, const RecordingMeta& meta);
 

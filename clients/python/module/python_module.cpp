@@ -4,6 +4,7 @@
 #include "bound_rigs.hpp"
 #include "exceptions.hpp"
 #include "loop/core/expected.hpp"
+#include "loop/core/record_fields.hpp"
 #include "record_views.hpp"
 
 #include <cstdint>
@@ -12,6 +13,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -20,24 +23,43 @@ namespace py = pybind11;
 namespace wholehand::python {
 namespace {
 
-// A property that views an array of the record with one number for each axis or joint.
-template <class Of, class Array>
-void addArray(py::class_<Of>& type, const char* name, Array TickRecord::*member) {
-  type.def_property_readonly(name, [member](const py::object& self) {
-    Of& of = self.cast<Of&>();
-    const Array& array = of.records().first->*member;
-    return viewOf(of.records(), py::dtype::of<double>(), array.data(), array.size(), self);
-  });
-}
-
-// A property that views one number of the record.
-template <class Of, class Number>
-void addNumber(py::class_<Of>& type, const char* name, Number TickRecord::*member,
-               const py::dtype& number) {
-  type.def_property_readonly(name, [member, number](const py::object& self) {
-    Of& of = self.cast<Of&>();
-    return viewOfOne(of.records(), number, &(of.records().first->*member), self);
-  });
+// A property that views a field of the record, if Python sees such fields.
+template <class Of, class Path>
+void addField(py::class_<Of>& type, const Field<Path>& field) {
+  using Value = std::remove_cvref_t<std::invoke_result_t<Path, const TickRecord&>>;
+  // Clocks and lengths tell nothing; effort_limit is the device's, as the axes' other limits.
+  const bool seen = field.role == FieldRole::kInput || field.role == FieldRole::kComputed;
+  if (!seen || std::string_view(field.name) == "effort_limit") return;
+  const auto add = [&](auto view) {
+    type.def_property_readonly(field.name, [view, of = field.of](const py::object& self) {
+      Of& rigs = self.cast<Of&>();
+      const TickRecord& first = *rigs.records().first;
+      return view(rigs.records(), of(first), self);
+    });
+  };
+  if constexpr (kIsItems<Value>) {
+    using Item = std::remove_cvref_t<decltype(*std::declval<Value>().data)>;
+    constexpr bool kReals = std::is_same_v<Item, double>;
+    if constexpr (kReals || std::is_same_v<Item, BodyState>) {
+      add([](const Records& records, const Value& items, const py::object& self) {
+        const py::dtype item = kReals ? py::dtype::of<double>() : bodyType();
+        return viewOf(records, item, items.data, items.count, self);
+      });
+    }
+  } else if constexpr (kIsTaggedArray<Value>) {
+    add([](const Records& records, const Value& array, const py::object& self) {
+      return viewOf(records, py::dtype::of<typename Value::Value>(), array.data(), array.size(),
+                    self);
+    });
+  } else if constexpr (std::is_enum_v<Value> || std::is_arithmetic_v<Value>) {
+    add([](const Records& records, const Value& number, const py::object& self) {
+      if constexpr (std::is_enum_v<Value>) {
+        return viewOfOne(records, py::dtype::of<std::underlying_type_t<Value>>(), &number, self);
+      } else {
+        return viewOfOne(records, py::dtype::of<Value>(), &number, self);
+      }
+    });
+  }
 }
 
 template <class Of, class Value>
@@ -80,43 +102,7 @@ void addFacts(py::class_<Of>& type) {
 
 template <class Of>
 void addState(py::class_<Of>& type) {
-  const py::dtype real = py::dtype::of<double>();
-  const py::dtype count = py::dtype::of<std::int32_t>();
-  addNumber(type, "tick", &TickRecord::tick, py::dtype::of<std::uint64_t>());
-  addNumber(type, "time_s", &TickRecord::time_s, real);
-  addNumber(type, "faults", &TickRecord::faults, py::dtype::of<std::uint32_t>());
-  addNumber(type, "safety_state", &TickRecord::safety_state, count);
-  addNumber(type, "authority", &TickRecord::authority, real);
-  addNumber(type, "palm_distance_m", &TickRecord::palm_distance_m, real);
-  addNumber(type, "contact_count", &TickRecord::contact_count, count);
-  addArray(type, "q_m", &TickRecord::q_m);
-  addArray(type, "qd_mf", &TickRecord::qd_mf);
-  addArray(type, "intention", &TickRecord::intention);
-  addArray(type, "patient_effort", &TickRecord::patient_effort);
-  addArray(type, "q_s", &TickRecord::q_s);
-  addArray(type, "qd_s", &TickRecord::qd_s);
-  addArray(type, "theta", &TickRecord::theta);
-  addArray(type, "f_s", &TickRecord::f_s);
-  addArray(type, "coupling", &TickRecord::coupling);
-  addArray(type, "phi", &TickRecord::phi);
-  addArray(type, "damping", &TickRecord::damping);
-  addArray(type, "rendered", &TickRecord::rendered);
-  addArray(type, "sent", &TickRecord::sent);
-  type.def_property_readonly("exercise_effort", [real](const py::object& self) {
-    Of& of = self.cast<Of&>();
-    const AxisEffort& effort = of.records().first->exercise.effort;
-    return viewOf(of.records(), real, effort.data(), effort.size(), self);
-  });
-  type.def_property_readonly("exercise_values", [real](const py::object& self) {
-    Of& of = self.cast<Of&>();
-    const ExerciseRecord& exercise = of.records().first->exercise;
-    return viewOf(of.records(), real, exercise.values.data(), exercise.value_count, self);
-  });
-  type.def_property_readonly("bodies", [](const py::object& self) {
-    Of& of = self.cast<Of&>();
-    const TickRecord& record = *of.records().first;
-    return viewOf(of.records(), bodyType(), record.bodies.data(), record.body_count, self);
-  });
+  visitFields(kRecordFields, [&type](const auto& field) { addField(type, field); });
   type.def_property_readonly(
       "contacts", [](const py::object& self) { return self.cast<Of&>().contacts(self); });
 }

@@ -46,15 +46,39 @@ class _State:
     @property
     def time_s(self) -> _Reals: ...
     @property
+    def elapsed_periods(self) -> numpy.typing.NDArray[numpy.uint32]: ...  # 1 + periods skipped before the tick
+    @property
     def faults(self) -> numpy.typing.NDArray[numpy.uint32]: ...  # bits of the last tick
     @property
+    def moved_by(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 nobody, 1 a person, 2 the virtual patient, 3 a motion
+    @property
+    def help(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 unspecified, 1 full, 2 some, 3 none
+    @property
+    def command_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    @property
     def safety_state(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 disarmed, 1 armed, 2 rendering, 3 faulted
+    @property
+    def fault_axis(self) -> numpy.typing.NDArray[numpy.int32]: ...  # first axis beyond a limit; -1: none
+    @property
+    def parameters(self) -> _Reals: ...  # live parameters in force
     @property
     def authority(self) -> _Reals: ...
     @property
     def palm_distance_m(self) -> _Reals: ...
     @property
+    def palm_body(self) -> numpy.typing.NDArray[numpy.int32]: ...  # nearest target of the exercise; -1: none
+    @property
+    def palm_target_distance_m(self) -> _Reals: ...
+    @property
+    def coupling_error_rad(self) -> _Reals: ...
+    @property
     def contact_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    @property
+    def contacts_dropped(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    @property
+    def body_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    @property
+    def event_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
     @property
     def q_m(self) -> _Reals: ...  # the device [m or rad]
     @property
@@ -78,11 +102,23 @@ class _State:
     @property
     def damping(self) -> _Reals: ...
     @property
+    def tank(self) -> _Reals: ...  # energy left in the tank of each axis [J]
+    @property
+    def tank_effort(self) -> _Reals: ...
+    @property
     def rendered(self) -> _Reals: ...
     @property
     def sent(self) -> _Reals: ...  # effort that the device received [N or N·m]
     @property
     def exercise_effort(self) -> _Reals: ...
+    @property
+    def alpha(self) -> _Reals: ...  # of the transition
+    @property
+    def wall_active(self) -> numpy.typing.NDArray[numpy.bool_]: ...
+    @property
+    def wall(self) -> _Reals: ...
+    @property
+    def closure(self) -> _Reals: ...  # axis position at its first touch of the body in reach; NaN: none
     @property
     def exercise_values(self) -> _Reals: ...
     @property

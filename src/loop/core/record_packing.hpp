@@ -25,7 +25,6 @@ WHOLEHAND_RT std::size_t packRecord(const TickRecord& record, std::byte* out) no
 [[nodiscard]] std::uint32_t recordLayout() noexcept;
 
 /// Size of a packed record with these numbers of axes, joints, bodies, values and contacts.
-[[nodiscard]] std::size_t packedBytes(int axes, int joints, int bodies, int values,
-                                      int contacts) noexcept;
+[[nodiscard]] std::size_t packedBytes(int axes, int joints, int bodies, int values, int contacts);
 
 }  // namespace wholehand

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "loop/core/tick_record.hpp"
+#include "loop/core/record_fields.hpp"
 
 #include <cstdint>
 #include <type_traits>
@@ -8,77 +8,51 @@
 namespace wholehand {
 
 /// Calls visit(name, numbers, count) for every value that a tick computes from its recorded inputs,
-/// in order. Clock times and the virtual patient are left out, and arrays are visited up to their
-/// size. The names are those of the recording's datasets; `numbers` points to doubles.
+/// in the order of kRecordFields, arrays up to their size. `numbers` points to doubles. Items of
+/// events and contacts are visited by member: "contacts/point_m" of the first, of the second ...
 template <class Visit>
 void visitComputed(const TickRecord& r, Visit&& visit) {
   const auto one = [&visit](const char* name, auto value) {
     const auto number = static_cast<double>(value);
     visit(name, &number, 1);
   };
-  const auto array = [&visit](const char* name, const auto& a) {
-    visit(name, a.data(), static_cast<int>(a.size()));
-  };
-  one("faults", static_cast<std::uint32_t>(r.faults));
-  one("safety_state", static_cast<std::int32_t>(r.safety_state));
-  one("fault_axis", r.fault_axis);
-  visit("parameters", r.parameters.data(), r.parameter_count);
-  array("effort_limit", r.effort_limit);
-  array("q_m", r.q_m);
-  array("qd_mf", r.qd_mf);
-  array("q_s", r.q_s);
-  array("qd_s", r.qd_s);
-  array("theta", r.theta);
-  one("coupling_error_rad", r.coupling_error_rad);
-  one("palm_distance_m", r.palm_distance_m);
-  one("palm_body", r.palm_body);
-  one("palm_target_distance_m", r.palm_target_distance_m);
-  array("closure", r.closure);
-  static_assert(sizeof(BodyState) == 13 * sizeof(double));
-  one("body_count", r.body_count);
-  visit("bodies", reinterpret_cast<const double*>(r.bodies.data()), 13 * r.body_count);
-  array("f_s", r.f_s);
-  array("coupling", r.coupling);
-  array("exercise_effort", r.exercise.effort);
-  one("alpha", r.exercise.alpha);
-  for (const auto active : r.exercise.wall_active) one("wall_active", active);
-  array("wall", r.exercise.wall);
-  visit("exercise_values", r.exercise.values.data(), r.exercise.value_count);
-  one("event_count", r.exercise.event_count);
-  const auto each_event = [&](const char* name, auto member) {
-    for (int i = 0; i < r.exercise.event_count; ++i) one(name, r.exercise.events[i].*member);
-  };
-  each_event("events/type", &ExerciseEvent::type);
-  each_event("events/index", &ExerciseEvent::index);
-  each_event("events/value", &ExerciseEvent::value);
-  array("phi", r.phi);
-  array("damping", r.damping);
-  array("tank", r.tank);
-  array("tank_effort", r.tank_effort);
-  array("rendered", r.rendered);
-  one("authority", r.authority);
-  array("sent", r.sent);
-  one("contact_count", r.contact_count);
-  one("contacts_dropped", r.contacts_dropped);
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  const auto each_contact = [&](const char* name, auto member) {
-    for (int i = 0; i < r.contact_count; ++i) {
-      const auto& value = r.contacts[i].*member;
-      if constexpr (std::is_same_v<decltype(value), const Vec3&>) {
-        visit(name, &value.x, 3);
-      } else {
-        one(name, value);
+  const auto each_member = [&](const auto& table, const auto& items) {
+    visitFields(table, [&](const auto& field) {
+      for (int i = 0; i < items.count; ++i) {
+        const auto& value = field.of(items.data[i]);
+        if constexpr (std::is_same_v<decltype(value), const Vec3&>) {
+          static_assert(sizeof(Vec3) == 3 * sizeof(double));
+          visit(field.name, &value.x, 3);
+        } else {
+          one(field.name, value);
+        }
       }
-    }
+    });
   };
-  each_contact("contacts/capsule", &Contact::capsule);
-  each_contact("contacts/link", &Contact::link);
-  each_contact("contacts/body", &Contact::body);
-  each_contact("contacts/point_m", &Contact::point_m);
-  each_contact("contacts/normal", &Contact::normal);
-  each_contact("contacts/force_n", &Contact::force_n);
-  each_contact("contacts/torque_nm", &Contact::torque_nm);
-  each_contact("contacts/distance_m", &Contact::distance_m);
+  visitFields(kRecordFields, [&](const auto& field) {
+    if (field.role != FieldRole::kComputed) return;
+    const char* const name = field.name;
+    const auto& value = field.of(r);
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (kIsItems<Value>) {
+      using Item = std::remove_cvref_t<decltype(*value.data)>;
+      if constexpr (std::is_same_v<Item, double>) visit(name, value.data, value.count);
+      if constexpr (std::is_same_v<Item, BodyState>) {
+        static_assert(sizeof(BodyState) == 13 * sizeof(double));
+        visit(name, reinterpret_cast<const double*>(value.data), 13 * value.count);
+      }
+      if constexpr (std::is_same_v<Item, ExerciseEvent>) each_member(kEventFields, value);
+      if constexpr (std::is_same_v<Item, Contact>) each_member(kContactFields, value);
+    } else if constexpr (std::is_same_v<Value, AxisFlag>) {
+      for (const bool flag : value) one(name, flag);
+    } else if constexpr (kIsTaggedArray<Value>) {
+      visit(name, value.data(), value.size());
+    } else if constexpr (std::is_enum_v<Value>) {
+      one(name, static_cast<std::underlying_type_t<Value>>(value));
+    } else if constexpr (std::is_arithmetic_v<Value>) {
+      one(name, value);
+    }
+  });
 }
 
 /// Digest of all values of visitComputed() and their counts: two ticks have the same digest if

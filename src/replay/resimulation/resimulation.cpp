@@ -190,10 +190,20 @@ std::vector<ComputedColumn> computed(const TickRecord& record) {
   return columns;
 }
 
-/// Columns that a recording keeps in double precision (recording_layout.cpp).
-bool isDouble(std::string_view column) {
-  return column == "q_m" || column == "parameters" || column == "events/value" ||
-         column == "faults";
+/// How a recording stores a computed column, and what labels its numbers.
+struct ColumnFacts {
+  FieldStorage storage = FieldStorage::kExact;
+  FieldLabels labels = FieldLabels::kNone;
+};
+ColumnFacts factsOf(std::string_view column) {
+  ColumnFacts facts;
+  const auto look = [&](const auto& field) {
+    if (field.name == column) facts = {field.storage, field.labels};
+  };
+  visitFields(kRecordFields, look);
+  visitFields(kEventFields, look);
+  visitFields(kContactFields, look);
+  return facts;
 }
 
 // Compares two numbers. Unlike ==, NaN equals itself, and 0 differs from -0.
@@ -210,6 +220,7 @@ void compare(const ComputedColumn& recorded, const ComputedColumn& again, bool e
              std::vector<TickDifference>& out) {
   const std::size_t count = recorded.numbers.size();
   TickDifference found{std::string(recorded.name), 0, 0, 0.0, 0.0};
+  exact = exact || factsOf(recorded.name).storage == FieldStorage::kExact;
   if (count != again.numbers.size()) {
     found.recorded = static_cast<double>(count);
     found.again = static_cast<double>(again.numbers.size());
@@ -218,22 +229,13 @@ void compare(const ComputedColumn& recorded, const ComputedColumn& again, bool e
   }
   for (std::size_t i = 0; i < count; ++i) {
     const double a = recorded.numbers[i], b = again.numbers[i];
-    if (same(a, b, exact || isDouble(recorded.name))) continue;
+    if (same(a, b, exact)) continue;
     if (found.numbers++ > 0) continue;
     found.place = static_cast<int>(i);
     found.recorded = a;
     found.again = b;
   }
   if (found.numbers > 0) out.push_back(found);
-}
-
-/// True for a column with one number per axis, judged by name and length.
-bool isPerAxis(const TickDifference& d) {
-  constexpr std::array kNames = {"q_m",  "qd_mf",      "q_s",      "qd_s",     "effort_limit",
-                                 "f_s",  "closure",    "phi",      "coupling", "exercise_effort",
-                                 "wall", "damping",    "rendered", "tank",     "tank_effort",
-                                 "sent", "wall_active"};
-  return std::find(kNames.begin(), kNames.end(), d.column) != kNames.end();
 }
 
 // Source of recorded inputs and ticks.
@@ -446,7 +448,7 @@ std::string describe(const TickDifference& d, const std::vector<std::string>& ax
   }
   const auto place = static_cast<std::size_t>(d.place);
   std::string where = d.column;
-  if (isPerAxis(d) && place < axis_names.size()) {
+  if (factsOf(d.column).labels == FieldLabels::kAxes && place < axis_names.size()) {
     where += " of " + axis_names[place];
   } else if (d.place > 0 || d.numbers > 1) {
     where += fmt::format("[{}]", d.place);
