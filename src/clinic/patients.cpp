@@ -84,9 +84,10 @@ Patients::Data Patients::read(const Json& body) const {
   const ForcePreset* preset = records_.presets().forceOf(out.preset);
   if (preset == nullptr) throw badValue("preset", "preset is not one of GET /api/presets");
   out.parameters = plans_.readParameters(body.value("parameters", Json()), "parameters");
-  Parameters limits = out.parameters;
-  limits.insert(preset->parameters.begin(), preset->parameters.end());
-  out.plan = plans_.readPlan(body.value("plan", Json::array()), "plan", limits);
+  Parameters settings = out.parameters;
+  settings.insert(preset->parameters.begin(), preset->parameters.end());
+  out.plan =
+      plans_.readPlan(body.value("plan", Json::array()), "plan", plans_.limitsAmong(settings));
   out.secret = {{"name", name},
                 {"born", born},
                 {"number", textOr(body, "number", kLongestCode)},

@@ -1,7 +1,5 @@
 #include "clinic/plans.hpp"
 
-#include "loop/core/tick_record.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,12 +36,9 @@ Plan planFrom(const std::string& json) {
   return plan;
 }
 
-Plan capped(Plan plan, const Parameters& limits) {
+Plan capped(Plan plan, const PersonLimits& limits) {
   for (PlanItem& item : plan) {
-    for (auto& [name, value] : item.parameters) {
-      const auto limit = limits.find(name);
-      if (isEffortLimit(name) && limit != limits.end()) value = std::min(value, limit->second);
-    }
+    for (auto& [name, value] : item.parameters) value = limits.lowered(name, value);
   }
   return plan;
 }
@@ -65,7 +60,8 @@ Parameters Plans::readParameters(const Json& values, const std::string& field) c
   return out;
 }
 
-Plan Plans::readPlan(const Json& items, const std::string& field, const Parameters& limits) const {
+Plan Plans::readPlan(const Json& items, const std::string& field,
+                     const PersonLimits& limits) const {
   if (!items.is_array() || items.size() > kMostItems) {
     throw badValue(field, fmt::format("{} is no list of at most {} items", field, kMostItems));
   }
@@ -99,12 +95,10 @@ Plan Plans::readPlan(const Json& items, const std::string& field, const Paramete
         throw badValue(fmt::format("{}.parameters.{}", at, name),
                        fmt::format("{} has no parameter {}", item.exercise, name));
       }
-      const auto limit = limits.find(name);
-      if (!isEffortLimit(name) || limit == limits.end()) continue;
-      if (value > limit->second) {
+      if (limits.exceeds(name, value)) {
         throw badValue(fmt::format("{}.parameters.{}", at, name),
                        fmt::format("{} = {} is above the person's limit, {}; raise that first",
-                                   name, value, limit->second));
+                                   name, value, *limits.of(name)));
       }
     }
     plan.push_back(std::move(item));
@@ -112,7 +106,7 @@ Plan Plans::readPlan(const Json& items, const std::string& field, const Paramete
   return plan;
 }
 
-Parameters Plans::limitsOf(const std::optional<std::int64_t>& patient, const Json& changed) {
+Parameters Plans::settingsOf(const std::optional<std::int64_t>& patient, const Json& changed) {
   std::string preset = records_.presets().force.front().id;
   Parameters own = changed.get<Parameters>();
   if (patient) {
@@ -132,6 +126,14 @@ Parameters Plans::limitsOf(const std::optional<std::int64_t>& patient, const Jso
     own.emplace(name, has ? std::clamp(value, heard->second[0], heard->second[1]) : value);
   }
   return own;
+}
+
+PersonLimits Plans::limitsAmong(const Parameters& settings) const {
+  PersonLimits limits;
+  for (const std::string& name : records_.presets().limits) {
+    if (const auto set = settings.find(name); set != settings.end()) limits.set(name, set->second);
+  }
+  return limits;
 }
 
 Json Plans::presets(Call&) {

@@ -2,6 +2,7 @@
 
 #include "clinic/records.hpp"
 #include "clinic/station_client.hpp"
+#include "vocabulary/person_limits.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -12,23 +13,30 @@ namespace wholehand::clinic {
 /// A plan in the JSON form of the pages.
 [[nodiscard]] Json toJson(const Plan& plan);
 [[nodiscard]] Plan planFrom(const std::string& json);
-/// The plan with effort limits reduced to those of the person.
-[[nodiscard]] Plan capped(Plan plan, const Parameters& limits);
+/// The plan with effort limits lowered to those of the person.
+[[nodiscard]] Plan capped(Plan plan, const PersonLimits& limits);
 
 /// Reads plans and parameters of requests. It checks them against the bounds that the station
-/// reports, or against the shipped ones. It also computes the limits that apply to a person.
+/// reports, or against the shipped ones. It also computes the settings and limits that apply to
+/// a person.
 class Plans {
  public:
   Plans(Records& records, const Station& station) : records_(records), station_(station) {}
 
   [[nodiscard]] Parameters readParameters(const Json& values, const std::string& field) const;
   [[nodiscard]] Plan readPlan(const Json& items, const std::string& field,
-                              const Parameters& limits) const;
-  /// Limits of a person. Later sources override earlier ones: the force preset, the person's own
+                              const PersonLimits& limits) const;
+  /// Settings of a person. Later sources override earlier ones: the force preset, the person's own
   /// values, the values set in the open visit. Values outside narrower bounds of the station are
   /// clamped.
-  [[nodiscard]] Parameters limitsOf(const std::optional<std::int64_t>& patient,
-                                    const Json& changed = Json::object());
+  [[nodiscard]] Parameters settingsOf(const std::optional<std::int64_t>& patient,
+                                      const Json& changed = Json::object());
+  /// Those of the settings that bound efforts.
+  [[nodiscard]] PersonLimits limitsAmong(const Parameters& settings) const;
+  [[nodiscard]] PersonLimits limitsOf(const std::optional<std::int64_t>& patient,
+                                      const Json& changed = Json::object()) {
+    return limitsAmong(settingsOf(patient, changed));
+  }
   Json presets(Call& call);
 
  private:

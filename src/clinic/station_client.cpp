@@ -19,6 +19,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -53,11 +54,6 @@ std::string wordOf(fb::Help help) {
   if (help == fb::Help::Unspecified) return {};
   if (help == fb::Help::Full) return "full";
   return help == fb::Help::Some ? "some" : "none";
-}
-
-/// Decimal number as written in a file: a value such as 0.02 is transmitted in single precision.
-double asWritten(float value) {
-  return std::stod(fmt::format("{}", value));
 }
 
 std::string textOf(const flatbuffers::String* text) {
@@ -177,12 +173,16 @@ class StationClient::Link {
       now.item = scene->visit_item();
       now.recording = textOf(scene->recording());
       names_.clear();
+      limits_.clear();
       if (scene->parameters() != nullptr) {
         for (const fb::Parameter* p : *scene->parameters()) {
           const std::string name = textOf(p->name());
           names_.push_back(name);
-          now.bounds[name] = {asWritten(p->lower()), asWritten(p->upper())};
-          now.initial[name] = asWritten(p->initial());
+          if (const fb::ParameterRange* range = p->exact()) {
+            now.bounds[name] = {range->lower(), range->upper()};
+            now.initial[name] = range->initial();
+          }
+          if (p->bounds_effort()) limits_.insert(name);
         }
       }
       const std::lock_guard lock(mutex_);
@@ -191,10 +191,12 @@ class StationClient::Link {
       const std::lock_guard lock(mutex_);
       if (state->rehearsed_ticks() > 0) rehearsed_ = Clock::now();
       // Values arrive after the scene, in the order of its parameters.
-      if (state->parameters() == nullptr || state->parameters()->size() != names_.size()) return;
+      const auto* settings = state->settings();
+      if (settings == nullptr || settings->size() != names_.size()) return;
       for (std::size_t i = 0; i < names_.size(); ++i) {
-        scene_.values[names_[i]] = asWritten(state->parameters()->Get(static_cast<unsigned>(i)));
+        scene_.values[names_[i]] = settings->Get(static_cast<unsigned>(i));
       }
+      for (const std::string& name : limits_) scene_.limits.set(name, scene_.values[name]);
       scene_.help = wordOf(state->help());
     }
   }
@@ -235,6 +237,7 @@ class StationClient::Link {
   std::deque<std::vector<std::uint8_t>> outgoing_;
   std::vector<std::string> names_;  ///< names of the scene's parameters, in the order of their
                                     ///< values
+  std::set<std::string> limits_;    ///< those that bound efforts
   mutable std::mutex mutex_;        ///< guards the members below
   std::condition_variable received_;
   StationScene scene_;

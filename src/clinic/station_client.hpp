@@ -1,5 +1,7 @@
 #pragma once
 
+#include "vocabulary/person_limits.hpp"
+
 #include <array>
 #include <cstdint>
 #include <map>
@@ -21,6 +23,7 @@ struct StationScene {
                                                         ///< set
   std::map<std::string, double> values;                 ///< present values; empty: none received
                                                         ///< yet
+  PersonLimits limits;                                  ///< those of the values that bound efforts
   std::string help;                                     ///< as in VisitOrder; empty: not reported
 };
 

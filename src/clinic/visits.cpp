@@ -1,11 +1,8 @@
 #include "clinic/visits.hpp"
 
-#include "loop/core/tick_record.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <limits>
@@ -19,7 +16,6 @@ namespace {
 /// A shorter difference between station and database means that an order is still on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 constexpr int kMostPain = 10;
-constexpr double kRounding = 1e-6;  // tolerance for values sent in single precision
 constexpr int kMostTrials = 100;
 
 std::string sideOf(const Json& body) {
@@ -43,8 +39,8 @@ VisitRow Visits::visitFor(const Call& call, std::int64_t id) {
 }
 
 VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
-  const Parameters limits = plans_.limitsOf(visit.patient, visit.changed);
-  const PlanItem now = capped(visit.plan, limits).at(item);
+  const Parameters settings = plans_.settingsOf(visit.patient, visit.changed);
+  const PlanItem now = capped(visit.plan, plans_.limitsAmong(settings)).at(item);
   const ExerciseFacts* facts = records_.presets().exercise(now.exercise);
   if (facts == nullptr) throw badValue("item", now.exercise + " is no longer one of ours");
   VisitOrder order{static_cast<std::uint64_t>(visit.id),
@@ -58,7 +54,7 @@ VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
   const auto has = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  for (const auto& [name, value] : limits) {
+  for (const auto& [name, value] : settings) {
     if (has(records_.presets().device, name) || has(facts->parameters, name))
       order.parameters[name] = value;
   }
@@ -72,9 +68,7 @@ Json Visits::inForce(const VisitOrder& order) const {
   Parameters values = order.parameters;
   const StationScene scene = station_.scene();
   for (auto& [name, value] : values) {
-    const auto now = scene.values.find(name);
-    const bool goes_on = scene.visit == order.visit && now != scene.values.end();
-    if (goes_on && isEffortLimit(name)) value = std::min(value, now->second);
+    if (scene.visit == order.visit) value = scene.limits.lowered(name, value);
   }
   return {{"parameters", values}, {"help", order.help}, {"level", order.level}};
 }
@@ -86,7 +80,7 @@ void Visits::keepSettings(VisitRow& visit) {
   const bool same = scene.visit == static_cast<std::uint64_t>(visit.id) && scene.item == visit.item;
   if (!same || !visit.in_force.contains("parameters")) return;
   PlanItem& item = visit.plan.at(visit.item);
-  const Parameters limits = plans_.limitsOf(visit.patient, visit.changed);
+  const PersonLimits limits = plans_.limitsOf(visit.patient, visit.changed);
   Json& known = visit.in_force["parameters"];
   const Json before = visit.in_force;
   // Parameters that differ from the last known values.
@@ -94,10 +88,9 @@ void Visits::keepSettings(VisitRow& visit) {
     const auto first = scene.initial.find(name);
     if (first == scene.initial.end() || !records_.presets().bounds.contains(name)) continue;
     const double was = known.value(name, first->second);
-    if (std::abs(value - was) <= kRounding * std::abs(was)) continue;
+    if (value == was) continue;
     known[name] = value;
-    const auto limit = limits.find(name);
-    const bool above = isEffortLimit(name) && limit != limits.end() && value > limit->second;
+    const bool above = limits.exceeds(name, value);
     const bool items = item.parameters.contains(name);
     if (items) item.parameters[name] = value;
     if (!items || above) visit.changed[name] = value;

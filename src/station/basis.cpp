@@ -33,8 +33,8 @@ OrderReply Basis::refuseOutdated(std::uint32_t seen, std::uint32_t client) const
       fmt::format("since this was shown it has changed: {}; look, then ask again", changed));
 }
 
-std::string Basis::differences(const SceneFacts& before, const Limits& limits_before,
-                               const SceneFacts& now, const Limits& limits_now) {
+std::string Basis::differences(const SceneFacts& before, const PersonLimits& limits_before,
+                               const SceneFacts& now, const PersonLimits& limits_now) {
   std::string out;
   const auto add = [&out](const std::string& what) { out += (out.empty() ? "" : ", ") + what; };
   if (now.visit.number != before.visit.number || now.visit.item != before.visit.item) {
@@ -51,10 +51,7 @@ std::string Basis::differences(const SceneFacts& before, const Limits& limits_be
   if (now.exercise_name != before.exercise_name) add("exercise " + now.exercise_name);
   if (now.level != before.level) add(fmt::format("level {}", now.level));
   for (const auto& [name, value] : limits_now) {
-    const auto was = limits_before.find(name);
-    if (was == limits_before.end() || was->second != value) {
-      add(fmt::format("{} = {:.6g} N", name, value));
-    }
+    if (limits_before.of(name) != value) add(fmt::format("{} = {:.6g} N", name, value));
   }
   return out;
 }

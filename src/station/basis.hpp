@@ -1,10 +1,10 @@
 #pragma once
 
 #include "vocabulary/backend.hpp"
+#include "vocabulary/person_limits.hpp"
 
 #include <cstdint>
 #include <deque>
-#include <map>
 #include <string>
 
 namespace wholehand {
@@ -15,9 +15,6 @@ namespace wholehand {
 /// (docs/adr/0016-arm-order-names-the-last-stop.md). One thread at a time.
 class Basis {
  public:
-  /// Effort limits by name [N].
-  using Limits = std::map<std::string, double>;
-
   [[nodiscard]] std::uint32_t number() const { return number_; }
   /// Notes a change. A lowered limit needs none: what was shown is then above what is in force.
   /// @param client the client whose order changed it @param what for people, in English
@@ -29,8 +26,9 @@ class Basis {
 
   /// What differs for a person who presses Start, in English; empty: nothing.
   [[nodiscard]] static std::string differences(const SceneFacts& before,
-                                               const Limits& limits_before, const SceneFacts& now,
-                                               const Limits& limits_now);
+                                               const PersonLimits& limits_before,
+                                               const SceneFacts& now,
+                                               const PersonLimits& limits_now);
 
  private:
   /// Older changes count as those of another client.

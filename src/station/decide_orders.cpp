@@ -22,11 +22,9 @@ OrderReply nothingArmed() {
 
 bool lowersLimit(const StationState& state, const Order& order) {
   const auto* set = order.as<orders::SetParameter>();
-  if (set == nullptr || !isEffortLimit(set->name)) return false;
-  const auto& parameters = state.scene->parameters;
-  return std::any_of(parameters.begin(), parameters.end(), [&](const auto& p) {
-    return p.name == set->name && set->value <= state.person.valueOf(p);
-  });
+  if (set == nullptr) return false;
+  const auto limit = state.person.limits(state.scene->parameters).of(set->name);
+  return limit && set->value <= *limit;
 }
 
 }  // namespace
@@ -115,7 +113,7 @@ void describe(const StationState& state, std::chrono::steady_clock::time_point n
   status.rested = state.stops.rested(state.run_state);
   status.rest_before_start = status.rested && state.stops.restBeforeStart();
   status.help = state.person.help();
-  status.parameters = parameterValues(state);
+  status.settings = status.parameters = parameterValues(state);
 }
 
 Effects decide(StationState& state, const events::Any& event,
@@ -201,7 +199,7 @@ OrderReply Decider::carryOut(const Order& order) {
                  [&](const orders::SetHelp& set) { return setHelp(set); },
                  [&](const orders::Aim& aim) { return this->aim(aim); },
                  [&](const orders::Steer& steer) { return this->steer(steer.by); },
-                 [&](const orders::Action& action) { return act(action.act); },
+                 [&](const orders::Action& action) { return act(action, order.client); },
                  [&](const orders::HolderAlive& holder) { return tellHolderAlive(holder.alive); },
                  [&](const orders::Unattended&) { return markUnattended(order); },
                  [&](const orders::UnattendedEnds&) {
@@ -234,10 +232,16 @@ OrderReply Decider::push(const Command& command) {
   return {true, ""};
 }
 
-OrderReply Decider::act(Act action) {
+// Whatever but a pause lets efforts of the exercise rise.
+OrderReply Decider::act(const orders::Action& action, std::uint32_t client) {
+  if (!s_.live) return nothingArmed();
+  if (action.act != Act::kPause) {
+    OrderReply may = s_.basis.refuseOutdated(action.basis_seen, client);
+    if (!may.accepted) return may;
+  }
   Command command;
   command.type = CommandType::kAction;
-  command.index = static_cast<std::int32_t>(action);
+  command.index = static_cast<std::int32_t>(action.act);
   return push(command);
 }
 
@@ -265,7 +269,7 @@ OrderReply Decider::setParameter(const orders::SetParameter& order, std::uint32_
                                order.value, found->lower, found->upper, found->unit));
   }
   // A sender that raises a limit may still see the values of another person.
-  if (isEffortLimit(order.name) && order.value > s_.person.valueOf(*found)) {
+  if (s_.person.limits(parameters).exceeds(order.name, order.value)) {
     if (OrderReply may = s_.basis.refuseOutdated(order.basis_seen, client); !may.accepted) {
       return may;
     }

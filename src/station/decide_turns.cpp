@@ -26,12 +26,8 @@ bool renders(const StationState& state) {
   return state.live && state.run_state == RunState::kRendering && !state.loop_ends;
 }
 
-Basis::Limits limitsNow(const StationState& state) {
-  Basis::Limits limits;
-  for (const PublishedParameter& parameter : state.scene->parameters) {
-    if (isEffortLimit(parameter.name)) limits[parameter.name] = state.person.valueOf(parameter);
-  }
-  return limits;
+PersonLimits limitsNow(const StationState& state) {
+  return state.person.limits(state.scene->parameters);
 }
 
 }  // namespace
@@ -312,7 +308,7 @@ void Decider::useModels() {
 // The person and the published scene change together. Returns a line about the visit.
 std::string Decider::changePerson(const UnderWay& load) {
   const std::shared_ptr<const SceneFacts> before = s_.scene;
-  const Basis::Limits limits_before = limitsNow(s_);
+  const PersonLimits limits_before = limitsNow(s_);
   const Order& order = load.task.order;
   if (load.profile || load.other_hand) {
     const bool another_visit =

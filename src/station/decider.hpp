@@ -47,7 +47,7 @@ class Decider {
   OrderReply setHelp(const orders::SetHelp& order);
   OrderReply aim(const orders::Aim& order);
   OrderReply steer(Steering by);
-  OrderReply act(Act action);
+  OrderReply act(const orders::Action& action, std::uint32_t client);
   OrderReply tellHolderAlive(bool alive);
   OrderReply markUnattended(const Order& order);
   OrderReply push(const Command& command);

@@ -2,6 +2,7 @@
 
 #include "station/profiles.hpp"
 #include "vocabulary/backend.hpp"
+#include "vocabulary/person_limits.hpp"
 
 #include <cstdint>
 #include <map>
@@ -29,6 +30,8 @@ class PersonSettings {
   /// Value set for the person if it is in the range of the parameter, else the file's value. An
   /// effort limit outside its range is clamped, so it never exceeds the file's own limit.
   [[nodiscard]] double valueOf(const PublishedParameter& parameter) const;
+  /// Effort limits in force.
+  [[nodiscard]] PersonLimits limits(const std::vector<PublishedParameter>& parameters) const;
   [[nodiscard]] Help help() const { return help_; }
   /// Number of times that a person or a hand was loaded.
   [[nodiscard]] std::uint64_t person() const { return person_; }

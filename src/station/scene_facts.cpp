@@ -18,8 +18,8 @@ ParameterGroup groupOf(const std::string& name, ParameterGroup usual) {
 void publish(const std::vector<LiveParameter>& parameters, ParameterGroup group,
              SceneFacts& facts) {
   for (const LiveParameter& p : parameters) {
-    facts.parameters.push_back(
-        {p.name, groupOf(p.name, group), p.unit, p.lower, p.upper, p.value, p.rate_per_s});
+    facts.parameters.push_back({p.name, groupOf(p.name, group), p.unit, p.lower, p.upper, p.value,
+                                p.rate_per_s, p.bounds_effort});
   }
 }
 

@@ -97,6 +97,7 @@ struct PublishedParameter {
   ParameterGroup group = ParameterGroup::kExercise;
   std::string unit;
   double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
+  bool bounds_effort = false;
 };
 
 /// A visit in the clinic's records, and the item of its plan.
@@ -178,6 +179,7 @@ struct LoopStatus {
   bool rest_before_start = false;
   Help help = Help::kUnspecified;  ///< as set by the therapist; kUnspecified: the player chooses
   std::vector<double> parameters;  ///< current values, in the order of SceneFacts::parameters
+  std::vector<double> settings;    ///< what they go to: the values set for the person
   /// Bodies of a game; null: none. Every change makes a new object.
   std::shared_ptr<const GameBodies> bodies;
   /// Registered bodies; null: none. Every change makes a new object.
@@ -229,6 +231,7 @@ struct Steer {
 };
 struct Action {
   Act act = Act::kNext;
+  std::uint32_t basis_seen = 0;  ///< as in Arm; a pause needs none
 };
 struct TakeControls {
   std::string token;

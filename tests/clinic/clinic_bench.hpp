@@ -38,16 +38,24 @@ class FakeClock final : public Clock {
 /// A station that obeys like the real one, or as the test sets.
 class FakeStation final : public Station {
  public:
-  [[nodiscard]] StationScene scene() const override { return now; }
+  [[nodiscard]] StationScene scene() const override {
+    StationScene scene = now;
+    for (const char* name : {"effort_limit_hand_tip_n", "effort_limit_arm_n"}) {
+      if (const auto set = now.values.find(name); set != now.values.end()) {
+        scene.limits.set(name, set->second);
+      }
+    }
+    return scene;
+  }
   [[nodiscard]] StationReply open(const VisitOrder& order) override {
     orders.push_back(order);
     if (meanwhile) meanwhile();
     if (reply.what != StationReply::Status::kAccepted) return reply;
-    const Parameters before = std::exchange(now.values, now.initial);
+    const PersonLimits before = scene().limits;
+    now.values = now.initial;
     for (const auto& [name, value] : order.parameters) {
       // As in the real station, the next item of a visit does not raise a limit that was lowered.
-      const bool goes_on = now.visit == order.visit && isEffortLimit(name) && before.contains(name);
-      now.values[name] = goes_on ? std::min(value, before.at(name)) : value;
+      now.values[name] = now.visit == order.visit ? before.lowered(name, value) : value;
     }
     now.visit = order.visit;
     now.item = order.item;

@@ -99,8 +99,10 @@ void send(beast::websocket::stream<net::ip::tcp::socket>& socket,
   socket.write(net::buffer(b.GetBufferPointer(), b.GetSize()));
 }
 
-/// A station that sends one scene and then answers `orders` orders: it refuses the first and
-/// accepts the others.
+constexpr double kSetLimit_n = 4.1;  // no number of single precision
+
+/// A station that sends one scene and one state, and then answers `orders` orders: it refuses the
+/// first and accepts the others.
 void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head,
                  std::vector<std::string>& heard) {
   beast::websocket::stream<net::ip::tcp::socket> socket(acceptor.accept());
@@ -113,8 +115,9 @@ void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head
   flatbuffers::FlatBufferBuilder scene;
   const auto name = scene.CreateString("effort_limit_arm_n");
   const auto unit = scene.CreateString("N");
+  const fb::ParameterRange exact(0.05, 20.0, 20.0);
   const auto parameter = fb::CreateParameter(scene, name, fb::ParameterGroup::Patient, unit, 0.05F,
-                                             20.0F, 20.0F, 1.0F);
+                                             20.0F, 20.0F, 1.0F, &exact, true);
   const auto parameters = scene.CreateVector(&parameter, 1);
   fb::SceneBuilder out(scene);
   out.add_parameters(parameters);
@@ -122,6 +125,13 @@ void playStation(net::ip::tcp::acceptor& acceptor, int orders, std::string& head
   fb::FinishMessageBuffer(scene,
                           fb::CreateMessage(scene, 1, fb::Payload::Scene, out.Finish().Union()));
   send(socket, scene);
+  flatbuffers::FlatBufferBuilder state;
+  const auto settings = state.CreateVector(&kSetLimit_n, 1);
+  fb::WorldStateBuilder now(state);
+  now.add_settings(settings);
+  fb::FinishMessageBuffer(
+      state, fb::CreateMessage(state, 1, fb::Payload::WorldState, now.Finish().Union()));
+  send(socket, state);
   for (int i = 0; i < orders; ++i) {
     beast::flat_buffer bytes;
     socket.read(bytes);
@@ -150,8 +160,10 @@ TEST(StationLink, OrdersAndReplies_ArePassedAndALostConnectionCountsAsSilence) {
   std::vector<std::string> heard;
   std::thread station([&] { playStation(acceptor, 3, head, heard); });
   StationClient client(acceptor.local_endpoint().port(), "secret");
-  while (!client.scene().received) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  while (client.scene().values.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_EQ(client.scene().visit, 5U);
+  EXPECT_EQ(client.scene().values.at("effort_limit_arm_n"), kSetLimit_n);
+  EXPECT_EQ(client.scene().limits.of("effort_limit_arm_n"), kSetLimit_n);
   EXPECT_EQ(client.scene().bounds.at("effort_limit_arm_n")[0],
             0.05);  // as the exercise file states it
   const VisitOrder order{

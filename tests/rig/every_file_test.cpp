@@ -1,6 +1,8 @@
 // Every shipped hand on every shipped device in every shipped scene.
+#include "clinic/presets/presets.hpp"
 #include "exercises/load_exercise.hpp"
 #include "files/hand/hand_file.hpp"
+#include "loop/renderer/live_settings.hpp"
 #include "rig/models.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
@@ -12,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <string>
 
 namespace wholehand::test {
@@ -40,6 +43,23 @@ std::shared_ptr<Rig> armed(const std::string& device, const std::string& scene,
   // The gains must be certified: `uncertified` is not set.
   std::shared_ptr<Rig> rig = orThrow(buildRig(std::move(m), std::move(intention), {}));
   return rig->renderer->arm() ? rig : nullptr;
+}
+
+// A clinic plans without a station, so its file names the limits, too.
+TEST(EveryDevice, ParametersThatBoundEfforts_AreThoseOfTheClinicsFile) {
+  const auto presets = orThrow(
+      clinic::loadPresets(std::string(WHOLEHAND_SOURCE_DIR) + "/config/clinic/presets.toml"));
+  const std::set<std::string> expected(presets.limits.begin(), presets.limits.end());
+  std::set<std::string> found;
+  for (const std::string& name : shipped("devices")) {
+    const Models m =
+        load(shippedFiles(name, shipped("scenes").front(), shippedHands(0, true).front()));
+    const LiveSettings live(m.device, makeAdaptiveDamping(m.device, m.rendering));
+    for (const LiveParameter& parameter : live.parameters()) {
+      if (parameter.bounds_effort) found.insert(parameter.name);
+    }
+  }
+  EXPECT_EQ(found, expected);
 }
 
 class EveryFile : public testing::TestWithParam<std::string> {};

@@ -27,7 +27,7 @@ using Time = std::chrono::steady_clock::time_point;
 using std::chrono::milliseconds;
 
 constexpr int kClients = 3;
-constexpr const char* kLimit = "effort_limit_x_n";
+constexpr const char* kLimit = "most_push_n";  // what a limit is does not follow from its name
 constexpr double kFileLimit_n = 8.0, kVisitLimit_n = 3.0;
 
 /// What a client was shown, and what it then may mean by Start.
@@ -113,7 +113,7 @@ std::shared_ptr<const SceneFacts> scene(const std::string& hand, int level) {
   facts->level = level;
   facts->exercise_name = "bar";
   facts->parameters.push_back(
-      {kLimit, ParameterGroup::kPatient, "N", 0.0, kFileLimit_n, kFileLimit_n, 10.0});
+      {kLimit, ParameterGroup::kPatient, "N", 0.0, kFileLimit_n, kFileLimit_n, 10.0, true});
   return facts;
 }
 
@@ -179,6 +179,7 @@ class World {
   void noteReply(std::uint64_t asked, const OrderReply& reply);
   void ask(int client, orders::Any what, bool may_raise = true);
   void stop(int client, orders::Any what);
+  void goOn(int client);
   bool setLimit(int client, double value_n);
   bool work(bool done, bool throws);
   void workOn(const work::Any& work, bool done);
@@ -407,6 +408,19 @@ void World::stop(int client, orders::Any what) {
   law(state_.run_state != RunState::kRendering, "Rendering after a stop");
 }
 
+// The exercise goes on only for a client that was shown the person, hand, level and limits of now.
+void World::goOn(int client) {
+  const Shown shown = clients_[client].shown;
+  ask(client, orders::Action{Act::kResume, shown.basis});
+  if (!last_reply_.accepted) return;
+  law(shown.own_visit || shown.visit == state_.visit.number, "goes on with another visit");
+  law(shown.own_hand || shown.own_visit || shown.hand == state_.scene->hand.name,
+      "goes on with another hand");
+  law(shown.own_limit || shown.own_visit || shown.own_hand ||
+          state_.person.valueOf(state_.scene->parameters[0]) <= shown.limit_n,
+      "goes on above the limit that was shown");
+}
+
 bool World::setLimit(int client, double value_n) {
   const double before_n = limit_n_;
   const Client& by = clients_[client];
@@ -576,7 +590,7 @@ bool World::happens(const Event& event) {
     case Step::kRaiseLimit:
       return !player && setLimit(event.client, 6.0);
     case Step::kGoesOn:
-      ask(event.client, orders::Action{Act::kResume});
+      goOn(event.client);
       return true;
     case Step::kLeaves:
       client.connected = false;

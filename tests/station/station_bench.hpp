@@ -117,14 +117,16 @@ class Bar : public testing::Test {
   }
   OrderReply ask(orders::Any what) { return ask(of(std::move(what))); }
   /// An order of a client that has seen the present state: an order to arm names the newest ending
-  /// and the basis, an order to set a parameter the basis.
+  /// and the basis, an order to set a parameter or to act the basis.
   [[nodiscard]] Order of(orders::Any what, std::uint32_t claim = 0) const {
     auto* arm = std::get_if<orders::Arm>(&what);
     auto* set = std::get_if<orders::SetParameter>(&what);
-    if (station_ && (arm != nullptr || set != nullptr)) {
+    auto* act = std::get_if<orders::Action>(&what);
+    if (station_ && (arm != nullptr || set != nullptr || act != nullptr)) {
       const LoopStatus shown = station_->status();
       if (arm != nullptr) *arm = {shown.endings, shown.basis};
       if (set != nullptr) set->basis_seen = shown.basis;
+      if (act != nullptr) act->basis_seen = shown.basis;
     }
     Order order{std::move(what)};
     order.claim = claim;

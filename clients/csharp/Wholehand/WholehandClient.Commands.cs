@@ -97,10 +97,11 @@ namespace Wholehand
             return Ask(Order.Steer, b => wholehand.protocol.Steer.CreateSteer(b, by).Value);
         }
 
-        /// <summary>Sends an action to the exercise: next, restart, pause, resume.</summary>
-        public Task<CommandReply> Action(Act act)
+        /// <summary>Sends an action to the exercise: next, restart, pause, resume. <paramref name="basisSeen"/> is
+        /// HandState.Basis as it was shown to the person; a pause needs none.</summary>
+        public Task<CommandReply> Action(Act act, uint basisSeen = 0)
         {
-            return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act).Value);
+            return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act, basisSeen).Value);
         }
 
         /// <summary>The person's intended position of the hand, per axis; sent once and at once, since the next

@@ -90,6 +90,13 @@ Expected<Presets> loadPresets(const std::string& path) {
       presets.bounds[name] = bounds.interval(name, NumberRule{});
     }
     presets.device = root.texts("device");
+    presets.limits = root.texts("limits");
+    for (const std::string& name : presets.limits) {
+      const auto& device = presets.device;
+      if (std::find(device.begin(), device.end(), name) == device.end()) {
+        root.fail("limits", fmt::format("names {}, which is not in device", name), "name it there");
+      }
+    }
     readExercises(root, presets);
     for (TomlTable& table : root.tables("force", 1)) {
       ForcePreset force;

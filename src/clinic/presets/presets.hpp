@@ -44,6 +44,7 @@ struct Presets {
   std::map<std::string, std::array<double, 2>> bounds;  ///< bounds of every parameter that may be
                                                         ///< set
   std::vector<std::string> device;                      ///< parameters that every exercise has
+  std::vector<std::string> limits;                      ///< those of them that bound efforts
 
   [[nodiscard]] const ForcePreset* forceOf(const std::string& id) const;
   [[nodiscard]] const ExerciseFacts* exercise(const std::string& id) const;

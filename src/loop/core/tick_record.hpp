@@ -11,7 +11,6 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <type_traits>
 
 namespace wholehand {
@@ -31,14 +30,11 @@ struct LiveParameter {
   std::string unit;    ///< for people, SI: "N", "m", "s", "1"
   double lower = 0.0;  ///< allowed range, lower .. upper
   double upper = 0.0;
-  double value = 0.0;       ///< initial value
-  double rate_per_s = 0.0;  ///< slope of the ramp, > 0
+  double value = 0.0;          ///< initial value
+  double rate_per_s = 0.0;     ///< slope of the ramp, > 0
+  bool bounds_effort = false;  ///< limits the device's efforts; such a value falls at once and
+                               ///< never rises by itself
 };
-
-/// True when the live parameter of that name limits the device's efforts.
-[[nodiscard]] inline bool isEffortLimit(std::string_view name) noexcept {
-  return name.starts_with("effort_limit_");
-}
 
 /// Largest number of live parameters, renderer and exercise together.
 inline constexpr int kMaxLiveParameters = 24;

@@ -51,6 +51,12 @@ LiveParameter between(const char* name, const char* unit, double lower, double u
   return {name, unit, lower, upper, value, (upper - lower) / kRamp_s};
 }
 
+LiveParameter limit(const char* name, double most_n) {
+  LiveParameter parameter = between(name, "N", kLeastShare * most_n, most_n, most_n);
+  parameter.bounds_effort = true;
+  return parameter;
+}
+
 // f₀ of an axis in N. Translation: f₀ itself. Rotation with a tip: f₀ divided by its lever arm.
 // Otherwise 0.
 double fullInNewton(const DeviceAxis& axis, double effort_full) {
@@ -77,11 +83,10 @@ LiveSettings::LiveSettings(const DeviceModel& device, const AdaptiveDampingConfi
     if (full_n == 0.0) full_n = fullInNewton(axis, damping.effort_full[i]);
   }
   if (tip_n > 0.0) {
-    add(Role::kHandLimit,
-        between("effort_limit_hand_tip_n", "N", kLeastShare * tip_n, tip_n, tip_n));
+    add(Role::kHandLimit, limit("effort_limit_hand_tip_n", tip_n));
   }
   if (arm_n > 0.0) {
-    add(Role::kArmLimit, between("effort_limit_arm_n", "N", kLeastShare * arm_n, arm_n, arm_n));
+    add(Role::kArmLimit, limit("effort_limit_arm_n", arm_n));
   }
   if (full_n > 0.0) {
     add(Role::kDampingFull, between("damping_full_n", "N", 0.2 * full_n, 2.0 * full_n, full_n));

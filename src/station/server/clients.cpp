@@ -90,7 +90,8 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
          a.run_state == b.run_state && a.steering == b.steering && a.latched == b.latched &&
          a.rested == b.rested && a.arming == b.arming && a.rehearsed_ticks == b.rehearsed_ticks &&
          a.silent == b.silent && a.stop_pending == b.stop_pending &&
-         a.stop_unconfirmed == b.stop_unconfirmed && a.parameters == b.parameters;
+         a.stop_unconfirmed == b.stop_unconfirmed && a.parameters == b.parameters &&
+         a.settings == b.settings;
 }
 
 /// Line of a game without a WebSocket. It sends nothing: the game sees the results of its orders in

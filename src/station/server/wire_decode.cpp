@@ -92,7 +92,7 @@ Expected<orders::Steer> read(const fb::Steer& in) {
 }
 Expected<orders::Action> read(const fb::Action& in) {
   if (!isKnown(in.act())) return unknown("action", in.act());
-  return orders::Action{static_cast<Act>(in.act())};
+  return orders::Action{static_cast<Act>(in.act()), in.basis_seen()};
 }
 orders::TakeControls read(const fb::TakeControls& in) {
   return {text(in.token())};

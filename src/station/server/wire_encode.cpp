@@ -99,7 +99,7 @@ struct Arrays {
   VectorOffset<float> q_m, q_s, qd_s, theta, intention, coupling, exercise_effort, damping, sent,
       phi;
   VectorOffset<float> parameters;
-  VectorOffset<double> values;
+  VectorOffset<double> values, settings;
   VectorOffset<const fb::Pose*> links, bodies;
   VectorOffset<const fb::ContactPoint*> contacts;
   Offset<fb::DeviceState> device;
@@ -177,6 +177,7 @@ Arrays makeArrays(Builder& b, const SceneModel& scene, const TickRecord& r,
                    [](std::uint64_t n) { return static_cast<std::uint32_t>(n); });
     a.fault_ticks = b.CreateVector(ticks.data(), ticks.size());
     if (status.device) a.device = deviceToWire(b, *status.device);
+    a.settings = b.CreateVector(status.settings);
   }
   if (detail != Detail::kCompact) {
     a.qd_s = floats(b, r.qd_s);
@@ -202,6 +203,7 @@ void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
   out.add_bodies(a.bodies);
   out.add_contacts(a.contacts);
   out.add_values(a.values);
+  out.add_settings(a.settings);
   out.add_parameters(a.parameters);
   out.add_device(a.device);
   out.add_fault_ticks(a.fault_ticks);
@@ -293,10 +295,11 @@ Offset<fb::Axis> axisToWire(Builder& b, const DeviceAxis& axis) {
 }
 
 Offset<fb::Parameter> parameterToWire(Builder& b, const PublishedParameter& p) {
+  const fb::ParameterRange exact(p.lower, p.upper, p.initial);
   return fb::CreateParameter(b, b.CreateString(p.name), static_cast<fb::ParameterGroup>(p.group),
                              b.CreateString(p.unit), static_cast<float>(p.lower),
                              static_cast<float>(p.upper), static_cast<float>(p.initial),
-                             static_cast<float>(p.rate_per_s));
+                             static_cast<float>(p.rate_per_s), &exact, p.bounds_effort);
 }
 
 Offset<fb::Words> wordsToWire(Builder& b, const Words& words) {

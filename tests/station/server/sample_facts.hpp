@@ -16,7 +16,7 @@ inline SceneFacts sampleScene() {
   facts.hand = crankHand();
   facts.exercise_name = "cocktail-bar";
   facts.value_names = {"stage", "flow_l_s"};
-  facts.parameters = {{"lead_in_m", ParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
+  facts.parameters = {{"lead_in_m", ParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01, false}};
   SceneBody body;
   body.name = "glass";
   body.com_m = {0.0, 0.0, 0.05};

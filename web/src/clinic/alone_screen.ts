@@ -58,7 +58,7 @@ export class AloneScreen implements Screen {
     const shown = JSON.stringify([model.scene?.parameters.map(({ name }) => String(name)), model.state?.parameters]);
     if (shown === this.shown) return;
     this.shown = shown;
-    this.limits.replaceChildren(...(model.scene?.parameters ?? []).filter(({ name }) => String(name).startsWith('effort_limit_')).map((parameter) => {
+    this.limits.replaceChildren(...(model.scene?.parameters ?? []).filter(({ boundsEffort }) => boundsEffort).map((parameter) => {
       const view = viewOf(parameter, consoleTexts().parameters.names);
       const [name, words] = parameterWords(view.name, model.parameter(view.name) ?? parameter.initial);
       return h('div', {}, h('dt', {}, name), h('dd', {}, words));

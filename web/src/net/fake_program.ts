@@ -7,7 +7,7 @@
 import * as flatbuffers from 'flatbuffers';
 import {
   Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, ReleaseReason, LoadExercise, Message, MessageT, Order,
-  ParameterGroup, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
+  ParameterGroup, ParameterRangeT, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
   WelcomeT, WorldStateT,
 } from '../protocol';
 import type { SocketConnection } from './socket_connection';
@@ -233,7 +233,7 @@ export class FakeProgram {
     s.capsules = HAND.capsules.map((c) => new CapsuleT(c.name, c.part, c.link, vec(c.a as unknown as Triple), vec(c.b as unknown as Triple), c.r));
     describeBar(s, this.bar);
     s.faultNames = FAULT_NAMES;
-    s.parameters = PARAMETERS.map(([name, group, unit, lower, upper, initial, rate]) => new ParameterT(name, group, unit, lower, upper, initial, rate));
+    s.parameters = PARAMETERS.map(([name, group, unit, lower, upper, initial, rate]) => new ParameterT(name, group, unit, lower, upper, initial, rate, new ParameterRangeT(lower, upper, initial), name.startsWith('effort_limit_')));
     s.exercises = [BAR_FILE, 'free-grasping'];
     s.hands = [HAND.name, 'woman-p50-right'];
     s.levels = LEVEL_NAMES.length;
@@ -272,6 +272,7 @@ export class FakeProgram {
     s.links = bar.links.map((l) => pose(l.p, l.q));
     fillBar(s, this.bar);
     s.parameters = this.parameters.map((p) => p.now);
+    s.settings = this.parameters.map((p) => p.target);
     s.statistics = new StatisticsT(BigInt(this.tick), BigInt(2), BigInt(0), 148 + 4 * Math.random(), 236, 402, 890);
     s.recordingBytes = BigInt(this.tick * 400);
     const enabled = this.runState !== RunState.Disarmed;

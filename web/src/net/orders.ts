@@ -55,7 +55,7 @@ export abstract class Orders {
   /** The posture that the person intends, one value per axis of the scene [m or rad]. @param by how much of it the page does for them */
   aim(q: number[], by = Help.Unspecified): Promise<Answer> { return this.order(new AimT(q, by)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
-  act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
+  act(act: Act): Promise<Answer> { return this.order(new ActionT(act, this.basis)); }
   /** Answers a question of a commissioning, by its number. */
   answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
   /** Reports whether the hold button is held; a commissioning moves nothing without it. */

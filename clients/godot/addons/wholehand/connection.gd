@@ -146,9 +146,11 @@ func steer(by: int) -> int:
 	return _order("Steer", [[Protocol.Steer.by, "u8", by]])
 
 
-# Sends an action to the exercise, Protocol.Act: next, restart, pause, resume.
-func act(act: int) -> int:
-	return _order("Action", [[Protocol.Action.act, "u8", act]])
+# Sends an action to the exercise, Protocol.Act: next, restart, pause, resume. `basis_shown` is state.basis as it was
+# shown to the person; a pause needs none.
+func act(act: int, basis_shown: int = 0) -> int:
+	var f = Protocol.Action
+	return _order("Action", [[f.act, "u8", act], [f.basis_seen, "u32", basis_shown]])
 
 
 # The person's intended position of the hand, per axis of scene.axes. Protocol.Help: the share of it that the game does
