@@ -140,7 +140,7 @@ describe('notices', () => {
     sendState(0);
     expect(model.notice).toBeUndefined();
     sendState(5);  // in none of the ticks that were sent
-    expect(model.notice?.what).toContain('limit');
+    expect(model.notice?.bits).toBe(1 << 6);
     expect(model.limited).toBe(true);
   });
 

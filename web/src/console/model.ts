@@ -6,13 +6,14 @@ import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
 import { Marks } from './marks';
 import type { Recording } from './recordings';
-import { faultWords, statusOf, type Status } from './run_status';
+import { statusOf, type Status } from './run_status';
 import { SessionCounters } from './session_counters';
 
 /** A line of the safety panel. */
 export interface Notice {
   at: Date;
-  what: string;
+  /** In the order of Scene.fault_names. */
+  bits: number;
 }
 
 /**
@@ -151,7 +152,7 @@ export class ConsoleModel {
     if (!counted) bits = faults & INFORMATION;
     if (bits === 0) return;
     if ((bits & (1 << 6)) !== 0) this.limited_s = this.history.now_s;
-    this.notice = { at: new Date(), what: faultWords(bits, this.scene?.faultNames ?? []).join(', ') };
+    this.notice = { at: new Date(), bits };
   }
 
   private takeEvents(events: readonly EventT[]): void {

@@ -92,7 +92,7 @@ export class ConsolePage {
     this.plots = new PlotsPanel(model, axis);
     this.viewPanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
     this.exercise = new ExercisePanelView(model);
-    const safety = new SafetyPanel(model);
+    const safety = new SafetyPanel(model, this.engineer);
     const timing = new TimingPanel(model);
     const setup = new SetupPanel(model, engineer);
     const big = new BigControls(model);

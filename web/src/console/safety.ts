@@ -1,3 +1,4 @@
+import { faultWords } from './run_status';
 import { fill } from '../shared/i18n';
 import { h, setText, setAttribute, setClass } from './dom';
 import { fixed } from '../shared/format';
@@ -35,6 +36,9 @@ class PeakRow {
 }
 
 /** Shows the state, its cause, the system's reaction, and the peaks relative to their limits. */
+/** Late ticks and unsettled contacts: a therapist can do nothing about them, and the session goes on. */
+const FOR_ENGINEERS = (1 << 7) | (1 << 31);
+
 export class SafetyPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -54,7 +58,7 @@ export class SafetyPanel implements Panel {
   private readonly arm = new PeakRow(this.t.safety.arm, 'N', 1);
   private readonly speed = new PeakRow(this.t.safety.speed, 'm/s', 2);
 
-  constructor(private readonly model: ConsoleModel) {
+  constructor(private readonly model: ConsoleModel, private readonly engineer = true) {
     const { t } = this;
     this.steps = [t.states.disarmed, t.states.rendering, t.states.stopping, t.states.stopped].map((name) => h('li', {}, name));
     this.box = h('div', { class: 'cause' }, this.causeIcon, h('div', {}, this.cause, this.excess, this.did, this.todo));
@@ -112,8 +116,9 @@ export class SafetyPanel implements Panel {
 
   private lastNotice(): string {
     const { notice } = this.model;
-    if (!notice) return this.t.safety.nothingYet;
-    return fill(this.t.safety.lastNotice, { time: notice.at.toLocaleTimeString(language(), { hour12: false }), what: notice.what });
+    const bits = (notice?.bits ?? 0) & ~(this.engineer ? 0 : FOR_ENGINEERS);
+    if (!notice || bits === 0) return this.t.safety.nothingYet;
+    return fill(this.t.safety.lastNotice, { time: notice.at.toLocaleTimeString(language(), { hour12: false }), what: faultWords(bits, this.model.scene?.faultNames ?? []).join(', ') });
   }
 
   private refreshPeaks(): void {

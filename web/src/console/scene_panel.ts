@@ -30,8 +30,7 @@ export class ScenePanel implements Panel {
   /** Sets the 3D view; undefined where it cannot be drawn. */
   setView(view: PacedView | undefined): void {
     this.view = view;
-    setText(this.words, view ? '' : this.t.view.none);
-    this.words.hidden = view !== undefined;
+    setText(this.words, view ? this.t.view.loading : this.t.view.none);
     this.look.element.hidden = view === undefined;
     if (!view) return;
     this.element.prepend(view.canvas);
@@ -47,6 +46,8 @@ export class ScenePanel implements Panel {
   }
 
   refresh(): void {
+    // A picture that is not complete yet is black.
+    if (this.view) this.words.hidden = this.view.drawnIn !== 'none';
     const caption = this.info.caption((name) => this.model.value(name));
     if (this.caption.hidden !== (caption === '')) this.caption.hidden = caption === '';
     setText(this.caption, caption);

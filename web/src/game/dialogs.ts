@@ -119,7 +119,7 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   const card = h('section', { class: 'card welcome', role: 'dialog', 'aria-labelledby': 'welcome-title', tabindex: -1, 'data-testid': 'welcome' },
     h('header', {},
       h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, words.title()), h('p', { class: 't-s soft' }, words.lead())),
-      h('div', { class: 'corner t-s' }, pressable(`${text('settings.text')}: ${text('text.far')}`, content.textSize === 'far', () => actions.textSize(content.textSize === 'far' ? 'normal' : 'far'), { 'data-large': 'text' }), h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
+      h('div', { class: 'corner t-s' }, pressable(text('settings.textIs', { x: text('text.far') }), content.textSize === 'far', () => actions.textSize(content.textSize === 'far' ? 'normal' : 'far'), { 'data-large': 'text' }), h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
         ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase()))))),
     stepList(content),
     h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),

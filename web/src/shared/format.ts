@@ -1,9 +1,14 @@
+import { language } from './i18n';
+
 /** Formats a number with a true minus sign, no minus zero, and fixed decimals. */
 export function fixed(value: number, decimals: number): string {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(decimals);
   return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace('-', '−');
 }
+
+/** A number in a sentence: French writes a comma. */
+export const spoken = (value: number, decimals: number): string => (language() === 'fr' ? fixed(value, decimals).replace('.', ',') : fixed(value, decimals));
 
 /** Groups digits with thin spaces: 251840 becomes 251 840 in every language. */
 export function grouped(value: number | bigint): string {

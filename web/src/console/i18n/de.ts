@@ -72,7 +72,7 @@ export const de: ConsoleTexts = {
   phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein' },
 
   legend: { title: 'Legende', phi: 'φ: adaptive Dämpfung einer Achse; 0 keine, 1 volle', alpha: 'α: wie weit die Wand der Übung eingeblendet ist; 0 aus, 1 ganz', m1: '① die Hand berührt einen Gegenstand', m2: '② gegriffen, die Wand blendet ein' },
-  profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', rule: 'Nur A bis Z, Ziffern, «-» und «_»; höchstens 60.', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
+  profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', rule: 'Nur A bis Z, Ziffern, «-» und «_»; höchstens 60 Zeichen.', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
   handFacts: { now: 'Hand', side: 'Seite', right: 'rechts', left: 'links', range: '{lo} bis {hi}', of: 'Bereich des Geräts' },
 
   view: {

@@ -71,7 +71,7 @@ export const en = {
   phases: { bump: 'touched', engaged: 'grasp, wall fades in' },
 
   legend: { title: 'Legend', phi: 'φ: adaptive damping of an axis; 0 none, 1 full', alpha: 'α: how far the exercise’s wall is faded in; 0 out, 1 in', m1: '① the hand touches an object', m2: '② grasped, the wall fades in' },
-  profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', rule: 'Only A to Z, digits, “-” and “_”; 60 at most.', stopFirst: 'Stop first: a profile is opened before the start.' },
+  profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', rule: 'Only A to Z, digits, “-” and “_”; at most 60 characters.', stopFirst: 'Stop first: a profile is opened before the start.' },
   handFacts: { now: 'Hand', side: 'Side', right: 'right', left: 'left', range: '{lo} to {hi}', of: 'Range of the device' },
 
   view: {

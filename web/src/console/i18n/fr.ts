@@ -72,7 +72,7 @@ export const fr: ConsoleTexts = {
   phases: { bump: 'touche', engaged: 'prise, le mur apparaît' },
 
   legend: { title: 'Légende', phi: 'φ : amortissement adaptatif d’un axe ; 0 aucun, 1 plein', alpha: 'α : part du mur de l’exercice qui agit ; 0 rien, 1 tout', m1: '① la main touche un objet', m2: '② saisi, le mur apparaît' },
-  profile: { profile: 'Patient : {name}', noProfile: 'aucun profil', name: 'Nom du profil', save: 'Enregistrer', load: 'Ouvrir', nameHint: 'Nouveau nom', rule: 'Seulement A à Z, chiffres, « - » et « _ » ; 60 au plus.', stopFirst: 'Arrêtez d’abord : un profil s’ouvre avant le départ.' },
+  profile: { profile: 'Patient : {name}', noProfile: 'aucun profil', name: 'Nom du profil', save: 'Enregistrer', load: 'Ouvrir', nameHint: 'Nouveau nom', rule: 'Seulement A à Z, chiffres, « - » et « _ » ; 60 signes au plus.', stopFirst: 'Arrêtez d’abord : un profil s’ouvre avant le départ.' },
   handFacts: { now: 'Main', side: 'Côté', right: 'droite', left: 'gauche', range: '{lo} à {hi}', of: 'Course de l’appareil' },
 
   view: {

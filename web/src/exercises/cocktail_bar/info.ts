@@ -9,8 +9,11 @@ export const BAR_SIGNS: Readonly<Record<string, EventSign>> = {
   pour_ended: { sign: '④', meaning: () => text('phase.release'), legend: () => text('legend.release') },
 };
 
-/** The title of the bar's file in the page's language; undefined for another file. */
-export const barTitle = (file: string): string | undefined => (file === BAR_FILE ? text('name') : undefined);
+/** The file with bottles that may be carried. */
+const FREE_FILE = `${BAR_FILE}-free`;
+
+/** The title of the bar's files in the page's language; undefined for another file. */
+export const barTitle = (file: string): string | undefined => (file === BAR_FILE ? text('name') : file === FREE_FILE ? text('nameFree') : undefined);
 
 /** Texts of the bar for the console, the replay and reports. */
 export function barInfo(bar: Bar, file: string): ExerciseInfo {

@@ -78,6 +78,7 @@ export const de: Texts = {
   'settings.music': 'Musik',
   'settings.speech': 'Gesprochene Anweisungen',
   'settings.text': 'Text',
+  'settings.textIs': 'Text: {x}',
   'settings.on': 'An',
   'settings.off': 'Aus',
   'settings.noVoice': 'Dieser Browser hat keine deutsche Stimme. Die Worte bleiben auf dem Bildschirm.',

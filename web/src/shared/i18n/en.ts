@@ -81,6 +81,7 @@ export const en = {
   'settings.music': 'Music',
   'settings.speech': 'Spoken instructions',
   'settings.text': 'Text',
+  'settings.textIs': 'Text: {x}',
   'settings.on': 'On',
   'settings.off': 'Off',
   'settings.noVoice': 'This browser has no voice for English. The words stay on the screen.',

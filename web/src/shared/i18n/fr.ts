@@ -78,6 +78,7 @@ export const fr: Texts = {
   'settings.music': 'Musique',
   'settings.speech': 'Consignes parlées',
   'settings.text': 'Texte',
+  'settings.textIs': 'Texte : {x}',
   'settings.on': 'Oui',
   'settings.off': 'Non',
   'settings.noVoice': 'Ce navigateur n’a pas de voix française. Les mots restent à l’écran.',

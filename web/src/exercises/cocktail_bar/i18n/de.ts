@@ -73,6 +73,7 @@ export const de: BarTexts = {
   'phase.release': 'lässt los',
   'legend.pour': '③ es fliesst',
   'legend.release': '④ die Hand lässt los',
+  nameFree: 'Cocktailbar, lose Flaschen',
   name: 'Cocktailbar',
   'report.drinks': 'Getränke fertig',
   'report.stars': 'Sterne',

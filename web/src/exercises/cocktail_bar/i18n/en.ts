@@ -72,6 +72,7 @@ export const en = {
   'phase.release': 'lets go',
   'legend.pour': '③ it pours',
   'legend.release': '④ the hand lets go',
+  nameFree: 'Cocktail bar, free bottles',
   name: 'Cocktail bar',
   'report.drinks': 'drinks finished',
   'report.stars': 'stars',

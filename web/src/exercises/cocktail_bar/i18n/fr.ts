@@ -73,6 +73,7 @@ export const fr: BarTexts = {
   'phase.release': 'lâche',
   'legend.pour': '③ le liquide coule',
   'legend.release': '④ la main lâche',
+  nameFree: 'Le bar, bouteilles libres',
   name: 'Bar à cocktails',
   'report.drinks': 'boissons terminées',
   'report.stars': 'étoiles',
