@@ -13,7 +13,7 @@ const EVERY_MS = 2500;
 
 /** Results of the exercise's panel, then the person's reaches and the share of help, where they were measured. */
 export function measured(trial: Trial): readonly Result[] {
-  const more: readonly (readonly [name: string, value: number | null | undefined, unit: string])[] = [['reach_s', trial.reach_s, 's'], ['peak_speed_m_s', trial.peak_speed_m_s, 'm/s'], ['path_ratio', trial.path_ratio, ''],
+  const more: readonly (readonly [name: string, value: number | null | undefined, unit: string])[] = [['reach_s', trial.reach_s, 's'], ['peak_speed_m_s', trial.peak_speed_m_s, 'm/s'], ['path_ratio', trial.path_ratio, '×'],
     ['helped_share', trial.helped_share === null ? null : 100 * trial.helped_share, '%']];
   return [...trial.results, ...more.flatMap(([name, value, unit]) => (typeof value === 'number' ? [{ name, value, unit }] : []))];
 }

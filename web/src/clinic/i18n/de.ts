@@ -28,7 +28,7 @@ export const de: ClinicTexts = {
   presets: { usual: 'Üblich', gentle: 'Sanft', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
     poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft', time_s: 'Zeit',
-    active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg zu Luftlinie', helped_share: 'Geholfen',
+    active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg, in geraden Wegen', helped_share: 'Geholfen',
   },
   curves: { one: 'Bisher eine Sitzung. Kurven stehen hier nach zweien.', short: 'unter einer Minute', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
   first: {

@@ -26,7 +26,7 @@ export const en = {
   presets: { usual: 'Usual', gentle: 'Gentle', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
   results: {
     poured_total_l: 'Poured', spilt_l: 'Spilt', bands_done: 'Levels done', time_s: 'Time',
-    active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Path over straight line', helped_share: 'Helped',
+    active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Way, in straight ways', helped_share: 'Helped',
   } as Record<string, string>,
   curves: { one: 'One visit so far. Curves stand here after two.', short: 'under a minute', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
   first: {

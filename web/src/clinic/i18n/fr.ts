@@ -28,7 +28,7 @@ export const fr: ClinicTexts = {
   presets: { usual: 'Habituel', gentle: 'Doux', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
   results: {
     poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits', time_s: 'Temps',
-    active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet sur ligne droite', helped_share: 'Aidé',
+    active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet, en trajets droits', helped_share: 'Aidé',
   },
   curves: { one: 'Une seule séance jusqu’ici. Les courbes viennent après deux.', short: 'moins d’une minute', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
   first: {
