@@ -35,10 +35,10 @@ class PeakRow {
   }
 }
 
-/** Shows the state, its cause, the system's reaction, and the peaks relative to their limits. */
 /** Late ticks and unsettled contacts: a therapist can do nothing about them, and the session goes on. */
 const FOR_ENGINEERS = (1 << 7) | (1 << 31);
 
+/** Shows the state, its cause, the system's reaction, and the peaks relative to their limits. */
 export class SafetyPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
