@@ -38,7 +38,7 @@ describe('a page that is left', () => {
     expect(sentOf(Order.Aim)).toHaveLength(1);
     const before = last().sent.length;
     await vi.advanceTimersByTimeAsync(1000);
-    expect(last().sent).toHaveLength(before);  // after 200 ms of silence the program has taken the controls back
+    expect(last().sent).toHaveLength(before);
     expect([connection.controls.heldByYou, connection.loss]).toEqual([false, 'left']);
     last().sendMessage(Payload.Controls, new ControlsT(false, false));
     connection.comeBack();
@@ -47,6 +47,27 @@ describe('a page that is left', () => {
     expect(connection.loss).toBe('left');
     await take();
     expect(connection.loss).toBe('');
+  });
+
+  it('goes on without a press when it still holds the controls', async () => {
+    await take();
+    connection.leave();
+    await vi.advanceTimersByTimeAsync(1500);
+    const before = sentOf(Order.Heartbeat).length;
+    connection.comeBack();
+    expect([connection.controls.heldByYou, connection.loss]).toEqual([true, '']);
+    await vi.advanceTimersByTimeAsync(200);
+    expect(sentOf(Order.Heartbeat).length).toBeGreaterThan(before);
+  });
+
+  it('takes nothing back from a player who has taken the controls meanwhile', async () => {
+    await take();
+    connection.leave();
+    last().sendMessage(Payload.Controls, new ControlsT(false, true));
+    connection.comeBack();
+    await vi.advanceTimersByTimeAsync(500);
+    expect([connection.controls.heldByYou, connection.controls.held, connection.loss]).toEqual([false, true, 'left']);
+    expect(sentOf(Order.Heartbeat)).toHaveLength(0);
   });
 
   it('orders nothing but stops', async () => {

@@ -13,10 +13,10 @@ namespace wholehand {
 ///
 ///   nobody has held them     the virtual patient plays, the exercise pushes (the demo)
 ///   holder silent 200 ms     suspended: the exercise's effort fades out
-///     heard within 1 s       it goes on as if it had not been silent
+///     heard within 2 s       it goes on as if it had not been silent
 ///     a second time          the effort stays out until 10 s after its last return, and until the
 ///     within 10 s            holder has not been silent for 2 s
-///     silent for 1 s         it loses the controls, as if its connection were lost
+///     silent for 2 s         it loses the controls, as if its connection were lost
 ///   connection lost          the exercise's effort fades out and stays out until somebody takes
 ///                            the controls; after 5 s without a new holder the virtual patient
 ///                            steers
@@ -33,7 +33,7 @@ namespace wholehand {
 class ControlTimeouts {
  public:
   static constexpr std::int64_t kSilent_ns = 200'000'000;
-  static constexpr std::int64_t kGone_ns = 1'000'000'000;
+  static constexpr std::int64_t kGone_ns = 2'000'000'000;
   static constexpr std::int64_t kOnceIn_ns = 10'000'000'000;
   static constexpr std::int64_t kSteady_ns = 2'000'000'000;
   /// A longer time between two calls of advance() means that the program stood still [ns].

@@ -65,7 +65,7 @@ TEST_F(ControlTimeoutsTest, SecondClient_IsRefusedUntilTheFirstGivesBack) {
   EXPECT_EQ(timeouts.take(ben, now), "");
 }
 
-TEST_F(ControlTimeoutsTest, SilentHolder_IsSuspendedAfter200msAndResumesWithinASecond) {
+TEST_F(ControlTimeoutsTest, SilentHolder_IsSuspendedAfter200msAndResumesWithin2s) {
   annaTakes();
   EXPECT_FALSE(after(200).holder_alive);
   const auto silent = after(1);
@@ -74,7 +74,7 @@ TEST_F(ControlTimeoutsTest, SilentHolder_IsSuspendedAfter200msAndResumesWithinAS
   EXPECT_FALSE(silent.holder_changed);
   EXPECT_EQ(silent.suspended_client, anna);
   EXPECT_EQ(timeouts.take(ben, now), "another client holds the controls");
-  EXPECT_FALSE(after(799).holder_changed);
+  EXPECT_FALSE(after(1799).holder_changed);
   timeouts.noteMessage(anna, now);
   const auto back = after(0);
   ASSERT_TRUE(back.holder_alive);
@@ -83,9 +83,9 @@ TEST_F(ControlTimeoutsTest, SilentHolder_IsSuspendedAfter200msAndResumesWithinAS
   EXPECT_TRUE(timeouts.holds(anna));
 }
 
-TEST_F(ControlTimeoutsTest, SilentForASecond_LosesTheControlsAndMustTakeThemAnew) {
+TEST_F(ControlTimeoutsTest, SilentFor2s_LosesTheControlsAndMustTakeThemAnew) {
   annaTakes();
-  EXPECT_FALSE(after(1000).holder_changed);
+  EXPECT_FALSE(after(2000).holder_changed);
   const auto silent = after(1);
   EXPECT_FALSE(silent.holder_alive) << "was said when the silence began";
   EXPECT_TRUE(silent.holder_changed);  // all clients are notified, Anna too
@@ -165,9 +165,9 @@ TEST_F(ControlTimeoutsTest, TooRareHeartbeats_ReturnTheEffortOnceAtMost) {
   }
 }
 
-// On a busy machine the page is silent for up to 0.9 s every few seconds, for an hour. Its player
+// On a busy machine the page is silent for up to 1.9 s every few seconds, for an hour. Its player
 // never loses the controls, and the effort returns once the heartbeats are regular.
-TEST_F(ControlTimeoutsTest, FrequentSilencesUnderASecond_KeepTheControls) {
+TEST_F(ControlTimeoutsTest, FrequentSilencesUnder2s_KeepTheControls) {
   auto random = test::seededRandom(1703);
   annaTakes();
   bool alive = true;
@@ -177,7 +177,7 @@ TEST_F(ControlTimeoutsTest, FrequentSilencesUnderASecond_KeepTheControls) {
       timeouts.noteMessage(anna, now);
       const bool silent = random() % 20 == 0;  // about every 2 s
       silences += silent ? 1 : 0;
-      beat = t + (silent ? 210 + static_cast<std::int64_t>(random() % 700) : 100);
+      beat = t + (silent ? 210 + static_cast<std::int64_t>(random() % 1700) : 100);
     }
     const auto advice = after(10);
     if (advice.holder_alive) alive = *advice.holder_alive;
@@ -192,20 +192,22 @@ TEST_F(ControlTimeoutsTest, FrequentSilencesUnderASecond_KeepTheControls) {
   EXPECT_TRUE(alive) << "she has been heard for 12 s";
 }
 
-// Messages arrive 0 to 400 ms apart, for an hour.
+// Messages arrive 0 to 400 ms apart, for an hour. No effort returns while she is not heard.
 TEST_F(ControlTimeoutsTest, HeartbeatsAtRandom_ReturnTheEffortOnceIn10sAtMost) {
   auto random = test::seededRandom(1702);
   for (int i = 0; i < test::cases(100); ++i) {
     annaTakes();
-    std::int64_t returned_ms = -10'000;
+    std::int64_t returned_ms = -10'000, heard_ms = 0;
     for (std::int64_t t = 0, beat = 0; t < 60'000; t += 10) {
       if (t >= beat) {
         timeouts.noteMessage(anna, now);
+        heard_ms = t;
         beat = t + static_cast<std::int64_t>(random() % (random() % 4 == 0 ? 400 : 190));
       }
       const auto advice = after(10);
       if (!advice.holder_alive || !*advice.holder_alive) continue;
       ASSERT_GE(t - returned_ms, 10'000);
+      ASSERT_EQ(t, heard_ms);
       returned_ms = t;
     }
     if (timeouts.holds(anna)) ASSERT_EQ(timeouts.release(anna), "");
@@ -215,7 +217,7 @@ TEST_F(ControlTimeoutsTest, HeartbeatsAtRandom_ReturnTheEffortOnceIn10sAtMost) {
 
 TEST_F(ControlTimeoutsTest, HolderSilentFor5s_IsReplacedByTheVirtualPatientWithoutEffort) {
   annaTakes();
-  (void)after(1001);
+  (void)after(2001);
   EXPECT_FALSE(after(5000).give_back);
   const auto lost = after(1);
   EXPECT_TRUE(lost.give_back);

@@ -163,7 +163,11 @@ export class Connection extends Orders {
   }
 
   /** Records that the person is back. Lost controls must be taken again by a press. */
-  comeBack(): void { this.controlHolding.away = false; }
+  comeBack(): void {
+    if (!this.controlHolding.away) return;
+    this.controlHolding.comeBack();
+    this.notify('status', this.status);
+  }
 
   /** Reconnects at once instead of after the wait. */
   retryNow(): void {
@@ -322,7 +326,7 @@ export class Connection extends Orders {
   }
 
   private onControls(controls: ControlsT): void {
-    this.controlHolding.update({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
+    this.controlHolding.onReport({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
     this.notify('controls', controls);
   }
 

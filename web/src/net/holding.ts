@@ -28,6 +28,7 @@ export class ControlHolding {
   private giving = false;    // the controls are being given back at the person's wish
   private wanted = false;    // the last order requested the controls instead of giving them back
   private heartbeatOn = false;   // as last set on the connection
+  private told: Hands = NOBODY;  // the program's last report, also while the person is away
 
   /** @param keep begins or ends the heartbeats that show that the page is alive */
   constructor(private readonly keep: (needsHeartbeat: boolean) => void) {}
@@ -58,6 +59,7 @@ export class ControlHolding {
       this.loss = '';
       if (this.wanted) {
         this.giving = false;
+        this.told = { ...this.told, heldByYou: true, held: true };
         this.set({ ...this.hands, heldByYou: true, held: true });
       }
     }
@@ -74,8 +76,24 @@ export class ControlHolding {
     this.update({ ...this.hands, heldByYou: false }, rendering);
   }
 
+  /** The person is back. What the program has not taken meanwhile goes on without a press. */
+  comeBack(): void {
+    if (!this.away) return;
+    this.away = false;
+    if (this.told.heldByYou && !this.giving) {
+      this.loss = '';
+      this.set(this.told);
+    }
+    this.updateHeartbeat();
+  }
+
   /** Applies the program's report of who holds the controls. */
-  update(hands: Hands, rendering: boolean): void {
+  onReport(hands: Hands, rendering: boolean): void {
+    this.told = hands;
+    this.update(hands, rendering);
+  }
+
+  private update(hands: Hands, rendering: boolean): void {
     const lost = this.hands.heldByYou && !hands.heldByYou && !this.giving;
     // A stop takes the controls from a player; that is not reported as a loss.
     if (lost && this.away) this.loss = 'left';
@@ -93,7 +111,7 @@ export class ControlHolding {
 
   /** Forgets the controls after the connection was lost. */
   onConnectionLost(): void {
-    this.hands = NOBODY;
+    this.hands = this.told = NOBODY;
     this.giving = this.heartbeatOn = false;
   }
 

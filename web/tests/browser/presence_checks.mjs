@@ -141,6 +141,21 @@ export async function hiddenPageLetsGoOnce(t, hidden_s) {
   return `${reported}; a page that hung: "${hung}"`;
 }
 
+/** Hidden for less than 2 s: the effort fades as always, and the play goes on without a press. */
+export async function shortlyHiddenPageGoesOn(t) {
+  const { watcher, page, switches } = await withClosedHand(t);
+  await page.evaluate(() => window.emulate('hidden'));
+  await until('the effort out', async () => (await switches()).length === 1);
+  await page.evaluate(() => window.emulate('shown'));
+  await until('the effort back', async () => (await switches()).length === 2);
+  await page.keyboard.up('Space');
+  await page.keyboard.down('Space');
+  await watcher.until('the hand closed again', (now) => fingers(now) > 2);
+  expect(await page.locator('[data-testid=left]').count() === 0, 'it asks for a press');
+  expect(await switches.free_ms() === 0, 'the controls were lost');
+  return 'the effort went out and came back, and the key closed the hand again';
+}
+
 /** After a playing page has vanished nothing pushes until somebody presses something; watching is sufficient. */
 export async function watchingBringsThePlayBack(t) {
   const watcher = await t.watcher();

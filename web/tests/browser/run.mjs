@@ -61,6 +61,7 @@ const TESTS = [
   ['slow timers keep the controls', presence.slowTimersKeepTheControls, PACED],
   // The server's own tests cover an hour in simulated time; this one uses the browser's time.
   ['a hidden page loses the controls once', (t) => presence.hiddenPageLetsGoOnce(t, FULL ? 600 : 6), PACED],
+  ['a page hidden for a moment goes on', presence.shortlyHiddenPageGoesOn, PACED],
   ['watching lets the program play again', presence.watchingBringsThePlayBack, PACED],
   ['Start waits for the connection', presence.startWaitsForTheConnection, PACED],
   ['an unconfirmed stop is reported', presence.unconfirmedStopIsReported, PACED],
