@@ -38,11 +38,12 @@ bool isColour(const std::string& text) {
 Json Accounts::tiles() {
   Json tiles = Json::array();
   if (!records_.key()) return tiles;
-  Statement rows = records_.db().query("SELECT id, name, colour FROM account ORDER BY id");
+  Statement rows = records_.db().query("SELECT id, name, colour, left_us FROM account ORDER BY id");
   while (rows.step()) {
     tiles.push_back({{"id", rows.integer(0)},
                      {"name", records_.unseal("account", rows.text(1))},
                      {"colour", rows.text(2)}});
+    if (rows.integer(3) != 0) tiles.back()["left"] = true;
   }
   return tiles;
 }
@@ -194,7 +195,8 @@ void Accounts::countFailure(Tries& tries) const {
 }
 
 void Accounts::checkPin(std::int64_t account, const Json& body) {
-  Statement row = records_.db().query("SELECT pin, failed FROM account WHERE id = ?", account);
+  Statement row = records_.db().query(
+      "SELECT pin, failed FROM account WHERE id = ? AND left_us = 0", account);
   if (!row.step()) throw notFound(fmt::format("there is no account {}", account));
   Tries& tries = tries_.try_emplace(account, Tries{static_cast<int>(row.integer(1))}).first->second;
   refuseWhileWaiting(tries);
@@ -267,6 +269,32 @@ Json Accounts::addAccount(Call& call) {
   const std::int64_t id = insertAccount(call.body, "");
   records_.log(call.session.account, "added an account", 0, 0, std::to_string(id));
   return {{"account", id}};
+}
+
+Json Accounts::changePin(Call& call) {
+  const std::string pin = hashPin(pinOf({{"pin", call.body.value("new_pin", "")}}, "new_pin"));
+  checkPin(call.session.account, call.body);
+  records_.begin(call);
+  records_.db().change("UPDATE account SET pin = ? WHERE id = ?", Blob{records_.seal("pin", pin)},
+                       call.session.account);
+  records_.log(call.session.account, "changed the PIN");
+  return Json::object();
+}
+
+Json Accounts::leave(Call& call) {
+  const std::int64_t account = call.ids.at(0);
+  if (account == call.session.account) {
+    throw RequestRefusal{409, "own_account", "nobody takes themselves off the list", {}};
+  }
+  if (records_.db().change("UPDATE account SET left_us = ? WHERE id = ? AND left_us = 0",
+                           records_.clock().now_us(), account) == 0) {
+    throw notFound("there is no such colleague");
+  }
+  records_.log(call.session.account, "took a colleague off", 0, 0, std::to_string(account));
+  call.after.emplace_back([this, account] {
+    std::erase_if(sessions_, [&](const auto& each) { return each.second.account == account; });
+  });
+  return Json::object();
 }
 
 void Accounts::logOpened(const Call& call, std::int64_t patient) {

@@ -34,6 +34,11 @@ class Accounts {
   Json hide(Call& call);
   Json show(Call& call);
   Json addAccount(Call& call);
+  /// Changes the PIN of who is signed in. The present one is asked for.
+  Json changePin(Call& call);
+  /// A colleague works here no longer: no tile, no session. Nobody does that to themselves, so that
+  /// somebody stays.
+  Json leave(Call& call);
 
  private:
   struct Tries {

@@ -8,6 +8,7 @@
 #include "clinic/station_client.hpp"
 #include "clinic/text.hpp"
 #include "clinic/trials.hpp"
+#include "clinic/upkeep.hpp"
 #include "clinic/visits.hpp"
 
 #include <functional>
@@ -57,6 +58,7 @@ class Clinic {
   std::mutex mutex_;  ///< guards the members below
   Records records_;
   Accounts accounts_{records_};
+  Upkeep upkeep_{records_};
   Plans plans_;
   Patients patients_{records_, accounts_, plans_};
   Visits visits_;

@@ -138,20 +138,28 @@ void Records::backUpIfDue() {
   if (options_.backups.empty() || !db_ || std::abs(now_us - last_backup_us_) < kDay_us) return;
   try {
     if (isNew()) return;
-    std::string name = isoTime(now_us);
-    std::erase_if(name, [](char c) { return c == '-' || c == ':'; });
-    const std::string path = options_.backups + "/clinic-" + name + ".db";
-    if (const auto done = backUp(options_.folder, path, now_us); !done) {
+    if (const auto done = backUpTo(options_.backups); !done) {
       backup_problem_ = format(done.errors());
       return;
     }
-    backup_problem_.clear();
-    last_backup_us_ = now_us;
-    removeOldBackups(options_.backups, now_us);
     log(0, "backed up");
   } catch (const DatabaseError& error) {
     backup_problem_ = error.what();
   }
+}
+
+Expected<std::string> Records::backUpTo(const std::string& folder) {
+  const std::int64_t now_us = clock_.now_us();
+  std::string name = isoTime(now_us);
+  std::erase_if(name, [](char c) { return c == '-' || c == ':'; });
+  const std::string path = folder + "/clinic-" + name + ".db";
+  if (const auto done = backUp(options_.folder, path, now_us); !done) return done.errors();
+  if (folder == options_.backups) {
+    backup_problem_.clear();
+    last_backup_us_ = now_us;
+    removeOldBackups(folder, now_us);
+  }
+  return path;
 }
 
 Json Records::backupFacts() const {

@@ -20,6 +20,8 @@ struct ClinicOptions {
   std::string config;      ///< the shipped config/
   std::string recordings;  ///< folder of the recordings; empty: recordings are not read
   std::string backups;     ///< folder of the daily backups; empty: none
+  /// folders below which sticks and other disks are mounted
+  std::vector<std::string> sticks = {"/media", "/run/media", "/mnt"};
   KeyCost cost;
 };
 
@@ -75,6 +77,8 @@ class Records {
     return {options_.folder, options_.recordings, options_.backups};
   }
   void backUpIfDue();
+  /// Writes a backup to the folder; of the daily folder old ones are removed. @return its file
+  [[nodiscard]] Expected<std::string> backUpTo(const std::string& folder);
   /// Time and folder of the last backup, and the reason if none could be made.
   [[nodiscard]] Json backupFacts() const;
 

@@ -1,6 +1,9 @@
+#include "clinic/backup.hpp"
 #include "clinic/text.hpp"
 #include "clinic_bench.hpp"
 #include "support/cpu_time.hpp"
+
+#include <unistd.h>
 
 namespace wholehand::clinic {
 namespace {
@@ -21,6 +24,11 @@ TEST(Requests, EachRole_IsAnsweredAsDocumented) {
   const std::vector<Row> rows = {{"GET", "/api/state", kNo, kNo, kNo},
                                  {"POST", "/api/lock", kLocked, kOut, kNo},
                                  {"POST", "/api/accounts", kLocked, kOut, kHidden},
+                                 {"POST", "/api/accounts/1/leave", kLocked, kOut, kHidden},
+                                 {"POST", "/api/pin", kLocked, kOut, kHidden},
+                                 {"GET", "/api/backup/places", kLocked, kOut, kHidden},
+                                 {"POST", "/api/backup", kLocked, kOut, kHidden},
+                                 {"GET", "/api/log", kLocked, kOut, kHidden},
                                  {"GET", "/api/presets", kLocked, kOut, kNo},
                                  {"GET", "/api/patients", kLocked, kOut, kHidden},
                                  {"POST", "/api/patients", kLocked, kOut, kHidden},
@@ -173,6 +181,77 @@ TEST(Requests, ThousandTriesAtAPin_AreMostlyRejectedUnchecked) {
   EXPECT_EQ(b.refused("/api/sign_in", {{"account", 1}, {"pin", "1234"}}), "too_many_tries");
   b.clock.pass(3600 * kSecond_us);
   EXPECT_NE(b.post("/api/sign_in", {{"account", 1}, {"pin", "1234"}}).value("token", ""), "");
+}
+
+TEST(Requests, ChangedPin_OpensAndTheOldOneNoLonger) {
+  Bench b;
+  EXPECT_EQ(b.post("/api/pin", {{"pin", "9999"}, {"new_pin", "2468"}})["refused"], "wrong_pin");
+  EXPECT_EQ(b.post("/api/pin", {{"pin", "1234"}, {"new_pin", "12"}})["field"], "new_pin");
+  EXPECT_FALSE(b.post("/api/pin", {{"pin", "1234"}, {"new_pin", "2468"}}).contains("refused"));
+  EXPECT_EQ(b.post("/api/sign_in", {{"account", 1}, {"pin", "1234"}})["refused"], "wrong_pin");
+  EXPECT_TRUE(b.post("/api/sign_in", {{"account", 1}, {"pin", "2468"}}).contains("token"));
+}
+
+TEST(Requests, ColleagueWhoLeft_KeepsTheNameAndComesInNoMore) {
+  Bench b;
+  const Json added =
+      b.post("/api/accounts", {{"name", "B. Frei"}, {"colour", "#1f5fc4"}, {"pin", "4321"}});
+  const auto other = added["account"].get<std::int64_t>();
+  const std::string own = b.token;
+  b.token = b.post("/api/sign_in", {{"account", other}, {"pin", "4321"}})["token"];
+  const std::string others = b.token;
+  EXPECT_EQ(b.post(fmt::format("/api/accounts/{}/leave", other))["refused"], "own_account");
+  b.token = own;
+  EXPECT_FALSE(b.post(fmt::format("/api/accounts/{}/leave", other)).contains("refused"));
+  EXPECT_EQ(b.post(fmt::format("/api/accounts/{}/leave", other))["refused"], "not_found");
+  const Json tile = b.get("/api/state")["tiles"][1];
+  EXPECT_EQ(tile["name"], "B. Frei");
+  EXPECT_TRUE(tile.value("left", false));
+  EXPECT_EQ(b.post("/api/sign_in", {{"account", other}, {"pin", "4321"}})["refused"], "not_found");
+  b.token = others;
+  EXPECT_EQ(b.get("/api/patients")["refused"], "not_signed_in");
+}
+
+TEST(Requests, BackupByHand_GoesToAMountedDiskAndHoldsTheDaysWork) {
+  Bench b;
+  // A link to another file system stands for a mounted stick.
+  const std::string stick = "/dev/shm/wholehand-stick-" + std::to_string(::getpid());
+  std::filesystem::create_directory(stick);
+  std::filesystem::create_directories(b.folder.path() + "/media/anna");
+  std::filesystem::create_directory_symlink(stick, b.folder.path() + "/media/anna/STICK");
+  std::filesystem::create_directory(b.folder.path() + "/media/no-disk");
+  b.options.sticks = {b.folder.path() + "/media"};
+  b.restart();
+  b.addPatient("P-001");
+  const Json places = b.get("/api/backup/places")["places"];
+  ASSERT_EQ(places.size(), 2U) << places;
+  EXPECT_TRUE(places[0]["own"]);
+  EXPECT_EQ(places[1]["folder"], b.folder.path() + "/media/anna/STICK");
+  EXPECT_EQ(b.post("/api/backup", {{"folder", "/etc"}})["field"], "folder");
+  EXPECT_EQ(b.post("/api/backup", {{"folder", b.folder.path() + "/media/no-disk"}})["field"],
+            "folder");
+  const Json done = b.post("/api/backup", {{"folder", places[1]["folder"]}});
+  const std::string file = done.value("file", "");
+  EXPECT_TRUE(file.starts_with(places[1]["folder"].get<std::string>() + "/clinic-")) << done;
+  EXPECT_TRUE(restoreBackup(file, b.folder.path() + "/second", b.clock.now).ok());
+  Database copy(b.folder.path() + "/second/clinic.db", Database::Mode::kReadOnly);
+  EXPECT_EQ(copy.number("SELECT COUNT(*) FROM patient"), 1);
+  EXPECT_EQ(b.get("/api/state")["backup"]["last_us"], 0) << "that of each day is still due";
+  EXPECT_EQ(b.get("/api/log")["log"][0]["what"], "backed up by hand");
+  std::filesystem::remove_all(stick);
+}
+
+TEST(Requests, Log_ShowsWhoDidWhatByCode) {
+  Bench b;
+  const std::int64_t patient = b.addPatient("P-001");
+  (void)b.get(fmt::format("/api/patients/{}", patient));
+  const Json log = b.get("/api/log")["log"];
+  ASSERT_GE(log.size(), 3U);
+  EXPECT_EQ(log[0]["what"], "opened");
+  EXPECT_EQ(log[0]["code"], "P-001");
+  EXPECT_EQ(log[0]["account"], 1);
+  EXPECT_EQ(log[0]["at_us"], b.clock.now);
+  EXPECT_EQ(log.dump().find("Anna Keller"), std::string::npos);
 }
 
 TEST(Requests, BrowserKey_SurvivesARestartAndDiffersByAccount) {
