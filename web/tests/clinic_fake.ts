@@ -1,5 +1,5 @@
 // An in-memory substitute for the records process with the same HTTP interface. It encrypts and measures nothing.
-import type { Item, LooseSession, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
+import type { BackupPlace, Item, LogEntry, LooseSession, Note, Patient, PatientRow, PatientText, Trial, Visit } from '../src/clinic/records';
 
 export interface Answer { readonly status: number; readonly body: unknown }
 type Body = Readonly<Record<string, unknown>>;
@@ -24,7 +24,9 @@ export const PRESETS = {
 
 export class FakeClinic {
   clinic: 'new' | 'locked' | 'open' = 'new';
-  tiles: { id: number; name: string; colour: string; pin: string }[] = [];
+  tiles: { id: number; name: string; colour: string; pin: string; left?: boolean }[] = [];
+  places: BackupPlace[] = [{ folder: '/srv/backup', own: true, last_us: 0, free_bytes: 1e10 }];
+  log: LogEntry[] = [];
   phrase = '';
   readonly code = 'TRAY-7KQM-WOLF-29XD-MINT';
   hidden = false;
@@ -120,6 +122,16 @@ export class FakeClinic {
       case 'POST /api/hide': this.hidden = true; return ok({});
       case 'POST /api/sign_out': this.token = ''; return ok({});
       case 'POST /api/accounts': this.tiles.push({ id: this.last += 1, name: String(body.name), colour: String(body.colour), pin: String(body.pin) }); return ok({});
+      case 'POST /api/accounts/N/leave': this.tiles = this.tiles.map((tile) => (tile.id === id ? { ...tile, left: true } : tile)); return ok({});
+      case 'GET /api/backup/places': return ok({ places: this.places });
+      case 'POST /api/backup': this.places = this.places.map((place) => (place.folder === body.folder ? { ...place, last_us: this.now_us() } : place)); return ok({ file: `${String(body.folder)}/clinic-1.db`, last_us: this.now_us() });
+      case 'GET /api/log': return ok({ log: this.log });
+      case 'POST /api/pin': {
+        const mine = this.tiles.find((tile) => tile.id === this.account)!;
+        if (mine.pin !== body.pin) return refuse(401, 'wrong_pin', 'wrong', { tries_left: 4 });
+        mine.pin = String(body.new_pin);
+        return ok({});
+      }
       case 'GET /api/presets': return ok(PRESETS);
       case 'GET /api/patients': return this.list(decodeURIComponent(query.replace(/^find=/, '')));
       case 'GET /api/patients/propose': return ok({ code: `P-${String(this.patients.length + 1).padStart(3, '0')}` });

@@ -2,8 +2,8 @@
 
 /** A request without an answer for this long has failed [ms]. */
 const WITHIN_MS = 6000;
-/** The station checks the hand when it opens a visit, which takes up to 20 s. */
-const REHEARSED_WITHIN_MS = 21_000, REHEARSES = /\/(visits|guest_visits|item)$/;
+/** The station checks the hand when it opens a visit, which takes up to 20 s; a stick is slow, too. */
+const LONG_WITHIN_MS = 21_000, LONG = /\/(visits|guest_visits|item|backup)$/;
 
 /** The records refused a request; nothing was changed. */
 export class RefusalError extends Error {
@@ -76,7 +76,7 @@ export class ClinicApi {
     const base = this.base();
     if (base === '') throw this.silent();
     const ended = new AbortController();
-    const timer = setTimeout(() => ended.abort(), REHEARSES.test(path) ? REHEARSED_WITHIN_MS : WITHIN_MS);
+    const timer = setTimeout(() => ended.abort(), LONG.test(path) ? LONG_WITHIN_MS : WITHIN_MS);
     try {
       const headers: Record<string, string> = {};
       if (this.token !== '') headers.Authorization = `Bearer ${this.token}`;

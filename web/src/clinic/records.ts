@@ -3,7 +3,19 @@ export type Side = 'right' | 'left' | 'both';
 export type OneSide = Exclude<Side, 'both'>;
 export type Values = Readonly<Record<string, number>>;
 
-export interface Tile { readonly id: number; readonly name: string; readonly colour: string }
+export interface Tile {
+  readonly id: number;
+  readonly name: string;
+  readonly colour: string;
+  /** No longer works here: the name stands at notes and in the log, without a tile. */
+  readonly left?: boolean;
+}
+
+/** A folder that a backup can be written to; `own`: that of the daily backups. */
+export interface BackupPlace { readonly folder: string; readonly own: boolean; readonly last_us: number; readonly free_bytes: number }
+
+/** An entry of the log. Account 0 is the program itself. */
+export interface LogEntry { readonly at_us: number; readonly account: number; readonly what: string; readonly code: string; readonly visit: number }
 
 export interface RecordsState {
   readonly clinic: 'new' | 'locked' | 'open';
@@ -15,6 +27,9 @@ export interface RecordsState {
   readonly visit: number;
   readonly backup: { readonly last_us: number; readonly folder: string; readonly problem?: string };
 }
+
+/** Who works here now. */
+export const staffOf = (state: Pick<RecordsState, 'tiles'> | null): readonly Tile[] => (state?.tiles ?? []).filter(({ left }) => !left);
 
 export interface Item {
   readonly exercise: string;

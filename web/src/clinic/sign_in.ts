@@ -2,7 +2,7 @@ import { h, setText } from '../console/dom';
 import { RefusalError } from './api';
 import { texts } from './i18n';
 import type { ClinicContext } from './page';
-import type { Tile } from './records';
+import { staffOf, type Tile } from './records';
 import { button, Field, once, StatusMessage, textInput, type Screen } from './ui';
 
 /** Colours of tiles; white text on each has a contrast of at least 4.5. */
@@ -64,7 +64,7 @@ export class WhoScreen implements Screen {
 
   constructor(private readonly context: ClinicContext) {
     const { clinic } = context;
-    const tiles = clinic.state?.tiles ?? [];
+    const tiles = staffOf(clinic.state);
     const same = clinic.stage === 'hidden' ? tiles.find(({ id }) => id === clinic.account) : undefined;
     if (same) this.pad(same);
     else if (tiles.length === 1) this.pad(tiles[0]);
@@ -74,7 +74,7 @@ export class WhoScreen implements Screen {
   private tiles(): void {
     const { t } = this;
     this.element.replaceChildren(h('section', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title),
-      h('div', { class: 'tiles' }, ...(this.context.clinic.state?.tiles ?? []).map((tile) => {
+      h('div', { class: 'tiles' }, ...staffOf(this.context.clinic.state).map((tile) => {
         const press = button('', `tile-${tile.id}`, () => this.pad(tile), 'tile');
         press.replaceChildren(face(tile), h('span', {}, tile.name));
         return press;
@@ -95,7 +95,7 @@ export class WhoScreen implements Screen {
     const form = h('form', { class: 'panel narrow pad', 'aria-label': hidden ? t.again : t.title },
       h('h2', {}, hidden ? t.again : t.title), h('p', { class: 'whose' }, face(tile), h('b', {}, tile.name)), hidden ? h('p', {}, t.kept) : null, field.element, message.element,
       h('div', { class: 'keys' }, ...[...'123456789'].map(key), back, key('0'), go),
-      (clinic.state?.tiles.length ?? 0) > 1 ? button(t.other, 'other-tile', () => this.tiles(), 'wide') : null);
+      staffOf(clinic.state).length > 1 ? button(t.other, 'other-tile', () => this.tiles(), 'wide') : null);
     form.addEventListener('submit', (event) => {
       event.preventDefault();
       void once(go, async () => {

@@ -19,7 +19,7 @@ export const de: ClinicTexts = {
   refusals: {
     locked: 'Die Akten sind verschlossen. Geben Sie das Kennwort ein.', not_signed_in: 'Bitte melden Sie sich noch einmal an.', hidden: 'Die Namen sind ausgeblendet. Geben Sie Ihre PIN ein.',
     wrong_pin: 'Falsche PIN. Noch {tries_left} Versuche.', too_many_tries: 'Zu viele Versuche. Warten Sie {wait_s} s.', wrong_phrase: 'Das ist weder das Kennwort noch der Notschlüssel.',
-    not_found: 'Es ist nicht mehr in den Akten.', code_exists: 'Diesen Code hat schon jemand.', changed: 'Jemand anderes hat es inzwischen geändert.', visit_open: 'Eine andere Sitzung ist offen. Beenden Sie sie zuerst.',
+    not_found: 'Es ist nicht mehr in den Akten.', code_exists: 'Diesen Code hat schon jemand.', changed: 'Jemand anderes hat es inzwischen geändert.', own_account: 'Niemand nimmt sich selbst von der Liste.', backup: 'Die Sicherung misslang: {why}', visit_open: 'Eine andere Sitzung ist offen. Beenden Sie sie zuerst.',
     station: 'Das Gerät hat abgelehnt: {why}', station_silent: 'Das Gerät hat 5 s lang nicht geantwortet. Noch einmal versuchen.', no_recording: 'Davon gibt es keine Aufnahme.',
     database: 'Die Akten lassen sich nicht speichern: {why}', busy: 'Die Akten sind beschäftigt. Noch einmal versuchen.',
   },
@@ -91,6 +91,17 @@ export const de: ClinicTexts = {
   sheet: { back: 'Zurück zu {name}', print: 'Drucken', nothing: 'Noch nichts zu drucken.', progress: 'Verlauf', visit: 'Sitzung vom', day: 'Tag', hand: 'Hand', done: 'Gemacht', active: 'Aktiv', helped: 'Geholfen', led: 'Geführt', pain: 'Schmerz vorher → nachher' },
   settings: {
     title: 'Einstellungen', people: 'Wer hier arbeitet', newPerson: 'Jemand Neues', name: 'Name', add: 'Hinzufügen', backupProblem: 'Sie misslang: {why}', backup: 'Sicherung', noFolder: 'Kein Ordner für Sicherungen. Starten Sie das Programm mit einem.', noBackup: 'Noch keine Sicherung in {folder}.', lastBackup: 'Letzte Sicherung: {day}, {at}, in {folder}.',
+    backupWords: 'Auch Personen, Termine, Notizen und Ergebnisse von heute; die Aufnahmen sind nicht dabei. Bewahren Sie den Stick nicht beim Kennwort auf.', backUpHere: 'Jetzt sichern', thisMachine: 'Dieser Rechner', lastHere: 'zuletzt: {day}, {at}', noneHere: 'noch keine', noStick: 'Stecken Sie einen USB-Stick ein: Dann steht er hier.', backedUp: 'Gesichert und wieder gelesen: {file}',
+    you: 'Sie', leaves: 'Arbeitet nicht mehr hier', leavesYes: '{name} von der Liste nehmen', ownPin: 'Meine PIN ändern', pinNow: 'PIN jetzt', pinNew: 'Neue PIN', pinChange: 'Ändern', pinChanged: 'Ab jetzt gilt die neue PIN.',
     export: 'Export', exportWords: 'Alle Personen nach Code, ohne Namen.', csvAll: 'Als CSV speichern', leaving: 'Ende des Tages', lockWords: 'Verschlossen brauchen die Akten wieder das Kennwort.', signOut: 'Abmelden', lock: 'Akten verschliessen',
+  },
+  log: {
+    title: 'Protokoll', words: 'Wer was mit den Akten getan hat. Niemand kann es ändern.', read: 'Protokoll lesen', more: 'Mehr zeigen', when: 'Wann', who: 'Wer', what: 'Was', whose: 'Person', program: 'das Programm',
+    whats: {
+      'began the clinic': 'hat die Akten angelegt', 'signed in': 'hat sich angemeldet', 'wrong PIN': 'falsche PIN', opened: 'geöffnet', added: 'eingetragen', changed: 'geändert', deleted: 'gelöscht', erased: 'alles gelöscht', merged: 'mit dem Doppel vereint', exported: 'als CSV gespeichert', 'exported all': 'alle als CSV gespeichert',
+      'wrote a note': 'hat eine Notiz geschrieben', 'noted a no-show': 'vermerkt: nicht gekommen', 'asked for a visit': 'hat einen Termin verlangt', 'visit refused': 'die Station hat den Termin abgelehnt', 'began a visit': 'hat einen Termin begonnen', 'began an item': 'hat eine Übung begonnen', 'finished a visit': 'hat einen Termin beendet', 'moved a visit': 'hat einen Termin verschoben',
+      'kept settings': 'hat Einstellungen eines Termins behalten', 'gave sessions': 'hat Sitzungen zugeordnet', 'deleted a session': 'hat eine Sitzung gelöscht', 'deleted a guest visit': 'hat einen Termin ohne Person gelöscht', 'the station has this visit no longer': 'die Station hat den Termin nicht mehr',
+      'added an account': 'hat jemanden eingetragen', 'took a colleague off': 'hat jemanden von der Liste genommen', 'changed the PIN': 'hat die PIN geändert', 'backed up': 'tägliche Sicherung', 'backed up by hand': 'Sicherung von Hand', restored: 'eine Sicherung wurde eingespielt', 'did again what a restore had undone': 'hat wiederholt, was beim Einspielen verloren ging', 'erased from files and backups': 'aus Sicherungen gelöscht',
+    } as Record<string, string>,
   },
 };

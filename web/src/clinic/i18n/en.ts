@@ -17,7 +17,7 @@ export const en = {
   refusals: {
     locked: 'The records are locked. Enter the pass phrase.', not_signed_in: 'Please sign in again.', hidden: 'Names are hidden. Enter your PIN.',
     wrong_pin: 'Wrong PIN. Tries left: {tries_left}.', too_many_tries: 'Too many tries. Wait {wait_s} s.', wrong_phrase: 'That is not the pass phrase, nor the recovery code.',
-    not_found: 'It is no longer in the records.', code_exists: 'Another patient has this code.', changed: 'Somebody else changed it meanwhile.', visit_open: 'Another visit is open. End it first.',
+    not_found: 'It is no longer in the records.', code_exists: 'Another patient has this code.', changed: 'Somebody else changed it meanwhile.', own_account: 'Nobody takes themselves off the list.', backup: 'The backup failed: {why}', visit_open: 'Another visit is open. End it first.',
     station: 'The station refused: {why}', station_silent: 'The station did not answer within 5 s. Try again.', no_recording: 'There is no recording of it.',
     database: 'The records cannot be saved: {why}', busy: 'The records are busy. Try again.',
   } as Record<string, string>,
@@ -89,7 +89,18 @@ export const en = {
   sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', helped: 'Helped', led: 'Led', pain: 'Pain before → after' },
   settings: {
     title: 'Settings', people: 'Who works here', newPerson: 'Somebody new', name: 'Name', add: 'Add', backupProblem: 'It failed: {why}', backup: 'Backup', noFolder: 'No folder for backups is set. Start the program with one.', noBackup: 'No backup yet in {folder}.', lastBackup: 'Last backup: {day}, {at}, in {folder}.',
+    backupWords: 'Patients, visits, notes and results of today, too; the recordings are not in it. Keep a stick apart from the pass phrase.', backUpHere: 'Back up now', thisMachine: 'This machine', lastHere: 'last one: {day}, {at}', noneHere: 'none yet', noStick: 'Plug in a USB stick: it then stands here.', backedUp: 'Backed up and read back: {file}',
+    you: 'you', leaves: 'Works here no longer', leavesYes: 'Take {name} off the list', ownPin: 'Change my PIN', pinNow: 'PIN now', pinNew: 'New PIN', pinChange: 'Change it', pinChanged: 'The new PIN holds from now on.',
     export: 'Export', exportWords: 'All patients by code, without names.', csvAll: 'Save as CSV', leaving: 'End of the day', lockWords: 'Locked, the records need the pass phrase again.', signOut: 'Sign out', lock: 'Lock the records',
+  },
+  log: {
+    title: 'Log', words: 'Who did what with the records. Nobody can change it.', read: 'Read the log', more: 'Show more', when: 'When', who: 'Who', what: 'What', whose: 'Patient', program: 'the program',
+    whats: {
+      'began the clinic': 'made the records', 'signed in': 'signed in', 'wrong PIN': 'wrong PIN', opened: 'opened', added: 'entered', changed: 'changed', deleted: 'deleted', erased: 'erased', merged: 'joined with a double', exported: 'saved as CSV', 'exported all': 'saved all as CSV',
+      'wrote a note': 'wrote a note', 'noted a no-show': 'noted: did not come', 'asked for a visit': 'asked for a visit', 'visit refused': 'the station refused the visit', 'began a visit': 'began a visit', 'began an item': 'began an exercise', 'finished a visit': 'ended a visit', 'moved a visit': 'moved a visit',
+      'kept settings': 'kept settings of a visit', 'gave sessions': 'gave sessions to a patient', 'deleted a session': 'deleted a session', 'deleted a guest visit': 'deleted a visit without a patient', 'the station has this visit no longer': 'the station has the visit no longer',
+      'added an account': 'entered a colleague', 'took a colleague off': 'took a colleague off the list', 'changed the PIN': 'changed the PIN', 'backed up': 'daily backup', 'backed up by hand': 'backup by hand', restored: 'a backup was restored', 'did again what a restore had undone': 'did again what a restore had undone', 'erased from files and backups': 'erased from backups',
+    } as Record<string, string>,
   },
 };
 

@@ -19,7 +19,7 @@ export const fr: ClinicTexts = {
   refusals: {
     locked: 'Les dossiers sont verrouillés. Entrez la phrase secrète.', not_signed_in: 'Identifiez-vous de nouveau.', hidden: 'Les noms sont masqués. Entrez votre code PIN.',
     wrong_pin: 'Mauvais code PIN. Essais restants : {tries_left}.', too_many_tries: 'Trop d’essais. Attendez {wait_s} s.', wrong_phrase: 'Ce n’est ni la phrase secrète ni le code de secours.',
-    not_found: 'Ce n’est plus dans les dossiers.', code_exists: 'Un autre patient a ce code.', changed: 'Quelqu’un d’autre l’a modifié entre-temps.', visit_open: 'Une autre séance est en cours. Terminez-la d’abord.',
+    not_found: 'Ce n’est plus dans les dossiers.', code_exists: 'Un autre patient a ce code.', changed: 'Quelqu’un d’autre l’a modifié entre-temps.', own_account: 'Personne ne se retire de la liste.', backup: 'La copie a échoué : {why}', visit_open: 'Une autre séance est en cours. Terminez-la d’abord.',
     station: 'Le poste a refusé : {why}', station_silent: 'Le poste n’a pas répondu en 5 s. Réessayez.', no_recording: 'Il n’y en a pas d’enregistrement.',
     database: 'Les dossiers ne peuvent pas être enregistrés : {why}', busy: 'Les dossiers sont occupés. Réessayez.',
   },
@@ -91,6 +91,17 @@ export const fr: ClinicTexts = {
   sheet: { back: 'Retour à {name}', print: 'Imprimer', nothing: 'Il n’y a encore rien à imprimer.', progress: 'Évolution', visit: 'Séance du', day: 'Jour', hand: 'Main', done: 'Fait', active: 'Actif', helped: 'Aidé', led: 'Guidé', pain: 'Douleur avant → après' },
   settings: {
     title: 'Réglages', people: 'Qui travaille ici', newPerson: 'Une nouvelle personne', name: 'Nom', add: 'Ajouter', backupProblem: 'Échec : {why}', backup: 'Copie de sécurité', noFolder: 'Aucun répertoire pour les copies. Lancez le programme avec un.', noBackup: 'Pas encore de copie dans {folder}.', lastBackup: 'Dernière copie : {day}, {at}, dans {folder}.',
+    backupWords: 'Avec les patients, visites, notes et résultats du jour ; sans les enregistrements. Gardez la clé loin de la phrase secrète.', backUpHere: 'Copier maintenant', thisMachine: 'Cette machine', lastHere: 'la dernière : {day}, {at}', noneHere: 'aucune encore', noStick: 'Branchez une clé USB : elle apparaît ici.', backedUp: 'Copié et relu : {file}',
+    you: 'vous', leaves: 'Ne travaille plus ici', leavesYes: 'Retirer {name} de la liste', ownPin: 'Changer mon code', pinNow: 'Code actuel', pinNew: 'Nouveau code', pinChange: 'Changer', pinChanged: 'Le nouveau code est valable dès maintenant.',
     export: 'Export', exportWords: 'Tous les patients par code, sans noms.', csvAll: 'Enregistrer en CSV', leaving: 'Fin de la journée', lockWords: 'Verrouillés, les dossiers redemandent la phrase secrète.', signOut: 'Quitter', lock: 'Verrouiller les dossiers',
+  },
+  log: {
+    title: 'Journal', words: 'Qui a fait quoi avec les dossiers. Personne ne peut le modifier.', read: 'Lire le journal', more: 'En montrer plus', when: 'Quand', who: 'Qui', what: 'Quoi', whose: 'Patient', program: 'le programme',
+    whats: {
+      'began the clinic': 'a créé les dossiers', 'signed in': 'est entré', 'wrong PIN': 'code faux', opened: 'ouvert', added: 'inscrit', changed: 'modifié', deleted: 'supprimé', erased: 'tout effacé', merged: 'réuni avec son double', exported: 'enregistré en CSV', 'exported all': 'tout enregistré en CSV',
+      'wrote a note': 'a écrit une note', 'noted a no-show': 'noté : absent', 'asked for a visit': 'a demandé une visite', 'visit refused': 'la station a refusé la visite', 'began a visit': 'a commencé une visite', 'began an item': 'a commencé un exercice', 'finished a visit': 'a terminé une visite', 'moved a visit': 'a déplacé une visite',
+      'kept settings': 'a gardé les réglages d’une visite', 'gave sessions': 'a attribué des séances', 'deleted a session': 'a supprimé une séance', 'deleted a guest visit': 'a supprimé une visite sans patient', 'the station has this visit no longer': 'la station n’a plus la visite',
+      'added an account': 'a inscrit une personne', 'took a colleague off': 'a retiré une personne de la liste', 'changed the PIN': 'a changé son code', 'backed up': 'copie quotidienne', 'backed up by hand': 'copie à la main', restored: 'une copie a été restaurée', 'did again what a restore had undone': 'a refait ce qu’une restauration avait annulé', 'erased from files and backups': 'effacé des copies',
+    } as Record<string, string>,
   },
 };
