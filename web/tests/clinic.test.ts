@@ -14,6 +14,7 @@ import { Outbox } from '../src/clinic/outbox';
 import { painWords } from '../src/clinic/pain';
 import { differing } from '../src/clinic/patient_form';
 import { allNotes, isCounting, isOpen, itemNow, nextWish, timeOf_s, type Note, type Patient, type Visit } from '../src/clinic/records';
+import { LiveTime } from '../src/clinic/visit_screen';
 import { hashOf, routeOf, type Route } from '../src/clinic/routes';
 import { activeWords, timeWords, trialWords } from '../src/clinic/words';
 import { FakeClinic } from './clinic_fake';
@@ -476,6 +477,14 @@ describe('texts', () => {
 });
 
 describe('the seams of a visit', () => {
+  it('the time of an exercise is not shown as that of the next one', () => {
+    const live = new LiveTime(), first = new Date(1000);
+    expect([live.of(first, 0), live.of(first, 0)]).toEqual([true, true]);
+    expect(live.of(first, 1), 'item 2 is set up, item 1 is still being measured').toBe(false);
+    expect(live.of(new Date(2000), 1), 'item 2 is started').toBe(true);
+  });
+
+
   const note = (id: number, visit: number, kind: string, text: string, at_us = id): Note => ({ id, visit, kind, text, at_us, account: 1 });
   const visit = (id: number, began_us: number, notes: Note[], state: Visit['state'] = 'done'): Visit => ({ id, began_us, notes, state, patient: 1, side: 'right', ended_us: began_us + 1, offset_min: 0, account: 1, plan: [], item: 0, trials: [], pain_before: null, pain_after: null });
 

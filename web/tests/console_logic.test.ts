@@ -8,7 +8,7 @@ import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
 import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
-import { figuresOf, offered, SavedWatch, shownOf } from '../src/console/recordings';
+import { figuresOf, offered, SavedWatch, shownOf, whenMade } from '../src/console/recordings';
 import { levelsOf } from '../src/console/setup';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
@@ -454,6 +454,14 @@ describe('recordings that have ended', () => {
     expect(figuresOf({ name: 'a.h5' })).toBe('');
     // The length of a file that is being written is unknown: the file states 0 s until it is closed.
     expect(figuresOf({ name: 'a.h5', duration_s: 0, being_written: true, bytes: 1000 })).not.toContain(duration(0));
+  });
+
+  it('that were broken off are called by person, exercise and begin, and say so', () => {
+    const killed = { name: '20261129-141813-p-014-cocktail-bar-level-2.h5', title: '20261129-141813-p-014-cocktail-bar-level-2', created_utc: '', duration_s: 0, bytes: 50_000_000 };
+    expect([sessionWords(killed), figuresOf(killed)]).toEqual(['p-014: Cocktail bar, Level 2', `broken off, ${bytes(50_000_000)}`]);
+    expect(whenMade(killed, new Date(2026, 10, 29, 18), 'en-GB')).toBe('14:18');
+    expect(sessionWords({ name: '20261129-141813-light-switch-level-1-2.h5' })).toBe('Light switch, Level 1');
+    expect(sessionWords({ name: '20261129-141813-something-level-1.h5' })).toBe('20261129-141813-something-level-1.h5');
   });
 
   it('are limited to the newest at first, plus those being written or chosen', () => {

@@ -1,5 +1,6 @@
 // The replay's data from the program, by the contract of src/replay/replay_question.hpp.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { quantityWords } from '../src/shared/format';
 import { FakeRecordings, framed } from '../src/net/fake_recordings';
 import { readAbout } from '../src/replay/about';
 import { BoundedCache } from '../src/replay/bounded_cache';
@@ -347,5 +348,11 @@ describe('series of a recording', () => {
     expect([times[0] <= 10.1, times.at(-1)! >= 10.9]).toEqual([true, true]);
     expect([...times].every((time_s, i) => i < 2 || time_s > times[i - 2])).toBe(true);
     series.close();
+  });
+});
+
+describe('values of an exercise in the plots', () => {
+  it('are called by words and a unit where the panel does not name them', () => {
+    expect(['squeeze_low_n', 'flow_l_s', 'layer_l/2', 'score'].map(quantityWords)).toEqual(['Squeeze low, N', 'Flow, l/s', 'Layer 2, l', 'Score']);
   });
 });

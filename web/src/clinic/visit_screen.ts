@@ -38,6 +38,7 @@ export class VisitScreen implements Screen {
   private painWhen: PainTime | undefined;
   private readonly painPlace = h('div', { class: 'pain-place' });
   private readonly painFresh = new FreshButtons(this.painPlace);
+  private readonly live = new LiveTime();
   private marks: readonly string[] = [];
   /** The visit that is shown; null once it is over. */
   private shown: Visit | null | undefined;
@@ -163,8 +164,9 @@ export class VisitScreen implements Screen {
     const from_us = (counters.from?.getTime() ?? 0) * 1000;
     const measured = visit.trials.some(({ began_us, state }) => state === 'measured' && began_us > from_us - 5e6);
     const live_s = from_us > visit.began_us - 5e6 && !measured ? counters.active_s : 0;
+    const here_s = this.live.of(counters.from, now) ? live_s : 0;
     const all_s = live_s + visit.trials.reduce((sum, { active_s }) => sum + (active_s ?? 0), 0);
-    return fill(t.active, { item: duration(activeOf_s(visit, now) + live_s), of: visit.plan[now]?.minutes ?? 0, all: duration(all_s) });
+    return fill(t.active, { item: duration(activeOf_s(visit, now) + here_s), of: visit.plan[now]?.minutes ?? 0, all: duration(all_s) });
   }
 
   private showPlan(visit: Visit): void {
@@ -253,6 +255,17 @@ export class VisitScreen implements Screen {
     const focused = document.activeElement?.getAttribute('data-testid');
     this.painPlace.replaceChildren(whens.element, painChoice(this.context, visit, when).element);
     if (focused?.startsWith('pain-')) this.painPlace.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
+  }
+}
+
+/** Whose time a session's is: that of the item under way when the page first saw the session, also after the next item is set up. */
+export class LiveTime {
+  private from: number | undefined;
+  private item = 0;
+
+  of(from: Date | undefined, now: number): boolean {
+    if (from?.getTime() !== this.from) [this.from, this.item] = [from?.getTime(), now];
+    return this.item === now;
   }
 }
 

@@ -37,8 +37,9 @@ function readRecordings(json: unknown): { recordings: Recording[]; recording: st
 }
 
 /** When it was made: the time for today, else the day. */
-function whenMade(created_utc: string | undefined, now: Date, locale: string): string {
-  const made = new Date(created_utc ?? '');
+export function whenMade({ created_utc, name }: Pick<Recording, 'created_utc' | 'name'>, now: Date, locale: string): string {
+  // The name of a file that was broken off has its begin, in this machine's time.
+  const made = new Date(created_utc || name.replace(/^(\d{4})(\d\d)(\d\d)-(\d\d)(\d\d)(\d\d)-.*$/, '$1-$2-$3T$4:$5:$6'));
   if (Number.isNaN(made.getTime())) return '';
   const today = made.toDateString() === now.toDateString();
   return today
@@ -72,8 +73,8 @@ export function figuresOf(recording: Recording, silent = false): string {
   const { duration_s, bytes: size, ticks_missing, being_written } = recording;
   return [
     ...(being_written === true && !silent ? [texts().recordings.beingWritten] : []),
-    // The duration is known only when the file is closed.
-    ...(duration_s === undefined || being_written === true ? [] : [duration(duration_s)]),
+    // The duration is known only when the file is closed. A program that was killed closed none.
+    ...(duration_s === undefined || being_written === true ? [] : [duration_s > 0 ? duration(duration_s) : texts().recordings.brokenOff]),
     ...(size === undefined ? [] : [bytes(size)]),
     ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
   ].join(', ');
@@ -205,7 +206,7 @@ export class RecordingsPanel implements Panel {
     const { t } = this;
     const { name } = recording;
     const can = offered(recording);
-    const when = whenMade(recording.created_utc, new Date(), language());
+    const when = whenMade(recording, new Date(), language());
     const called = sessionWords(recording);
     const reportLink = can.report ? h('a', { href: reportUrl(name, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);

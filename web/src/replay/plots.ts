@@ -1,5 +1,5 @@
 import { h } from '../console/dom';
-import { asWords } from '../shared/format';
+import { quantityWords } from '../shared/format';
 import { texts as consoleTexts, type ConsoleTexts } from '../console/i18n';
 import { PlotPanel } from '../console/plot_panel';
 import { coordinateSpec, lookOf, plotSpecs, type PlotSpec, type SeriesSpec } from '../console/plot_specs';
@@ -151,8 +151,9 @@ export class ReplayPlots {
 
   private valueChoice(): HTMLElement {
     const { maker, side } = this;
-    const select = h('select', { 'aria-label': texts().plots.valueChoice },
-      ...maker.values.map((name) => h('option', { value: name, selected: name === maker.chosen.value }, valueWords(side, name))));
+    const option = (name: string): HTMLElement => h('option', { value: name, selected: name === maker.chosen.value }, valueWords(side, name));
+    const [named, others] = namedFirst(maker.values, side);
+    const select = h('select', { 'aria-label': texts().plots.valueChoice }, ...named.map(option), others.length === 0 ? null : h('optgroup', { label: texts().plots.valueOthers }, ...others.map(option)));
     select.addEventListener('change', () => this.choose({ value: select.value }));
     return select;
   }
@@ -163,7 +164,11 @@ export class ReplayPlots {
   }
 }
 
-/** The name of a value in the exercise's panel, else its raw name. */
+/** The values that the exercise's panel names, in its words; then the others, for engineers. */
+export const namedFirst = (values: readonly string[], side: Pick<ReplaySide, 'scene'>): readonly [named: string[], others: string[]] =>
+  [values.filter((name) => labelOf(side.scene, name) !== ''), values.filter((name) => labelOf(side.scene, name) === '')];
+
+/** The name of a value in the exercise's panel, else its own name as words. */
 function valueWords(side: ReplaySide, name: string): string {
-  return labelOf(side.scene, name) || asWords(name);
+  return labelOf(side.scene, name) || quantityWords(name);
 }

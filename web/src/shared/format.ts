@@ -10,6 +10,15 @@ export function fixed(value: number, decimals: number): string {
 /** A number in a sentence: French writes a comma. */
 export const spoken = (value: number, decimals: number): string => (language() === 'fr' ? fixed(value, decimals).replace('.', ',') : fixed(value, decimals));
 
+const UNITS: Readonly<Record<string, string>> = { n: 'N', nm: 'N·m', m: 'm', s: 's', rad: 'rad', l: 'l', l_s: 'l/s', m_s: 'm/s', ml_s: 'ml/s', hz: 'Hz' };
+
+/** A value's own name as words, with the unit that it ends in: squeeze_low_n becomes "Squeeze low, N". */
+export function quantityWords(name: string): string {
+  const [, stem, unit] = /^(.+?)_(l_s|m_s|ml_s|nm|rad|hz|n|m|s|l)(?=$|\/)/.exec(name) ?? [];
+  if (stem === undefined) return asWords(name);
+  return `${asWords(stem + name.slice(stem.length + 1 + unit!.length).replace('/', ' '))}, ${UNITS[unit!]}`;
+}
+
 /** Groups digits with thin spaces: 251840 becomes 251 840 in every language. */
 export function grouped(value: number | bigint): string {
   return String(value).replace(/\B(?=(\d{3})+(?!\d))/g, '\u202f');

@@ -176,7 +176,7 @@ export const de: ConsoleTexts = {
   recordings: {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
     replay: 'Wiedergabe', replayOf: 'Wiedergabe von {name}', beside: 'Beide wiedergeben', besideOf: 'Neben einer anderen: {name}', report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
-    beingWritten: 'wird noch aufgezeichnet',
+    brokenOff: 'abgebrochen', beingWritten: 'wird noch aufgezeichnet',
     all: 'Alle {n} zeigen', newest: 'Nur die neuesten zeigen',
     now: 'Aufnahme',
     on: '● Aufnahme läuft', off: 'Nicht aufgezeichnet',

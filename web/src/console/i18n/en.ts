@@ -176,7 +176,7 @@ export const en = {
   recordings: {
     title: 'Recordings', none: 'No recordings yet.', failed: 'The list could not be read. It is tried again.',
     replay: 'Replay', replayOf: 'Replay {name}', beside: 'Replay both', besideOf: 'Beside another: {name}', report: 'Report', download: 'Download', reportOf: 'Report of {name}', downloadOf: 'Download {name}', missing: 'incomplete: {ticks} ticks are missing',
-    beingWritten: 'still being recorded',
+    brokenOff: 'broken off', beingWritten: 'still being recorded',
     all: 'Show all {n}', newest: 'Show the newest only',
     now: 'Recording',
     on: '● Recording', off: 'Not recorded',

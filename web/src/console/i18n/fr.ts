@@ -176,7 +176,7 @@ export const fr: ConsoleTexts = {
   recordings: {
     title: 'Enregistrements', none: 'Pas encore d’enregistrement.', failed: 'La liste n’a pas pu être lue. Nouvel essai en cours.',
     replay: 'Relire', replayOf: 'Relire {name}', beside: 'Relire les deux', besideOf: 'À côté d’un autre : {name}', report: 'Rapport', download: 'Télécharger', reportOf: 'Rapport de {name}', downloadOf: 'Télécharger {name}', missing: 'incomplet : il manque {ticks} pas',
-    beingWritten: 'enregistrement en cours',
+    brokenOff: 'interrompu', beingWritten: 'enregistrement en cours',
     all: 'Afficher les {n}', newest: 'Afficher seulement les plus récents',
     now: 'En cours',
     on: '● Enregistrement', off: 'Non enregistré',

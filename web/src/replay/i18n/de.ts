@@ -19,7 +19,7 @@ export const de: ReplayTexts = {
     image: '{name}, {a} bis {b}. Zahlen mit «Tabellen».', tableCaption: '{name}, im Fenster', latest: 'An der Abspielstelle',
     intention: 'gewollt', parts: 'Kraft, {axis}', sent: 'gesendet', exercise: 'Übung', damping: 'Dämpfung',
     contact: 'Berührung', force: 'Kraft', count: 'Kontakte', palm: 'Handfläche zum Objekt', distance: 'Abstand', duration: 'Zeit pro Takt', took: 'dauerte',
-    value: 'Übung', valueChoice: 'Wert der Übung', hint: 'Klick: dorthin. Ziehen: vergrössern. Strg und Rad: länger oder kürzer.',
+    value: 'Übung', valueOthers: 'Messwerte, für die Technik', valueChoice: 'Wert der Übung', hint: 'Klick: dorthin. Ziehen: vergrössern. Strg und Rad: länger oder kürzer.',
     title: 'Kurven',
   },
   facts: {

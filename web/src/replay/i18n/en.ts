@@ -18,7 +18,7 @@ export const en = {
     image: '{name}, {a} to {b}. Press “Tables” for numbers.', tableCaption: '{name}, in the window', latest: 'At the play head',
     intention: 'intended', parts: 'Effort, {axis}', sent: 'sent', exercise: 'exercise', damping: 'damping',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Palm to object', distance: 'distance', duration: 'Time per tick', took: 'took',
-    value: 'Exercise', valueChoice: 'Value of the exercise', hint: 'Click: go there. Pull: zoom in. Ctrl and wheel: longer or shorter.',
+    value: 'Exercise', valueOthers: 'Measured, for engineers', valueChoice: 'Value of the exercise', hint: 'Click: go there. Pull: zoom in. Ctrl and wheel: longer or shorter.',
     title: 'Plots',
   },
   facts: {

@@ -19,7 +19,7 @@ export const fr: ReplayTexts = {
     image: '{name}, de {a} à {b}. Les nombres : « Tableaux ».', tableCaption: '{name}, dans la fenêtre', latest: 'À la tête de lecture',
     intention: 'voulu', parts: 'Force, {axis}', sent: 'envoyé', exercise: 'exercice', damping: 'amortissement',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Paume à l’objet', distance: 'distance', duration: 'Temps par pas', took: 'durée',
-    value: 'Exercice', valueChoice: 'Valeur de l’exercice', hint: 'Clic : y aller. Tirer : agrandir. Ctrl et molette : plus long ou plus court.',
+    value: 'Exercice', valueOthers: 'Mesures, pour la technique', valueChoice: 'Valeur de l’exercice', hint: 'Clic : y aller. Tirer : agrandir. Ctrl et molette : plus long ou plus court.',
     title: 'Courbes',
   },
   facts: {

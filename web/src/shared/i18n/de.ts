@@ -111,10 +111,10 @@ export const de: Texts = {
   'rest.anew': 'Diese Stufe beginnt dann von vorn.',
 
   'lost.title': 'Verbindung unterbrochen',
-  'lost.what': 'Diese Seite hört den Roboter nicht mehr.',
+  'lost.what': 'Der Roboter antwortet dieser Seite nicht.',
   'lost.soft': 'Wenn sein Programm läuft, lässt er von selbst sanft los.',
   'lost.retry': 'Neuer Versuch …',
-  'lost.stop': 'Stopp wird gesendet, sobald der Roboter wieder zu hören ist.',
+  'lost.stop': 'Wenn Sie Stopp drücken, wird es gesendet, sobald der Roboter wieder antwortet.',
   'lost.button': 'Der rote Knopf am Roboter wirkt immer.',
   'stop.unconfirmed': 'Stopp nicht bestätigt: roten Knopf drücken',
   'stop.unconfirmedMore': 'Diese Seite sendet den Stopp weiter.',

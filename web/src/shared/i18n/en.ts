@@ -115,10 +115,10 @@ export const en = {
 
   // ---- game: trouble
   'lost.title': 'Connection lost',
-  'lost.what': 'This page no longer hears the robot.',
+  'lost.what': 'The robot does not answer this page.',
   'lost.soft': 'If its program runs, it lets go gently by itself.',
   'lost.retry': 'Trying again …',
-  'lost.stop': 'Stop is sent as soon as the robot is heard again.',
+  'lost.stop': 'If you press Stop, it is sent as soon as the robot answers again.',
   'lost.button': 'The red button on the robot always works.',
   'stop.unconfirmed': 'Stop not confirmed: use the red button',
   'stop.unconfirmedMore': 'This page goes on sending the stop.',

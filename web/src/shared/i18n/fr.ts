@@ -111,10 +111,10 @@ export const fr: Texts = {
   'rest.anew': 'Ce niveau recommencera alors au début.',
 
   'lost.title': 'Connexion perdue',
-  'lost.what': 'Cette page n’entend plus le robot.',
+  'lost.what': 'Le robot ne répond plus à cette page.',
   'lost.soft': 'Si son programme tourne, il relâche doucement de lui-même.',
   'lost.retry': 'Nouvel essai …',
-  'lost.stop': 'Stop est envoyé dès que le robot est de nouveau entendu.',
+  'lost.stop': 'Si vous appuyez sur Stop, l’ordre part dès que le robot répond de nouveau.',
   'lost.button': 'Le bouton rouge du robot agit toujours.',
   'stop.unconfirmed': 'Arrêt non confirmé : bouton rouge',
   'stop.unconfirmedMore': 'Cette page continue d’envoyer l’arrêt.',
