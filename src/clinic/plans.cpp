@@ -137,12 +137,16 @@ PersonLimits Plans::limitsAmong(const Parameters& settings) const {
 }
 
 Json Plans::presets(Call&) {
-  Json force = Json::array(), plans = Json::array(), exercises = Json::array();
+  Json force = Json::array(), plans = Json::array(), goals = Json::array(),
+       exercises = Json::array();
   for (const ForcePreset& preset : records_.presets().force) {
     force.push_back({{"id", preset.id}, {"parameters", preset.parameters}});
   }
   for (const PlanPreset& plan : records_.presets().plans) {
     plans.push_back({{"id", plan.id}, {"items", toJson(plan.items)}});
+  }
+  for (const PlanPreset& goal : records_.presets().goals) {
+    goals.push_back({{"id", goal.id}, {"items", toJson(goal.items)}});
   }
   for (const ExerciseFacts& facts : records_.presets().exercises) {
     exercises.push_back(
@@ -152,7 +156,10 @@ Json Plans::presets(Call&) {
   for (const auto& [name, pair] : station_.scene().bounds) {
     if (bounds.contains(name)) bounds[name] = pair;
   }
-  return {{"force", force}, {"plans", plans}, {"exercises", exercises}, {"bounds", bounds}};
+  const Json course = {{"weeks", records_.presets().course_weeks},
+                       {"visits_a_week", records_.presets().course_visits_a_week}};
+  return {{"force", force},         {"plans", plans},   {"goals", goals},
+          {"exercises", exercises}, {"bounds", bounds}, {"course", course}};
 }
 
 }  // namespace wholehand::clinic

@@ -19,6 +19,8 @@ const PLAN: Item[] = [
 export const PRESETS = {
   force: [{ id: 'gentle', parameters: GENTLE }, { id: 'normal', parameters: { effort_limit_hand_tip_n: 6, effort_limit_arm_n: 12, viscosity_ratio: 0.1 } }],
   plans: [{ id: 'first', items: PLAN }, { id: 'short', items: [PLAN[0]] }],
+  goals: [{ id: 'reach', items: [PLAN[1]] }],
+  course: { weeks: 6, visits_a_week: 3 },
   exercises: [{ id: 'squeeze-to-level', levels: 3 }, { id: 'free-grasping', levels: 4 }],
 };
 

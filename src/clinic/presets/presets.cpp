@@ -44,8 +44,10 @@ void readExercises(TomlTable& root, Presets& presets) {
   }
 }
 
-void readPlans(TomlTable& root, Presets& presets) {
-  for (TomlTable& table : root.tables("plans", 1)) {
+/// @param key table of plans or goals
+void readPlans(TomlTable& root, const char* key, Presets& presets,
+               std::vector<PlanPreset>& out) {
+  for (TomlTable& table : root.tables(key, 1)) {
     PlanPreset plan;
     plan.id = table.text("id");
     for (TomlTable& row : table.tables("items", 1)) {
@@ -59,7 +61,7 @@ void readPlans(TomlTable& root, Presets& presets) {
       item.parameters = readParameters(row, presets);
       plan.items.push_back(std::move(item));
     }
-    presets.plans.push_back(std::move(plan));
+    out.push_back(std::move(plan));
   }
 }
 
@@ -104,7 +106,11 @@ Expected<Presets> loadPresets(const std::string& path) {
       force.parameters = readParameters(table, presets);
       presets.force.push_back(std::move(force));
     }
-    readPlans(root, presets);
+    readPlans(root, "plans", presets, presets.plans);
+    readPlans(root, "goals", presets, presets.goals);
+    TomlTable course = root.table("course");
+    presets.course_weeks = static_cast<int>(course.integer("weeks", 1, 52));
+    presets.course_visits_a_week = static_cast<int>(course.integer("visits_a_week", 1, 14));
   });
 }
 

@@ -40,6 +40,8 @@ struct Presets {
   std::string path;
   std::vector<ForcePreset> force;  ///< from the gentlest on
   std::vector<PlanPreset> plans;
+  std::vector<PlanPreset> goals;  ///< what shall become easier, and the items that train it
+  int course_weeks = 6, course_visits_a_week = 3;
   std::vector<ExerciseFacts> exercises;
   std::map<std::string, std::array<double, 2>> bounds;  ///< bounds of every parameter that may be
                                                         ///< set

@@ -4,10 +4,12 @@ import { RefusalError } from './api';
 import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './page';
+import { GoalChoice } from './goals';
 import { PlanEditor, planList } from './plan';
-import { newestFirst, nextWish, tookPlace, type Item, type OneSide, type Patient, type Visit } from './records';
+import { newestFirst, nextWish, tookPlace, type Item, type Note, type OneSide, type Patient, type Visit } from './records';
 import { besideTitle, button, once, panel, StatusMessage } from './ui';
-import { minutes, sideWords, visitClock, visitDay } from './words';
+import { wishedPlan } from './wishes';
+import { itemWords, minutes, sideWords, visitClock, visitDay } from './words';
 
 /** Today's plan, filled in from the last visit, and the button that begins it. */
 export class TodayPanel {
@@ -20,6 +22,8 @@ export class TodayPanel {
   private readonly begin: HTMLButtonElement;
   private plan: readonly Item[];
   private readonly from: string;
+  private readonly wish: Note | undefined;
+  private readonly wished = h('div', { class: 'wished' });
   private side: OneSide | undefined;
   private editing = false;
 
@@ -36,10 +40,10 @@ export class TodayPanel {
     sides.element.dataset.testid = 'visit-side';
     this.begin = h('button', { type: 'button', class: 'b go large wide', 'data-testid': 'begin-visit', onclick: () => void once(this.begin, () => this.press()) });
     const change = button(t.change, 'change-plan', () => { this.editing = !this.editing; setText(change, this.editing ? t.ready : t.change); this.show(); }, 'wide');
-    const last = newestFirst(patient.visits).find(tookPlace), wish = nextWish(patient);
+    const last = newestFirst(patient.visits).find(tookPlace), wish = this.wish = nextWish(patient);
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
     this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
-      wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.body,
+      wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.wished, this.body,
       patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.begin, change), this.total);
     this.show();
     this.refresh();
@@ -56,18 +60,38 @@ export class TodayPanel {
     setText(this.hint, preparing ? t.preparing : open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.context)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
   }
 
-  private showTotal(): void { setText(this.total, `${this.from} · ${minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0))}`); }
+  private showTotal(): void {
+    const { course } = this.context.clinic.presets ?? {}, of = (course?.weeks ?? 0) * (course?.visits_a_week ?? 0);
+    const number = this.patient.visits.filter(tookPlace).length + 1;
+    setText(this.total, [this.from, minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0)), ...(number <= of ? [fill(this.t.ofCourse, { n: number, of })] : [])].join(' · '));
+  }
+
+  private take(items: readonly Item[]): void {
+    this.plan = items;
+    this.context.clinic.drafts.set('today', this.patient.id, items);
+    this.showTotal();
+    this.showWish();
+    this.refresh();
+  }
+
+  /** What was written for this visit, as far as it is understood, is taken into the plan by one touch. */
+  private showWish(): void {
+    const { t, wish, plan } = this, items = wish ? wishedPlan(wish.text, plan, this.context.clinic.presets?.exercises ?? []) : undefined;
+    if (!items) return this.wished.replaceChildren();
+    const fresh = items.filter((item) => !plan.some((other) => JSON.stringify(other) === JSON.stringify(item)));
+    this.wished.replaceChildren(button(fill(t.takeWish, { what: fresh.map((item) => itemWords(item)).join(', ') }), 'take-wish', () => { this.take(items); this.show(); }, 'go wide'));
+  }
 
   private show(): void {
     const { clinic } = this.context;
     this.showTotal();
+    this.showWish();
     if (!this.editing) return this.body.replaceChildren(planList(this.plan));
-    this.body.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => {
-      this.plan = items;
-      clinic.drafts.set('today', this.patient.id, items);
-      this.showTotal();
-      this.refresh();
-    }).element);
+    const goals = new GoalChoice(clinic.presets?.goals ?? [], this.plan, (items) => { this.take(items); list(); });
+    const place = h('div', {});
+    const list = (): void => place.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => { this.take(items); goals.follow(items); }).element);
+    list();
+    this.body.replaceChildren(goals.element, place);
   }
 
   private async press(): Promise<void> {

@@ -7,6 +7,7 @@ import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient,
 import { hashOf } from './routes';
 import { button, link, once, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
+import { proposals, toggled } from './wishes';
 import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, timeWords, visitDay } from './words';
 
 const EVERY_MS = 2500;
@@ -66,6 +67,8 @@ export class EndScreen implements Screen {
     try {
       if (clinic.finished?.visit.id === this.id) {
         this.finished = clinic.finished.visit;
+        if (this.finished.patient) this.patient = await clinic.api.get<Patient>(`/api/patients/${this.finished.patient}`).catch(() => undefined);
+        if (this.closed) return;
         return this.card(this.finished, clinic.finished.next);
       }
       if (!this.visit) await clinic.lookAtVisit();
@@ -94,6 +97,7 @@ export class EndScreen implements Screen {
       return field;
     };
     const next = kept('next'), reason = kept('reason');
+    next.element.append(this.proposed(visit, next.input));
     const nothing = visit.trials.length === 0 && context.model.counters.active_s === 0;
     const finish = (state: 'done' | 'unfinished', words: string, kind: string): HTMLButtonElement => {
       const press = button(words, `finish-${state}`, () => once(press, () => this.finish(state, [['next', next], ['reason', reason]])), kind);
@@ -106,6 +110,20 @@ export class EndScreen implements Screen {
     this.show();
   }
 
+  /** One step harder for each exercise, written into the field by one touch. */
+  private proposed(visit: Visit, input: HTMLInputElement): HTMLElement {
+    const trained = visit.plan.filter((_, i) => visit.trials.some(({ item }) => item === i) || i === visit.item);
+    const wishes = proposals(trained, this.context.clinic.presets?.exercises ?? []).map(({ words }) => words);
+    const presses = wishes.map((wish, i) => button(wish, `propose-${i}`, () => {
+      input.value = toggled(input.value, wish);
+      input.dispatchEvent(new Event('input'));
+    }, 'small'));
+    const mark = (): void => presses.forEach((press, i) => press.setAttribute('aria-pressed', String(input.value.includes(wishes[i]))));
+    input.addEventListener('input', mark);
+    mark();
+    return h('div', { class: 'proposals', role: 'group', 'aria-label': this.t.next }, ...presses);
+  }
+
   private show(): void {
     const { visit, t, patient } = this;
     if (this.closed) return;
@@ -116,7 +134,7 @@ export class EndScreen implements Screen {
     this.shown = shown;
     this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
-      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(t.of, { done: isCounting(visit) ? texts().patient.counting : minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(t.of, { done: isCounting({ trials }) ? texts().patient.counting : minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
         ...(trials.length === 0 ? [h('small', {}, t.notDone)] : trials.map((trial) => resultTable(trial, last)))));
     })));
   }
@@ -153,25 +171,51 @@ export class EndScreen implements Screen {
     }).catch(() => {});
   }
 
+  /** One number that grew since the last visit. */
+  private grown(visit: Visit): HTMLElement | null {
+    const more = moreMinutes(visit, this.patient?.visits ?? []);
+    return more > 0 ? h('p', { class: 'grown', 'data-testid': 'grown' }, fill(this.t.card.grown, { min: minutes(more) })) : null;
+  }
+
+  /** The visits of the course as a row of marks, filled up to this one. */
+  private course(visit: Visit): HTMLElement | null {
+    const at = visit.patient === null ? undefined : ofCourse(visit, this.patient?.visits ?? [], this.context.clinic.presets?.course);
+    if (!at) return null;
+    const words = fill(texts().today.ofCourse, at);
+    return h('div', { class: 'course' }, h('div', { class: 'dots-of', 'aria-hidden': 'true' }, ...Array.from({ length: at.of }, (_, i) => h('i', { class: i < at.n ? 'on' : '' }))), h('span', {}, words.charAt(0).toUpperCase() + words.slice(1)));
+  }
+
   /** The card for the patient: large type, no name, and only what was done. */
   private card(visit: Visit, next: string): void {
     const t = this.t.card, counting = isCounting(visit), led_s = timeOf_s(visit, 'led_s'), active_s = timeOf_s(visit, 'active_s');
-    const trained = counting ? texts().patient.counting
-      : [...(active_s > 0 || led_s === 0 ? [fill(t.trained, { min: timeWords(visit) })] : []), ...(led_s > 0 ? [fill(t.led, { min: timeWords(visit, 'led_s') })] : [])].join(' ');
+    const trained = counting ? texts().patient.counting : active_s === 0 && led_s === 0 ? t.here
+      : [...(active_s > 0 ? [fill(t.trained, { min: timeWords(visit) })] : []), ...(led_s > 0 ? [fill(t.led, { min: timeWords(visit, 'led_s') })] : [])].join(' ');
     const print_card = button(t.print, 'print-card', () => print());
     print_card.disabled = counting;
     const rows = visit.plan.flatMap((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
       if (trials.length === 0) return [];
       const result = trials.at(-1)!.results[0];
-      return [h('li', {}, h('b', {}, itemWords(item)), h('span', {}, [counting ? '' : minutes(activeOf_s(visit, i) / 60), result ? resultWords(result) : ''].filter(Boolean).join(' · ')))];
+      return [h('li', {}, h('b', {}, itemWords(item)), h('span', {}, [counting || activeOf_s(visit, i) === 0 ? '' : minutes(activeOf_s(visit, i) / 60), result && (active_s > 0 || led_s > 0) ? resultWords(result) : ''].filter(Boolean).join(' · ')))];
     });
-    this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('h2', {}, t.title), h('p', { class: 'most', 'data-testid': 'trained' }, trained),
+    this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('div', { class: 'crown' }, h('h2', {}, t.title), h('span', {}, visitDay(visit))), h('p', { class: 'most', 'data-testid': 'trained' }, trained), this.grown(visit), this.course(visit),
       h('ul', {}, ...rows), next === '' ? null : h('p', {}, h('b', {}, t.next), ` ${next}`)),
     h('div', { class: 'pair no-print' }, h('a', { class: 'b go large', href: hashOf({ at: 'patients' }), 'data-testid': 'next-patient' }, t.nextPatient),
       visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, print_card));
     this.element.classList.add('carded');
   }
+}
+
+/** The visits of a course until this one, this one included, and all of them; undefined: it is no part of one. */
+export function ofCourse(visit: Visit, visits: readonly Visit[], course: { readonly weeks: number; readonly visits_a_week: number } | undefined): { readonly n: number; readonly of: number } | undefined {
+  const n = visits.filter((other) => tookPlace(other) && other.id !== visit.id && other.began_us < visit.began_us).length + 1, of = (course?.weeks ?? 0) * (course?.visits_a_week ?? 0);
+  return n <= of ? { n, of } : undefined;
+}
+
+/** Whole minutes of activity more than in the visit before; 0 where there are not more. */
+export function moreMinutes(visit: Visit, visits: readonly Visit[]): number {
+  const before = newestFirst(visits).find((other) => tookPlace(other) && other.began_us < visit.began_us && other.id !== visit.id);
+  return before && !isCounting(visit) && !isCounting(before) ? Math.max(0, Math.floor((timeOf_s(visit, 'active_s') - timeOf_s(before, 'active_s')) / 60)) : 0;
 }
 
 /** A table of a trial's results beside those of the last visit. */

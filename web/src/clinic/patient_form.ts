@@ -6,6 +6,7 @@ import { RefusalError } from './api';
 import { BREADTH_M, handPicture, LENGTH_M, MEDIAN } from './hand_picture';
 import { texts } from './i18n';
 import type { ClinicContext } from './page';
+import { GoalChoice } from './goals';
 import { planList, select } from './plan';
 import type { OneSide, Patient, PatientText, Presets, Side, Size } from './records';
 import { button, Field, once, panel, problemWords, StatusMessage, textInput, type Screen } from './ui';
@@ -98,11 +99,18 @@ export class PatientForm implements Screen {
       h('div', { class: 'field wide' }, h('span', { class: 'label' }, t.fields.side), side.element, this.sideWrong), this.field('warnings', {}, true)));
     const hands = panel(t.hands, 'sizes', this.hands, h('p', { class: 'aside' }, t.measure));
     const force = panel(t.limits, 'limits', h('label', { class: 'field' }, h('span', { class: 'label' }, t.preset), select('patient-preset', t.preset, (this.presets?.force ?? []).map(({ id }) => [id, presetName(id)]), this.typed.preset, (id) => { this.change({ preset: id }); this.showNumbers(); })), this.numbers, this.reach());
-    const plan = panel(t.plan, 'planned', h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), select('patient-plan', t.planPreset, this.planChoices(), this.planNow(), (id) => {
+    const goals = new GoalChoice(this.presets?.goals ?? [], this.typed.plan, (items) => {
+      this.change({ plan: items });
+      start.value = this.planNow();
+      this.showPlan();
+    });
+    const start = select('patient-plan', t.planPreset, this.planChoices(), this.planNow(), (id) => {
       const items = this.presets?.plans.find((preset) => preset.id === id)?.items;
       if (items) this.change({ plan: items });
+      goals.follow(this.typed.plan);
       this.showPlan();
-    })), this.planned);
+    });
+    const plan = panel(t.plan, 'planned', goals.element, h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), start), this.planned);
     const form = h('form', { class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan),
       h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, back, save));
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(save, () => this.save()); });
@@ -115,7 +123,7 @@ export class PatientForm implements Screen {
 
   private planChoices(): (readonly [string, string])[] {
     const presets = (this.presets?.plans ?? []).map(({ id }) => [id, presetName(id)] as const);
-    return this.planNow() === '' ? [['', this.t.ownPlan] as const, ...presets] : presets;
+    return [['', this.t.ownPlan] as const, ...presets];
   }
 
   private planNow(): string {

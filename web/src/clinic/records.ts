@@ -39,9 +39,14 @@ export interface Item {
   readonly parameters?: Values;
 }
 
+export interface PlanPreset { readonly id: string; readonly items: readonly Item[] }
+
 export interface Presets {
   readonly force: readonly { readonly id: string; readonly parameters: Values }[];
-  readonly plans: readonly { readonly id: string; readonly items: readonly Item[] }[];
+  readonly plans: readonly PlanPreset[];
+  /** What shall become easier, and the items that train it. */
+  readonly goals: readonly PlanPreset[];
+  readonly course: { readonly weeks: number; readonly visits_a_week: number };
   readonly exercises: readonly { readonly id: string; readonly levels: number }[];
 }
 

@@ -54,6 +54,7 @@ export const de: ClinicTexts = {
   plan: {
     add: 'Übung hinzufügen', exercise: 'Übung {n}', level: 'Stufe der Übung {n}', levelShort: 'Stufe', help: 'Hilfe in Übung {n}', less: 'Weniger Zeit für Übung {n}', more: 'Mehr Zeit für Übung {n}', up: 'Übung {n} früher', remove: 'Übung {n} entfernen',
   },
+  goals: { title: 'Was soll leichter werden?', names: { 'open-hand': 'Hand öffnen', reach: 'Hinreichen', 'hold-release': 'Halten und loslassen', 'daily-life': 'Alltag' } as Record<string, string> },
   form: {
     title: 'Neue Person', edit: 'Angaben ändern', person: 'Person', hands: 'Grösse der Hand', limits: 'Kräfte', plan: 'Plan', preset: 'Beginnen mit', planPreset: 'Beginnen mit', ownPlan: 'eigener Plan', save: 'Speichern', back: 'Verwerfen',
     fields: { name: 'Name', code: 'Code', born: 'Geburtsdatum', number: 'Nummer', side: 'Betroffene Seite', hands: 'Hände', preset: 'Kräfte', parameters: 'Reichweite und Finger', warnings: 'Warnungen', plan: 'Plan' },
@@ -76,7 +77,7 @@ export const de: ClinicTexts = {
     kinds: { tired: 'Müde', spasm: 'Spasmus', cue: 'Hinweis gegeben', hands_on: 'Von Hand geholfen', next: 'Nächstes Mal', reason: 'Warum nichts gemacht wurde' },
   },
   pain: { unasked: 'nicht gefragt', before: 'Schmerz vorher', after: 'Schmerz jetzt', notAsked: 'Nicht gefragt', of: 'Schmerz {n} von 10' },
-  today: { title: 'Heute', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', preparing: 'Die Hand wird geprüft und geprobt, höchstens 20 s.', openSince: 'Offen seit {at}, begonnen von {who}.', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann hier keine Sitzung beginnen. Eine Sitzung ohne Akten geht, mit den sanften Werten.' },
+  today: { title: 'Heute', ofCourse: 'Termin {n} von {of}', takeWish: 'In den Plan nehmen: {what}', from: 'Wie am {day}', fromPlan: 'Nach dem Plan', begin: 'Sitzung {n} beginnen', goOn: 'Sitzung weiterführen', preparing: 'Die Hand wird geprüft und geprobt, höchstens 20 s.', openSince: 'Offen seit {at}, begonnen von {who}.', otherOpen: 'Zur offenen Sitzung', side: 'Welche Hand heute?', change: 'Plan ändern', ready: 'Plan ist fertig', noPlan: 'Der Plan ist leer. Fügen Sie eine Übung hinzu.', notNow: 'Solange die Akten nicht antworten, kann hier keine Sitzung beginnen. Eine Sitzung ohne Akten geht, mit den sanften Werten.' },
   visit: {
     title: 'Sitzung', plan: 'Plan', noPatient: 'Ohne Person', gentle: 'sanfte Werte', hiddenName: 'Name ausgeblendet', recorded: '● Aufnahme', unrecorded: 'Nicht aufgezeichnet', itemOf: '{n} von {m}', active: 'aktiv: {item} von {of} min, Sitzung {all}', inProgress: 'jetzt', done: 'gemacht', setUp: 'Einrichten',
     next: 'Weiter im Plan', nextIs: 'Weiter: {name}', end: 'Sitzung beenden', stop: 'Sanft anhalten', marks: 'Mit einer Berührung notieren', noteTitle: 'Notizen', pain: 'Schmerz', another: 'Eine andere Sitzung ist offen.', over: 'Diese Sitzung ist zu Ende.', endedElsewhere: 'Diese Sitzung wurde an einem anderen Bildschirm beendet, {at}.',
@@ -86,7 +87,7 @@ export const de: ClinicTexts = {
   end: {
     title: 'Ende der Sitzung', doneTitle: 'Gemacht', nothing: 'In dieser Sitzung wurde nichts gemacht.', notDone: 'nicht gemacht', of: '{done} von {planned}', result: 'Ergebnis', now: 'Heute', last: '{day}', lastNone: 'vorher', noResults: 'Keine Ergebnisse.',
     next: 'Wie es weitergeht', reason: 'Warum nichts gemacht wurde', finish: 'Sitzung abschliessen', unfinished: 'Offen lassen', back: 'Zurück zur Übung',
-    card: { title: 'Ihr Training heute', trained: 'Sie haben {min} trainiert.', led: 'Ihre Hand wurde {min} geführt.', next: 'Nächstes Mal:', nextPatient: 'Nächste Person', toPatient: 'Sitzung ansehen', print: 'Karte drucken' },
+    card: { title: 'Gut gemacht', here: 'Sie waren heute hier.', grown: 'Das sind {min} mehr als beim letzten Mal.', trained: 'Sie haben {min} trainiert.', led: 'Ihre Hand wurde {min} geführt.', next: 'Nächstes Mal:', nextPatient: 'Nächste Person', toPatient: 'Sitzung ansehen', print: 'Karte drucken' },
   },
   sheet: { back: 'Zurück zu {name}', print: 'Drucken', nothing: 'Noch nichts zu drucken.', progress: 'Verlauf', visit: 'Sitzung vom', day: 'Tag', hand: 'Hand', done: 'Gemacht', active: 'Aktiv', helped: 'Geholfen', led: 'Geführt', pain: 'Schmerz vorher → nachher' },
   settings: {

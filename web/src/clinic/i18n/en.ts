@@ -52,6 +52,7 @@ export const en = {
   plan: {
     add: 'Add an exercise', exercise: 'Exercise {n}', level: 'Level of exercise {n}', levelShort: 'Level', help: 'Help in exercise {n}', less: 'Less time for exercise {n}', more: 'More time for exercise {n}', up: 'Exercise {n} earlier', remove: 'Remove exercise {n}',
   },
+  goals: { title: 'What shall become easier?', names: { 'open-hand': 'Open the hand', reach: 'Reach', 'hold-release': 'Hold and let go', 'daily-life': 'Daily life' } as Record<string, string> },
   form: {
     title: 'New patient', edit: 'Edit patient', person: 'Person', hands: 'Size of the hand', limits: 'Forces', plan: 'Plan', preset: 'Start with', planPreset: 'Start with', ownPlan: 'own plan', save: 'Save', back: 'Discard',
     fields: { name: 'Name', code: 'Code', born: 'Birth date', number: 'Number', side: 'Affected side', hands: 'Hands', preset: 'Forces', parameters: 'Reach and fingers', warnings: 'Warnings', plan: 'Plan' },
@@ -74,7 +75,7 @@ export const en = {
     kinds: { tired: 'Tired', spasm: 'Spasm', cue: 'Cue given', hands_on: 'Hands-on', next: 'Next time', reason: 'Why nothing was done' } as Record<string, string>,
   },
   pain: { unasked: 'not asked', before: 'Pain before', after: 'Pain now', notAsked: 'Not asked', of: 'Pain {n} of 10' },
-  today: { title: 'Today', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', preparing: 'The hand is certified and rehearsed, 20 s at most.', openSince: 'Open since {at}, begun by {who}.', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer. A session without records can, under the gentle preset.' },
+  today: { title: 'Today', ofCourse: 'visit {n} of {of}', takeWish: 'Take into the plan: {what}', from: 'As on {day}', fromPlan: 'From the plan', begin: 'Begin visit {n}', goOn: 'Go on with the visit', preparing: 'The hand is certified and rehearsed, 20 s at most.', openSince: 'Open since {at}, begun by {who}.', otherOpen: 'Go to the open visit', side: 'Which hand today?', change: 'Change plan', ready: 'Plan is ready', noPlan: 'The plan is empty. Add an exercise.', notNow: 'A visit cannot begin while the records do not answer. A session without records can, under the gentle preset.' },
   visit: {
     title: 'Visit', plan: 'Plan', noPatient: 'No patient', gentle: 'gentle preset', hiddenName: 'Name hidden', recorded: '● Recording', unrecorded: 'Not recorded', itemOf: '{n} of {m}', active: 'active: {item} of {of} min, visit {all}', inProgress: 'now', done: 'done', setUp: 'Set up',
     next: 'Next in plan', nextIs: 'Next: {name}', end: 'End visit', stop: 'Stop gently', marks: 'Note with one touch', noteTitle: 'Notes', pain: 'Pain', another: 'Another visit is open.', over: 'This visit has ended.', endedElsewhere: 'This visit was ended on another screen, {at}.',
@@ -84,7 +85,7 @@ export const en = {
   end: {
     title: 'End of visit', doneTitle: 'Done', nothing: 'Nothing was done in this visit.', notDone: 'not done', of: '{done} of {planned}', result: 'Result', now: 'Today', last: '{day}', lastNone: 'before', noResults: 'No results.',
     next: 'What comes next', reason: 'Why nothing was done', finish: 'Finish visit', unfinished: 'Leave it unfinished', back: 'Back to the exercise',
-    card: { title: 'Your training today', trained: 'You trained for {min}.', led: 'Your hand was led for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
+    card: { title: 'Well done today', here: 'You were here today.', grown: 'That is {min} more than last time.', trained: 'You trained for {min}.', led: 'Your hand was led for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
   },
   sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', helped: 'Helped', led: 'Led', pain: 'Pain before → after' },
   settings: {

@@ -54,6 +54,7 @@ export const fr: ClinicTexts = {
   plan: {
     add: 'Ajouter un exercice', exercise: 'Exercice {n}', level: 'Niveau de l’exercice {n}', levelShort: 'Niveau', help: 'Aide dans l’exercice {n}', less: 'Moins de temps pour l’exercice {n}', more: 'Plus de temps pour l’exercice {n}', up: 'Exercice {n} plus tôt', remove: 'Enlever l’exercice {n}',
   },
+  goals: { title: 'Que faut-il faciliter ?', names: { 'open-hand': 'Ouvrir la main', reach: 'Atteindre', 'hold-release': 'Tenir et lâcher', 'daily-life': 'Vie quotidienne' } as Record<string, string> },
   form: {
     title: 'Nouveau patient', edit: 'Modifier le patient', person: 'Personne', hands: 'Taille de la main', limits: 'Forces', plan: 'Programme', preset: 'Partir de', planPreset: 'Partir de', ownPlan: 'programme propre', save: 'Enregistrer', back: 'Abandonner',
     fields: { name: 'Nom', code: 'Code', born: 'Date de naissance', number: 'Numéro', side: 'Côté atteint', hands: 'Mains', preset: 'Forces', parameters: 'Portée et doigts', warnings: 'Avertissements', plan: 'Programme' },
@@ -76,7 +77,7 @@ export const fr: ClinicTexts = {
     kinds: { tired: 'Fatigue', spasm: 'Spasme', cue: 'Indication', hands_on: 'Aide manuelle', next: 'La prochaine fois', reason: 'Pourquoi rien n’a été fait' },
   },
   pain: { unasked: 'pas demandée', before: 'Douleur avant', after: 'Douleur maintenant', notAsked: 'Pas demandé', of: 'Douleur {n} sur 10' },
-  today: { title: 'Aujourd’hui', from: 'Comme le {day}', fromPlan: 'D’après le programme', begin: 'Commencer la séance {n}', goOn: 'Continuer la séance', preparing: 'La main est vérifiée et répétée, 20 s au plus.', openSince: 'En cours depuis {at}, commencée par {who}.', otherOpen: 'Aller à la séance en cours', side: 'Quelle main aujourd’hui ?', change: 'Changer le programme', ready: 'Le programme est prêt', noPlan: 'Le programme est vide. Ajoutez un exercice.', notNow: 'Une séance ne peut pas commencer ici tant que les dossiers ne répondent pas. Une séance sans dossiers le peut, avec le réglage doux.' },
+  today: { title: 'Aujourd’hui', ofCourse: 'visite {n} sur {of}', takeWish: 'Prendre dans le plan : {what}', from: 'Comme le {day}', fromPlan: 'D’après le programme', begin: 'Commencer la séance {n}', goOn: 'Continuer la séance', preparing: 'La main est vérifiée et répétée, 20 s au plus.', openSince: 'En cours depuis {at}, commencée par {who}.', otherOpen: 'Aller à la séance en cours', side: 'Quelle main aujourd’hui ?', change: 'Changer le programme', ready: 'Le programme est prêt', noPlan: 'Le programme est vide. Ajoutez un exercice.', notNow: 'Une séance ne peut pas commencer ici tant que les dossiers ne répondent pas. Une séance sans dossiers le peut, avec le réglage doux.' },
   visit: {
     title: 'Séance', plan: 'Programme', noPatient: 'Sans patient', gentle: 'réglage doux', hiddenName: 'Nom masqué', recorded: '● Enregistrement', unrecorded: 'Pas enregistré', itemOf: '{n} sur {m}', active: 'actif : {item} sur {of} min, séance {all}', inProgress: 'en cours', done: 'fait', setUp: 'Préparer',
     next: 'Suite du programme', nextIs: 'Suite : {name}', end: 'Finir la séance', stop: 'Arrêter en douceur', marks: 'Noter d’une touche', noteTitle: 'Notes', pain: 'Douleur', another: 'Une autre séance est en cours.', over: 'Cette séance est finie.', endedElsewhere: 'Cette séance a été finie sur un autre écran, à {at}.',
@@ -86,7 +87,7 @@ export const fr: ClinicTexts = {
   end: {
     title: 'Fin de séance', doneTitle: 'Fait', nothing: 'Rien n’a été fait dans cette séance.', notDone: 'pas fait', of: '{done} sur {planned}', result: 'Résultat', now: 'Aujourd’hui', last: '{day}', lastNone: 'avant', noResults: 'Pas de résultats.',
     next: 'La suite', reason: 'Pourquoi rien n’a été fait', finish: 'Terminer la séance', unfinished: 'La laisser inachevée', back: 'Retour à l’exercice',
-    card: { title: 'Votre entraînement aujourd’hui', trained: 'Vous vous êtes entraîné pendant {min}.', led: 'Votre main a été guidée pendant {min}.', next: 'La prochaine fois :', nextPatient: 'Patient suivant', toPatient: 'Regarder la séance', print: 'Imprimer la carte' },
+    card: { title: 'Bravo pour aujourd’hui', here: 'Vous êtes venu aujourd’hui.', grown: 'C’est {min} de plus que la dernière fois.', trained: 'Vous vous êtes entraîné pendant {min}.', led: 'Votre main a été guidée pendant {min}.', next: 'La prochaine fois :', nextPatient: 'Patient suivant', toPatient: 'Regarder la séance', print: 'Imprimer la carte' },
   },
   sheet: { back: 'Retour à {name}', print: 'Imprimer', nothing: 'Il n’y a encore rien à imprimer.', progress: 'Évolution', visit: 'Séance du', day: 'Jour', hand: 'Main', done: 'Fait', active: 'Actif', helped: 'Aidé', led: 'Guidé', pain: 'Douleur avant → après' },
   settings: {
