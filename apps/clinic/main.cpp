@@ -3,6 +3,7 @@
 #include "clinic/clinic.hpp"
 #include "clinic/http_server.hpp"
 #include "clinic/intents.hpp"
+#include "clinic/row_digests.hpp"
 #include "clinic/station_client.hpp"
 #include "clinic/trials.hpp"
 #include "loop/core/expected.hpp"
@@ -195,6 +196,7 @@ int eraseByCode(const ClinicOptions& options, const std::string& code) {
   if (!lock) return refuse(lock.errors());
   Database db(options.folder + "/clinic.db", Database::Mode::kReadWrite);
   migrate(db);
+  guardByKeys(db, options.folder);
   Statement row = db.query("SELECT id FROM patient WHERE code = ?", code);
   if (!row.step()) return refuse({{options.folder, 0, "CODE", code, "is no patient's", ""}});
   const std::int64_t id = row.integer(0);
@@ -311,6 +313,7 @@ int runProgram(int argc, char** argv) {
   add("export", "Print all values as CSV, by code, without names")->callback([&] {
     Database db(o.clinic.folder + "/clinic.db", Database::Mode::kReadWrite);
     migrate(db);
+    guardByKeys(db, o.clinic.folder);
     std::fputs(csvOf(db, 0).c_str(), stdout);
   });
   CLI11_PARSE(app, argc, argv);

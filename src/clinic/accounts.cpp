@@ -1,5 +1,6 @@
 #include "clinic/accounts.hpp"
 
+#include "clinic/row_digests.hpp"
 #include "clinic/text.hpp"
 #include "loop/core/sha256.hpp"
 
@@ -16,6 +17,7 @@ namespace {
 constexpr std::int64_t kHideAfter_us = 300 * kSecond_us;
 constexpr int kFreeTries = 5, kFirstWait_s = 30, kLongestWait_s = 3600;
 constexpr std::size_t kMostSessions = 64;
+constexpr const char* kRowsPurpose = "rows";
 constexpr std::size_t kLeastPhrase = 8, kMostPhrase = 200, kLeastPin = 4, kMostPin = 8;
 
 std::string pinOf(const Json& body, const std::string& field) {
@@ -89,14 +91,17 @@ Json Accounts::init(Call& call) {
   const std::string clinic = randomHex(16);
   const std::string path = records_.options().folder + "/keys";
   const KeyFile keys{clinic, wrap(key, phrase, records_.options().cost),
-                     wrap(key, *checkedRecoveryCode(code), records_.options().cost)};
+                     wrap(key, *checkedRecoveryCode(code), records_.options().cost),
+                     key.derived(kRowsPurpose)};
   if (auto written = writeKeyFile(path, keys); !written) {
     throw DatabaseError(format(written.errors()));
   }
   // Creates the clinic and its first account. A failure removes the key file.
+  guardRows(records_.db(), keys.rows, counterIn(records_.options().folder));
   records_.begin(call);
   records_.unlock(std::move(key));
   try {
+    digestAllRows(records_.db());
     records_.db().change("INSERT INTO clinic (one, id, next_visit) VALUES (1, ?, ?)", clinic,
                          drawBlock(records_.db(), clinic));
     records_.storeIntent("list");
@@ -108,9 +113,12 @@ Json Accounts::init(Call& call) {
     signed_in["recovery_code"] = code;
     return signed_in;
   } catch (...) {
+    call.transaction.reset();
     records_.lock();
+    records_.close();
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
+    std::filesystem::remove(counterIn(records_.options().folder), ignored);
     throw;
   }
 }
@@ -120,7 +128,7 @@ Json Accounts::unlock(Call& call) {
   if (records_.isNew()) {
     throw RequestRefusal{423, "locked", "this clinic has not begun; give it a pass phrase", {}};
   }
-  Tries& tries = tries_[0];
+  Tries& tries = triesOf(0);
   refuseWhileWaiting(tries);
   const auto keys = readKeyFile(records_.options().folder + "/keys");
   if (!keys) throw DatabaseError(format(keys.errors()));
@@ -137,13 +145,33 @@ Json Accounts::unlock(Call& call) {
     key = unwrap(keys->by_phrase, textOf(call.body, "pass_phrase", "pass_phrase"));
   }
   if (!key) {
-    countFailure(tries);
+    countFailure(0, tries);
     throw RequestRefusal{
         401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
   }
-  tries = {};
+  adoptRows(*keys, *key);
+  clearTries(0, tries);
   records_.unlock(std::move(*key));
   return Json::object();
+}
+
+/// Gives the rows of an earlier version their digests. The key file is written first: with its key
+/// the next start goes on.
+void Accounts::adoptRows(KeyFile keys, const Key& key) {
+  const std::string rows = key.derived(kRowsPurpose);
+  const std::string path = records_.options().folder + "/keys";
+  if (!keys.rows.empty() && keys.rows != rows) {
+    throw DatabaseError(path +
+                        ": is damaged: its key of rows is another clinic's; copy the file"
+                        " from beside a backup");
+  }
+  if (keys.rows.empty()) {
+    keys.rows = rows;
+    if (auto written = writeKeyFile(path, keys); !written) {
+      throw DatabaseError(format(written.errors()));
+    }
+  }
+  guardAndAdopt(records_.db(), rows, counterIn(records_.options().folder));
 }
 
 Json Accounts::lockClinic(Call&) {
@@ -184,36 +212,62 @@ void Accounts::refuseWhileWaiting(const Tries& tries) const {
                        {{"wait_s", wait_s}}};
 }
 
+/// Failed tries of an account. A wait goes on after a restart, as long as the clock says; a clock
+/// that was set back does not make it longer than it was.
+Accounts::Tries& Accounts::triesOf(std::int64_t account) {
+  const auto [at, is_new] = tries_.try_emplace(account);
+  Tries& tries = at->second;
+  if (!is_new) return tries;
+  Statement row =
+      records_.db().query("SELECT failed, wait_s, last_us FROM tries WHERE account = ?", account);
+  if (!row.step()) return tries;
+  tries.failed = static_cast<int>(row.integer(0));
+  const std::int64_t whole_us = row.integer(1) * kSecond_us;
+  const std::int64_t passed_us = records_.clock().now_us() - row.integer(2);
+  tries.wait_until_us =
+      records_.clock().steady_us() + whole_us - std::clamp<std::int64_t>(passed_us, 0, whole_us);
+  return tries;
+}
+
+void Accounts::clearTries(std::int64_t account, Tries& tries) {
+  if (tries.failed == 0) return;
+  tries = {};
+  try {
+    records_.db().change("DELETE FROM tries WHERE account = ?", account);
+  } catch (const DatabaseError&) {  // a full disk must not keep anybody from signing in
+  }
+}
+
 // Counts a failed try. After five failed tries the waiting time is 30 s; each further failure
 // doubles it, up to an hour.
-void Accounts::countFailure(Tries& tries) const {
+void Accounts::countFailure(std::int64_t account, Tries& tries) {
   ++tries.failed;
-  if (tries.failed < kFreeTries) return;
-  const int doublings = std::min(tries.failed - kFreeTries, 10);
-  const std::int64_t wait_s = std::min(kFirstWait_s << doublings, kLongestWait_s);
+  const int doublings = std::clamp(tries.failed - kFreeTries, 0, 10);
+  const std::int64_t wait_s =
+      tries.failed < kFreeTries ? 0 : std::min(kFirstWait_s << doublings, kLongestWait_s);
   tries.wait_until_us = records_.clock().steady_us() + wait_s * kSecond_us;
+  try {
+    records_.db().change(
+        "INSERT INTO tries (account, failed, wait_s, last_us) VALUES (?, ?, ?, ?) ON CONFLICT"
+        " (account) DO UPDATE SET failed = excluded.failed, wait_s = excluded.wait_s, last_us ="
+        " excluded.last_us",
+        account, tries.failed, wait_s, records_.clock().now_us());
+  } catch (const DatabaseError&) {  // counts even if the database cannot be written
+  }
 }
 
 void Accounts::checkPin(std::int64_t account, const Json& body) {
-  Statement row = records_.db().query(
-      "SELECT pin, failed FROM account WHERE id = ? AND left_us = 0", account);
+  Statement row =
+      records_.db().query("SELECT pin FROM account WHERE id = ? AND left_us = 0", account);
   if (!row.step()) throw notFound(fmt::format("there is no account {}", account));
-  Tries& tries = tries_.try_emplace(account, Tries{static_cast<int>(row.integer(1))}).first->second;
+  Tries& tries = triesOf(account);
   refuseWhileWaiting(tries);
   const auto pin = body.find("pin");
   const bool right = pin != body.end() && pin->is_string() &&
                      pinMatches(records_.unseal("pin", row.text(0)), pin->get<std::string>());
   if (right && tries.failed == 0) return;
-  if (right) {
-    tries = {};
-  } else {
-    countFailure(tries);  // counts even if the database cannot be written
-  }
-  try {
-    records_.db().change("UPDATE account SET failed = ? WHERE id = ?", tries.failed, account);
-  } catch (const DatabaseError&) {  // a full disk must not keep anybody from signing in
-  }
-  if (right) return;
+  if (right) return clearTries(account, tries);
+  countFailure(account, tries);
   records_.tryToLog(account, "wrong PIN");
   throw RequestRefusal{401,
                        "wrong_pin",

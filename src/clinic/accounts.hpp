@@ -1,5 +1,6 @@
 #pragma once
 
+#include "clinic/keys.hpp"
 #include "clinic/records.hpp"
 #include "clinic/request.hpp"
 
@@ -48,11 +49,14 @@ class Accounts {
   std::int64_t insertAccount(const Json& tile, const std::string& prefix);
   /// Key that encrypts the data kept in the account's browser. Only this account receives it.
   [[nodiscard]] std::string browserKey(std::int64_t account) const;
+  void adoptRows(KeyFile keys, const Key& key);
   [[nodiscard]] Json sessionOf(std::int64_t account);
   std::string newSession(std::int64_t account);
   void checkPin(std::int64_t account, const Json& body);
   void refuseWhileWaiting(const Tries& tries) const;
-  void countFailure(Tries& tries) const;
+  [[nodiscard]] Tries& triesOf(std::int64_t account);
+  void clearTries(std::int64_t account, Tries& tries);
+  void countFailure(std::int64_t account, Tries& tries);
 
   Records& records_;
   std::map<std::string, Session> sessions_;  ///< sessions by the digest of their token

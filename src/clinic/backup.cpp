@@ -4,6 +4,7 @@
 #include "clinic/keys.hpp"
 #include "clinic/marks.hpp"
 #include "clinic/request.hpp"
+#include "clinic/row_digests.hpp"
 #include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 #include <sys/file.h>
@@ -24,6 +26,8 @@
 namespace wholehand::clinic {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostNamed = 20;
 
 /// Numbers of notes begin anew, above those that pages draw (schema/004.sql).
 constexpr const char* kDrawNotes =
@@ -62,7 +66,7 @@ std::string clinicOf(Database& db) {
 /// Copies a whole clinic database to a new file and compares the two. Throws on failure.
 /// @param copied_us noted in the copy; 0: nothing is
 std::int64_t copyCompared(const std::string& from, Database::Mode mode, const std::string& to,
-                          std::int64_t copied_us) {
+                          std::int64_t copied_us, const std::string& row_key) {
   std::map<std::string, std::int64_t> before;
   {
     Database db(from, mode);
@@ -74,7 +78,10 @@ std::int64_t copyCompared(const std::string& from, Database::Mode mode, const st
   Database copy(to, Database::Mode::kReadWrite);
   checkIntegrity(copy);
   if (rowsOf(copy) != before) throw DatabaseError(to + ": differs from " + from);
-  if (copied_us != 0) copy.change("UPDATE clinic SET copied_us = ?", copied_us);
+  if (copied_us != 0) {
+    if (!row_key.empty() && hasDigests(copy)) guardRows(copy, row_key);
+    copy.change("UPDATE clinic SET copied_us = ?", copied_us);
+  }
   copy.run("PRAGMA journal_mode = DELETE;");  // a single file without a write-ahead log
   return sum(before);
 }
@@ -85,11 +92,12 @@ void migrateFile(const std::string& path) {
 }
 
 /// Erases from a copy what was erased while it was made. @return the marks
-Lines eraseSince(const std::string& database, const std::string& copy) {
+Lines eraseSince(const std::string& database, const std::string& copy, const std::string& row_key) {
   Database now(database, Database::Mode::kReadWrite);
   Lines lines = linesOf(now);
   Database db(copy, Database::Mode::kReadWrite);
   if (lines != linesOf(db)) {
+    if (!row_key.empty() && hasDigests(db)) guardRows(db, row_key);
     Transaction transaction(db);
     addLines(db, lines);
     (void)eraseMarked(db, lines);
@@ -190,14 +198,19 @@ Json toDoAgain(Database& db, const Lines& all, const Lines& known) {
 
 /// Makes the copy that becomes the clinic's database.
 void makeRestored(const std::string& file, const std::string& folder, const std::string& clinic,
-                  std::int64_t now_us, std::vector<std::string>& done) {
+                  const std::string& row_key, std::int64_t now_us, std::vector<std::string>& done) {
   const std::string made = madeIn(folder);
   removeDatabase(made);
-  const std::int64_t rows = copyCompared(file, Database::Mode::kReadOnly, made, 0);
+  const std::int64_t rows = copyCompared(file, Database::Mode::kReadOnly, made, 0, {});
   Database db(made, Database::Mode::kReadWrite);
   migrate(db);
   if (clinicOf(db) != clinic) {
     throw DatabaseError(file + ".keys: belongs to another clinic than " + file);
+  }
+  if (!row_key.empty()) guardAndAdopt(db, row_key);
+  if (const auto damaged = damagedRows(db, kMostNamed); !damaged.empty()) {
+    done.push_back(
+        fmt::format("damaged in this backup, and not served: {}", fmt::join(damaged, ", ")));
   }
   // All marks that are known. A clinic that ran in this folder has written all of its own here.
   const MarkList beside = readMarkList(markListIn(folderOf(file))),
@@ -222,6 +235,7 @@ void makeRestored(const std::string& file, const std::string& folder, const std:
   db.change("UPDATE clinic SET next_visit = ?, restored = ?, copied_us = 0", drawBlock(db, clinic),
             restored.dump());
   db.run(kDrawNotes);
+  if (db.guard()) noteSequences(db);
   db.change(
       "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE 'unfinished' END"
       " WHERE state = 'open'");
@@ -254,7 +268,12 @@ void restoreInto(const std::string& file, const std::string& folder, std::int64_
   const auto keys = readKeyFile(file + ".keys");
   if (!keys) throw DatabaseError(format(keys.errors()));
   finishRestore(folder);
-  makeRestored(file, folder, keys->clinic, now_us, done);
+  // A backup of an earlier version gets its digests here if the folder has their key, else when
+  // the clinic is unlocked.
+  const auto here = readKeyFile(folder + "/keys");
+  const bool same = here && here->clinic == keys->clinic;
+  makeRestored(file, folder, keys->clinic, same && keys->rows.empty() ? here->rows : keys->rows,
+               now_us, done);
   // From here on every step may be repeated.
   Json plan = {{"database", ""}, {"keys", ""}};
   std::error_code error;
@@ -275,6 +294,38 @@ void restoreInto(const std::string& file, const std::string& folder, std::int64_
     throw DatabaseError(planIn(folder) + ": cannot be written: " + std::strerror(failure));
   }
   finishRestore(folder);
+}
+
+/// What is wrong with a clinic's database: rows by name, changes that were lost, pages, tables.
+std::vector<std::string> faultsOf(Database& db, const std::string& folder,
+                                  const std::string& row_key) {
+  std::vector<std::string> wrong;
+  const auto collect = [&](const std::function<void()>& check) {
+    try {
+      check();
+    } catch (const DatabaseError& error) {
+      wrong.emplace_back(error.what());
+    }
+  };
+  collect([&] { checkSchema(db); });
+  collect([&] { checkIntegrity(db); });
+  if (row_key.empty()) return wrong;  // of an earlier version: unlocking adds the digests
+  collect([&] {
+    guardRows(db, row_key);
+    if (!hasDigests(db)) return;
+    for (const std::string& name : damagedRows(db, kMostNamed)) {
+      wrong.push_back(name + ": the row is damaged");
+    }
+    const ChangesBeside beside = changesBeside(counterIn(folder), row_key);
+    if (beside.damaged) wrong.push_back(counterIn(folder) + ": is damaged: delete it");
+    const std::int64_t lost =
+        lostChanges(db) + std::max<std::int64_t>(beside.n.value_or(0) - changesIn(db), 0);
+    if (lost > 0) {
+      wrong.push_back(
+          fmt::format("the last {} changes of rows are lost: clinic.db-wal was damaged", lost));
+    }
+  });
+  return wrong;
 }
 
 }  // namespace
@@ -328,6 +379,7 @@ void finishRestore(const std::string& folder) {
     if (fs::exists(keys, error)) renameOrThrow(keys, kept("keys"));
     renameOrThrow(new_keys, keys);
   }
+  fs::remove(counterIn(folder), error);  // counts the changes of the database that was here
   fs::remove(planIn(folder), error);
 }
 
@@ -343,8 +395,8 @@ Expected<std::int64_t> backUp(const std::string& folder, const std::string& file
     removeDatabase(part);
     migrateFile(folder + "/clinic.db");
     const std::int64_t rows =
-        copyCompared(folder + "/clinic.db", Database::Mode::kReadWrite, part, now_us);
-    const Lines lines = eraseSince(folder + "/clinic.db", part);
+        copyCompared(folder + "/clinic.db", Database::Mode::kReadWrite, part, now_us, keys->rows);
+    const Lines lines = eraseSince(folder + "/clinic.db", part, keys->rows);
     extendMarkList(markListIn(folderOf(file)), {lines, now_us});
     if (auto written = writeKeyFile(file + ".keys", *keys); !written) return written.errors();
     if (const int failure = renameDurably(part, file); failure != 0) {
@@ -374,13 +426,17 @@ Expected<std::int64_t> verifyClinic(const std::string& folder) {
   try {
     Database db(folder + "/clinic.db", Database::Mode::kReadWrite);
     migrate(db);
-    checkIntegrity(db);
     const std::string clinic = clinicOf(db);
     const auto keys = readKeyFile(folder + "/keys");
     if (!keys) return keys.errors();
     if (keys->clinic != clinic) {
       return fileFault(folder + "/keys", "belongs to another clinic than clinic.db",
                        "copy the file from beside a backup of this one");
+    }
+    const std::vector<std::string> wrong = faultsOf(db, folder, keys->rows);
+    if (!wrong.empty()) {
+      return fileFault(db.path(), fmt::format("{}", fmt::join(wrong, "; ")),
+                       "restore a backup if nothing else helps");
     }
     return sum(rowsOf(db));
   } catch (const DatabaseError& failure) {

@@ -90,6 +90,7 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"GET", "/api/log", A::kShown, K::kRead, by(upkeep_, &Upkeep::log)},
       {"POST", "/api/restored/done", A::kShown, K::kWrite,
        by(patients_, &Patients::forgetRestored)},
+      {"POST", "/api/lost/done", A::kShown, K::kWrite, by(patients_, &Patients::forgetLost)},
       {"GET", "/api/presets", A::kSigned, K::kRead, by(plans_, &Plans::presets)},
       {"GET", "/api/patients", A::kShown, K::kRead, by(patients_, &Patients::list)},
       {"GET", "/api/patients/propose", A::kShown, K::kRead, by(patients_, &Patients::proposeCode)},
@@ -195,8 +196,8 @@ void Clinic::perform(Call& call, const Route& route) {
       const std::int64_t now_us = records_.clock().now_us();
       records_.db().change("DELETE FROM answer WHERE at_us < ? OR at_us > ?",
                            now_us - kAnswersKept_us, now_us + kAnswersKept_us);
-      records_.db().change("INSERT INTO answer VALUES (?, ?, ?, ?)", key, digest, now_us,
-                           Blob{records_.seal("answer", call.answer.body)});
+      records_.db().change("INSERT INTO answer (key, request, at_us, body) VALUES (?, ?, ?, ?)",
+                           key, digest, now_us, Blob{records_.seal("answer", call.answer.body)});
     }
     call.transaction->commit();
     call.transaction.reset();

@@ -118,6 +118,7 @@ int Database::changes() const {
 }
 
 void Database::checkFile() const {
+  if (inode_ == 0) return;  // in memory
   struct stat file {};
   if (::stat(path_.c_str(), &file) != 0 || file.st_dev != device_ || file.st_ino != inode_) {
     throw DatabaseError(path_ +

@@ -6,11 +6,14 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 struct sqlite3;
 struct sqlite3_stmt;
 
 namespace wholehand::clinic {
+
+struct RowGuard;  // row_digests.hpp
 
 /// A statement that SQLite refused; it has changed nothing.
 class DatabaseError : public std::runtime_error {
@@ -90,6 +93,10 @@ class Database {
   void checkFile() const;
   /// Copies one consistent state of everything into a new file. @pre no file of that name exists
   void copyTo(const std::string& path);
+  /// State of guardRows(); empty: rows are not guarded.
+  [[nodiscard]] const std::shared_ptr<RowGuard>& guard() const { return guard_; }
+  void setGuard(std::shared_ptr<RowGuard> guard) { guard_ = std::move(guard); }
+  [[nodiscard]] sqlite3* handle() const { return db_.get(); }
 
  private:
   struct Close {
@@ -97,6 +104,7 @@ class Database {
   };
   [[nodiscard]] int changes() const;
   std::string path_;
+  std::shared_ptr<RowGuard> guard_;  ///< outlives the connection, whose functions use it
   std::unique_ptr<sqlite3, Close> db_;
   std::uint64_t device_ = 0, inode_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "clinic/intents.hpp"
 
 #include "clinic/request.hpp"
+#include "clinic/row_digests.hpp"
 #include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
@@ -127,7 +128,8 @@ std::vector<std::string> copiesOf(const Places& places) {
 }
 
 /// Erases from a database that nobody has open. @return its marks; empty: it has no such row
-Lines eraseFromCopy(const std::string& path, const Lines& lines, const Kept& kept) {
+Lines eraseFromCopy(const std::string& folder, const std::string& path, const Lines& lines,
+                    const Kept& kept) {
   const std::string part = path + ".erasing";
   std::error_code error;
   // The log of a replaced database becomes a part of it: it would be read into the new file.
@@ -143,6 +145,7 @@ Lines eraseFromCopy(const std::string& path, const Lines& lines, const Kept& kep
   {
     Database db(part, Database::Mode::kReadWrite);
     migrate(db);
+    guardByKeys(db, folder, true);
     Transaction transaction(db);
     addLines(db, lines);
     (void)eraseMarked(db, lines, kept);
@@ -303,7 +306,7 @@ Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept
   std::string problem;
   for (const std::string& path : copiesOf(places)) {
     try {
-      append(more, eraseFromCopy(path, lines, kept));
+      append(more, eraseFromCopy(places.folder, path, lines, kept));
     } catch (const DatabaseError& error) {
       removeDatabase(path + ".erasing");
       problem = error.what();

@@ -169,7 +169,9 @@ Expected<KeyFile> readKeyFile(const std::string& path) {
     return fileFault(path, "is damaged: its digest does not fit", "copy it from beside a backup",
                      DiagnosticCode::kSyntax);
   }
-  return KeyFile{file["clinic"], file["phrase"].dump(), file["recovery"].dump()};
+  const Json rows = file.value("rows", Json());
+  return KeyFile{file["clinic"], file["phrase"].dump(), file["recovery"].dump(),
+                 rows.is_string() ? rows.get<std::string>() : std::string{}};
 }
 
 Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys) {
@@ -178,6 +180,7 @@ Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys) {
                {"clinic", keys.clinic},
                {"phrase", Json::parse(keys.by_phrase)},
                {"recovery", Json::parse(keys.by_recovery)}};
+  if (!keys.rows.empty()) file["rows"] = keys.rows;
   file["sha256"] = digestOf(file);
   if (const int error = writeDurably(path, file.dump(1) + "\n"); error != 0) {
     return fileFault(path, std::string("cannot be written: ") + std::strerror(error),

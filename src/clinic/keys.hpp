@@ -48,6 +48,9 @@ class Key {
 struct KeyFile {
   std::string clinic;                  ///< id of the clinic that the key belongs to
   std::string by_phrase, by_recovery;  ///< JSON with the keys salt, cost, box
+  std::string rows;  ///< key of the rows' digests (row_digests.hpp), derived from the clinic's; not
+                     ///< wrapped, so that programs without the pass phrase keep digests right;
+                     ///< empty: of an earlier version
 };
 [[nodiscard]] Expected<KeyFile> readKeyFile(const std::string& path);
 [[nodiscard]] Expected<Done> writeKeyFile(const std::string& path, const KeyFile& keys);

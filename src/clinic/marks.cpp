@@ -1,6 +1,7 @@
 #include "clinic/marks.hpp"
 
 #include "clinic/keys.hpp"
+#include "clinic/row_digests.hpp"
 #include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 #include "files/text/text_file.hpp"
@@ -121,7 +122,7 @@ bool hasLine(Database& db, const std::string& line) {
 
 void addLines(Database& db, const Lines& more) {
   for (const std::string& line : more) {
-    db.change("INSERT OR IGNORE INTO mark (line) VALUES (?)", line);
+    if (!hasLine(db, line)) db.change("INSERT INTO mark (line) VALUES (?)", line);
   }
 }
 
@@ -176,7 +177,7 @@ std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept) {
   for (const std::int64_t visit : numbersOf(
            db.query("SELECT id FROM visit WHERE patient IS NOT NULL AND " + erasedRowsOf("visit") +
                     " AND patient NOT IN (" + erasedPatients() + ")"))) {
-    takeBackSettings(db, visitRow(db, visit));
+    if (isSound(db, "visit", visit)) takeBackSettings(db, visitRow(db, visit));
   }
   // Trials and notes of a visit, and notes of a patient, are deleted with it.
   std::int64_t erased = db.change("DELETE FROM trial WHERE " + erasedRowsOf("trial"));
@@ -223,10 +224,15 @@ bool isErasedRecording(Database& db, const std::string& sha256) {
   return !sha256.empty() && hasLine(db, "recording " + sha256);
 }
 
-bool isGivenAway(Database& db, const std::string& sha256) {
+std::string ownerOf(Database& db, const std::string& sha256) {
   const auto owners = lastOwners(linesOf(db));
   const auto owner = owners.find(sha256);
-  return owner != owners.end() && !hasLine(db, "patient " + owner->second.second);
+  const bool has = owner != owners.end() && !hasLine(db, "patient " + owner->second.second);
+  return has ? owner->second.second : std::string{};
+}
+
+bool isGivenAway(Database& db, const std::string& sha256) {
+  return !ownerOf(db, sha256).empty();
 }
 
 bool isDrawnHere(Database& db, std::int64_t visit) {

@@ -63,6 +63,8 @@ std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept = {}
 /// Visits and recordings that the database's lines name as erased.
 [[nodiscard]] bool isErasedVisit(Database& db, std::int64_t visit);
 [[nodiscard]] bool isErasedRecording(Database& db, const std::string& sha256);
+/// Mark of the patient to whom the recording was given at last, and who is not erased; empty: none.
+[[nodiscard]] std::string ownerOf(Database& db, const std::string& sha256);
 /// True when the recording was given at last to somebody who is not erased.
 [[nodiscard]] bool isGivenAway(Database& db, const std::string& sha256);
 /// True when this clinic drew the block of a visit's number.

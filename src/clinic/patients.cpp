@@ -1,5 +1,6 @@
 #include "clinic/patients.hpp"
 
+#include "clinic/row_digests.hpp"
 #include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 
@@ -100,14 +101,27 @@ Json Patients::rows(std::string_view find, std::int64_t only) {
   const std::string wanted = folded(find);
   // SQLite takes bare columns next to MAX() from the row with the maximum: the last visit.
   Statement query = records_.db().query(
-      "SELECT p.id, p.code, p.side, p.secret,"
-      " (SELECT COUNT(*) FROM visit WHERE patient = p.id AND state <> 'no_show'),"
-      " v.id, v.state, MAX(v.began_us) FROM patient p"
-      " LEFT JOIN visit v ON v.patient = p.id AND v.state <> 'no_show'"
-      " WHERE p.id = ?1 OR ?1 = 0 GROUP BY p.id ORDER BY MAX(v.began_us) DESC, p.id DESC",
+      std::string("SELECT p.id, p.code, p.side, p.secret,"
+                  " (SELECT COUNT(*) FROM visit WHERE patient = p.id AND state <> 'no_show'),"
+                  " v.id, v.state, MAX(v.began_us), ") +
+          soundness(records_.db(), "patient", "p") +
+          " FROM patient p"
+          " LEFT JOIN visit v ON v.patient = p.id AND v.state <> 'no_show'"
+          " WHERE p.id = ?1 OR ?1 = 0 GROUP BY p.id ORDER BY MAX(v.began_us) DESC, p.id DESC",
       only);
   while (query.step()) {
     const std::string code = query.text(1);
+    if (query.integer(8) == 0) {
+      rows.push_back({{"id", query.integer(0)},
+                      {"code", fmt::format("damaged-{}", query.integer(0))},
+                      {"name", ""},
+                      {"side", ""},
+                      {"visits", 0},
+                      {"last_visit_us", 0},
+                      {"state", "damaged"},
+                      {"visit", 0}});
+      continue;
+    }
     const Json secret = Json::parse(records_.unseal("patient", query.text(3)));
     const std::string name = secret.at("name");
     if (folded(name).find(wanted) == std::string::npos &&
@@ -146,6 +160,13 @@ Json Patients::forgetRestored(Call& call) {
   return Json::object();
 }
 
+/// The last changes, which a damaged write-ahead log lost, were made again where they matter.
+Json Patients::forgetLost(Call& call) {
+  confirmLostChanges(records_.db());
+  records_.log(call.session.account, "confirmed lost changes");
+  return Json::object();
+}
+
 Json Patients::list(Call& call) {
   Json all = rows(call.request.find, 0), open = Json::array(), guests = Json::array();
   for (const Json& row : all) {
@@ -153,11 +174,13 @@ Json Patients::list(Call& call) {
   }
   Statement query = records_.db().query(
       "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
-  while (query.step()) guests.push_back(visitJson(records_, query.integer(0), false));
+  while (query.step()) guests.push_back(listedVisit(records_, query.integer(0)));
   return {{"open", open},
           {"patients", all},
           {"guests", guests},
           {"under_way", records_.underWay()},
+          {"damaged", records_.damaged()},
+          {"lost", lostChanges(records_.db())},
           {"restored", restored(records_.db())}};
 }
 
@@ -177,11 +200,11 @@ Json Patients::add(Call& call) {
   }
   const std::int64_t now_us = records_.clock().now_us();
   records_.db().change(
-      "INSERT INTO patient (mark, version, code, side, hands, preset, parameters, plan, plan_us,"
+      "INSERT INTO patient (mark, version, code, side, hands, preset, parameters, plan, plan_n,"
       " created_us, secret) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       randomHex(16), data.code, data.side, data.hands.dump(), data.preset,
-      Json(data.parameters).dump(), clinic::toJson(data.plan).dump(), now_us, now_us,
-      Blob{records_.seal("patient", data.secret.dump())});
+      Json(data.parameters).dump(), clinic::toJson(data.plan).dump(), changesIn(records_.db()) + 1,
+      now_us, Blob{records_.seal("patient", data.secret.dump())});
   const std::int64_t id = records_.db().lastId();
   records_.log(call.session.account, "added", id);
   return toJson(id);
@@ -217,8 +240,8 @@ Json Patients::change(Call& call) {
   }
   const std::string plan = clinic::toJson(data.plan).dump();
   if (plan != row.text(1)) {
-    records_.db().change("UPDATE patient SET plan = ?, plan_us = ? WHERE id = ?", plan,
-                         records_.clock().now_us(), id);
+    records_.db().change("UPDATE patient SET plan = ?, plan_n = ? WHERE id = ?", plan,
+                         changesIn(records_.db()) + 1, id);
   }
   records_.db().change(
       "UPDATE patient SET version = version + 1, code = ?, side = ?, hands = ?, preset = ?,"
@@ -284,10 +307,11 @@ Json curvesOf(const Json& visits) {
 
 Json Patients::toJson(std::int64_t id) {
   Statement row = records_.db().query(
-      "SELECT version, code, side, hands, preset, parameters, plan, plan_us, secret FROM patient"
+      "SELECT version, code, side, hands, preset, parameters, plan, plan_n, secret FROM patient"
       " WHERE id = ?",
       id);
   if (!row.step()) throw notFound(fmt::format("there is no patient {}", id));
+  refuseDamaged(records_.db(), "patient", id, fmt::format("patient {}", id));
   Json out = Json::parse(records_.unseal("patient", row.text(8)));
   out["id"] = id;
   out["version"] = row.integer(0);
@@ -301,11 +325,10 @@ Json Patients::toJson(std::int64_t id) {
   Json today = out["plan"];
   bool found_last = false;
   Statement rows = records_.db().query(
-      "SELECT id, began_us, plan FROM visit WHERE patient = ? ORDER BY began_us DESC, id "
-      "DESC",
-      id);
+      "SELECT id, began_n, plan FROM visit WHERE patient = ? ORDER BY began_n DESC", id);
   while (rows.step()) {
-    visits.push_back(visitJson(records_, rows.integer(0), false));
+    visits.push_back(listedVisit(records_, rows.integer(0)));
+    if (visits.back()["state"] == "damaged") continue;
     // Offers the items of the last visit, unless the plan was changed since. A visit that was
     // missed has no items.
     const Plan items = planFrom(rows.text(2));
@@ -406,12 +429,19 @@ std::string csvOf(Database& db, std::int64_t patient) {
       "code,visit,began,state,side,pain_before,pain_after,item,exercise,level,recording,measure,"
       "value,unit\r\n";
   Statement rows = db.query(
-      "SELECT p.code, v.id, v.began_us, v.offset_min, v.state, v.side, v.pain_before, v.pain_after,"
-      " t.item, t.recording, t.measures FROM visit v JOIN patient p ON p.id = v.patient"
-      " LEFT JOIN trial t ON t.visit = v.id AND t.state = 'measured'"
-      " WHERE p.id = ?1 OR ?1 = 0 ORDER BY p.code, v.began_us, v.id, t.began_us, t.id",
+      fmt::format(
+          "SELECT p.code, v.id, v.began_us, v.offset_min, v.state, v.side, v.pain_before,"
+          " v.pain_after, t.item, t.recording, t.measures, {} AND {} AND (t.id IS NULL OR {})"
+          " FROM visit v JOIN patient p ON p.id = v.patient"
+          " LEFT JOIN trial t ON t.visit = v.id AND t.state = 'measured'"
+          " WHERE p.id = ?1 OR ?1 = 0 ORDER BY p.code, v.began_us, v.id, t.began_us, t.id",
+          soundness(db, "visit", "v"), soundness(db, "patient", "p"), soundness(db, "trial", "t")),
       patient);
   while (rows.step()) {
+    if (rows.integer(11) == 0) {
+      out += fmt::format("{},{},,damaged,,,,,,,,,,\r\n", csvCell(rows.text(0)), rows.integer(1));
+      continue;
+    }
     const auto pain = [&](int column) {
       return rows.isNull(column) ? std::string{} : std::to_string(rows.integer(column));
     };

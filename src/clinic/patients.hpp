@@ -26,6 +26,8 @@ class Patients {
   Json list(Call& call);
   /// What a restore left to people was done.
   Json forgetRestored(Call& call);
+  /// Somebody confirms that changes were lost.
+  Json forgetLost(Call& call);
   Json proposeCode(Call& call);
   Json add(Call& call);
   Json change(Call& call);

@@ -1,5 +1,7 @@
 #include "clinic/plans.hpp"
 
+#include "clinic/rows.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -113,6 +115,7 @@ Parameters Plans::settingsOf(const std::optional<std::int64_t>& patient, const J
     Statement row =
         records_.db().query("SELECT preset, parameters FROM patient WHERE id = ?", *patient);
     if (!row.step()) throw notFound(fmt::format("there is no patient {}", *patient));
+    refuseDamaged(records_.db(), "patient", *patient, fmt::format("patient {}", *patient));
     preset = row.text(0);
     own.merge(Json::parse(row.text(1)).get<Parameters>());
   }

@@ -1,6 +1,7 @@
 #include "clinic/records.hpp"
 
 #include "clinic/backup.hpp"
+#include "clinic/row_digests.hpp"
 #include "clinic/text.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +14,46 @@
 
 namespace wholehand::clinic {
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostNamed = 20;
+
+/// First fault of pages; empty: none. Values that a table does not allow are not judged: digests
+/// name their rows.
+std::string faultOf(Database& db) {
+  Statement rows = db.query("PRAGMA integrity_check");
+  while (rows.step()) {
+    const std::string line = rows.text(0);
+    const bool value = line.starts_with("CHECK constraint") || line.starts_with("NULL value") ||
+                       line.starts_with("non-") || line.find(" value in ") != std::string::npos;
+    if (line != "ok" && !value) return line;
+  }
+  return {};
+}
+
+/// Throws when pages of tables are damaged. Damaged indexes are made anew.
+void checkTables(Database& db) {
+  if (faultOf(db).empty()) return;
+  db.run("REINDEX");
+  if (const std::string fault = faultOf(db); !fault.empty()) {
+    throw DatabaseError(db.path() + ": is damaged: " + fault + "; restore a backup");
+  }
+}
+
+/// Guards the rows. Changes that a damaged write-ahead log lost are noted until somebody confirms
+/// them.
+void guardFrom(Database& db, const std::string& folder, const std::string& row_key) {
+  const ChangesBeside beside = changesBeside(counterIn(folder), row_key);
+  guardAndAdopt(db, row_key, counterIn(folder));
+  const std::int64_t lost = beside.n.value_or(0) - changesIn(db);
+  if (lost <= 0) return;
+  Transaction transaction(db);
+  setLostChanges(db, lost + lostChanges(db));
+  transaction.commit();
+}
+
+}  // namespace
 
 // Closes a database whose file has disappeared; the file may come back.
 void Records::closeLost() {
@@ -47,6 +88,8 @@ void Records::open() {
   }
   Database db(path, Database::Mode::kCreate);
   migrate(db);
+  checkTables(db);
+  checkSchema(db);
   // Checks that the key file belongs to this database.
   Statement clinic = db.query("SELECT id FROM clinic");
   if (clinic.step()) {
@@ -56,6 +99,10 @@ void Records::open() {
       throw DatabaseError(keys_path +
                           ": belongs to another clinic than clinic.db; "
                           "copy the file from beside a backup of this one");
+    }
+    if (!keys->rows.empty()) {
+      guardFrom(db, options_.folder, keys->rows);
+      damaged_ = damagedRows(db, kMostNamed);
     }
   } else if (fs::exists(keys_path, error)) {
     throw DatabaseError(keys_path +

@@ -37,6 +37,8 @@ class Records {
   void open();
   /// Closes a database whose file has disappeared; the file may come back.
   void closeLost();
+  /// Closes the database; open() opens it again.
+  void close() { db_.reset(); }
   [[nodiscard]] bool isOpen() const { return db_.has_value(); }
   /// The database. Throws when it was closed, which may happen while a request has released the
   /// lock; the client then asks again.
@@ -79,6 +81,8 @@ class Records {
   void backUpIfDue();
   /// Writes a backup to the folder; of the daily folder old ones are removed. @return its file
   [[nodiscard]] Expected<std::string> backUpTo(const std::string& folder);
+  /// Names of rows that were damaged when the database was opened.
+  [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
   /// Time and folder of the last backup, and the reason if none could be made.
   [[nodiscard]] Json backupFacts() const;
 
@@ -94,6 +98,7 @@ class Records {
   std::vector<ShippedHand> hands_;
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
+  std::vector<std::string> damaged_;
 };
 
 }  // namespace wholehand::clinic

@@ -1,6 +1,7 @@
 #include "clinic/rows.hpp"
 
 #include "clinic/plans.hpp"
+#include "clinic/row_digests.hpp"
 
 #include <fmt/format.h>
 
@@ -23,12 +24,23 @@ std::string sideOfHand(const Json& measures) {
 
 }  // namespace
 
+void refuseDamaged(Database& db, const char* table, std::int64_t row, const std::string& name) {
+  if (isSound(db, table, row)) return;
+  throw RequestRefusal{409,
+                       "damaged",
+                       name +
+                           ": its row in clinic.db is damaged: restore a backup; until then train"
+                           " under the gentle preset, and confirm hand and side",
+                       {}};
+}
+
 VisitRow visitRow(Database& db, std::int64_t id) {
   Statement row = db.query(
       "SELECT patient, account, side, hand, hand_file, began_us, ended_us, offset_min, state, plan,"
       " item, pain_before, pain_after, in_force, changed, before FROM visit WHERE id = ?",
       id);
   if (!row.step()) throw notFound(fmt::format("there is no visit {}", id));
+  refuseDamaged(db, "visit", id, fmt::format("visit {}", id));
   VisitRow visit;
   visit.id = id;
   if (!row.isNull(0)) visit.patient = row.integer(0);
@@ -50,9 +62,46 @@ VisitRow visitRow(Database& db, std::int64_t id) {
   return visit;
 }
 
+std::string trialColumns(Database& db) {
+  return "SELECT item, recording, began_us, state, why, measures, id, " +
+         soundness(db, "trial", "trial") + " FROM trial";
+}
+
+namespace {
+
+Json damagedTrial(std::int64_t id) {
+  return {{"id", id},
+          {"item", 0},
+          {"exercise", ""},
+          {"level", 0},
+          {"recording", ""},
+          {"began_us", 0},
+          {"duration_s", nullptr},
+          {"side", ""},
+          {"active_s", nullptr},
+          {"helped_s", nullptr},
+          {"led_s", nullptr},
+          {"helped_share", nullptr},
+          {"results", Json::array()},
+          {"peak_speed_m_s", nullptr},
+          {"path_ratio", nullptr},
+          {"reach_s", nullptr},
+          {"ended_by", ""},
+          {"state", "failed"},
+          {"why", fmt::format("row {} of trial in clinic.db is damaged: end the program and run"
+                              " wholehand-clinic rebuild",
+                              id)}};
+}
+
+}  // namespace
+
 Json trialsIn(Statement rows, const Plan& plan) {
   Json trials = Json::array();
   while (rows.step()) {
+    if (rows.integer(7) == 0) {
+      trials.push_back(damagedTrial(rows.integer(6)));
+      continue;
+    }
     const Json m = Json::parse(rows.text(5));
     const auto item = static_cast<std::size_t>(rows.integer(0));
     const bool planned = item < plan.size();
@@ -83,11 +132,22 @@ Json trialsIn(Statement rows, const Plan& plan) {
 Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden) {
   Json notes = Json::array();
   Statement rows = records.db().query(
-      fmt::format("SELECT id, visit, at_us, account, kind, text FROM note WHERE {} = ? ORDER BY "
-                  "at_us, id",
-                  column),
+      fmt::format("SELECT id, visit, at_us, account, kind, text, {} FROM note WHERE {} = ? ORDER "
+                  "BY at_us, id",
+                  soundness(records.db(), "note", "note"), column),
       id);
   while (rows.step()) {
+    if (rows.integer(6) == 0) {
+      notes.push_back({{"id", rows.integer(0)},
+                       {"visit", 0},
+                       {"at_us", 0},
+                       {"account", 0},
+                       {"kind", "text"},
+                       {"text", fmt::format("note {}: its row in clinic.db is damaged: restore a"
+                                            " backup",
+                                            rows.integer(0))}});
+      continue;
+    }
     notes.push_back({{"id", rows.integer(0)},
                      {"visit", rows.integer(1)},
                      {"at_us", rows.integer(2)},
@@ -115,11 +175,32 @@ Json visitJson(Records& records, std::int64_t id, bool hidden) {
           {"hand", v.hand.empty() ? v.hand_file : v.hand},
           {"trials",
            trialsIn(records.db().query(
-                        std::string(kTrialColumns) + " WHERE visit = ? ORDER BY began_us, id", id),
+                        trialColumns(records.db()) + " WHERE visit = ? ORDER BY began_us, id", id),
                     v.plan)},
           {"notes", notesOf(records, "visit", id, hidden)},
           {"pain_before", v.pain_before},
           {"pain_after", v.pain_after}};
+}
+
+Json listedVisit(Records& records, std::int64_t id) {
+  if (isSound(records.db(), "visit", id)) return visitJson(records, id, false);
+  return {{"id", id},
+          {"patient", nullptr},
+          {"side", ""},
+          {"began_us", 0},
+          {"ended_us", 0},
+          {"offset_min", 0},
+          {"state", "damaged"},
+          {"account", 0},
+          {"plan", Json::array()},
+          {"changed", Json::object()},
+          {"item", 0},
+          {"next_item", 0},
+          {"hand", ""},
+          {"trials", Json::array()},
+          {"notes", Json::array()},
+          {"pain_before", nullptr},
+          {"pain_after", nullptr}};
 }
 
 void takeBackSettings(Database& db, const VisitRow& visit) {
@@ -147,8 +228,10 @@ std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t ac
   const std::int64_t id = takeVisitNumber(records.db());
   records.db().change(
       "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0)",
-      id, patient, account, side, began_us, ended_us, records.clock().offset_min(began_us), state);
+      " offset_min, state, plan, item, began_n) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0, "
+      "?)",
+      id, patient, account, side, began_us, ended_us, records.clock().offset_min(began_us), state,
+      changesIn(records.db()) + 1);
   return id;
 }
 

@@ -19,8 +19,12 @@ struct VisitRow {
   Json pain_before, pain_after;
   Json in_force = Json::object(), changed = Json::object(), before = Json::object();
 };
+/// Refuses, by name, to serve a row whose digest is wrong or missing.
+void refuseDamaged(Database& db, const char* table, std::int64_t row, const std::string& name);
 [[nodiscard]] VisitRow visitRow(Database& db, std::int64_t id);
 [[nodiscard]] Json visitJson(Records& records, std::int64_t id, bool hidden);
+/// A visit in a list: of a damaged row only the number, with the state "damaged".
+[[nodiscard]] Json listedVisit(Records& records, std::int64_t id);
 /// Restores the person's values from before the visit, except those changed again since. Used when
 /// the visit belongs to somebody else.
 void takeBackSettings(Database& db, const VisitRow& visit);
@@ -30,11 +34,10 @@ std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t ac
                          const std::string& side, std::int64_t began_us, std::int64_t ended_us,
                          const std::string& state);
 
-/// Columns that trialsIn() reads.
-inline constexpr std::string_view kTrialColumns =
-    "SELECT item, recording, began_us, state, why, measures, id FROM trial";
-/// Trials as JSON.
-/// @param rows query with the columns kTrialColumns
+/// Query with the columns that trialsIn() reads.
+[[nodiscard]] std::string trialColumns(Database& db);
+/// Trials as JSON; of a damaged row only the reason.
+/// @param rows query that begins with trialColumns()
 [[nodiscard]] Json trialsIn(Statement rows, const Plan& plan);
 
 /// Largest number of a note that a page draws.

@@ -1,6 +1,7 @@
 #include "clinic/trials.hpp"
 
 #include "clinic/intents.hpp"
+#include "clinic/row_digests.hpp"
 #include "clinic/text.hpp"
 #include "files/process/child_process.hpp"
 #include "loop/core/printable.hpp"
@@ -152,6 +153,34 @@ void insertOrUpdate(Database& db, const FileEntry& file, const Outcome& out) {
       out.sha256, out.version, out.measures);
 }
 
+/// Replaces rows whose digest is wrong by empty ones, which are measured again. A visit is kept if
+/// a mark says that the recording was given to its patient.
+void replaceDamaged(Database& db) {
+  struct Damaged {
+    std::string recording, sha256;
+    std::int64_t id, visit;
+  };
+  std::vector<Damaged> rows;
+  Statement query = db.query("SELECT recording, sha256, id, visit FROM trial WHERE NOT " +
+                             soundness(db, "trial", "trial"));
+  while (query.step()) {
+    rows.push_back({query.text(0), query.text(1), query.integer(2), query.integer(3)});
+  }
+  Transaction transaction(db);
+  for (const Damaged& row : rows) {
+    db.change("DELETE FROM trial WHERE id = ?", row.id);
+    const std::string owner = ownerOf(db, row.sha256);
+    const std::int64_t patient = db.number("SELECT patient FROM visit WHERE id = ?", row.visit);
+    if (owner.empty() || markOf(db, patient) != owner) continue;
+    db.change(
+        "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, "
+        "sha256,"
+        " measures_version, measures) VALUES (?, 0, 0, 'waiting', '', ?, 0, 0, ?, 0, '{}')",
+        row.recording, row.visit, row.sha256);
+  }
+  transaction.commit();
+}
+
 }  // namespace
 
 void Trials::store(const std::string& name, const FileState& file, const std::optional<Json>& json,
@@ -290,6 +319,8 @@ Expected<std::string> rebuildTrials(const std::string& folder, const std::string
   try {
     Database db(folder + "/clinic.db", Database::Mode::kReadWrite);
     migrate(db);
+    guardByKeys(db, folder);
+    replaceDamaged(db);
     int measured = 0, others = 0;
     const std::vector<FileEntry> found = recordingsOf(recordings);
     for (const FileEntry& file : found) {

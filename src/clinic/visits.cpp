@@ -1,5 +1,7 @@
 #include "clinic/visits.hpp"
 
+#include "clinic/row_digests.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -199,6 +201,20 @@ void Visits::refuseWhileAsking() const {
     throw RequestRefusal{409, "busy", "the station is being asked already; try again", {}};
 }
 
+/// A limit that was lowered last may be among the changes that are lost.
+void Visits::refuseWhileLost() {
+  const std::int64_t lost = lostChanges(records_.db());
+  if (lost == 0) return;
+  throw RequestRefusal{
+      409,
+      "damaged",
+      fmt::format("the last {} changes of clinic.db are lost: look at the limits of"
+                  " whoever trained last and confirm it at the list of patients;"
+                  " until then train under the gentle preset",
+                  lost),
+      {}};
+}
+
 void Visits::refuseWhileOpen() {
   const std::int64_t open = openOne();
   if (open == 0) return;
@@ -253,10 +269,12 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   const std::int64_t now_us = records_.clock().now_us();
   records_.db().change(
       "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item, in_force) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, 'open', ?, 0,"
-      " ?)",
+      " offset_min, state, plan, item, in_force, began_n) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, "
+      "'open',"
+      " ?, 0, ?, ?)",
       visit.id, patient, call.session.account, side, visit.hand, visit.hand_file, now_us,
-      records_.clock().offset_min(now_us), toJson(plan).dump(), inForce(order).dump());
+      records_.clock().offset_min(now_us), toJson(plan).dump(), inForce(order).dump(),
+      changesIn(records_.db()) + 1);
   records_.log(call.session.account, "asked for a visit", patient.value_or(0), visit.id);
   call.transaction->commit();
   call.transaction.reset();
@@ -286,6 +304,7 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
 Json Visits::begin(Call& call) {
   const std::int64_t id = call.ids.at(0);
   patients_.check(id);
+  refuseWhileLost();
   const std::string side = sideOf(call.body);
   refuseOtherSide(id, side);
   return start(
@@ -320,7 +339,10 @@ Json Visits::nextItem(Call& call) {
   }
   const auto k = item.get<std::int64_t>();
   refuseWhileAsking();
-  if (visit.state == "unfinished") fitToPerson(visit);
+  if (visit.state == "unfinished") {
+    refuseWhileLost();
+    fitToPerson(visit);
+  }
   keepSettings(visit);
   const VisitOrder order = orderOf(visit, k);
   const Json in_force = inForce(order);
@@ -338,6 +360,7 @@ Json Visits::nextItem(Call& call) {
 }
 
 Json Visits::finish(Call& call) {
+  if (const std::int64_t id = call.ids.at(0); isDamaged(id)) return finishDamaged(call, id);
   VisitRow visit = visitOf(call);
   const Json state = call.body.value("state", Json());
   if (state != "done" && state != "unfinished") {
@@ -358,6 +381,31 @@ Json Visits::finish(Call& call) {
   records_.log(call.session.account, "finished a visit", visit.patient.value_or(0), visit.id,
                state);
   return visitJson(records_, visit.id, call.session.hidden);
+}
+
+bool Visits::isDamaged(std::int64_t visit) {
+  return records_.db().number("SELECT COUNT(*) FROM visit WHERE id = ?", visit) != 0 &&
+         !isSound(records_.db(), "visit", visit);
+}
+
+/// Ends a visit whose row is damaged, also on the station. The row stays damaged, and none of its
+/// values becomes the person's.
+Json Visits::finishDamaged(Call& call, std::int64_t visit) {
+  if (station_.scene().visit == static_cast<std::uint64_t>(visit)) {
+    ask(call, [&] { return station_.close(static_cast<std::uint64_t>(visit)); });
+  }
+  records_.begin(call);
+  setAside(call.session.account, visit);
+  return listedVisit(records_, visit);
+}
+
+void Visits::setAside(std::int64_t account, std::int64_t visit) {
+  {
+    const SetAside aside(records_.db());
+    records_.db().change("UPDATE visit SET state = 'unfinished', ended_us = ? WHERE id = ?",
+                         records_.clock().now_us(), visit);
+  }
+  records_.log(account, "ended a visit whose row is damaged", 0, visit);
 }
 
 Json Visits::note(Call& call) {
@@ -469,7 +517,7 @@ Json Visits::sessions(Call&) {
   const std::int64_t all = records_.db().number("SELECT COUNT(*) FROM trial WHERE visit IS NULL");
   return {
       {"sessions", trialsIn(records_.db().query(
-                                std::string(kTrialColumns) +
+                                trialColumns(records_.db()) +
                                     " WHERE visit IS NULL ORDER BY began_us DESC, id DESC LIMIT ?",
                                 kMostTrials),
                             {})},
@@ -492,7 +540,7 @@ Json Visits::giveSessions(Call& call) {
   std::string side;
   for (const Json& id : ids) {
     const Json one =
-        trialsIn(records_.db().query(std::string(kTrialColumns) +
+        trialsIn(records_.db().query(trialColumns(records_.db()) +
                                          " WHERE id = ? AND visit IS NULL AND state = 'measured'",
                                      id.get<std::int64_t>()),
                  {});
@@ -582,6 +630,11 @@ std::uint64_t Visits::compareWithStation(const StationScene& scene) {
     apart_since_us_ = 0;
     if (open != 0) {  // the station was restarted, or its last change did not reach the disk
       Transaction transaction(records_.db());
+      if (isDamaged(static_cast<std::int64_t>(open))) {
+        setAside(0, static_cast<std::int64_t>(open));
+        transaction.commit();
+        return scene.visit;
+      }
       close(0, visitRow(records_.db(), static_cast<std::int64_t>(open)), "unfinished");
       records_.log(0, "the station has this visit no longer", 0, static_cast<std::int64_t>(open));
       transaction.commit();

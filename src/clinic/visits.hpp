@@ -59,11 +59,15 @@ class Visits {
   [[nodiscard]] Json inForce(const VisitOrder& order) const;
   void keepSettings(VisitRow& visit);
   void close(std::int64_t account, VisitRow visit, const std::string& state);
+  [[nodiscard]] bool isDamaged(std::int64_t visit);
+  Json finishDamaged(Call& call, std::int64_t visit);
+  void setAside(std::int64_t account, std::int64_t visit);
   void chooseHand(VisitRow& visit);
   void fitToPerson(VisitRow& visit);
   void removeHandFile(const std::string& name) const;
   void refuseOtherSide(std::int64_t patient, const std::string& side);
   void refuseWhileOpen();
+  void refuseWhileLost();
   void ask(Call& call, const std::function<StationReply()>& order);
   void erase(Call& call, const Erasure& erasure);
 
