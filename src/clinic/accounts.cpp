@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 namespace wholehand::clinic {
@@ -17,6 +18,7 @@ namespace {
 constexpr std::int64_t kHideAfter_us = 300 * kSecond_us;
 constexpr int kFreeTries = 5, kFirstWait_s = 30, kLongestWait_s = 3600;
 constexpr std::size_t kMostSessions = 64;
+constexpr std::int64_t kGone_us = 60 * kSecond_us;  // a page that is open asks more often
 constexpr const char* kRowsPurpose = "rows";
 constexpr std::size_t kLeastPhrase = 8, kMostPhrase = 200, kLeastPin = 4, kMostPin = 8;
 
@@ -28,6 +30,14 @@ std::string pinOf(const Json& body, const std::string& field) {
     throw badValue(field, "a PIN has 4 to 8 digits");
   }
   return pin;
+}
+
+std::string phraseOf(const Json& body, const char* key) {
+  std::string phrase = textOf(body, key, key);
+  if (phrase.size() < kLeastPhrase || phrase.size() > kMostPhrase) {
+    throw badValue(key, "a pass phrase has 8 to 200 characters");
+  }
+  return phrase;
 }
 
 bool isColour(const std::string& text) {
@@ -69,6 +79,7 @@ void Accounts::admit(Call& call, Access access) {
   Session& session = found->second;
   const std::int64_t now_us = records_.clock().steady_us();
   if (now_us - session.last_us >= kHideAfter_us) session.hidden = true;
+  session.heard_us = now_us;
   if (call.request.path != "/api/visits/open") session.last_us = now_us;
   call.session = session;
   if (session.hidden && access == Access::kShown) {
@@ -80,10 +91,7 @@ Json Accounts::init(Call& call) {
   if (!records_.isNew()) {
     throw RequestRefusal{409, "changed", "this clinic has begun already; unlock it", {}};
   }
-  const std::string phrase = textOf(call.body, "pass_phrase", "pass_phrase");
-  if (phrase.size() < kLeastPhrase || phrase.size() > kMostPhrase) {
-    throw badValue("pass_phrase", "a pass phrase has 8 to 200 characters");
-  }
+  const std::string phrase = phraseOf(call.body, "pass_phrase");
   const Json tile = call.body.value("tile", Json::object());
   // Creates the key and writes the key file.
   Key key = Key::random();
@@ -132,27 +140,78 @@ Json Accounts::unlock(Call& call) {
   refuseWhileWaiting(tries);
   const auto keys = readKeyFile(records_.options().folder + "/keys");
   if (!keys) throw DatabaseError(format(keys.errors()));
+  Key key = unwrapped(*keys, call.body, tries);
+  adoptRows(*keys, key);
+  clearTries(0, tries);
+  records_.unlock(std::move(key));
+  return Json::object();
+}
+
+/// The clinic's key, by the pass phrase or the recovery code in the body. A failure counts.
+Key Accounts::unwrapped(const KeyFile& keys, const Json& body, Tries& tries) {
   std::optional<Key> key;
-  if (call.body.contains("recovery_code")) {
-    const auto code = checkedRecoveryCode(textOf(call.body, "recovery_code", "recovery_code"));
+  if (body.contains("recovery_code")) {
+    const auto code = checkedRecoveryCode(textOf(body, "recovery_code", "recovery_code"));
     if (!code) {
       throw badValue("recovery_code",
                      "the recovery code was mistyped: its check characters do not fit; compare it "
                      "with the printed one, group by group");
     }
-    key = unwrap(keys->by_recovery, *code);
+    key = unwrap(keys.by_recovery, *code);
   } else {
-    key = unwrap(keys->by_phrase, textOf(call.body, "pass_phrase", "pass_phrase"));
+    key = unwrap(keys.by_phrase, textOf(body, "pass_phrase", "pass_phrase"));
   }
   if (!key) {
     countFailure(0, tries);
     throw RequestRefusal{
         401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
   }
-  adoptRows(*keys, *key);
+  return std::move(*key);
+}
+
+/// Wraps the clinic's key anew, also beside the backups of the folder of backups.
+/// @return files that still have the old words
+Json Accounts::rewrap(Call& call, const std::function<void(KeyFile&, const Key&)>& change) {
+  Tries& tries = triesOf(0);
+  refuseWhileWaiting(tries);
+  const std::string path = records_.options().folder + "/keys";
+  auto keys = readKeyFile(path);
+  if (!keys) throw DatabaseError(format(keys.errors()));
+  const Key key = unwrapped(*keys, call.body, tries);
   clearTries(0, tries);
-  records_.unlock(std::move(*key));
-  return Json::object();
+  change(*keys, key);
+  if (auto written = writeKeyFile(path, *keys); !written) {
+    throw DatabaseError(format(written.errors()));
+  }
+  Json left = Json::array();
+  std::error_code error;
+  const std::string& backups = records_.options().backups;
+  if (backups.empty()) return left;
+  for (const auto& entry : std::filesystem::directory_iterator(backups, error)) {
+    if (entry.path().extension() != ".keys") continue;
+    const auto old = readKeyFile(entry.path().string());
+    if (old && old->clinic != keys->clinic) continue;
+    if (!old || !writeKeyFile(entry.path().string(), *keys)) left.push_back(entry.path().string());
+  }
+  return left;
+}
+
+Json Accounts::changePhrase(Call& call) {
+  const std::string phrase = phraseOf(call.body, "new_pass_phrase");
+  const Json left = rewrap(call, [&](KeyFile& keys, const Key& key) {
+    keys.by_phrase = wrap(key, phrase, records_.options().cost);
+  });
+  records_.tryToLog(call.session.account, "changed the pass phrase");
+  return {{"old_copies", left}};
+}
+
+Json Accounts::changeRecoveryCode(Call& call) {
+  const std::string code = newRecoveryCode();
+  const Json left = rewrap(call, [&](KeyFile& keys, const Key& key) {
+    keys.by_recovery = wrap(key, *checkedRecoveryCode(code), records_.options().cost);
+  });
+  records_.tryToLog(call.session.account, "changed the recovery code");
+  return {{"recovery_code", code}, {"old_copies", left}};
 }
 
 /// Gives the rows of an earlier version their digests. The key file is written first: with its key
@@ -191,13 +250,20 @@ Json Accounts::sessionOf(std::int64_t account) {
 
 std::string Accounts::newSession(std::int64_t account) {
   if (sessions_.size() >= kMostSessions) {
-    const auto oldest = std::min_element(
+    // Idle ones first; among them those whose page is gone, then the oldest.
+    const std::int64_t now_us = records_.clock().steady_us();
+    const auto rank = [now_us](const Session& session) {
+      const bool idle = session.hidden || now_us - session.last_us >= kHideAfter_us;
+      const bool gone = now_us - session.heard_us >= kGone_us;
+      return std::tuple(!idle, !gone, session.last_us);
+    };
+    sessions_.erase(std::min_element(
         sessions_.begin(), sessions_.end(),
-        [](const auto& a, const auto& b) { return a.second.last_us < b.second.last_us; });
-    sessions_.erase(oldest);
+        [&](const auto& a, const auto& b) { return rank(a.second) < rank(b.second); }));
   }
   std::string token = randomHex(32);
-  sessions_[sha256(token)] = {account, records_.clock().steady_us(), false, 0};
+  const std::int64_t now_us = records_.clock().steady_us();
+  sessions_[sha256(token)] = {account, now_us, now_us, false, 0};
   return token;
 }
 

@@ -5,6 +5,7 @@
 #include "clinic/request.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -29,6 +30,9 @@ class Accounts {
 
   Json init(Call& call);
   Json unlock(Call& call);
+  /// Change what unlocks the clinic; the body has the present pass phrase or recovery code.
+  Json changePhrase(Call& call);
+  Json changeRecoveryCode(Call& call);
   Json lockClinic(Call& call);
   Json signIn(Call& call);
   Json signOut(Call& call);
@@ -49,6 +53,8 @@ class Accounts {
   std::int64_t insertAccount(const Json& tile, const std::string& prefix);
   /// Key that encrypts the data kept in the account's browser. Only this account receives it.
   [[nodiscard]] std::string browserKey(std::int64_t account) const;
+  [[nodiscard]] Key unwrapped(const KeyFile& keys, const Json& body, Tries& tries);
+  Json rewrap(Call& call, const std::function<void(KeyFile&, const Key&)>& change);
   void adoptRows(KeyFile keys, const Key& key);
   [[nodiscard]] Json sessionOf(std::int64_t account);
   std::string newSession(std::int64_t account);

@@ -18,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kAnswersKept_us = 2 * kDay_us;
+/// A clock that is wrong at a start cannot be told: the newest answers stay, however old.
+constexpr std::int64_t kAnswersAlwaysKept = 1000;
 constexpr std::int64_t kCarryOutAgain_us = 60 * kSecond_us;
 
 /// Facts about the folder that the page shows before a clinic is created there. An empty folder may
@@ -91,6 +93,10 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"POST", "/api/restored/done", A::kShown, K::kWrite,
        by(patients_, &Patients::forgetRestored)},
       {"POST", "/api/lost/done", A::kShown, K::kWrite, by(patients_, &Patients::forgetLost)},
+      {"POST", "/api/clock/done", A::kShown, K::kWrite, by(patients_, &Patients::confirmClock)},
+      {"POST", "/api/phrase", A::kShown, K::kSession, by(accounts_, &Accounts::changePhrase)},
+      {"POST", "/api/recovery_code", A::kShown, K::kSession,
+       by(accounts_, &Accounts::changeRecoveryCode)},
       {"GET", "/api/presets", A::kSigned, K::kRead, by(plans_, &Plans::presets)},
       {"GET", "/api/patients", A::kShown, K::kRead, by(patients_, &Patients::list)},
       {"GET", "/api/patients/propose", A::kShown, K::kRead, by(patients_, &Patients::proposeCode)},
@@ -151,6 +157,7 @@ Answer Clinic::answer(const Request& request) {
 
 void Clinic::route(Call& call) {
   records_.open();
+  records_.watchClock();
   bool known_path = false;
   for (const Route& route : routes_) {
     if (!matches(call.request.path, route.path, call.ids)) continue;
@@ -176,10 +183,15 @@ void Clinic::perform(Call& call, const Route& route) {
     key = sha256(given);
     digest = sha256(
         fmt::format("{}\n{}\n{}", call.request.method, call.request.path, call.request.body));
-    Statement before = records_.db().query("SELECT request, body FROM answer WHERE key = ?", key);
+    Statement before =
+        records_.db().query("SELECT request, body, shown FROM answer WHERE key = ?", key);
     if (before.step()) {
       if (before.text(0) != digest) {
         throw badValue("Idempotency-Key", "this key was used for another request; draw a new one");
+      }
+      if (before.integer(2) != 0 && call.session.hidden) {
+        throw RequestRefusal{
+            403, "hidden", "this was carried out; type the PIN to see its answer", {}};
       }
       call.answer.body = records_.unseal("answer", before.text(1));
       return;
@@ -194,10 +206,17 @@ void Clinic::perform(Call& call, const Route& route) {
   if (call.transaction) {
     if (changes && records_.key()) {
       const std::int64_t now_us = records_.clock().now_us();
-      records_.db().change("DELETE FROM answer WHERE at_us < ? OR at_us > ?",
-                           now_us - kAnswersKept_us, now_us + kAnswersKept_us);
-      records_.db().change("INSERT INTO answer (key, request, at_us, body) VALUES (?, ?, ?, ?)",
-                           key, digest, now_us, Blob{records_.seal("answer", call.answer.body)});
+      if (!records_.clockJumped()) {
+        records_.db().change(
+            "DELETE FROM answer WHERE rowid <= (SELECT MAX(rowid) FROM answer) - ? AND (at_us < ? "
+            "OR"
+            " at_us > ?)",
+            kAnswersAlwaysKept, now_us - kAnswersKept_us, now_us + kAnswersKept_us);
+      }
+      records_.db().change(
+          "INSERT INTO answer (key, request, at_us, shown, body) VALUES (?, ?, ?, ?, ?)", key,
+          digest, now_us, call.session.hidden ? 0 : 1,
+          Blob{records_.seal("answer", call.answer.body)});
     }
     call.transaction->commit();
     call.transaction.reset();
@@ -226,6 +245,7 @@ Json Clinic::lock(Call& call) {
 
 void Clinic::backUpIfDue() {
   const std::lock_guard lock(mutex_);
+  records_.watchClock();
   records_.backUpIfDue();
 }
 

@@ -167,6 +167,13 @@ Json Patients::forgetLost(Call& call) {
   return Json::object();
 }
 
+/// The clock is right, whatever it did: what is old may be deleted again.
+Json Patients::confirmClock(Call& call) {
+  records_.confirmClock();
+  records_.log(call.session.account, "confirmed the clock");
+  return Json::object();
+}
+
 Json Patients::list(Call& call) {
   Json all = rows(call.request.find, 0), open = Json::array(), guests = Json::array();
   for (const Json& row : all) {
@@ -180,6 +187,7 @@ Json Patients::list(Call& call) {
           {"guests", guests},
           {"under_way", records_.underWay()},
           {"damaged", records_.damaged()},
+          {"clock_jumped_us", clockJump(records_.db())},
           {"lost", lostChanges(records_.db())},
           {"restored", restored(records_.db())}};
 }

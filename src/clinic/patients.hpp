@@ -28,6 +28,8 @@ class Patients {
   Json forgetRestored(Call& call);
   /// Somebody confirms that changes were lost.
   Json forgetLost(Call& call);
+  /// Somebody confirms the clock after a jump.
+  Json confirmClock(Call& call);
   Json proposeCode(Call& call);
   Json add(Call& call);
   Json change(Call& call);

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostNamed = 20;
+/// A clock that is slewed, or set by a network in everyday use, does not jump.
+constexpr std::int64_t kJump_us = 60 * kSecond_us;
 
 /// First fault of pages; empty: none. Values that a table does not allow are not judged: digests
 /// name their rows.
@@ -180,6 +182,40 @@ Json Records::underWay() {
   return out;
 }
 
+void Records::watchClock() {
+  const std::int64_t now_us = clock_.now_us(), boot_us = clock_.boot_us();
+  std::int64_t ahead_us = 0;
+  if (seen_us_ != 0) {
+    ahead_us = (now_us - seen_us_) - (boot_us - seen_boot_us_);
+  } else if (db_) {  // since the last process
+    ahead_us = std::min<std::int64_t>(
+        now_us - db_->number("SELECT at_us FROM log ORDER BY n DESC LIMIT 1"), 0);
+  } else {
+    return;
+  }
+  seen_us_ = now_us;
+  seen_boot_us_ = boot_us;
+  if (std::abs(ahead_us) >= kJump_us) jumped_ = true;
+  if (!jumped_ || !db_ || !db_->guard()) return;
+  try {
+    Transaction transaction(*db_);
+    if (clockJump(*db_) == 0) setClockJump(*db_, now_us);
+    log(0, "the clock jumped", 0, 0, fmt::format("by {} s", ahead_us / kSecond_us));
+    transaction.commit();
+    jumped_ = false;
+  } catch (const DatabaseError&) {  // the disk is full: the jump is noted later
+  }
+}
+
+bool Records::clockJumped() {
+  return jumped_ || (db_ && clockJump(*db_) != 0);
+}
+
+void Records::confirmClock() {
+  setClockJump(db(), 0);
+  jumped_ = false;
+}
+
 void Records::backUpIfDue() {
   const std::int64_t now_us = clock_.now_us();
   if (options_.backups.empty() || !db_ || std::abs(now_us - last_backup_us_) < kDay_us) return;
@@ -204,7 +240,7 @@ Expected<std::string> Records::backUpTo(const std::string& folder) {
   if (folder == options_.backups) {
     backup_problem_.clear();
     last_backup_us_ = now_us;
-    removeOldBackups(folder, now_us);
+    if (!clockJumped()) removeOldBackups(folder, now_us);
   }
   return path;
 }

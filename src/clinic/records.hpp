@@ -81,6 +81,12 @@ class Records {
   void backUpIfDue();
   /// Writes a backup to the folder; of the daily folder old ones are removed. @return its file
   [[nodiscard]] Expected<std::string> backUpTo(const std::string& folder);
+  /// Compares the wall clock with the time that passed. Call before anything is deleted by age.
+  void watchClock();
+  /// The wall clock went backward, or otherwise than time passed, and nobody has confirmed it:
+  /// nothing is deleted by age.
+  [[nodiscard]] bool clockJumped();
+  void confirmClock();
   /// Names of rows that were damaged when the database was opened.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
   /// Time and folder of the last backup, and the reason if none could be made.
@@ -98,6 +104,8 @@ class Records {
   std::vector<ShippedHand> hands_;
   std::int64_t last_backup_us_ = 0;
   std::string backup_problem_;
+  std::int64_t seen_us_ = 0, seen_boot_us_ = 0;  ///< clocks when watchClock() last looked
+  bool jumped_ = false;                          ///< a jump that could not be stored yet
   std::vector<std::string> damaged_;
 };
 

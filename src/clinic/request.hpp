@@ -55,7 +55,8 @@ struct Answer {
 /// Session of somebody who is signed in.
 struct Session {
   std::int64_t account = 0;
-  std::int64_t last_us = 0;  ///< time of the last request, steady clock
+  std::int64_t last_us = 0;   ///< time of the last request, steady clock
+  std::int64_t heard_us = 0;  ///< the same, polling for the open visit included
   bool hidden = false;
   std::int64_t opened_patient = 0;  ///< last opened patient in the log
 };

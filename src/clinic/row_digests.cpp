@@ -345,6 +345,14 @@ void confirmLostChanges(Database& db) {
   db.run("UPDATE counter SET n = 0 WHERE name = 'lost'");
 }
 
+std::int64_t clockJump(Database& db) {
+  return db.number("SELECT n FROM counter WHERE name = 'jump'");
+}
+
+void setClockJump(Database& db, std::int64_t at_us) {
+  db.change("UPDATE counter SET n = ? WHERE name = 'jump'", at_us);
+}
+
 ChangesBeside changesBeside(const std::string& counter_file, const std::string& row_key) {
   ChangesBeside out;
   std::ifstream in(counter_file, std::ios::binary);

@@ -68,6 +68,10 @@ struct ChangesBeside {
 void setLostChanges(Database& db, std::int64_t lost);
 
 void confirmLostChanges(Database& db);
+/// When the clock jumped and nobody has confirmed it [µs UTC]; 0: it did not.
+[[nodiscard]] std::int64_t clockJump(Database& db);
+/// Notes a jump, or with 0 that somebody confirmed it.
+void setClockJump(Database& db, std::int64_t at_us);
 
 /// Path of the counter in a clinic's folder.
 [[nodiscard]] std::string counterIn(const std::string& folder);

@@ -248,8 +248,10 @@ void insertNote(Records& records, Call& call, std::optional<std::int64_t> patien
   const std::int64_t now_us = records.clock().now_us();
   const Json at = call.body.value("at_us", Json(now_us));
   const std::int64_t at_us = at.is_number_integer() ? at.get<std::int64_t>() : -1;
-  if (at_us < 0 || at_us > now_us + 2 * kDay_us) {  // a tolerance of two days, because the clock
-                                                    // may have been set back
+  // After a jump the page's time may be of the clock before.
+  const bool late = at_us > now_us + 2 * kDay_us && !records.clockJumped();
+  if (at_us < 0 || late) {  // a tolerance of two days, because the clock
+                            // may have been set back
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
   records.db().change(

@@ -33,6 +33,11 @@ std::int64_t SystemClock::steady_us() const {
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
+std::int64_t SystemClock::boot_us() const {
+  std::timespec time{};
+  ::clock_gettime(CLOCK_BOOTTIME, &time);
+  return time.tv_sec * kSecond_us + time.tv_nsec / 1000;
+}
 int SystemClock::offset_min(std::int64_t at_us) const {
   const std::time_t at_s = at_us / kSecond_us;
   std::tm local{};

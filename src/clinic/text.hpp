@@ -18,6 +18,8 @@ class Clock {
   [[nodiscard]] virtual std::int64_t now_us() const = 0;     ///< UTC since 1970 [µs]
   [[nodiscard]] virtual std::int64_t steady_us() const = 0;  ///< monotonic, since an arbitrary
                                                              ///< moment [µs]
+  /// Monotonic, counts also while the machine sleeps [µs].
+  [[nodiscard]] virtual std::int64_t boot_us() const { return steady_us(); }
   /// Local time minus UTC at a moment [min].
   [[nodiscard]] virtual int offset_min(std::int64_t at_us) const = 0;
 };
@@ -27,6 +29,7 @@ class SystemClock final : public Clock {
  public:
   [[nodiscard]] std::int64_t now_us() const override;
   [[nodiscard]] std::int64_t steady_us() const override;
+  [[nodiscard]] std::int64_t boot_us() const override;
   [[nodiscard]] int offset_min(std::int64_t at_us) const override;
 };
 
