@@ -1,6 +1,7 @@
 import { choice, h, setText } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { RefusalError } from './api';
+import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './page';
@@ -19,6 +20,7 @@ export class TodayPanel {
   private readonly total = h('span', { class: 'aside' });
   private readonly hint = h('p', { class: 'hint', role: 'status' });
   private readonly message = new StatusMessage();
+  private readonly offer = h('div', {});
   private readonly begin: HTMLButtonElement;
   private plan: readonly Item[];
   private readonly from: string;
@@ -44,7 +46,7 @@ export class TodayPanel {
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
     this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
       wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.wished, this.body,
-      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.begin, change), this.total);
+      patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.offer, this.begin, change), this.total);
     this.show();
     this.refresh();
   }
@@ -107,6 +109,7 @@ export class TodayPanel {
     } catch (problem) {
       if (problem instanceof RefusalError && problem.code === 'visit_open') await clinic.lookAtVisit().catch(() => {});
       this.message.showProblem(problem);
+      if (problem instanceof RefusalError && problem.code === 'damaged') this.offer.replaceChildren(gentleOffer(context));
     }
   }
 }

@@ -2,8 +2,10 @@ import { h } from '../console/dom';
 import { replayUrl, reportUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
 import { fill } from '../shared/i18n';
+import { RefusalError } from './api';
 import { TodayPanel } from './begin';
 import { curveFigure } from './curves';
+import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName, NoteBox, noteList } from './notes';
 import type { ClinicContext } from './page';
@@ -84,6 +86,7 @@ export class PatientScreen implements Screen {
       if (patient.visits.some(({ trials }) => trials.some(({ state }) => state === 'waiting'))) this.timer = setTimeout(() => void this.read(), MEASURED_MS);
     } catch (problem) {
       if (this.closed) return;
+      if (problem instanceof RefusalError && problem.code === 'damaged') return this.element.replaceChildren(h('section', { class: 'panel narrow' }, h('p', { class: 'said', role: 'alert' }, problemWords(problem)), gentleOffer(this.context)));
       this.failedSince ??= new Date();
       const seen = clinic.seen.get(`/api/patients/${this.id}`);
       if (!this.patient && seen) this.build(this.patient = seen.value as Patient);
@@ -127,6 +130,7 @@ export class PatientScreen implements Screen {
   private visitRow(visit: Visit, earlier: readonly Visit[]): HTMLElement {
     const { t } = this;
     const when = h('div', { class: 'when' }, h('b', {}, visitDay(visit)), h('small', {}, visit.state === 'no_show' ? '' : visitClock(visit)));
+    if (visit.state === 'damaged') return h('li', { 'data-visit': visit.id }, h('span', { class: 'tag warn' }, fill(t.damagedVisit, { visit: visit.id })));
     if (visit.state === 'no_show') return h('li', { 'data-visit': visit.id }, when, h('span', { class: 'tag' }, t.noShow));
     const pain = visit.pain_before === null && visit.pain_after === null ? '' : fill(t.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) });
     const tag = visit.state === 'unfinished' ? t.unfinished : visit.state === 'open' ? t.open : '';

@@ -3,10 +3,11 @@ import { replayUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
 import { duration } from '../shared/format';
 import { fill } from '../shared/i18n';
+import { gentleVisit } from './gentle_visit';
 import { texts } from './i18n';
 import type { ClinicContext } from './page';
 import { PatientPicker } from './picker';
-import type { LooseSession, OneSide, Patient, PatientList, PatientRow, Restored, Visit } from './records';
+import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
 import { button, once, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { itemNow } from './records';
@@ -14,6 +15,9 @@ import { clock, clockOf, dayOf, itemWords, locale, sideWords, timeWords, visitCl
 
 /** The list is requested again this often [ms]. */
 const EVERY_MS = 15_000;
+
+/** Patients on a page of the list. */
+const PAGE = 50;
 
 /** Open and unfinished visits first, then all patients, with a search by name or code. */
 export class PatientsScreen implements Screen {
@@ -33,12 +37,13 @@ export class PatientsScreen implements Screen {
   private list: PatientList | undefined;
   private listed: Date | undefined;
   private failedSince: Date | undefined;
+  private page = 0;
   private shown = '';
   private closed = false;
 
   constructor(private readonly context: ClinicContext) {
     const { t } = this;
-    this.find.addEventListener('input', () => { clearTimeout(this.typing); this.typing = setTimeout(() => void this.read(), 150); });
+    this.find.addEventListener('input', () => { clearTimeout(this.typing); this.page = 0; this.typing = setTimeout(() => void this.read(), 150); });
     const fresh = h('a', { class: 'b go', href: hashOf({ at: 'new' }), 'data-testid': 'new-patient' }, t.fresh);
     this.element.append(this.notices, this.cards, this.extra, this.loose, h('section', { class: 'panel list', 'aria-label': t.title },
       h('div', { class: 'tools' }, this.find, fresh, this.count, button(t.without, 'without-patient', () => this.askSide())), this.message.element, this.rows));
@@ -56,6 +61,11 @@ export class PatientsScreen implements Screen {
     return [texts().patients.title, new Date().toLocaleDateString(locale(), { weekday: 'long', day: 'numeric', month: 'long' })];
   }
 
+  private turn(page: number): void {
+    this.page = page;
+    void this.read();
+  }
+
   refresh(): void {
     // The list is read at once when the records answer again.
     if (this.failedSince && !this.context.clinic.silentSince) void this.read();
@@ -68,10 +78,11 @@ export class PatientsScreen implements Screen {
   }
 
   private async read(): Promise<void> {
-    const find = this.find.value.trim();
+    const find = this.find.value.trim(), { page } = this;
+    const query = [...(find === '' ? [] : [`find=${encodeURIComponent(find)}`]), ...(page === 0 ? [] : [`page=${page}`])].join('&');
     try {
-      const list = await this.context.clinic.read<PatientList>(`/api/patients${find === '' ? '' : `?find=${encodeURIComponent(find)}`}`);
-      if (this.closed || find !== this.find.value.trim()) return;
+      const list = await this.context.clinic.read<PatientList>(`/api/patients${query === '' ? '' : `?${query}`}`);
+      if (this.closed || find !== this.find.value.trim() || page !== this.page) return;
       this.list = list;
       this.listed = new Date();
       this.failedSince = undefined;
@@ -92,16 +103,33 @@ export class PatientsScreen implements Screen {
     if (shown === this.shown) return;
     this.shown = shown;
     this.notices.replaceChildren(...(list.under_way ?? []).map(({ what, problem }) => h('p', { class: problem === '' ? 'aside' : 'warning', role: 'status', 'data-testid': 'under-way' }, [t.underWay[what], problem].filter(Boolean).join(' '))),
+      ...(list.damaged?.length ? [h('p', { class: 'warning', 'data-testid': 'damaged' }, fill(t.damaged, { rows: list.damaged.join(', ') }))] : []),
+      ...(list.lost ? [this.toConfirm(fill(t.lost, { n: list.lost }), '/api/lost/done', 'lost')] : []),
+      ...(list.clock_jumped_us ? [this.toConfirm(fill(t.clockJumped, { day: dayOf(list.clock_jumped_us), at: clockOf(list.clock_jumped_us) }), '/api/clock/done', 'clock-jumped')] : []),
       ...(list.restored ? [this.restored(list.restored)] : []));
     this.cards.replaceChildren(...list.open.map((row) => this.card(row)), ...(list.guests ?? []).map((visit) => this.unassigned(visit)));
     const searched = this.find.value.trim() !== '';
-    const empty = list.patients.length === 0 && !searched;
+    const found = list.count ?? list.patients.length, page = list.page ?? 0;
+    const empty = found === 0 && !searched;
     this.element.classList.toggle('none-yet', empty);
-    this.count.textContent = empty ? '' : fill(list.patients.length === 1 ? t.countOne : t.count, { n: list.patients.length });
+    this.count.textContent = empty ? '' : fill(found === 1 ? t.countOne : t.count, { n: found });
     if (empty) this.rows.replaceChildren(h('div', { class: 'empty', 'data-testid': 'empty' }, h('p', {}, t.empty), h('a', { class: 'b go large', href: hashOf({ at: 'new' }), 'data-testid': 'first-patient' }, t.fresh)));
     else if (list.patients.length === 0) this.rows.replaceChildren(h('p', { class: 'none', 'data-testid': 'nobody' }, fill(t.nobody, { find: this.find.value.trim() })));
     else this.rows.replaceChildren(h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.name, t.code, t.hand, t.last, t.visits].map((words) => h('th', { scope: 'col' }, words)))),
-      h('tbody', {}, ...list.patients.map((row) => this.row(row)))));
+      h('tbody', {}, ...list.patients.map((row) => this.row(row)))),
+    h('div', { class: 'pair' }, page > 0 ? button(t.before, 'page-before', () => this.turn(page - 1)) : null, (page + 1) * PAGE < found ? button(t.further, 'page-further', () => this.turn(page + 1)) : null));
+  }
+
+  /** Something that waits for a yes. */
+  private toConfirm(words: string, path: string, test: string): HTMLElement {
+    const message = new StatusMessage();
+    const yes = button(this.t.restored.done, `${test}-done`, () => once(yes, async () => {
+      try {
+        await this.context.clinic.api.send('POST', path, {});
+        await this.read();
+      } catch (problem) { message.showProblem(problem); }
+    }));
+    return h('div', { class: 'warning', 'data-testid': test }, h('p', {}, words), message.element, yes);
   }
 
   /** What a restore left to people. */
@@ -208,19 +236,8 @@ export class PatientsScreen implements Screen {
 
   /** A visit without a patient has the gentle limits; the page says so before it begins. */
   askSide(): void {
-    const { t } = this, { clinic } = this.context;
-    const message = new StatusMessage();
-    const begin = (side: OneSide): HTMLButtonElement => {
-      const press = button(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, () => once(press, async () => {
-        try {
-          const visit = await clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
-          clinic.take(visit, null);
-          this.context.go({ at: 'visit', visit: visit.id });
-        } catch (problem) { message.showProblem(problem); }
-      }), 'go');
-      return press;
-    };
+    const { t } = this;
     this.extra.replaceChildren(h('section', { class: 'panel', 'aria-label': t.without }, h('div', { class: 'hd' }, h('h2', {}, t.without), h('span', { class: 'sp' }), button(texts().picker.cancel, 'without-cancel', () => this.extra.replaceChildren())),
-      h('p', {}, t.withoutMore), message.element, h('div', { class: 'pair' }, begin('left'), begin('right'))));
+      h('p', {}, t.withoutMore), gentleVisit(this.context)));
   }
 }

@@ -70,6 +70,15 @@ export interface PatientList {
   readonly under_way?: readonly { readonly what: 'erase' | 'delete' | 'restore' | 'list'; readonly problem: string }[];
   /** What a restore left to people. */
   readonly restored?: Restored | null;
+  /** Patients that were found; `patients` has one page of them. */
+  readonly count?: number;
+  readonly page?: number;
+  /** Names of damaged rows. */
+  readonly damaged?: readonly string[];
+  /** Changes that a damaged write-ahead log lost. */
+  readonly lost?: number;
+  /** When the clock jumped; 0: it did not. */
+  readonly clock_jumped_us?: number;
 }
 
 export interface Restored {
@@ -144,7 +153,8 @@ export interface Visit {
   readonly began_us: number;
   readonly ended_us: number;
   readonly offset_min: number;
-  readonly state: 'open' | 'unfinished' | 'done' | 'no_show' | 'guest';
+  /** damaged: the row is, and nothing but the number is shown. */
+  readonly state: 'open' | 'unfinished' | 'done' | 'no_show' | 'guest' | 'damaged';
   readonly account: string | number;
   readonly plan: readonly Item[];
   /** Index of the plan's item that is set up. */

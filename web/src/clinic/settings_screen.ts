@@ -1,6 +1,8 @@
 import { h } from '../console/dom';
+import { fill } from '../shared/i18n';
 import { BackupPanel } from './backup_panel';
 import { texts } from './i18n';
+import { keysPanel } from './keys_panel';
 import { LogPanel } from './log_panel';
 import type { ClinicContext } from './page';
 import { PeoplePanel } from './people_panel';
@@ -15,7 +17,7 @@ export class SettingsScreen implements Screen {
 
   constructor(private readonly context: ClinicContext) {
     this.backup = new BackupPanel(context);
-    this.element.append(h('div', { class: 'col' }, new PeoplePanel(context).element, new LogPanel(context).element), h('div', { class: 'col' }, this.backup.element, this.exports(), this.leaving()));
+    this.element.append(h('div', { class: 'col' }, new PeoplePanel(context).element, new LogPanel(context).element), h('div', { class: 'col' }, this.backup.element, this.exports(), keysPanel(context), this.leaving()));
   }
 
   who(): readonly [string, string] { return [texts().settings.title, '']; }
@@ -26,7 +28,11 @@ export class SettingsScreen implements Screen {
     const { t } = this;
     const message = new StatusMessage();
     const press = button(t.csvAll, 'csv-all', () => once(press, async () => {
-      try { await saveText(this.context, '/api/export/all.csv', 'all.csv'); } catch (problem) { message.show(problemWords(problem)); }
+      const timer = setInterval(() => void this.context.clinic.api.get<{ done: number; of: number }>('/api/export/progress').then(({ done, of }) => { if (of > 0) message.show(fill(t.exported, { done, of })); }, () => {}), 500);
+      try {
+        await saveText(this.context, '/api/export/all.csv', 'all.csv');
+        message.show('');
+      } catch (problem) { message.show(problemWords(problem)); } finally { clearInterval(timer); }
     }));
     return panel(t.export, 'export', h('p', {}, t.exportWords), message.element, press);
   }

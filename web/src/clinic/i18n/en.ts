@@ -17,7 +17,7 @@ export const en = {
   refusals: {
     locked: 'The records are locked. Enter the pass phrase.', not_signed_in: 'Please sign in again.', hidden: 'Names are hidden. Enter your PIN.',
     wrong_pin: 'Wrong PIN. Tries left: {tries_left}.', too_many_tries: 'Too many tries. Wait {wait_s} s.', wrong_phrase: 'That is not the pass phrase, nor the recovery code.',
-    not_found: 'It is no longer in the records.', code_exists: 'Another patient has this code.', changed: 'Somebody else changed it meanwhile.', own_account: 'Nobody takes themselves off the list.', backup: 'The backup failed: {why}', visit_open: 'Another visit is open. End it first.',
+    not_found: 'It is no longer in the records.', damaged: 'Part of the records is damaged: {why}', code_exists: 'Another patient has this code.', changed: 'Somebody else changed it meanwhile.', own_account: 'Nobody takes themselves off the list.', backup: 'The backup failed: {why}', visit_open: 'Another visit is open. End it first.',
     station: 'The station refused: {why}', station_silent: 'The station did not answer within 5 s. Try again.', no_recording: 'There is no recording of it.',
     database: 'The records cannot be saved: {why}', busy: 'The records are busy. Try again.',
   } as Record<string, string>,
@@ -44,6 +44,8 @@ export const en = {
     title: 'Patients', find: 'Name or code', fresh: 'New patient', count: '{n} patients', countOne: '1 patient', name: 'Name', code: 'Code', hand: 'Hand', last: 'Last visit', visits: 'Visits', never: 'none yet',
     empty: 'No patients yet.', nobody: 'Nobody is called “{find}”.', failed: 'Not read since {at}. It is tried again by itself; if it stays so, start the program again.', asOf: 'The list is as of {at}.',
     open: 'open', unfinished: 'unfinished', goOn: 'Go on', endIt: 'End it', without: 'Visit without a patient', withoutMore: 'Under the gentle preset. You give it to a patient later, or delete it.', beginWith: 'Begin, {side}',
+    damaged: 'Damaged rows, which are not shown: {rows}. Restore a backup.', lost: 'The last {n} changes of the records are lost. Look at the limits of whoever trained last, then confirm.',
+    clockJumped: 'The clock of this computer jumped on {day}, {at}. Nothing is deleted by age until you confirm that it is right.', gentleOffer: 'Or begin under the gentle preset. Choose the side, and look whether the hand on the screen fits this person’s. You give the visit to the patient later.', before: 'Back', further: 'Further',
     underWay: { erase: 'Erasing is not done yet.', delete: 'Deleting is not done yet.', restore: 'The restore is not done yet.', list: 'A change is not written everywhere yet.' },
     restored: { title: 'A backup was restored', until: 'Whoever was erased after {day}, {at} is here again: erase them again.', again: 'To be done again:', done: 'Done', moved: 'Move the visit of {day} from {from} to {to}', joined: 'Join {from} into {to}', given: 'Give a session to {to}' },
     sessions: { title: 'Sessions without a patient', words: 'Recorded while the records did not answer, or outside of a visit.', choose: 'Choose the session of {day}, {at}', give: 'Give to a patient', whose: 'Whose session was it?', more: 'And {n} more.' },
@@ -64,7 +66,7 @@ export const en = {
   patient: {
     patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
-    active: 'active', led: 'led', counting: 'counting …', brokenOff: 'broken off: the program or the machine failed', endedByFault: 'ended by a fault', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
+    active: 'active', led: 'led', counting: 'counting …', brokenOff: 'broken off: the program or the machine failed', endedByFault: 'ended by a fault', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', damagedVisit: 'Visit {visit} is damaged: restore a backup.', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',
     more: 'Mistakes and rare things', noShowNote: 'Did not come today', noShowYes: 'Note it', moveTitle: 'To whom does the visit of {day}, {at} belong?', moved: 'The visit is now at {name}, {code}.', moveYes: 'Move to {name}, {code}', remove: 'Delete this patient', removeYes: 'Delete {name} for good',
     merge: { title: 'Join with a double', which: 'Who is the double of {name}, {code}?', yes: 'Join: {name}, {code} is removed, and the visits of both stand here', done: '{name}, {code} was joined with this patient.' },
@@ -88,11 +90,15 @@ export const en = {
     card: { title: 'Well done today', here: 'You were here today.', grown: 'That is {min} more than last time.', trained: 'You trained for {min}.', led: 'Your hand was led for {min}.', next: 'Next time:', nextPatient: 'Next patient', toPatient: 'Look at the visit', print: 'Print the card' },
   },
   sheet: { back: 'Back to {name}', print: 'Print', nothing: 'There is nothing to print yet.', progress: 'Progress', visit: 'Visit of', day: 'Day', hand: 'Hand', done: 'Done', active: 'Active', helped: 'Helped', led: 'Led', pain: 'Pain before → after' },
+  keys: {
+    title: 'Pass phrase and recovery code', words: 'The key of the records stays; backups of this computer get the new words, too. Copies elsewhere keep the old ones.',
+    now: 'Present pass phrase, or recovery code', phrase: 'New pass phrase', change: 'Change the pass phrase', draw: 'Draw a new recovery code', done: 'The pass phrase is changed.', old: 'These files have the old words: {files}',
+  },
   settings: {
     title: 'Settings', people: 'Who works here', newPerson: 'Somebody new', name: 'Name', add: 'Add', backupProblem: 'It failed: {why}', backup: 'Backup', noFolder: 'No folder for backups is set. Start the program with one.', noBackup: 'No backup yet in {folder}.', lastBackup: 'Last backup: {day}, {at}, in {folder}.',
     backupWords: 'Patients, visits, notes and results of today, too; the recordings are not in it. Keep a stick apart from the pass phrase.', backUpHere: 'Back up now', thisMachine: 'This machine', lastHere: 'last one: {day}, {at}', noneHere: 'none yet', noStick: 'Plug in a USB stick: it then stands here.', backedUp: 'Backed up and read back: {file}',
     you: 'you', leaves: 'Works here no longer', leavesYes: 'Take {name} off the list', ownPin: 'Change my PIN', pinNow: 'PIN now', pinNew: 'New PIN', pinChange: 'Change it', pinChanged: 'The new PIN holds from now on.',
-    export: 'Export', exportWords: 'All patients by code, without names.', csvAll: 'Save as CSV', leaving: 'End of the day', lockWords: 'Locked, the records need the pass phrase again.', signOut: 'Sign out', lock: 'Lock the records',
+    export: 'Export', exportWords: 'All patients by code, without names.', exported: '{done} of {of} visits', csvAll: 'Save as CSV', leaving: 'End of the day', lockWords: 'Locked, the records need the pass phrase again.', signOut: 'Sign out', lock: 'Lock the records',
   },
   log: {
     title: 'Log', words: 'Who did what with the records. Nobody can change it.', read: 'Read the log', more: 'Show more', when: 'When', who: 'Who', what: 'What', whose: 'Patient', program: 'the program',
