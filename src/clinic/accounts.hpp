@@ -28,6 +28,9 @@ class Accounts {
   /// logged once.
   void logOpened(const Call& call, std::int64_t patient);
 
+  /// True while somebody is signed in.
+  [[nodiscard]] bool anybody() const { return !sessions_.empty(); }
+
   Json init(Call& call);
   Json unlock(Call& call);
   /// Change what unlocks the clinic; the body has the present pass phrase or recovery code.

@@ -79,9 +79,9 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"GET", "/api/state", A::kAnyone, K::kRead, by(*this, &Clinic::state)},
       {"POST", "/api/init", A::kAnyone, K::kSession, by(accounts_, &Accounts::init)},
       {"POST", "/api/unlock", A::kAnyone, K::kSession, by(accounts_, &Accounts::unlock)},
-      {"POST", "/api/sign_in", A::kAnyone, K::kSession, by(accounts_, &Accounts::signIn)},
+      {"POST", "/api/sign_in", A::kAnyone, K::kSession, by(*this, &Clinic::signIn)},
       {"POST", "/api/lock", A::kSigned, K::kSession, by(*this, &Clinic::lock)},
-      {"POST", "/api/sign_out", A::kSigned, K::kSession, by(accounts_, &Accounts::signOut)},
+      {"POST", "/api/sign_out", A::kSigned, K::kSession, by(*this, &Clinic::signOut)},
       {"POST", "/api/hide", A::kSigned, K::kSession, by(accounts_, &Accounts::hide)},
       {"POST", "/api/show", A::kSigned, K::kSession, by(accounts_, &Accounts::show)},
       {"POST", "/api/accounts", A::kShown, K::kWrite, by(accounts_, &Accounts::addAccount)},
@@ -124,6 +124,8 @@ std::vector<Clinic::Route> Clinic::routes() {
       {"DELETE", "/api/visits/#", A::kShown, K::kWrite, by(visits_, &Visits::remove)},
       {"GET", "/api/export/patient/#.csv", A::kShown, K::kRead,
        by(patients_, &Patients::exportOne)},
+      {"GET", "/api/export/progress", A::kShown, K::kRead,
+       by(patients_, &Patients::exportProgress)},
       {"GET", "/api/export/all.csv", A::kShown, K::kRead, by(patients_, &Patients::exportAll)},
   };
 }
@@ -240,7 +242,21 @@ Json Clinic::state(Call&) {
 /// key.
 Json Clinic::lock(Call& call) {
   visits_.refuseWhileAsking();
+  patients_.index().forget();
   return accounts_.lockClinic(call);
+}
+
+/// Names are decrypted once, while somebody is signed in.
+Json Clinic::signIn(Call& call) {
+  Json out = accounts_.signIn(call);
+  patients_.index().refresh();
+  return out;
+}
+
+Json Clinic::signOut(Call& call) {
+  Json out = accounts_.signOut(call);
+  if (!accounts_.anybody()) patients_.index().forget();
+  return out;
 }
 
 void Clinic::backUpIfDue() {

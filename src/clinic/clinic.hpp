@@ -53,6 +53,8 @@ class Clinic {
   void perform(Call& call, const Route& route);
   Json state(Call& call);
   Json lock(Call& call);
+  Json signIn(Call& call);
+  Json signOut(Call& call);
 
   Station& station_;
   std::mutex mutex_;  ///< guards the members below

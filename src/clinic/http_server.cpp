@@ -13,6 +13,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
+#include <charconv>
 #include <chrono>
 #include <optional>
 #include <string_view>
@@ -57,6 +58,20 @@ std::string decoded(std::string_view text) {
     }
   }
   return out;
+}
+
+/// Reads the parts "find=TEXT" and "page=NUMBER" of a query.
+void readQuery(std::string_view query, Request& request) {
+  while (!query.empty()) {
+    const std::size_t end = std::min(query.find('&'), query.size());
+    const std::string_view part = query.substr(0, end);
+    query.remove_prefix(std::min(end + 1, query.size()));
+    constexpr std::string_view kFind = "find=", kPage = "page=";
+    if (part.starts_with(kFind)) request.find = decoded(part.substr(kFind.size()));
+    if (part.starts_with(kPage)) {
+      std::from_chars(part.data() + kPage.size(), part.data() + part.size(), request.page);
+    }
+  }
 }
 
 /// True when the Host names this machine, with any port. Under DNS rebinding it names another host.
@@ -143,11 +158,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     Request r;
     r.method = std::string(request.method_string());
     r.path = target.substr(0, question);
-    const std::string_view query = target.substr(std::min(question + 1, target.size()));
-    constexpr std::string_view kFind = "find=";
-    if (query.starts_with(kFind)) {
-      r.find = decoded(query.substr(kFind.size(), query.find('&') - kFind.size()));
-    }
+    readQuery(target.substr(std::min(question + 1, target.size())), r);
     const std::string bearer(request[http::field::authorization]);
     constexpr std::string_view kBearer = "Bearer ";
     if (bearer.starts_with(kBearer)) r.token = bearer.substr(kBearer.size());

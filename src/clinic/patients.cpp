@@ -96,52 +96,6 @@ Patients::Data Patients::read(const Json& body) const {
   return out;
 }
 
-Json Patients::rows(std::string_view find, std::int64_t only) {
-  Json rows = Json::array();
-  const std::string wanted = folded(find);
-  // SQLite takes bare columns next to MAX() from the row with the maximum: the last visit.
-  Statement query = records_.db().query(
-      std::string("SELECT p.id, p.code, p.side, p.secret,"
-                  " (SELECT COUNT(*) FROM visit WHERE patient = p.id AND state <> 'no_show'),"
-                  " v.id, v.state, MAX(v.began_us), ") +
-          soundness(records_.db(), "patient", "p") +
-          " FROM patient p"
-          " LEFT JOIN visit v ON v.patient = p.id AND v.state <> 'no_show'"
-          " WHERE p.id = ?1 OR ?1 = 0 GROUP BY p.id ORDER BY MAX(v.began_us) DESC, p.id DESC",
-      only);
-  while (query.step()) {
-    const std::string code = query.text(1);
-    if (query.integer(8) == 0) {
-      rows.push_back({{"id", query.integer(0)},
-                      {"code", fmt::format("damaged-{}", query.integer(0))},
-                      {"name", ""},
-                      {"side", ""},
-                      {"visits", 0},
-                      {"last_visit_us", 0},
-                      {"state", "damaged"},
-                      {"visit", 0}});
-      continue;
-    }
-    const Json secret = Json::parse(records_.unseal("patient", query.text(3)));
-    const std::string name = secret.at("name");
-    if (folded(name).find(wanted) == std::string::npos &&
-        folded(code).find(wanted) == std::string::npos) {
-      continue;
-    }
-    const std::string state = query.text(6);
-    const bool shown = state == "open" || state == "unfinished";
-    rows.push_back({{"id", query.integer(0)},
-                    {"code", code},
-                    {"name", name},
-                    {"side", query.text(2)},
-                    {"visits", query.integer(4)},
-                    {"last_visit_us", query.integer(7)},
-                    {"state", shown ? state : ""},
-                    {"visit", shown ? query.integer(5) : 0}});
-  }
-  return rows;
-}
-
 namespace {
 
 /// What a restore left to people; null: nothing.
@@ -175,21 +129,17 @@ Json Patients::confirmClock(Call& call) {
 }
 
 Json Patients::list(Call& call) {
-  Json all = rows(call.request.find, 0), open = Json::array(), guests = Json::array();
-  for (const Json& row : all) {
-    if (!row["state"].get_ref<const std::string&>().empty()) open.push_back(row);
-  }
+  Json out = index_.page(call.request.find, call.request.page), guests = Json::array();
   Statement query = records_.db().query(
       "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
   while (query.step()) guests.push_back(listedVisit(records_, query.integer(0)));
-  return {{"open", open},
-          {"patients", all},
-          {"guests", guests},
-          {"under_way", records_.underWay()},
-          {"damaged", records_.damaged()},
-          {"clock_jumped_us", clockJump(records_.db())},
-          {"lost", lostChanges(records_.db())},
-          {"restored", restored(records_.db())}};
+  out["guests"] = std::move(guests);
+  out["under_way"] = records_.underWay();
+  out["damaged"] = records_.damaged();
+  out["clock_jumped_us"] = clockJump(records_.db());
+  out["lost"] = lostChanges(records_.db());
+  out["restored"] = restored(records_.db());
+  return out;
 }
 
 Json Patients::proposeCode(Call&) {
@@ -432,7 +382,7 @@ Json Patients::note(Call& call) {
   return toJson(id);
 }
 
-std::string csvOf(Database& db, std::int64_t patient) {
+std::string csvOf(Database& db, std::int64_t patient, ExportProgress* progress) {
   std::string out =
       "code,visit,began,state,side,pain_before,pain_after,item,exercise,level,recording,measure,"
       "value,unit\r\n";
@@ -445,7 +395,18 @@ std::string csvOf(Database& db, std::int64_t patient) {
           " WHERE p.id = ?1 OR ?1 = 0 ORDER BY p.code, v.began_us, v.id, t.began_us, t.id",
           soundness(db, "visit", "v"), soundness(db, "patient", "p"), soundness(db, "trial", "t")),
       patient);
+  if (progress != nullptr) {
+    progress->of = std::max<std::int64_t>(
+        db.number(
+            "SELECT COUNT(*) FROM visit WHERE patient = ?1 OR (?1 = 0 AND patient IS NOT NULL)",
+            patient),
+        1);
+  }
+  std::int64_t visit_before = 0;
   while (rows.step()) {
+    if (progress != nullptr && std::exchange(visit_before, rows.integer(1)) != rows.integer(1)) {
+      ++progress->done;
+    }
     if (rows.integer(11) == 0) {
       out += fmt::format("{},{},,damaged,,,,,,,,,,\r\n", csvCell(rows.text(0)), rows.integer(1));
       continue;
@@ -486,16 +447,53 @@ std::string csvOf(Database& db, std::int64_t patient) {
   return out;
 }
 
+/// Reads the values on a connection of its own, so that other requests go on meanwhile.
+std::string Patients::exported(Call& call, std::int64_t patient) {
+  call.transaction->commit();
+  call.transaction.reset();
+  if (export_.of != 0) {
+    throw RequestRefusal{409, "busy", "an export is under way; wait for it", {}};
+  }
+  const std::string folder = records_.options().folder;
+  struct Unlocked {
+    std::unique_lock<std::mutex>& lock;
+    ExportProgress& progress;
+    Unlocked(std::unique_lock<std::mutex>& l, ExportProgress& p) : lock(l), progress(p) {
+      progress.done = 0;
+      progress.of = 1;
+      lock.unlock();
+    }
+    ~Unlocked() {
+      lock.lock();
+      progress.of = 0;
+    }
+    Unlocked(const Unlocked&) = delete;
+    Unlocked& operator=(const Unlocked&) = delete;
+  };
+  const Unlocked unlocked(call.lock, export_);
+  Database reader(folder + "/clinic.db", Database::Mode::kReadOnly);
+  guardByKeys(reader, folder, true);
+  return csvOf(reader, patient, &export_);
+}
+
+Json Patients::exportProgress(Call&) {
+  return {{"done", export_.done.load()}, {"of", export_.of.load()}};
+}
+
 Json Patients::exportOne(Call& call) {
   const std::int64_t id = call.ids.at(0);
   check(id);
-  Statement row = records_.db().query("SELECT code FROM patient WHERE id = ?", id);
-  row.step();
+  std::string code;
+  {
+    Statement row = records_.db().query("SELECT code FROM patient WHERE id = ?", id);
+    row.step();
+    code = row.text(0);
+  }
   records_.begin(call);
   records_.log(call.session.account, "exported", id);
   call.answer.type = "text/csv; charset=utf-8";
-  call.answer.file = "patient-" + row.text(0) + ".csv";
-  call.answer.body = csvOf(records_.db(), id);
+  call.answer.file = "patient-" + code + ".csv";
+  call.answer.body = exported(call, id);
   return {};
 }
 
@@ -504,7 +502,7 @@ Json Patients::exportAll(Call& call) {
   records_.log(call.session.account, "exported all");
   call.answer.type = "text/csv; charset=utf-8";
   call.answer.file = "patients.csv";
-  call.answer.body = csvOf(records_.db(), 0);
+  call.answer.body = exported(call, 0);
   return {};
 }
 

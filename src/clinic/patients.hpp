@@ -1,14 +1,21 @@
 #pragma once
 
 #include "clinic/accounts.hpp"
+#include "clinic/patient_index.hpp"
 #include "clinic/plans.hpp"
 #include "clinic/records.hpp"
 
+#include <atomic>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 namespace wholehand::clinic {
+
+/// Visits of an export that are written, and all of them; `of` is 0 while no export runs. Any
+/// thread.
+struct ExportProgress {
+  std::atomic<std::int64_t> done{0}, of{0};
+};
 
 /// Patients: records, notes, corrections, exports. One thread at a time.
 class Patients {
@@ -18,10 +25,8 @@ class Patients {
 
   /// Refuses a number that belongs to no patient.
   void check(std::int64_t id);
-  /// Rows of the list of patients.
-  /// @param find part of a name or code; empty: all
-  /// @param only a patient's id; 0: all
-  [[nodiscard]] Json rows(std::string_view find, std::int64_t only);
+  /// The list of patients in memory.
+  [[nodiscard]] PatientIndex& index() { return index_; }
 
   Json list(Call& call);
   /// What a restore left to people was done.
@@ -41,20 +46,25 @@ class Patients {
   Json note(Call& call);
   Json exportOne(Call& call);
   Json exportAll(Call& call);
+  Json exportProgress(Call& call);
 
  private:
   struct Data;
   [[nodiscard]] Data read(const Json& body) const;
   [[nodiscard]] Json toJson(std::int64_t id);
   void checkNoOpenVisit(std::int64_t patient);
+  [[nodiscard]] std::string exported(Call& call, std::int64_t patient);
 
   Records& records_;
   Accounts& accounts_;
   Plans& plans_;
+  PatientIndex index_{records_};
+  ExportProgress export_;
 };
 
 /// Measured values as CSV, one per line, by code, without names and notes. Needs no key.
 /// @param patient 0: all
-[[nodiscard]] std::string csvOf(Database& db, std::int64_t patient);
+[[nodiscard]] std::string csvOf(Database& db, std::int64_t patient,
+                                ExportProgress* progress = nullptr);
 
 }  // namespace wholehand::clinic

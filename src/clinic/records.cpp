@@ -114,6 +114,7 @@ void Records::open() {
   removeUnnamedHandFiles(db, options_.folder);
   last_backup_us_ = newestBackup_us(options_.backups);
   db_ = std::move(db);
+  ++opening_;
   was_open_ = true;
 }
 

@@ -39,6 +39,8 @@ class Records {
   void closeLost();
   /// Closes the database; open() opens it again.
   void close() { db_.reset(); }
+  /// Number of this opening of the database; another one means another connection.
+  [[nodiscard]] std::uint64_t opening() const { return opening_; }
   [[nodiscard]] bool isOpen() const { return db_.has_value(); }
   /// The database. Throws when it was closed, which may happen while a request has released the
   /// lock; the client then asks again.
@@ -98,6 +100,7 @@ class Records {
   const ClinicOptions options_;
   const Clock& clock_;
   std::optional<Database> db_;
+  std::uint64_t opening_ = 0;
   bool was_open_ = false;  ///< the database existed once, so a missing one is not created again
   std::optional<Key> key_;
   std::optional<Presets> presets_;

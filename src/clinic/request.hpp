@@ -43,6 +43,7 @@ struct Request {
   std::string token;   ///< token of the session; empty: none
   std::string key;     ///< header Idempotency-Key
   std::string body;
+  std::int64_t page = 0;  ///< value of `page` in the query
 };
 
 struct Answer {

@@ -321,7 +321,7 @@ Json Visits::open(Call& call) {
   if (id == 0) return {{"visit", nullptr}, {"patient", nullptr}};
   Json row;
   const VisitRow visit = visitRow(records_.db(), id);
-  if (!call.session.hidden && visit.patient) row = patients_.rows({}, *visit.patient).at(0);
+  if (!call.session.hidden && visit.patient) row = patients_.index().row(*visit.patient);
   return {{"visit", visitJson(records_, id, call.session.hidden)}, {"patient", row}};
 }
 
