@@ -7,7 +7,8 @@ import { infoOf, REPORTS } from '../src/exercises/info';
 import { wayOf } from '../src/exercises/kitchen/cues';
 import { moved, placedOf } from '../src/exercises/kitchen/joint';
 import { KitchenPlay, shareOf } from '../src/exercises/kitchen/play';
-import { handleOf, jointOf, taskOf } from '../src/exercises/kitchen/task';
+import { toldExercises } from './told_exercises';
+import { handleOf, isOn, jointOf, switchOf, taskOf } from '../src/exercises/kitchen/task';
 import { Perceiver } from '../src/input/perceiver';
 import { Pilot, type PilotInput } from '../src/input/pilot';
 import { restingWish } from '../src/input/wish';
@@ -122,6 +123,20 @@ describe('a pushed object', () => {
     expect(targets.zone!(at({ instruction: 1 })).low_n).toBeCloseTo(1.1 * 1.5, 12);
     const play = playOf(scene, null)!, meter = (handle_n: number) => play.meter(at({ instruction: 1, handle_n }))!;
     expect([meter(0.75).value, meter(0.75).zone, meter(1.5).value, meter(1.5).zone]).toEqual([0.25, 'low', 0.5, 'right']);
+  });
+});
+
+describe('the light', () => {
+  const told = toldExercises(), taskIn = (name: string) => taskOf(told.find((one) => one.name === name)!.scene)!;
+
+  it('is on while the switch is nearer to on, for the switch as it ships', () => {
+    const light = switchOf(taskIn('light-switch'))!;
+    expect(light.on).toBeGreaterThan(light.off);
+    expect([light.off, light.on, 0.4 * light.on, 0.6 * light.on].map((q) => isOn(light, q))).toEqual([false, true, false, true]);
+  });
+
+  it('belongs to no other task', () => {
+    for (const name of ['drawer', 'cupboard-door', 'coffee-mill', 'press-lever']) expect(switchOf(taskIn(name)), name).toBeUndefined();
   });
 });
 

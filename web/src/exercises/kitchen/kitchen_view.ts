@@ -10,9 +10,10 @@ import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { Cues, makeGhost } from './cues';
 import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
+import { Lamp } from './lamp';
 import { moved, placedOf, pointOf, type Placement } from './joint';
 import { kitchen, makeBase, makeInside, makeRow, makeThings, makeWall, makeWorktop, wallBehind, type Extent } from './room';
-import { askedOf, handleOf, hasBar, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
+import { askedOf, handleOf, hasBar, isOn, jointOf, switchOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
 /** A fixed body of at most this relative thickness is a worktop; the widest one is used. */
 const FLAT = 0.25;
@@ -42,6 +43,7 @@ export class KitchenView implements ExerciseView {
   private readonly names: ReadonlySet<string>;
   private place: CameraPlace | undefined;   // known from the first state on
   private target: Vector3 | undefined;
+  private lamp: Lamp | undefined;
 
   constructor(private readonly task: KitchenTask, private readonly scene: SceneT, quality: Quality) {
     this.setting = kitchen(scene.rightHand);
@@ -87,6 +89,8 @@ export class KitchenView implements ExerciseView {
     const { task, values } = this, step = task.steps[values.get(state, 'instruction')], now = step && placedOf(state.bodies[step.body]);
     const handle = step && handleOf(this.scene.bodies[step.body]!);
     this.target = now && handle && toThree(pointOf(now, handle.at_m));
+    const light = switchOf(task);
+    if (this.lamp && light && step?.body === light.body) this.lamp.lit = isOn(light, values.get(state, 'joint_q'));
     const body = step && this.scene.bodies[step.body];
     this.cues.update(step && body && now && handle && {
       step, now, handle, barred: hasBar(body), point: pointMet(task, body, step.body, metAt(task, values.get(state, 'instruction'))),
@@ -138,6 +142,8 @@ export class KitchenView implements ExerciseView {
     slab?.piece.clear();
     wall?.piece.clear();
     if (wall) program.add(makeWall(wall_x, shop));
+    const light = switchOf(task), switched = light && this.shutOf(light.body, state);
+    if (wall && switched) program.add((this.lamp = new Lamp(switched.at, wall_x, shop)).root);
     const near_x = slab ? slab.low[0] : row_x - BEFORE_M, thick_m = slab ? slab.high[2] - slab.low[2] : SLAB_M;
     program.add(makeWorktop(near_x, top_z, thick_m, wall_x, slab ? colorOf(scene.bodies[slab.i]!) : BEECH, shop));
     program.add(makeThings(wall_x, top_z, scene.rightHand ? 1 : -1, wall ? FREE_M : 0, shop));

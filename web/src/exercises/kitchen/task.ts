@@ -87,6 +87,19 @@ export function pointMet(task: KitchenTask, body: BodyT, index: number, met: Con
   return { x: x + dx, y: y + dy, z: z + dz };
 }
 
+/** A body that is pushed to one side and back, as a switch: its positions on and off. */
+export interface Switch { readonly body: number; readonly on: number; readonly off: number }
+
+/** The body of a task that is pushed to two positions, the first one on; undefined: none. */
+export function switchOf(task: KitchenTask): Switch | undefined {
+  const pushed = task.steps.filter(({ to, met }) => to !== undefined && met?.means === 'push'), [first] = pushed;
+  const back = pushed.find(({ body, to }) => body === first?.body && to !== first.to);
+  return first && back ? { body: first.body, on: first.to!, off: back.to! } : undefined;
+}
+
+/** Whether a switch is nearer to its position on. */
+export const isOn = ({ on, off }: Switch, q: number): boolean => Math.abs(q - on) < Math.abs(q - off);
+
 /** The used bodies, in the order of the task. */
 export const usedBodies = (task: KitchenTask): readonly number[] => [...new Set(task.steps.map(({ body }) => body))];
 
