@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <limits>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -17,8 +15,6 @@ namespace {
 
 /// A shorter difference between station and database means that an order is still on its way.
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
-constexpr int kMostPain = 10;
-constexpr int kMostTrials = 100;
 
 std::string sideOf(const Json& body) {
   const Json side = body.value("side", Json());
@@ -408,72 +404,6 @@ void Visits::setAside(std::int64_t account, std::int64_t visit) {
   records_.log(account, "ended a visit whose row is damaged", 0, visit);
 }
 
-Json Visits::note(Call& call) {
-  const VisitRow visit = visitOf(call);
-  insertNote(records_, call, {}, visit.id);
-  return visitJson(records_, visit.id, call.session.hidden);
-}
-
-/// Stores a note whose number the page has drawn: a new note, or the new text of an existing one.
-Json Visits::putNote(Call& call) {
-  const std::int64_t id = call.ids.at(0);
-  const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
-    const Json given = call.body.value(key, Json());
-    if (given.is_null()) return {};
-    if (!given.is_number_integer()) throw badValue(key, fmt::format("{} is no number", key));
-    return given.get<std::int64_t>();
-  };
-  std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
-  if (id < 1 || id > kLastDrawnNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
-  if (patient && visit) throw badValue("visit", "a note is a visit's or a patient's, not both");
-  records_.begin(call);
-  Statement row =
-      records_.db().query("SELECT patient, visit, account, at_us, kind FROM note WHERE id = ?", id);
-  // An existing note keeps its visit or patient, its time and its kind; its old row is deleted.
-  if (row.step()) {
-    const auto other = [&](int column, const std::optional<std::int64_t>& given) {
-      return given && (row.isNull(column) || row.integer(column) != *given);
-    };
-    if (other(0, patient) || other(1, visit) || row.integer(2) != call.session.account) {
-      throw RequestRefusal{
-          409, "changed", "this number is a note of another visit, patient or account", {}};
-    }
-    patient = visit = {};
-    if (!row.isNull(0)) patient = row.integer(0);
-    if (!row.isNull(1)) visit = row.integer(1);
-    call.body.emplace("at_us", row.integer(3));
-    call.body.emplace("kind", row.text(4));
-    records_.db().change("DELETE FROM note WHERE id = ?", id);
-  }
-  // Checks that the note's visit or patient may be seen.
-  if (visit) {
-    (void)visitFor(call, *visit);
-  } else if (!patient) {
-    throw notFound(fmt::format("there is no note {}: name its visit or patient", id));
-  } else if (call.session.hidden) {
-    throw RequestRefusal{403, "hidden", "names are hidden; type the PIN to show them", {}};
-  } else {
-    patients_.check(*patient);
-  }
-  insertNote(records_, call, patient, visit, id);
-  return notesOf(records_, "id", id, call.session.hidden).at(0);
-}
-
-Json Visits::pain(Call& call) {
-  const VisitRow visit = visitOf(call);
-  const Json when = call.body.value("when", Json());
-  if (when != "before" && when != "after") throw badValue("when", "when must be before or after");
-  const Json value = call.body.value("value", Json());
-  const bool number = value.is_number_integer() && value >= 0 && value <= kMostPain;
-  if (!number && !value.is_null()) throw badValue("value", "pain is a whole number of 0 to 10");
-  std::optional<std::int64_t> pain;
-  if (number) pain = value.get<std::int64_t>();
-  records_.db().change(when == "before" ? "UPDATE visit SET pain_before = ? WHERE id = ?"
-                                        : "UPDATE visit SET pain_after = ? WHERE id = ?",
-                       pain, visit.id);
-  return visitJson(records_, visit.id, call.session.hidden);
-}
-
 Json Visits::move(Call& call) {
   const VisitRow visit = visitOf(call);
   if (visit.state == "open") {
@@ -511,80 +441,6 @@ void Visits::erase(Call& call, const Erasure& erasure) {
   call.after.emplace_back([this, &call] {
     call.answer.body = Json({{"recordings_left", records_.removeErased()}}).dump();
   });
-}
-
-Json Visits::sessions(Call&) {
-  const std::int64_t all = records_.db().number("SELECT COUNT(*) FROM trial WHERE visit IS NULL");
-  return {
-      {"sessions", trialsIn(records_.db().query(
-                                trialColumns(records_.db()) +
-                                    " WHERE visit IS NULL ORDER BY began_us DESC, id DESC LIMIT ?",
-                                kMostTrials),
-                            {})},
-      {"more", std::max(all - kMostTrials, std::int64_t{0})}};
-}
-
-/// Assigns sessions that were recorded outside a visit to a new visit.
-Json Visits::giveSessions(Call& call) {
-  const Json to = call.body.value("patient", Json());
-  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
-  const auto patient = to.get<std::int64_t>();
-  patients_.check(patient);
-  const Json ids = call.body.value("sessions", Json());
-  const bool numbers =
-      ids.is_array() && !ids.empty() && ids.size() <= kMostTrials &&
-      std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
-  if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
-  // The visit spans all sessions.
-  std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
-  std::string side;
-  for (const Json& id : ids) {
-    const Json one =
-        trialsIn(records_.db().query(trialColumns(records_.db()) +
-                                         " WHERE id = ? AND visit IS NULL AND state = 'measured'",
-                                     id.get<std::int64_t>()),
-                 {});
-    if (one.empty()) {
-      throw RequestRefusal{409, "changed",
-                           fmt::format("session {} was given or deleted meanwhile", id.dump()),
-                           "sessions"};
-    }
-    const std::int64_t at_us = one[0]["began_us"];
-    began_us = std::min(began_us, at_us);
-    const Json lasted = one[0]["duration_s"];
-    const double lasted_s = lasted.is_number() ? lasted.get<double>() : 0.0;
-    ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
-    side = one[0]["side"];
-  }
-  // Creates the visit and assigns the sessions.
-  const std::int64_t visit =
-      insertVisit(records_, patient, call.session.account, side, began_us, ended_us, "done");
-  Erasure given;  // erases nothing
-  const std::int64_t count = nextCount(records_.db());
-  for (const Json& id : ids) {
-    records_.db().change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit,
-                         id.get<std::int64_t>());
-    Statement row =
-        records_.db().query("SELECT sha256 FROM trial WHERE id = ?", id.get<std::int64_t>());
-    row.step();
-    given.lines.push_back(
-        fmt::format("given {} {} {}", count, row.text(0), markOf(records_.db(), patient)));
-  }
-  records_.storeIntent("list", given);
-  records_.log(call.session.account, "gave sessions", patient, visit, ids.dump());
-  return visitJson(records_, visit, false);
-}
-
-Json Visits::deleteSession(Call& call) {
-  const std::int64_t id = call.ids.at(0);
-  Statement row =
-      records_.db().query("SELECT recording FROM trial WHERE id = ? AND visit IS NULL", id);
-  if (!row.step()) {
-    throw RequestRefusal{409, "changed", "this session was given or deleted meanwhile", {}};
-  }
-  erase(call, erasureOfSession(records_.db(), id));
-  records_.log(call.session.account, "deleted a session", 0, 0, row.text(0));
-  return Json::object();
 }
 
 Json Visits::remove(Call& call) {
