@@ -116,6 +116,17 @@ Json PatientIndex::page(std::string_view find, std::int64_t page) {
   const std::string wanted = folded(find);
   Json rows = Json::array(), open = Json::array();
   std::int64_t count = 0;
+  if (wanted.empty()) {  // the usual list looks at its own rows only
+    count = std::ssize(order_);
+    for (const Row* row : order_) {
+      if (row->visit != 0) open.push_back(toJson(*row));
+    }
+    const std::int64_t first = std::clamp<std::int64_t>(page, 0, count) * kRowsOfPage;
+    for (std::int64_t i = first; i < std::min(count, first + kRowsOfPage); ++i) {
+      rows.push_back(toJson(*order_[static_cast<std::size_t>(i)]));
+    }
+    return {{"patients", rows}, {"open", open}, {"count", count}, {"page", page}};
+  }
   for (const Row* row : order_) {
     if (row->words.find(wanted) == std::string::npos) continue;
     if (row->visit != 0) open.push_back(toJson(*row));

@@ -471,7 +471,7 @@ describe('texts', () => {
   });
 
   it('cover every code of a refusal', () => {
-    const codes = ['locked', 'not_signed_in', 'hidden', 'wrong_pin', 'too_many_tries', 'wrong_phrase', 'not_found', 'code_exists', 'changed', 'visit_open', 'station', 'station_silent', 'no_recording', 'database', 'busy', 'own_account', 'backup'];
+    const codes = ['locked', 'not_signed_in', 'hidden', 'wrong_pin', 'too_many_tries', 'wrong_phrase', 'not_found', 'code_exists', 'changed', 'visit_open', 'station', 'station_silent', 'no_recording', 'database', 'busy', 'own_account', 'backup', 'damaged'];
     for (const texts of [en, fr, de]) expect(Object.keys(texts.refusals).sort()).toEqual([...codes].sort());
   });
 });
