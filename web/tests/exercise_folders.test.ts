@@ -18,7 +18,7 @@ const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
   [/^src\/net\/fake_(program|recordings)\.ts$/, /./, 'the stand-in program, of development and tests, plays the bar'],
   [/^src\/clinic\/i18n\//, /\bpoured_total_l: /, 'results of all exercises, of visits whose exercise is not loaded'],
   [/^src\/clinic\/i18n\//, /'deleted a guest visit': /, 'entries of the log, as the records write them'],
-  [/^src\/clinic\/(api|records|patients_screen)\.ts$/, /\bguest(s|_visits)?\b/, 'a visit without a patient, as the records call it'],
+  [/^src\/clinic\/(api|records|gentle_visit|patients_screen)\.ts$/, /\bguest(s|_visits)?\b/, 'a visit without a patient, as the records call it'],
   [/^src\/charts\/i18n\//, /exercise\.|chart\.|figure\./, 'words of the charts that the program draws of the bar'],
 ];
 
