@@ -1,5 +1,6 @@
 #pragma once
 
+#include "loop/physics/bullet/bullet_world.hpp"
 #include "loop/physics/engine_bench.hpp"
 #include "support/seed.hpp"
 
@@ -65,16 +66,24 @@ inline SceneBody ground(double friction, double size_m = 8.0) {
 
 class Yard {
  public:
-  /// @param bodies,gravity_m_s2 in the yard's frame
+  /// @param bodies,gravity_m_s2 in the yard's frame @param lets_rest false: the default engine,
+  /// whatever the name, computes bodies that stand still, too
   Yard(const std::string& engine, const std::vector<SceneBody>& bodies,
-       const Eigen::Vector3d& gravity_m_s2, double rate_hz, const Eigen::Matrix3d& turn)
+       const Eigen::Vector3d& gravity_m_s2, double rate_hz, const Eigen::Matrix3d& turn,
+       bool lets_rest = true)
       : models_(load(shippedFiles("lambda-pride", "empty"))),
         frame_{turn, turn * Eigen::Vector3d(12.0, 0.0, 0.0)},
         period_s_(1.0 / rate_hz) {
     scene_.gravity_m_s2 = turn * gravity_m_s2;
     scene_.bodies = bodies;
     for (SceneBody& body : scene_.bodies) body.pose = frame_ * body.pose;
-    world_ = orThrow(buildWorld(engine, models_.hand, scene_));
+    if (lets_rest) {
+      world_ = orThrow(buildWorld(engine, models_.hand, scene_));
+    } else {
+      BulletSettings settings;
+      settings.lets_rest = false;
+      world_ = std::make_unique<BulletWorld>(models_.hand, scene_, settings);
+    }
     EXPECT_TRUE(world_->placeHand(models_.hand.reference));
     const PhysicsState state = look(*world_);
     ArticulatedBody body(models_.hand);

@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numeric>
 
-// ConeNewton solves heavy bodies on light ones directly. Sweeps carry a load from contact to
-// contact, and the heavier the body above is, the more sweeps they need.
+// IslandNewton solves islands directly. Sweeps carry a load from contact to contact: the heavier
+// the body above is, the more of them it takes.
 
 namespace wholehand::bullet {
 namespace {
@@ -228,8 +228,12 @@ BodyRows::BodyRows(int contacts, int bodies)
       first_(2 * contacts + 1),
       start_(bodies),
       island_(bodies),
-      solved_at_once_(bodies),
-      slot_(bodies) {
+      slot_(bodies),
+      swept_(bodies),
+      first_body_(bodies + 1),
+      first_place_(bodies + 1),
+      members_(bodies),
+      places_(contacts) {
   all_.reserve(contacts);
   near_.reserve(contacts);
   touched_.reserve(bodies);
@@ -243,7 +247,7 @@ void BodyRows::clear() noexcept {
   free_.clear();
   if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
-  uneven_ = near_uneven_ = false;
+  near_uneven_ = false;
 }
 
 BodyRows::Group& BodyRows::groupFor(int run) noexcept {
@@ -425,9 +429,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     group.normal.impulse[place] = goals.warm_start * point.m_appliedImpulse;
     group.tangent1.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral1;
     group.tangent2.impulse[place] = goals.warm_start * point.m_appliedImpulseLateral2;
-    const bool uneven = isUneven(group, place);
-    uneven_ = uneven_ || uneven;
-    near_uneven_ = near_uneven_ || (uneven && (touched[a] || touched[b]));
+    near_uneven_ = near_uneven_ || ((touched[a] || touched[b]) && isUneven(group, place));
     ++contacts_;
   }
 }
@@ -467,6 +469,7 @@ void BodyRows::write(Bodies& bodies) const noexcept {
   }
   for (const Group* group : all_) {
     for (int place = 0; place < group->used; ++place) {
+      if (group->point[place] == nullptr) continue;  // solved directly
       btManifoldPoint& point = *group->point[place];
       point.m_appliedImpulse = group->normal.impulse[place];
       point.m_appliedImpulseLateral1 = group->tangent1.impulse[place];
@@ -572,15 +575,9 @@ double BodyRows::sweepNear(Bodies& bodies) noexcept {
 namespace {
 
 constexpr double kUneven = 10.0;  // ratio of two masses from which a contact is uneven
-// Softness per mobility of a row, which is that of the lighter body. At 1e-3 a body 10,000 times as
-// heavy as the one below sinks in. The values are used one after the other: the soft ones show
-// which contacts hold and stick.
-constexpr std::array kSoftness{1e-2, 1e-3, 1e-4, 1e-5};
-
-// Largest work for factorisations in a step of the world; one factorisation costs the cube of the
-// island's number of bodies. This allows 16 factorisations of eight bodies.
-constexpr int kMostWork = 16 * 8 * 8 * 8;
-
+// Largest work for factorisations in a step of the world, in products of blocks.
+constexpr int kMostWork = 4000;
+constexpr int kMostSteps = 40;  // factorisations of an island
 }  // namespace
 
 bool BodyRows::isUneven(const Group& group, int place) noexcept {
@@ -662,120 +659,142 @@ void BodyRows::shortenStart(const Bodies& bodies) noexcept {
   }
 }
 
-// Finds the islands in which one body lies on another that is ten times lighter and which the hand
-// does not touch.
-void BodyRows::findUneven(const Bodies& bodies) noexcept {
-  std::fill_n(solved_at_once_.begin(), bodies.size(), false);
+// Sorts bodies and contacts by their islands; both keep their order.
+void BodyRows::sortByIsland(const Bodies& bodies) noexcept {
+  const int count = bodies.size();
+  std::fill_n(swept_.begin(), count, 0);
+  for (const int body : touched_) swept_[islandOf(body)] = 1;
+  std::fill_n(first_body_.begin(), count + 1, 0);
+  std::fill_n(first_place_.begin(), count + 1, 0);
+  for (const int body : free_) ++first_body_[islandOf(body) + 1];
   for (const Group* group : all_) {
-    for (int k = 0; k < group->used; ++k) {
-      if (isUneven(*group, k)) solved_at_once_[islandOf(moverOf(*group, k))] = true;
-    }
+    for (int k = 0; k < group->used; ++k) ++first_place_[islandOf(moverOf(*group, k)) + 1];
   }
-  for (const int body : touched_) solved_at_once_[islandOf(body)] = false;
-}
-
-// Lists the bodies and contacts of an island. @return false: there are more of them than can be
-// solved directly
-bool BodyRows::listIsland(int island, const Bodies& bodies) noexcept {
-  member_count_ = place_count_ = 0;
-  std::fill_n(slot_.begin(), bodies.size(), -1);
-  for (const int body : free_) {
-    if (islandOf(body) != island) continue;
-    if (member_count_ == kMostUneven) return false;
-    slot_[body] = member_count_;
-    members_[member_count_] = body;
-    const btRigidBody& rigid = *bodies[body].m_originalBody;
-    IslandBody& added = roots_[member_count_++];
-    added.linear = std::sqrt(rigid.getInvMass());
-    const btMatrix3x3& inverse = rigid.getInvInertiaTensorWorld();
-    added.angular.factorize([&](int r, int c) { return inverse[r][c]; }, 3);
-  }
+  std::partial_sum(first_body_.begin(), first_body_.begin() + count + 1, first_body_.begin());
+  std::partial_sum(first_place_.begin(), first_place_.begin() + count + 1, first_place_.begin());
+  // Filling moves each island's first index to the end of the island, the first of the next one.
+  for (const int body : free_) members_[first_body_[islandOf(body)]++] = body;
   for (Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
-      if (slot_[group->a[k] - motions_.data()] < 0 && slot_[group->b[k] - motions_.data()] < 0) {
-        continue;
-      }
-      if (place_count_ == static_cast<int>(places_.size())) return false;
-      places_[place_count_++] = {group, k};
+      places_[first_place_[islandOf(moverOf(*group, k))]++] = {group, k};
     }
   }
-  return true;
+  for (int i = count; i > 0; --i) {
+    first_body_[i] = first_body_[i - 1];
+    first_place_[i] = first_place_[i - 1];
+  }
+  first_body_[0] = first_place_[0] = 0;
 }
 
-void BodyRows::writeRow(const Row& row, const Place& at, ConeNewton::Row& out) const noexcept {
+void BodyRows::writeRow(const Row& row, const Place& at, int r,
+                        IslandNewton::Contact& out) const noexcept {
   const int k = at.place;
-  const auto one_side = [&](const Motion* motion, const EachVector& about, double sign) {
-    const int slot = slot_[motion - motions_.data()];
+  const auto one_side = [&](int slot, const EachVector& about, double sign,
+                            IslandNewton::Six& along) {
     if (slot < 0) return;
     const IslandBody& of = roots_[slot];
-    double* along = out.along.data() + 6 * slot;
     for (int i = 0; i < 3; ++i) along[i] = sign * of.linear * row.along[i][k];
     const std::array<double, 3> turns{about[0][k], about[1][k], about[2][k]};
-    of.angular.transpose(turns.data(), along + 3);
+    of.angular.transpose(turns.data(), along.data() + 3);
   };
-  one_side(at.group->a[k], row.about_a, 1.0);
-  one_side(at.group->b[k], row.about_b, -1.0);
-  out.goal = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
+  one_side(out.a, row.about_a, 1.0, out.along_a[r]);
+  one_side(out.b, row.about_b, -1.0, out.along_b[r]);
+  out.goal[r] = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
 }
 
-bool BodyRows::solveIsland(ConeNewton& newton, int most_steps) noexcept {
-  newton.begin(6 * member_count_, kSoftness.front(), most_steps);
-  for (int i = 0; i < place_count_; ++i) {
-    const Place& at = places_[i];
+bool BodyRows::solveIsland(int island, const Bodies& bodies, int& work) noexcept {
+  const int first_body = first_body_[island], first_place = first_place_[island];
+  const int body_count = first_body_[island + 1] - first_body;
+  const int place_count = first_place_[island + 1] - first_place;
+  if (body_count > IslandNewton::kMostBodies || place_count > IslandNewton::kMostContacts) {
+    return false;
+  }
+  for (int i = 0; i < body_count; ++i) {
+    const int body = members_[first_body + i];
+    slot_[body] = i;
+    const btRigidBody& rigid = *bodies[body].m_originalBody;
+    roots_[i].linear = std::sqrt(rigid.getInvMass());
+    const btMatrix3x3& inverse = rigid.getInvInertiaTensorWorld();
+    roots_[i].angular.factorize([&](int r, int c) { return inverse[r][c]; }, 3);
+  }
+  newton_.begin(body_count);
+  const double share = start_[island].share;
+  for (int i = 0; i < place_count; ++i) {
+    const Place& at = places_[first_place + i];
+    const auto slot_of = [&](const Motion* motion) {
+      const auto body = motion - motions_.data();
+      return bodies[static_cast<int>(body)].m_originalBody != nullptr ? slot_[body] : -1;
+    };
     const btManifoldPoint& point = *at.group->point[at.place];
-    ConeNewton::Row* rows = newton.add(3, at.group->friction[at.place], 0.0);
-    if (rows == nullptr) return false;
-    writeRow(at.group->normal, at, rows[0]);
-    writeRow(at.group->tangent1, at, rows[1]);
-    writeRow(at.group->tangent2, at, rows[2]);
+    IslandNewton::Contact& contact =
+        *newton_.add(slot_of(at.group->a[at.place]), slot_of(at.group->b[at.place]));
+    contact.friction = at.group->friction[at.place];
+    writeRow(at.group->normal, at, 0, contact);
+    writeRow(at.group->tangent1, at, 1, contact);
+    writeRow(at.group->tangent2, at, 2, contact);
     // Starts from the impulses of the last step, reduced if they came from an impact
-    // (shortenStart()). The solution is exact when nothing changes.
-    const double share = start_[islandOf(members_[0])].share;
-    rows[0].start = share * point.m_appliedImpulse;
-    rows[1].start = share * point.m_appliedImpulseLateral1;
-    rows[2].start = share * point.m_appliedImpulseLateral2;
+    // (shortenStart()).
+    contact.start = {share * point.m_appliedImpulse, share * point.m_appliedImpulseLateral1,
+                     share * point.m_appliedImpulseLateral2};
   }
-  bool found = newton.solve();
-  for (std::size_t i = 1; found; ++i) {
-    takeImpulses(newton);
-    if (i == kSoftness.size()) return true;
-    found = newton.solveAgain(kSoftness[i]);
-  }
-  return false;
+  const int of_a_step = newton_.order();
+  if (of_a_step == 0) return false;
+  const bool found = newton_.solve(std::min(kMostSteps, work / of_a_step));
+  work -= of_a_step * newton_.steps();
+  return found;
 }
 
-void BodyRows::takeImpulses(const ConeNewton& newton) noexcept {
-  for (int i = 0; i < place_count_; ++i) {
-    Group& group = *places_[i].group;
-    const int k = places_[i].place;
-    group.normal.impulse[k] = newton.row(3 * i).impulse;
-    group.tangent1.impulse[k] = newton.row(3 * i + 1).impulse;
-    group.tangent2.impulse[k] = newton.row(3 * i + 2).impulse;
+// Takes a contact out of the sweeps.
+void BodyRows::silence(Group& group, int place) noexcept {
+  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) {
+    for (EachVector* of :
+         {&row->along, &row->about_a, &row->about_b, &row->response_a, &row->response_b}) {
+      for (Each& each : *of) each[place] = 0.0;
+    }
+    row->target[place] = row->effective_mass[place] = row->impulse[place] = 0.0;
   }
-  for (int m = 0; m < member_count_; ++m) {
-    const double* change = newton.change().data() + 6 * m;
-    Motion& motion = motions_[members_[m]];
-    for (int i = 0; i < 3; ++i) motion.linear[i] = roots_[m].linear * change[i];
-    roots_[m].angular.apply(change + 3, motion.angular.data());
+  group.friction[place] = 0.0;
+  group.point[place] = nullptr;
+}
+
+void BodyRows::takeImpulses(int island) noexcept {
+  const int first_body = first_body_[island], first_place = first_place_[island];
+  for (int i = 0; i < newton_.contactCount(); ++i) {
+    const Place& at = places_[first_place + i];
+    const IslandNewton::Contact& contact = newton_.contact(i);
+    btManifoldPoint& point = *at.group->point[at.place];
+    point.m_appliedImpulse = contact.impulse[0];
+    point.m_appliedImpulseLateral1 = contact.impulse[1];
+    point.m_appliedImpulseLateral2 = contact.impulse[2];
+    silence(*at.group, at.place);
+  }
+  for (int i = 0; i < first_body_[island + 1] - first_body; ++i) {
+    const IslandNewton::Six& change = newton_.change(i);
+    Motion& motion = motions_[members_[first_body + i]];
+    for (int k = 0; k < 3; ++k) motion.linear[k] = roots_[i].linear * change[k];
+    roots_[i].angular.apply(change.data() + 3, motion.angular.data());
   }
 }
 
-bool BodyRows::solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept {
-  if (!uneven_) return false;
-  bool solved = true;
-  findUneven(bodies);
+void BodyRows::solveIslands(const Bodies& bodies) noexcept {
+  if (!any()) return;
+  sortByIsland(bodies);
   int work = kMostWork;
   for (const int body : free_) {
-    if (islandOf(body) != body || !solved_at_once_[body]) continue;
-    if (!listIsland(body, bodies)) {
-      solved = false;
-      continue;
+    if (islandOf(body) != body || swept_[body] != 0) continue;
+    if (first_place_[body + 1] == first_place_[body]) continue;
+    if (solveIsland(body, bodies, work)) {
+      takeImpulses(body);
+    } else {
+      swept_[body] = 1;
     }
-    const int of_a_step = member_count_ * member_count_ * member_count_;
-    solved = solveIsland(newton, work / of_a_step) && solved;
-    work = newton.stepsLeft() * of_a_step;
   }
-  return solved;
+  const auto is_solved = [](const Group* group) {
+    return std::all_of(group->point.begin(), group->point.end(),
+                       [](const btManifoldPoint* point) { return point == nullptr; });
+  };
+  std::erase_if(all_, is_solved);
+  std::erase_if(near_, is_solved);
 }
 
 }  // namespace wholehand::bullet

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "loop/physics/bullet/cone_newton.hpp"
+#include "loop/physics/bullet/island_newton.hpp"
 #include "loop/physics/bullet/row_arithmetic.hpp"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -65,11 +65,11 @@ class BodyRows {
   [[nodiscard]] double sweepAll(Bodies& bodies) noexcept;
   /// Makes one sweep over the near contacts only.
   [[nodiscard]] double sweepNear(Bodies& bodies) noexcept;
-  /// Solves islands of at most eight bodies directly when one body lies on another that is ten
-  /// times lighter, because sweeps converge too slowly there. The result of the sweeps stays where
-  /// the hand touches one of the bodies, or when a bounded number of factorisations finds no
-  /// solution. Call after the last sweep. @return true: there were such islands, and all are solved
-  bool solveUneven(ConeNewton& newton, const Bodies& bodies) noexcept;
+  /// Solves the islands that the hand does not touch directly, as far as a bounded work allows
+  /// (IslandNewton). Their contacts are not swept. Call after begin() and before the first sweep.
+  void solveIslands(const Bodies& bodies) noexcept;
+  /// True when contacts are left to sweep.
+  [[nodiscard]] bool anyToSweep() const noexcept { return !all_.empty(); }
   /// Writes the impulses to their contact points, and the velocities of the bodies that are not
   /// touched.
   void write(Bodies& bodies) const noexcept;
@@ -115,7 +115,6 @@ class BodyRows {
   };
   struct Velocities;
   struct RowDirection;
-  static constexpr int kMostUneven = 8;  ///< largest number of bodies of an island
   struct IslandBody {
     double linear = 0.0;     ///< 1 / √m
     InertiaRoot<3> angular;  ///< root of I⁻¹
@@ -137,11 +136,11 @@ class BodyRows {
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;
   void shortenStart(const Bodies& bodies) noexcept;
-  void findUneven(const Bodies& bodies) noexcept;
-  [[nodiscard]] bool listIsland(int island, const Bodies& bodies) noexcept;
-  void writeRow(const Row& row, const Place& at, ConeNewton::Row& out) const noexcept;
-  bool solveIsland(ConeNewton& newton, int most_steps) noexcept;
-  void takeImpulses(const ConeNewton& newton) noexcept;
+  void sortByIsland(const Bodies& bodies) noexcept;
+  [[nodiscard]] bool solveIsland(int island, const Bodies& bodies, int& work) noexcept;
+  void writeRow(const Row& row, const Place& at, int r, IslandNewton::Contact& out) const noexcept;
+  void takeImpulses(int island) noexcept;
+  static void silence(Group& group, int place) noexcept;
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
@@ -167,18 +166,18 @@ class BodyRows {
   /// the others.
   std::vector<Group*> open_;
   std::vector<int> first_;    ///< per run: index of its first group in all_
-  bool uneven_ = false;       ///< a contact in this step has bodies of very different mass
-  bool near_uneven_ = false;  ///< the same for a contact of a body that the hand touches
+  bool near_uneven_ = false;  ///< the hand touches one of two bodies of very different mass
   std::vector<Start> start_;  ///< per island
   /// Per body: another body of its island; one body per island names itself.
   std::vector<int> island_;
-  std::vector<bool> solved_at_once_;  ///< per island, stored at the body that names itself
-  std::vector<int> slot_;             ///< per body: its index in the island, or −1
-  std::array<int, kMostUneven> members_{};
-  std::array<IslandBody, kMostUneven> roots_;
-  int member_count_ = 0;
-  std::array<Place, ConeNewton::kMostRows / 3> places_{};
-  int place_count_ = 0;
+  std::vector<int> slot_;         ///< per body: its index in its island, or −1
+  std::vector<char> swept_;       ///< per island: the hand touches it, or no solution was found
+  std::vector<int> first_body_;   ///< per island: index of its first body in members_
+  std::vector<int> first_place_;  ///< per island: index of its first contact in places_
+  std::vector<int> members_;
+  std::vector<Place> places_;
+  std::array<IslandBody, IslandNewton::kMostBodies> roots_;
+  IslandNewton newton_;
   int contacts_ = 0, group_count_ = 0, runs_ = 0;
   double pressed_ = 0.0;
   /// Direction of the next sweep; alternating sweeps carry loads up and down a stack.

@@ -43,7 +43,7 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
              static_cast<int>(scene.bodies.size()) + scene.game.slots),
       hand(hand_in, scene.hand_friction),
       bodies(makeBodies(scene)),
-      resting(bodies, scene.gravity_m_s2.norm()),
+      resting(bodies, scene.gravity_m_s2.norm(), settings.lets_rest),
       pairs(dispatcher, hand, bodies, resting, contactThreshold()),
       game(scene, bodies, resting, pairs, solver, dispatcher),
       q_s(hand_in.axis_count),
@@ -64,7 +64,7 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
   setHand(q_s, qd_s);
   rehearseManifolds();
   rehearseStep();
-  putStableBodiesToSleep();
+  if (settings.lets_rest) putStableBodiesToSleep();
 }
 
 // ADR 3 explains each setting that differs from Bullet's defaults.

@@ -308,7 +308,6 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
   rows_.finish();
-  if (body_rows_.solveUneven(newton_, m_tmpSolverBodyPool)) far_unsettled_ = false;
   body_rows_.write(m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
@@ -592,11 +591,12 @@ btScalar ReducedContactSolver::solveSingleIteration(
   if (iteration == 0) {
     near_unsettled_ = far_unsettled_ = false;
     body_rows_.begin(m_tmpSolverBodyPool, touched_);
-    far_done_ = !body_rows_.any();
+    body_rows_.solveIslands(m_tmpSolverBodyPool);
+    far_done_ = !body_rows_.anyToSweep();
     at_once_ = solveAtOnce();
     if (!at_once_) prepareSweeps();
   }
-  const bool far = !far_done_ && body_rows_.any();
+  const bool far = !far_done_;
   double others = joints_.solve(m_tmpSolverBodyPool);
   if (far) {
     others = std::max(others, body_rows_.sweepAll(m_tmpSolverBodyPool));

@@ -17,10 +17,11 @@ constexpr double kWatched_s = 0.05;  // interval at which groups are checked
 
 }  // namespace
 
-RestingBodies::RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s2)
+RestingBodies::RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s2, bool lets_rest)
     : bodies_(bodies),
       still_m_s_(std::min(kStill_m_s, kFall_s * gravity_m_s2)),
       still_rad_s_(kStill_rad_s / kStill_m_s * still_m_s_),
+      lets_rest_(lets_rest),
       awake_(bodies.size()),
       group_(bodies.size(), -1),
       still_s_(bodies.size(), 0.0),
@@ -66,6 +67,7 @@ void RestingBodies::setMoves(int body, bool moves) noexcept {
 }
 
 bool RestingBodies::watch(double step_s) noexcept {
+  if (!lets_rest_) return false;
   bool any = false;
   for (const int body : awake_bodies_) {
     still_s_[body] = isStill(body) ? still_s_[body] + step_s : 0.0;

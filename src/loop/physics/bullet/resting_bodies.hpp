@@ -18,8 +18,8 @@ class RestingBodies {
   using Near = std::pair<int, int>;
 
   /// All bodies are awake at first. @pre bodies outlive this @param gravity_m_s2 if 0, only bodies
-  /// at exactly zero velocity count as still
-  RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s2);
+  /// at exactly zero velocity count as still @param lets_rest false: watch() lays nothing down
+  RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s2, bool lets_rest = true);
 
   /// True for a moving body that does not rest; false for fixed bodies.
   [[nodiscard]] bool awake(int body) const noexcept { return awake_[body]; }
@@ -49,6 +49,7 @@ class RestingBodies {
 
   std::vector<BulletBody>& bodies_;
   const double still_m_s_, still_rad_s_;
+  const bool lets_rest_;
   std::vector<bool> awake_;
   std::vector<int> awake_bodies_;
   std::vector<int> group_;  ///< per body: first body of its resting group; −1: awake or fixed

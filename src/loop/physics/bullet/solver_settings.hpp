@@ -17,6 +17,8 @@ struct SolverSettings {
   int iterations = 50;  ///< sweeps per step; with 20 a grasp slid
   /// True: solves the hand's contacts by Newton's method where possible (ADR 39).
   bool at_once = false;
+  /// True: bodies that have been still for a time rest and are no longer computed.
+  bool lets_rest = true;
   NewtonSettings newton;
   /// Contacts of bodies that the hand does not touch are swept until no impulse changes by more
   /// than this share of the largest one. kFarBudget limits the sweeps times the number of groups of
