@@ -163,16 +163,14 @@ class Kitchen final : public Exercise {
     last_.q = q_[steps_.now().thing];
   }
 
-  /// Updates q of every thing and counts whole turns of hinges without a range. While things
-  /// return, q is the value nearest to 0.
+  /// Updates q of every thing and counts whole turns of hinges. While things return, q is the value
+  /// nearest to 0.
   void countTurns(const TickRecord& seen) noexcept {
-    constexpr double kTurn = 2.0 * std::numbers::pi;
     for (std::size_t i = 0; i < task_.things.size(); ++i) {
       const Thing& thing = task_.things[i];
       if (!thing.jointed) continue;
-      const double q = positionOn(thing.joint, thing.start, poseOf(thing, seen));
-      const double last = returns_ ? 0.0 : q_[i];
-      q_[i] = thing.joint.turnsFreely() ? q + kTurn * std::round((last - q) / kTurn) : q;
+      q_[i] = returns_ ? positionOn(thing.joint, thing.start, poseOf(thing, seen))
+                       : positionOn(thing.joint, thing.start, poseOf(thing, seen), q_[i]);
     }
   }
 

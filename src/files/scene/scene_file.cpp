@@ -390,8 +390,8 @@ class BodyReader {
     // Range: required for a slide, optional for a hinge.
     const char* range = hinge ? "range_rad" : "range_m";
     if (!hinge || t.has(range)) {
-      const auto [least, most] =
-          t.interval(range, hinge ? between(-2.0 * pi, 2.0 * pi, "rad") : between(-2.0, 2.0, "m"));
+      const auto [least, most] = t.interval(
+          range, hinge ? between(-20.0 * pi, 20.0 * pi, "rad") : between(-2.0, 2.0, "m"));
       joint.least = least, joint.most = most;
       if (t.isGood(range) && (least > 0.0 || most < 0.0)) {
         t.fail(range, "does not contain 0",

@@ -201,6 +201,17 @@ Pose poseOn(const SceneJoint& joint, const Pose& start, double q) noexcept {
   return {turned, start * joint.point_m - turned * joint.point_m};
 }
 
+double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose,
+                  double last) noexcept {
+  if (!joint.isHinge()) return positionOn(joint, start, pose);
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  SceneJoint endless = joint;
+  endless.least = -std::numeric_limits<double>::infinity();
+  endless.most = std::numeric_limits<double>::infinity();
+  const double q = positionOn(endless, start, pose);
+  return std::clamp(q + kTurn * std::round((last - q) / kTurn), joint.least, joint.most);
+}
+
 double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) noexcept {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   double q = 0.0;

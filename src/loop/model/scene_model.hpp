@@ -40,10 +40,6 @@ struct SceneJoint {
   double latch_at = 0.0;          ///< q at the bottom of a detent [rad; m]
 
   [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
-  /// True for a hinge without ends.
-  [[nodiscard]] bool turnsFreely() const {
-    return isHinge() && most - least > std::numeric_limits<double>::max();
-  }
 };
 
 /// Pose of a body frame at q. @param start pose at q = 0. Real-time safe.
@@ -53,6 +49,10 @@ struct SceneJoint {
 /// ends, q is in (-π, π]. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double positionOn(const SceneJoint& joint, const Pose& start,
                                              const Pose& pose) noexcept;
+/// The same for a body that was at `last` less than half a turn ago: whole turns of a hinge count.
+/// Real-time safe.
+[[nodiscard]] WHOLEHAND_RT double positionOn(const SceneJoint& joint, const Pose& start,
+                                             const Pose& pose, double last) noexcept;
 
 /// Energy that spring and latch of a joint store at q [J]; 0 at the spring's rest and in a detent.
 /// Real-time safe.

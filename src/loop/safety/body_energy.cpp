@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace wholehand {
 namespace {
@@ -32,21 +31,19 @@ BodyEnergy::BodyEnergy(const SceneModel& scene, double period_s)
   }
 }
 
-void BodyEnergy::Store::put(const Eigen::Vector3d& position_m,
-                            const Eigen::Quaterniond& turned) noexcept {
-  const Eigen::Matrix3d rotation = turned.toRotationMatrix();
-  q = positionOn(joint, start, {rotation, position_m - rotation * com_m});
+void BodyEnergy::Store::put(const Pose& pose) noexcept {
+  q = positionOn(joint, start, pose);
   stored_j = storedEnergy(joint, q);
 }
 
-/// Like put(), but q of a hinge without ends also counts whole turns.
-void BodyEnergy::Store::follow(const BodyState& state) noexcept {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  const double last = q;
-  put(state.position_m.eigen(), state.orientation_xyzw.eigen());
-  if (!joint.turnsFreely()) return;
-  q += kTurn * std::round((last - q) / kTurn);
+void BodyEnergy::Store::follow(const Pose& pose) noexcept {
+  q = positionOn(joint, start, pose, q);
   stored_j = storedEnergy(joint, q);
+}
+
+Pose BodyEnergy::Store::poseAt(const Vec3& position_m, const QuatXyzw& turned) const noexcept {
+  const Eigen::Matrix3d rotation = turned.eigen().toRotationMatrix();
+  return {rotation, position_m.eigen() - rotation * com_m};
 }
 
 double BodyEnergy::kinetic(const Body& body, const BodyState& state) noexcept {
@@ -101,7 +98,7 @@ void BodyEnergy::advance(const TickRecord& observed, const Contact* contacts, in
     if (body.store >= 0) {
       Store& store = stores_[static_cast<std::size_t>(body.store)];
       const double before_j = store.stored_j;
-      store.follow(now);
+      store.follow(store.poseAt(now.position_m, now.orientation_xyzw));
       energy_.held_j += store.stored_j;
       if (known_) gained_j += store.stored_j - before_j;
     }
@@ -151,7 +148,7 @@ void BodyEnergy::notePlaced(const BodyPlacements& placements, const TickRecord& 
     if (body.store < 0) continue;
     Store& store = stores_[static_cast<std::size_t>(body.store)];
     const double stored_j = store.stored_j;
-    store.put(placed.position_m.eigen(), placed.orientation_xyzw.eigen());
+    store.put(store.poseAt(placed.position_m, placed.orientation_xyzw));
     placed_j_ += std::max(0.0, store.stored_j - stored_j);
   }
 }

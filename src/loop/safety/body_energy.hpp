@@ -63,8 +63,11 @@ class BodyEnergy {
     double q = 0.0;
     double stored_j = 0.0;  ///< after the last step, or as placed since
 
-    void put(const Eigen::Vector3d& position_m, const Eigen::Quaterniond& turned) noexcept;
-    void follow(const BodyState& state) noexcept;
+    void put(const Pose& pose) noexcept;
+    /// Like put(), for a body that moved there: whole turns of a hinge count.
+    void follow(const Pose& pose) noexcept;
+    /// Pose of the body frame of a body whose centre of mass is there.
+    [[nodiscard]] Pose poseAt(const Vec3& position_m, const QuatXyzw& turned) const noexcept;
   };
   [[nodiscard]] static double kinetic(const Body& body, const BodyState& state) noexcept;
   [[nodiscard]] double workOfHand(const TickRecord& observed, const Contact* contacts,

@@ -132,6 +132,35 @@ TEST(BodyEnergy, Latch_HoldsItsStoredEnergyAndReceivesThatOfAPlacement) {
   EXPECT_NEAR(energy.gained_j(), 0.0, 1e-13);
 }
 
+// Hinges of any range to ten turns, led through it slowly against a spring: what they hold is
+// ½ k (q − q₀)² + ½ I q̇², whatever the number of turns.
+TEST(BodyEnergy, HingeOfAnyRange_HoldsTheStoredEnergyOfItsTurns) {
+  auto random = seededRandom(6104);
+  for (int i = 0; i < 300; ++i) {
+    SceneJoint joint;
+    joint.axis = Eigen::Vector3d::UnitY();
+    joint.least = -uniform(random, 0.0, 20.0 * kPi) * (i % 2);
+    joint.most = i == 0 ? 6.2 : uniform(random, 0.0, 20.0 * kPi);
+    if (i == 0) joint.least = -1.0;  // passes 2π − 1
+    joint.spring_stiffness = 0.1;
+    SceneModel scene = onJoint(joint);
+    BodyEnergy energy(scene, kPeriod_s);
+    TickRecord seen;
+    seen.body_count = 1;
+    const auto stand = [&](double q) {
+      const Pose pose = poseOn(*scene.bodies[0].joint, scene.bodies[0].pose, q);
+      seen.bodies[0].position_m = Vec3::from(pose.translation_m);
+      seen.bodies[0].orientation_xyzw = QuatXyzw::from(Eigen::Quaterniond(pose.rotation));
+      energy.advance(seen, nullptr, 0, {});
+      ASSERT_NEAR(energy.energy().held_j, 0.05 * q * q, 1e-9 + 1e-12 * q * q) << i;
+    };
+    const double step = 0.5;
+    for (double q = 0.0; q < joint.most; q += step) ASSERT_NO_FATAL_FAILURE(stand(q));
+    for (double q = joint.most; q > joint.least; q -= step) ASSERT_NO_FATAL_FAILURE(stand(q));
+    ASSERT_NO_FATAL_FAILURE(stand(joint.least));
+  }
+}
+
 TEST(BodyEnergy, SpinningBall_HoldsTheSameInAnyOrientation) {
   Watched w;
   w.state(0).angular_velocity_rad_s = {3.0, -4.0, 12.0};
