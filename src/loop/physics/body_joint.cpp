@@ -39,6 +39,8 @@ void BodyJoint::predict(const Vector3d& gravity_m_s2, double step_s) noexcept {
                   step_s * step_s * (joint_.spring_stiffness + slope));
   rate_ = yield_ * (inertia_ * rate_ + step_s * force);
   friction_impulse_ = joint_.dry_friction * step_s;
+  load_is_held_ = std::abs(force) <= joint_.dry_friction || (q_ <= joint_.least && force < 0.0) ||
+                  (q_ >= joint_.most && force > 0.0);
   least_rate_ = (joint_.least - q_) / step_s;
   most_rate_ = (joint_.most - q_) / step_s;
 }

@@ -49,6 +49,9 @@ class BodyJoint {
   WHOLEHAND_RT void predict(const Eigen::Vector3d& gravity_m_s2, double step_s) noexcept;
   /// Change of q̇ per unit of impulse in this step.
   [[nodiscard]] double yield() const noexcept { return yield_; }
+  /// True when dry friction or an end held the joint against its load in this step: gravity, spring
+  /// and latch would not start it from rest. Contacts are not counted.
+  [[nodiscard]] bool loadIsHeld() const noexcept { return load_is_held_; }
   /// Bound of the impulse of dry friction in this step: F_c T.
   [[nodiscard]] double mostFriction() const noexcept { return friction_impulse_; }
   /// Bounds of q̇ in this step: at a bound the step ends exactly at an end of the range.
@@ -70,6 +73,7 @@ class BodyJoint {
   double inertia_ = 0.0;
   double q_ = 0.0, rate_ = 0.0;
   double yield_ = 0.0, friction_impulse_ = 0.0, least_rate_ = 0.0, most_rate_ = 0.0;
+  bool load_is_held_ = false;
 };
 
 }  // namespace wholehand

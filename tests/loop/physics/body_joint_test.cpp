@@ -234,5 +234,64 @@ TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndStaysOnItsPath) {
   }
 }
 
+// What is slow moves as the law says, from the first step on: no speed is so low that it counts as
+// rest while nothing holds the load.
+TEST_F(BodyOnAJoint, SoftClosingDrawer_CreepsToItsEnd) {
+  // Spring k to 40 mm against a damper c: q = 40 mm (1 − e^(−k t / c)), begun at k · 40 mm / c.
+  // Bodies once counted as still below 0.5 mm/s.
+  for (int i = 0; i < 4; ++i) {
+    SceneBody drawer = rod(1.0, {0.2, 0.1, 0.05}, {0, 0, 0});
+    drawer.joint = slideAlong({1, 0, 0});
+    drawer.joint->least = -0.01, drawer.joint->most = 0.1;
+    drawer.joint->viscous_friction = 1000.0;
+    drawer.joint->spring_rest = 0.04;
+    const double begin_m_s = 5e-4 * std::pow(10.0, uniform(random_, -3.0, 0.3));
+    drawer.joint->spring_stiffness = begin_m_s * 1000.0 / 0.04;
+    Yard yard("bullet", {drawer}, {0, 0, -9.81}, 1000.0, turn_);
+    const double seconds = 3.0;
+    yard.run(seconds);
+    const double way_m = 0.04 * (1.0 - std::exp(-begin_m_s * seconds / 0.04));
+    EXPECT_NEAR(yard.at(0).x(), way_m, 0.005 * way_m) << begin_m_s << " m/s";
+  }
+}
+
+TEST_F(BodyOnAJoint, WeakSpring_SwingsFromRest) {
+  // 1 kg, 1 N/m, 20 mm away: q = 20 mm (1 − cos ωt), 40 mm after half a period of 6.28 s.
+  SceneBody drawer = rod(1.0, {0.2, 0.1, 0.05}, {0, 0, 0});
+  drawer.joint = slideAlong({1, 0, 0});
+  drawer.joint->least = -0.01, drawer.joint->most = 0.1;
+  drawer.joint->spring_stiffness = 1.0, drawer.joint->spring_rest = 0.02;
+  Yard yard("bullet", {drawer}, {0, 0, -9.81}, 1000.0, turn_);
+  yard.run(pi);
+  EXPECT_NEAR(yard.at(0).x(), 0.04, 1e-4);
+}
+
+TEST_F(BodyOnAJoint, LoadWithinDryFriction_StaysToTheBit) {
+  SceneBody drawer = rod(1.0, {0.2, 0.1, 0.05}, {0, 0, 0});
+  drawer.joint = slideAlong({1, 0, 0});
+  drawer.joint->least = -0.01, drawer.joint->most = 0.1;
+  drawer.joint->spring_stiffness = 100.0, drawer.joint->spring_rest = 0.02;
+  drawer.joint->dry_friction = 2.1;  // more than 100 N/m · 20 mm
+  Yard yard("bullet", {drawer}, {0, 0, -9.81}, 1000.0, turn_);
+  const Vector3d from = yard.at(0);
+  yard.run(0.5);
+  EXPECT_EQ(yard.at(0), from);
+}
+
+// A slope of 0.1°: a ball rolls with 5/7 g sin α, a can with 2/3 g sin α.
+TEST_F(BodyOnAJoint, SlightSlope_MakesRoundBodiesRoll) {
+  const double slope_rad = 0.1 * pi / 180.0, seconds = 2.0;
+  const Vector3d gravity = 9.81 * Vector3d(std::sin(slope_rad), 0.0, -std::cos(slope_rad));
+  const Eigen::Matrix3d lying = Eigen::AngleAxisd(0.5 * pi, Vector3d::UnitX()).toRotationMatrix();
+  Yard yard("bullet",
+            {ground(0.8), bodyOf(roundShape(ShapeType::kSphere, 0.03, 0.0), {0, 0, 0.03}, 0.1, 0.8),
+             bodyOf(roundShape(ShapeType::kCylinder, 0.03, 0.1), {0, 0.5, 0.03}, 0.1, 0.8, lying)},
+            gravity, 1000.0, turn_);
+  yard.run(seconds);
+  const double way_m = 0.5 * gravity.x() * seconds * seconds;
+  EXPECT_NEAR(yard.at(1).x(), 5.0 / 7.0 * way_m, 0.02 * way_m);
+  EXPECT_NEAR(yard.at(2).x(), 2.0 / 3.0 * way_m, 0.02 * way_m);
+}
+
 }  // namespace
 }  // namespace wholehand::test

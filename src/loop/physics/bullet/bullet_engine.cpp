@@ -104,7 +104,8 @@ void BulletEngine::putStableBodiesToSleep() {
   constexpr double kStep_s = 1e-3;
   // Each contact yields by 10 µm, and a stack by the sum of its contacts.
   constexpr double kStood_m = 2e-4;
-  constexpr double kStood_m_s = 5e-4;  // speed below which a body has not moved
+  // Speed below which a body has not moved: it accelerates by less than 0.25 mm/s².
+  constexpr double kStood_m_s = 5e-6;
   std::vector<btVector3> start(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     start[i] = bodies[i].rigid().getWorldTransform().getOrigin();

@@ -11,6 +11,9 @@ namespace {
 // second still moves.
 constexpr double kStill_m_s = 5e-4;
 constexpr double kStill_rad_s = 0.0125;
+// Share of these speeds below which a body on a joint counts as still although its load is not
+// held: it creeps towards its end, or a contact holds it.
+constexpr double kCreeps = 1e-4;
 constexpr double kFall_s = 2e-3;     // a body in free fall for this time exceeds the still speed
 constexpr double kRests_s = 0.5;     // time of stillness after which a group rests
 constexpr double kWatched_s = 0.05;  // interval at which groups are checked
@@ -34,8 +37,15 @@ RestingBodies::RestingBodies(std::vector<BulletBody>& bodies, double gravity_m_s
 
 bool RestingBodies::isStill(int body) const noexcept {
   const btRigidBody& rigid = bodies_[body].rigid();
-  return rigid.getLinearVelocity().length2() <= still_m_s_ * still_m_s_ &&
-         rigid.getAngularVelocity().length2() <= still_rad_s_ * still_rad_s_;
+  const double share = isHeld(body) ? 1.0 : kCreeps;
+  return rigid.getLinearVelocity().length2() <= share * share * still_m_s_ * still_m_s_ &&
+         rigid.getAngularVelocity().length2() <= share * share * still_rad_s_ * still_rad_s_;
+}
+
+// False for a body on a joint that its load would start, however slowly.
+bool RestingBodies::isHeld(int body) const noexcept {
+  const BodyJoint* joint = bodies_[body].joint();
+  return joint == nullptr || joint->loadIsHeld();
 }
 
 void RestingBodies::listAwake() noexcept {
@@ -82,7 +92,7 @@ bool RestingBodies::watch(double step_s) noexcept {
 void RestingBodies::restAtOnce(const std::vector<Near>& near,
                                const std::vector<bool>& fell) noexcept {
   for (const int body : awake_bodies_) {
-    still_s_[body] = isStill(body) && !fell[body] ? kRests_s : 0.0;
+    still_s_[body] = isStill(body) && !fell[body] && isHeld(body) ? kRests_s : 0.0;
   }
   layDown(near);
 }

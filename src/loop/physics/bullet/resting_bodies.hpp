@@ -43,6 +43,7 @@ class RestingBodies {
 
  private:
   [[nodiscard]] bool isStill(int body) const noexcept;
+  [[nodiscard]] bool isHeld(int body) const noexcept;
   [[nodiscard]] int rootOf(int body) noexcept;
   void group(const std::vector<Near>& near) noexcept;
   void listAwake() noexcept;
