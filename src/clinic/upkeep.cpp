@@ -16,7 +16,8 @@ constexpr int kNewestEntries = 200;
 
 /// True for a folder on another disk than `root` that this process may write to.
 bool isMounted(const std::string& root, const std::string& folder) {
-  struct stat above {}, here {};
+  struct stat above {
+  }, here{};
   return ::stat(root.c_str(), &above) == 0 && ::stat(folder.c_str(), &here) == 0 &&
          S_ISDIR(here.st_mode) && here.st_dev != above.st_dev &&
          ::access(folder.c_str(), W_OK | X_OK) == 0;

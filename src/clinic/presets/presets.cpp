@@ -45,8 +45,7 @@ void readExercises(TomlTable& root, Presets& presets) {
 }
 
 /// @param key table of plans or goals
-void readPlans(TomlTable& root, const char* key, Presets& presets,
-               std::vector<PlanPreset>& out) {
+void readPlans(TomlTable& root, const char* key, Presets& presets, std::vector<PlanPreset>& out) {
   for (TomlTable& table : root.tables(key, 1)) {
     PlanPreset plan;
     plan.id = table.text("id");
