@@ -107,6 +107,7 @@ export const en = {
       'wrote a note': 'wrote a note', 'noted a no-show': 'noted: did not come', 'asked for a visit': 'asked for a visit', 'visit refused': 'the station refused the visit', 'began a visit': 'began a visit', 'began an item': 'began an exercise', 'finished a visit': 'ended a visit', 'moved a visit': 'moved a visit',
       'kept settings': 'kept settings of a visit', 'gave sessions': 'gave sessions to a patient', 'deleted a session': 'deleted a session', 'deleted a guest visit': 'deleted a visit without a patient', 'the station has this visit no longer': 'the station has the visit no longer',
       'added an account': 'entered a colleague', 'took a colleague off': 'took a colleague off the list', 'changed the PIN': 'changed the PIN', 'backed up': 'daily backup', 'backed up by hand': 'backup by hand', restored: 'a backup was restored', 'did again what a restore had undone': 'did again what a restore had undone', 'erased from files and backups': 'erased from backups',
+      'changed the pass phrase': 'changed the pass phrase', 'changed the recovery code': 'drew a new recovery code', 'confirmed lost changes': 'confirmed that changes are lost', 'confirmed the clock': 'confirmed the clock', 'the clock jumped': 'the clock jumped', 'ended a visit whose row is damaged': 'ended a visit whose entry is damaged',
     } as Record<string, string>,
   },
 };

@@ -109,6 +109,7 @@ export const fr: ClinicTexts = {
       'wrote a note': 'a écrit une note', 'noted a no-show': 'noté : absent', 'asked for a visit': 'a demandé une visite', 'visit refused': 'la station a refusé la visite', 'began a visit': 'a commencé une visite', 'began an item': 'a commencé un exercice', 'finished a visit': 'a terminé une visite', 'moved a visit': 'a déplacé une visite',
       'kept settings': 'a gardé les réglages d’une visite', 'gave sessions': 'a attribué des séances', 'deleted a session': 'a supprimé une séance', 'deleted a guest visit': 'a supprimé une visite sans patient', 'the station has this visit no longer': 'la station n’a plus la visite',
       'added an account': 'a inscrit une personne', 'took a colleague off': 'a retiré une personne de la liste', 'changed the PIN': 'a changé son code', 'backed up': 'copie quotidienne', 'backed up by hand': 'copie à la main', restored: 'une copie a été restaurée', 'did again what a restore had undone': 'a refait ce qu’une restauration avait annulé', 'erased from files and backups': 'effacé des copies',
+      'changed the pass phrase': 'a changé la phrase secrète', 'changed the recovery code': 'a tiré un nouveau code de secours', 'confirmed lost changes': 'a confirmé que des modifications manquent', 'confirmed the clock': 'a confirmé l’heure', 'the clock jumped': 'l’heure a sauté', 'ended a visit whose row is damaged': 'a terminé une séance dont l’entrée est endommagée',
     } as Record<string, string>,
   },
 };
