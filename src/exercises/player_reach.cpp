@@ -34,7 +34,7 @@ PlayerReach playerReach(const DeviceModel& device, const HandModel* hand, double
   reach.fingers = device.axisIndex("finger_flexion");
   reach.turn = device.axisIndex("thumb_circumduction");
   reach.thumb = device.axisIndex("thumb_flexion");
-  const double scale = hand != nullptr ? handScale(*hand) : 1.0;
+  const double scale = reach.scale = hand != nullptr ? handScale(*hand) : 1.0;
   reach.beside = hand != nullptr && hand->side == Side::kLeft ? -1.0 : 1.0;
   reach.grip_m = {scale * kAhead_m, reach.beside * (scale * kPalm_m + radius_m), scale * kUp_m};
   return reach;

@@ -18,6 +18,7 @@ struct PlayerReach {
   int x = -1, y = -1, z = -1, fingers = -1, turn = -1, thumb = -1;  ///< axis indices; -1: none
   Eigen::Vector3d grip_m = Eigen::Vector3d::Zero();  ///< from the hand's base to the centre of a
                                                      ///< held object
+  double scale = 1.0;   ///< length of the hand over that of the adult median hand
   double beside = 1.0;  ///< +1 where the palm faces +y (a right hand), -1 where it faces -y
 };
 

@@ -74,7 +74,9 @@ void BarPlayer::reset() {
   put(hand_.x, draw(-0.08, -0.06));
   put(hand_.y, draw(-0.1, 0.08));
   put(hand_.z, draw(-0.03, 0.03));
-  put(hand_.fingers, draw(40.0, 80.0) * kDeg);
+  // The tips of a long hand must start before the dispensers.
+  const double least = 40.0 + 200.0 * std::max(hand_.scale - 1.11, 0.0);
+  put(hand_.fingers, draw(least, 80.0) * kDeg);
   put(hand_.turn, draw(2.0, 8.0) * kDeg);
   toStart();
   measured_ = start_;
