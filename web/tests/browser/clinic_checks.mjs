@@ -263,14 +263,16 @@ export async function namesDisappear(t) {
   };
   await again.waitForSelector('.tile');
   await enter('B. Rossi', '97531');
-  expect((await again.inputValue(id('note'))) === '' && (await again.locator(':text("Half a sentence")').count()) === 0, 'another therapist is shown what was typed');
+  // The records may have taken the text before the tab was killed: then it is a note of A. Keller's in everybody's list.
+  expect((await again.inputValue(id('note'))) === '', 'another therapist is given what was typed');
   await again.click(id('to-settings'));
   await again.click(id('sign-out'));
   // The open visit stays; the choice of the account is behind it.
   await again.click(id('show-names'));
   await again.waitForSelector('.tile');
   await enter('A. Keller', PIN);
-  await until('the note in the list', () => again.reload().then(() => again.waitForSelector('.note-list')).then(() => again.locator('.note-list :text("Half a sentence of Canaria")').count()), { every_ms: 2000 });
+  const there = async () => (await again.inputValue(id('note'))) === 'Half a sentence of Canaria' || (await again.locator('.note-list :text("Half a sentence of Canaria")').count()) > 0;
+  await until('the note, in its field or in the list', () => again.reload().then(() => again.waitForSelector(id('note'))).then(there), { every_ms: 2000 });
   return 'no name in the page, and nothing typed was lost';
 }
 
