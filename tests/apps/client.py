@@ -194,6 +194,10 @@ class Page:
             if accepted or not reason.endswith("look, then ask again"):
                 return accepted, reason
 
+    def act(self, act):
+        """Orders an action of the exercise, as a page that shows the newest state; returns its number."""
+        return self.say(ACTION, ("b", act), ("I", self.basis()))
+
     def basis(self):
         """The number of the person, hand, level and limits that the program has shown."""
         self.wait_for_endings(1)

@@ -76,7 +76,7 @@ class Orders(PacedTest):
             wanted, act = (1.0, PAUSE) if i % 2 == 0 else (0.0, RESUME)
             seen.clear()
             asked_ns = time.monotonic_ns()
-            number = self.therapist.say(client.ACTION, ("b", act))
+            number = self.therapist.act(act)
             with came:
                 self.assertTrue(came.wait_for(lambda: any(s[2] == wanted for s in seen), HANG_S), f"order {i} is not obeyed: {self.therapist.answer(number, 0)}, {len(seen)} states")
                 shown_ns, tick_ns, _ = next(s for s in seen if s[2] == wanted)

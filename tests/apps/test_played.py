@@ -27,7 +27,7 @@ class Played(Running, Compared):
         # The virtual patient makes a drink, the page restarts the level, and the patient makes the next.
         for begun_s in (9, 18):
             self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(1, "Q") > 1000 * begun_s)
-            self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", RESTART)))[0])
+            self.assertTrue(self.page.answer(self.page.act(RESTART))[0])
         for step in range(12):
             self.page.answer(self.page.say(client.STEER, ("b", draw.choice((0, 1, 1)))))
             for _ in range(draw.randrange(20)):
@@ -35,7 +35,7 @@ class Played(Running, Compared):
                 self.page.say(client.AIM, struct.pack("<6f", -0.02 * draw.random(), 0.02 * draw.random(), 0.0, 0.3, 0.2, 0.1), *by)
                 time.sleep(0.016)
             if step in (4, 9):
-                self.page.answer(self.page.say(client.ACTION, ("b", RESTART)))
+                self.page.answer(self.page.act(RESTART))
             if step == 7:  # the page stalls, loses the controls and takes them again
                 self.page.fall_silent()
                 time.sleep(0.5)
@@ -87,10 +87,10 @@ class Played(Running, Compared):
         self.play(3, 0.0, NO_HELP)
         begins, ends = self.play(1, 0.05, NO_HELP)
         self.play(4, 0.0, NO_HELP)
-        self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", PAUSE)))[0])
+        self.assertTrue(self.page.answer(self.page.act(PAUSE))[0])
         self.play(2, -0.02, NO_HELP)
         self.play(0.5, 0.0, NO_HELP)
-        self.assertTrue(self.page.answer(self.page.say(client.ACTION, ("b", RESUME)))[0])
+        self.assertTrue(self.page.answer(self.page.act(RESUME))[0])
         self.play(3, 0.0, NO_HELP)
         led, led_ends = self.play(1, 0.05, FULL_HELP)
         shown_s = self.page.state.number(ACTIVE_S, "f")

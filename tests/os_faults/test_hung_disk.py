@@ -256,9 +256,9 @@ class Stops(PacedTest):
             self.addCleanup(page.socket.close)
             page.hold_controls()
             time.sleep(0.1)
-            numbers = [page.say(client.ACTION, ("b", 3)) for _ in range(flood // 2)]
+            numbers = [page.act(3) for _ in range(flood // 2)]
             since, stop = time.monotonic(), page.say(client.STOP)
-            numbers += [page.say(client.ACTION, ("b", 3)) for _ in range(flood // 2)]
+            numbers += [page.act(3) for _ in range(flood // 2)]
             self.assertEqual(page.answer(stop), (True, ""))
             self.wait_until(run, lambda: self.first(since, BEGUN) is not None)
             self.assertLess(self.first(since, BEGUN), 10 * WITHIN_S)  # it was sent after all the others
