@@ -26,7 +26,7 @@ constexpr std::int64_t kJump_us = 60 * kSecond_us;
 std::string faultOf(Database& db) {
   Statement rows = db.query("PRAGMA integrity_check");
   while (rows.step()) {
-    const std::string line = rows.text(0);
+    std::string line = rows.text(0);
     const bool value = line.starts_with("CHECK constraint") || line.starts_with("NULL value") ||
                        line.starts_with("non-") || line.find(" value in ") != std::string::npos;
     if (line != "ok" && !value) return line;

@@ -206,15 +206,15 @@ void createTriggers(Database& db, const std::string& table) {
 
 /// Words for a damaged row: of which visit or patient it is.
 std::string nameOf(Database& db, const std::string& table, std::int64_t row) {
-  const auto codeOf = [&](std::int64_t patient) {
+  const auto code_of = [&](std::int64_t patient) {
     Statement code = db.query("SELECT code FROM patient WHERE id = ?", patient);
     return code.step() ? " of " + code.text(0) : std::string{};
   };
   const auto visit = [&](std::int64_t id) {
     return fmt::format("visit {}{}", id,
-                       codeOf(db.number("SELECT patient FROM visit WHERE id = ?", id)));
+                       code_of(db.number("SELECT patient FROM visit WHERE id = ?", id)));
   };
-  if (table == "patient") return fmt::format("patient {}{}", row, codeOf(row));
+  if (table == "patient") return fmt::format("patient {}{}", row, code_of(row));
   if (table == "visit") return visit(row);
   if (table == "trial" || table == "note") {
     const std::int64_t of = db.number(fmt::format("SELECT visit FROM {} WHERE id = ?", table), row);
@@ -222,7 +222,7 @@ std::string nameOf(Database& db, const std::string& table, std::int64_t row) {
   }
   if (table == "note") {
     return fmt::format("note {}{}", row,
-                       codeOf(db.number("SELECT patient FROM note WHERE id = ?", row)));
+                       code_of(db.number("SELECT patient FROM note WHERE id = ?", row)));
   }
   return fmt::format("row {} of {}", row, table);
 }
@@ -383,7 +383,7 @@ std::string counterIn(const std::string& folder) {
 void checkSchema(Database& db) {
   Database fresh(":memory:", Database::Mode::kCreate);
   migrate(fresh);
-  const auto textOf = [](Database& of) {
+  const auto text_of = [](Database& of) {
     std::string out;
     Statement rows = of.query(
         "SELECT type, name, tbl_name, COALESCE(sql, '') FROM sqlite_schema ORDER BY type, name");
@@ -392,7 +392,7 @@ void checkSchema(Database& db) {
     }
     return out;
   };
-  if (textOf(db) == textOf(fresh)) return;
+  if (text_of(db) == text_of(fresh)) return;
   throw DatabaseError(db.path() +
                       ": is damaged: its tables are not those of this program; restore a backup");
 }

@@ -203,15 +203,15 @@ bool isPlausible(const TickRecord& record) {
 }
 
 const std::vector<std::string>& labelsOf(const RecordingMeta& meta, FieldLabels labels) {
-  static const std::vector<std::string> none;
-  static const std::vector<std::string> stages = [] {
+  static const std::vector<std::string> kNone;
+  static const std::vector<std::string> kStageNames = [] {
     std::vector<std::string> names;
     for (int i = 0; i < kStages; ++i) names.emplace_back(stageName(static_cast<Stage>(i)));
     return names;
   }();
   switch (labels) {
     case FieldLabels::kStages:
-      return stages;
+      return kStageNames;
     case FieldLabels::kAxes:
       return meta.axis_names;
     case FieldLabels::kJoints:
@@ -225,7 +225,7 @@ const std::vector<std::string>& labelsOf(const RecordingMeta& meta, FieldLabels 
     case FieldLabels::kNone:
       break;
   }
-  return none;
+  return kNone;
 }
 
 bool fits(const TickRecord& record, const RecordingMeta& meta) {

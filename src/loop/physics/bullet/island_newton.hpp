@@ -31,9 +31,8 @@ class IslandNewton {
     std::array<double, 3> start{};    ///< x₀
     std::array<double, 3> impulse{};  ///< x
 
-   private:
-    friend class IslandNewton;
-    /// The piece of P: the normal presses, the friction sticks; and that of the matrix.
+    // Kept by solve(). The piece of P: the normal presses, the friction sticks; and that of the
+    // matrix.
     bool presses = false, sticks = false, matrix_presses = false, matrix_sticks = false;
     std::array<double, 3> mobility{}, inverse_softness{}, free{}, moved{}, moves{};
     double limit = 0.0;
