@@ -342,8 +342,8 @@ TEST(CocktailBar, HandOfAnyLength_IsArmedAndServesADrink) {
     plan.files = barFiles();
     plan.files.hand = folder.write("hand.toml", text);
     plan.seed = 1 + random() % 1'000'000;
-    const std::string of = fmt::format("{:.1f} x {:.1f} mm, seed {}", 1e3 * length_m,
-                                       1e3 * breadth_m, plan.seed);
+    const std::string of =
+        fmt::format("{:.1f} x {:.1f} mm, seed {}", 1e3 * length_m, 1e3 * breadth_m, plan.seed);
     const Expected<CocktailResult> r = runCocktail(plan);
     ASSERT_TRUE(r.ok()) << of << ": " << format(r.errors());
     EXPECT_TRUE(r->ended) << of;
