@@ -85,7 +85,7 @@ TEST(ConeNewton, NoRoomForARow_IsReported) {
 void fillGrasp(ConeNewton& solver, int contacts, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  solver.begin(12, NewtonSettings{}.softness, 3 * NewtonSettings{}.most_steps);
+  solver.begin(12);
   for (int c = 0; c < contacts; ++c) {
     const Rows rows = solver.add(4, 0.8, 0.002);
     std::array<double, 3> towards{normal(random), normal(random), normal(random)};
@@ -123,7 +123,7 @@ double mostOff(const ConeNewton& solver, int of, int rows, double tolerance) {
 
 TEST(ConeNewton, RandomGrasps_SatisfyTheContactConditions) {
   auto random = test::seededRandom(5501);
-  int solved = 0, hardened = 0;
+  int solved = 0;
   constexpr int kGrasps = 2000;
   const auto solver = std::make_unique<ConeNewton>(NewtonSettings{});
   for (int k = 0; k < kGrasps; ++k) {
@@ -131,9 +131,6 @@ TEST(ConeNewton, RandomGrasps_SatisfyTheContactConditions) {
     fillGrasp(*solver, contacts, random);
     if (!solver->solve()) continue;  // sweeps are used instead
     ++solved;
-    const bool again = k % 2 == 1;
-    if (again && !solver->solveAgain(1e-2)) continue;
-    hardened += again ? 1 : 0;
     double pressed = 0.0;
     for (int c = 0; c < contacts; ++c) pressed += solver->row(4 * c).impulse;
     const double tolerance = NewtonSettings{}.tolerance * pressed + 1e-9;
@@ -151,7 +148,6 @@ TEST(ConeNewton, RandomGrasps_SatisfyTheContactConditions) {
     }
   }
   EXPECT_GT(solved, kGrasps / 3);
-  EXPECT_GT(hardened, kGrasps / 20);
 }
 
 }  // namespace

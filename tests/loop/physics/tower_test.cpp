@@ -1,5 +1,8 @@
 // What nothing pushes comes to rest, and its energy only falls: towers of cubes of any masses.
 #include "loop/physics/body_yard.hpp"
+#include "support/figure.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -99,10 +102,33 @@ TEST(Towers, OfAnyMassesNudged_RestAndOnlyLoseEnergy) {
   }
 }
 
-TEST(Towers, TenEachHeavierThanTheOneBelow_RestAndOnlyLoseEnergy) {
-  std::vector<double> masses_kg;
-  for (int k = 0; k < 10; ++k) masses_kg.push_back(0.01 * std::pow(1.7, k));
-  expectRest(masses_kg, nudge(masses_kg, 1000.0, 0.3, Eigen::Matrix3d::Identity(), 2.2));
+/// Masses grow by the same ratio from the lowest cube to the highest. docs/adr/0086 compares them.
+TEST(Towers, HeavierUpwards_RestAndOnlyLoseEnergy) {
+  struct Tower {
+    int cubes;
+    double lowest_kg, highest_kg;
+  };
+  const double tenth_kg = 0.01 * std::pow(1.7, 9);
+  for (const Tower& tower : {Tower{4, 0.02, 0.5},
+                             {8, 0.02, 2.0},
+                             {12, 0.1, 0.1},
+                             {10, 0.01, tenth_kg},
+                             {8, 1e-3, 1.0}}) {
+    std::vector<double> masses_kg;
+    double sum_kg = 0.0;
+    for (int k = 0; k < tower.cubes; ++k) {
+      masses_kg.push_back(tower.lowest_kg *
+                          std::pow(tower.highest_kg / tower.lowest_kg, k / (tower.cubes - 1.0)));
+      sum_kg += masses_kg.back();
+    }
+    const std::string name = fmt::format("{} cubes, {:.3g} to {:.3g} kg", tower.cubes,
+                                         tower.lowest_kg, tower.highest_kg);
+    SCOPED_TRACE(name);
+    const Course course = nudge(masses_kg, 1000.0, 0.3, Eigen::Matrix3d::Identity(), 3.0);
+    expectRest(masses_kg, course);
+    figure("rises of energy, of m g 10 µm: " + name, course.risen_j / (sum_kg * kGravity * 1e-5),
+           "");
+  }
 }
 
 }  // namespace

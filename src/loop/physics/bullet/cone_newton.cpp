@@ -21,10 +21,8 @@ constexpr double kLeastLeft = 1e-3;
 
 }  // namespace
 
-void ConeNewton::begin(int unknowns, double softness, int most_steps) noexcept {
+void ConeNewton::begin(int unknowns) noexcept {
   unknowns_ = unknowns;
-  softness_ = softness;
-  steps_left_ = most_steps;
   row_count_ = cone_count_ = 0;
 }
 
@@ -84,7 +82,7 @@ WHOLEHAND_INLINE void ConeNewton::soften(const Cone& cone) noexcept {
       left -= hindered * hindered;
     }
     left = std::max(left, kLeastLeft * rows[i].mobility);
-    const double softness = cone.rows > 1 ? softness_ : settings_.end_softness;
+    const double softness = cone.rows > 1 ? settings_.softness : settings_.end_softness;
     rows[i].inverse_softness = left > 0.0 ? 1.0 / (softness * left) : 0.0;
   }
   if (cone.rows < 3) return;
@@ -237,23 +235,17 @@ WHOLEHAND_INLINE void ConeNewton::project() noexcept {
 
 template <int V>
 WHOLEHAND_INLINE bool ConeNewton::solveWith() noexcept {
-  if (again_) {
-    for (int c = 0; c < cone_count_; ++c) soften<V>(cones_[c]);
-    project<V>();
-  } else {
-    startRows<V>();
-    sumChange<V>();
-    sweep<V>();
-  }
+  startRows<V>();
+  sumChange<V>();
+  sweep<V>();
   bool fresh = true;  // true: the matrix does not belong to the present pieces
   double before = 0.0;
   int steps = 0;
   for (int chord = 0; chord < settings_.most_chords; ++chord) {
     adopt<V>(fresh);
     listTerms<V>();
-    if (fresh && (steps == settings_.most_steps || steps_left_ == 0 || !factorize<V>()))
-      return false;
-    if (fresh) ++steps, --steps_left_;
+    if (fresh && (steps == settings_.most_steps || !factorize<V>())) return false;
+    if (fresh) ++steps;
     solveUnknowns<V>();
     project<V>();
     if (misfit_ <= settings_.tolerance * pressed_ + kNothing_ns) {
@@ -276,20 +268,9 @@ WHOLEHAND_VECTOR_CLONES bool ConeNewton::solveWidest() noexcept {
   return solveWith<12>();
 }
 
-bool ConeNewton::solveOnce() noexcept {
+bool ConeNewton::solve() noexcept {
   if (unknowns_ <= 12) return solveNarrow();
   return unknowns_ <= 24 ? solveWide() : solveWidest();
-}
-
-bool ConeNewton::solve() noexcept {
-  again_ = false;
-  return solveOnce();
-}
-
-bool ConeNewton::solveAgain(double softness) noexcept {
-  again_ = true;
-  softness_ = softness;
-  return solveOnce();
 }
 
 }  // namespace wholehand::bullet

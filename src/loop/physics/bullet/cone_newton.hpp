@@ -48,11 +48,8 @@ class ConeNewton {
 
   explicit ConeNewton(const NewtonSettings& settings) noexcept : settings_(settings) {}
 
-  /// Removes all cones. @pre unknowns <= kMostUnknowns @param softness softness R of a row divided
-  /// by its mobility
-  /// @param most_steps factorisations until the next begin()
-  void begin(int unknowns, double softness, int most_steps) noexcept;
-  void begin(int unknowns) noexcept { begin(unknowns, settings_.softness, settings_.most_steps); }
+  /// Removes all cones. @pre unknowns <= kMostUnknowns
+  void begin(int unknowns) noexcept;
   /// Adds a cone of 1, 3 or 4 rows with `along` set to zero. @return its first row; null: no room
   [[nodiscard]] Row* add(int rows, double friction, double spin_m) noexcept;
   /// Adds a single row whose impulse is within ± limit, e.g. a joint's dry friction. @return the
@@ -60,16 +57,11 @@ class ConeNewton {
   [[nodiscard]] Row* addBox(double limit) noexcept;
   /// Finds the impulses from the goals and starts of the rows. @return false when none were found
   [[nodiscard]] bool solve() noexcept;
-  /// Solves again with another softness, starting from the pieces of P into which the last solution
-  /// fell.
-  [[nodiscard]] bool solveAgain(double softness) noexcept;
 
   [[nodiscard]] int rowCount() const noexcept { return row_count_; }
   [[nodiscard]] const Row& row(int i) const noexcept { return rows_[i]; }
   /// Change of the unknowns: w = Σ j x.
   [[nodiscard]] const Numbers& change() const noexcept { return change_; }
-  /// Remaining number of factorisations until the next begin().
-  [[nodiscard]] int stepsLeft() const noexcept { return steps_left_; }
 
  private:
   enum class Grip : std::uint8_t { kOpen, kSticks, kSlides };
@@ -93,7 +85,6 @@ class ConeNewton {
     alignas(32) Numbers weighted{};
   };
 
-  bool solveOnce() noexcept;
   bool solveNarrow() noexcept;
   bool solveWide() noexcept;
   bool solveWidest() noexcept;
@@ -138,10 +129,7 @@ class ConeNewton {
   void sumChange() noexcept;
 
   const NewtonSettings settings_;
-  double softness_ = 0.0;
-  bool again_ = false;
   int unknowns_ = 0, row_count_ = 0, cone_count_ = 0, term_count_ = 0;
-  int steps_left_ = 0;
   /// Largest difference between an impulse and the value that its piece gave.
   double misfit_ = 0.0;
   double pressed_ = 0.0;   ///< sum of the normal impulses
