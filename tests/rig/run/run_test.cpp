@@ -187,28 +187,34 @@ TEST(BlackBoxPath, NoWritableFolder_UsesTheTemporaryOne) {
 }
 
 TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
-  Story story;
-  const auto rig = watched(story, 501);  // prepare() is the first read: tick 500
-  RunPlan plan;
-  plan.duration_ticks = 5000;
-  plan.queue_bytes = 0;
-  bool first = true;
-  std::uint64_t reported = 0;
-  plan.sinks.emplace_back([&](const TickRecord& r) {
-    // Longer than the run, so all but the first records are dropped.
-    if (std::exchange(first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-    reported += any(r.faults & kStoppingFaults) ? 1 : 0;
-  });
-  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
-  ASSERT_EQ(reported, 0U);
-  EXPECT_TRUE(outcome.faulted);
-  EXPECT_GT(outcome.dropped_records, 0U);
-  EXPECT_GT(outcome.summary.stopping_faults, 0U);
-  EXPECT_TRUE(contains(faultText(outcome.summary), faultName(0)));
-  // Every tick is counted, although records were dropped.
-  EXPECT_EQ(outcome.summary.ticks, outcome.counters.ticks_run + outcome.summary.missed_deadlines);
-  EXPECT_EQ(outcome.counters.ticks_run, outcome.summary.records + outcome.dropped_records);
-  EXPECT_FALSE(story.open);
+  // A machine that stands still ends a run before its device fails; then the run is done again.
+  for (int tries = 0; tries < 10; ++tries) {
+    Story story;
+    const auto rig = watched(story, 501);  // prepare() is the first read: tick 500
+    RunPlan plan;
+    plan.duration_ticks = 5000;
+    plan.queue_bytes = 0;
+    bool first = true;
+    std::uint64_t reported = 0;
+    plan.sinks.emplace_back([&](const TickRecord& r) {
+      // Longer than the run, so all but the first records are dropped.
+      if (std::exchange(first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+      reported += any(r.faults & kStoppingFaults) ? 1 : 0;
+    });
+    const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+    if (contains(faultText(outcome.summary), "gap too long")) continue;
+    ASSERT_EQ(reported, 0U);
+    EXPECT_TRUE(outcome.faulted);
+    EXPECT_GT(outcome.dropped_records, 0U);
+    EXPECT_GT(outcome.summary.stopping_faults, 0U);
+    EXPECT_TRUE(contains(faultText(outcome.summary), faultName(0)));
+    // Every tick is counted, although records were dropped.
+    EXPECT_EQ(outcome.summary.ticks, outcome.counters.ticks_run + outcome.summary.missed_deadlines);
+    EXPECT_EQ(outcome.counters.ticks_run, outcome.summary.records + outcome.dropped_records);
+    EXPECT_FALSE(story.open);
+    return;
+  }
+  FAIL() << "this machine stood still in ten runs of half a second";
 }
 
 TEST(RunAndRecord, SinkThatThrows_IsReportedAndTheLoopContinues) {
