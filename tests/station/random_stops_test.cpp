@@ -105,7 +105,7 @@ void pressStart(Page& page, Random& random) {
   wait(random, 50);
   page.send(words::armAcknowledging(seen, page.nextId(), basis));
   page.send(words::steer(page.nextId(), fb::Steering::Person));
-  page.send(words::action(page.nextId(), fb::Act::Restart));
+  page.send(words::action(page.nextId(), fb::Act::Restart, basis));
   page.send(words::releaseControls(page.nextId()));
 }
 
@@ -126,7 +126,8 @@ void pressArm(Page& page, Random& random) {
 void pressPauseAgainAndAgain(Page& page, Random& random) {
   take(page);
   for (int i = 0; i < 12; ++i) {
-    page.send(words::action(page.nextId(), i % 2 == 0 ? fb::Act::Pause : fb::Act::Resume));
+    page.send(
+        words::action(page.nextId(), i % 2 == 0 ? fb::Act::Pause : fb::Act::Resume, page.basis()));
     wait(random, 80);
   }
   page.send(words::releaseControls(page.nextId()));

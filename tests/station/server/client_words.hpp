@@ -68,8 +68,8 @@ inline wire::Bytes steer(std::uint32_t id, fb::Steering by) {
 inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
   return command(id, [&](Builder& b) { return fb::CreateSetHelp(b, help); });
 }
-inline wire::Bytes action(std::uint32_t id, fb::Act act) {
-  return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
+inline wire::Bytes action(std::uint32_t id, fb::Act act, std::uint32_t basis_seen) {
+  return command(id, [&](Builder& b) { return fb::CreateAction(b, act, basis_seen); });
 }
 /// Takes the controls. The holder must send a sign of life every 200 ms.
 inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
@@ -158,7 +158,7 @@ inline std::vector<wire::Bytes> oneOfEach() {
           aim(5, {0.1F, -0.2F}, fb::Help::None),
           setParameter(6, "lead_in_m", 0.01, 7),
           steer(7, fb::Steering::Person),
-          action(8, fb::Act::Pause),
+          action(8, fb::Act::Pause, 0),
           takeControls(9, "a token of 18 char"),
           releaseControls(10),
           heartbeat(11),
