@@ -103,9 +103,25 @@ class Arrays(unittest.TestCase):
         self.assertTrue((before != copied).any())
         with self.assertRaisesRegex(ValueError, "read-only"):
             rig.q_s[0] = 1.0
-        tick = rig.tick
+        views, kept = rig.q_s, rig.q_s.copy()
         del rig
-        self.assertEqual(tick, 99)  # the array keeps the rig's memory alive
+        self.assertTrue((views == kept).all())  # the array keeps the rig's memory alive
+
+    def test_what_is_one_number_is_kept_as_it_was(self):
+        rig = Rig()
+        ticks, times = [], []
+        for _ in range(5):
+            rig.step(n=20)
+            ticks.append(rig.tick)
+            times.append(rig.time_s)
+        self.assertEqual(ticks, [19, 39, 59, 79, 99])
+        for time_s, tick in zip(times, ticks):
+            self.assertAlmostEqual(time_s, 1e-3 * tick, 12)
+        for name in dir(rig):
+            if name.startswith("_"):
+                continue
+            value = getattr(rig, name)
+            self.assertFalse(isinstance(value, numpy.ndarray) and value.ndim == 0, f"{name} is a view of one number")
 
     def test_touched_body_has_contacts_with_forces(self):
         rig = Rig(motion=MOTION)
@@ -178,7 +194,7 @@ class Steps(AppTest):
 
 def bits(rig):
     """The bytes of all public values of a rig."""
-    return b"".join(getattr(rig, name).tobytes() for name in (*FIELDS, "tick", "bodies", "contacts", "exercise_values"))
+    return b"".join(numpy.asarray(getattr(rig, name)).tobytes() for name in (*FIELDS, "tick", "bodies", "contacts", "exercise_values"))
 
 
 class Saved(unittest.TestCase):
@@ -279,11 +295,16 @@ class BadInputs(unittest.TestCase):
                                 ("up", TypeError, "aim = 'up': is not an array of numbers")):
             with self.assertRaisesRegex(error, why):
                 rig.step(aim)
-        for n in (0, -3):
-            with self.assertRaisesRegex(ValueError, f"n = {n}: must be at least 1 tick"):
+        for n in (0, -3, 5.0, "5"):
+            with self.assertRaisesRegex(ValueError, rf"n = {n!r}: must be a whole number in \[1, "):
                 rig.step(good, n)
         self.assertEqual(rig.step(good.tolist(), 2), 2, "a refusal changes nothing")
         self.assertEqual(rig.tick, 1)
+        for seed in (-1, 2.5, 2**64):
+            with self.assertRaisesRegex(ValueError, rf"seed = {seed}: must be a whole number in \[0, "):
+                Rig(seed=seed)
+            with self.assertRaisesRegex(ValueError, rf"seed = {seed}: must be a whole number"):
+                rig.reset(seed)
 
     def test_bad_files_are_refused_with_the_programs_messages(self):
         with self.assertRaisesRegex(BadInput, "no-such.toml") as refused:

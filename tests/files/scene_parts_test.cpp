@@ -1,4 +1,5 @@
 #include "files/mesh/convex_mesh.hpp"
+#include "files/mesh/mesh_file.hpp"
 #include "files/mesh_samples.hpp"
 #include "files/scene/scene_file.hpp"
 #include "files/urdf/urdf.hpp"
@@ -202,7 +203,7 @@ TEST(Urdf, Inertials_AreAddedByTheParallelAxisTheorem) {
                                     "</link><link name=\"b\">" + turned + kBall +
                                     R"(</link><joint name="j" type="fixed"><parent link="a"/>
       <child link="b"/><origin xyz="1 0 0"/></joint></robot>)")));
-  const MassProperties& m = *body.inertial;
+  const MassProperties& m = body.inertial->sum;
   EXPECT_NEAR(m.mass_kg, 2.0, 1e-12);
   EXPECT_LT((m.com_m - Vector3d(1.0, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_NEAR(m.inertia_kg_m2(0, 0), 2e-6, 1e-12);
@@ -285,7 +286,7 @@ TEST(Urdf, HingesAndSlidesAtTheRoot_BecomeBodiesOnJoints) {
 }
 
 /// As in Bullet's own files: a base of mass 0, and a placeholder of 1 kg·m² for the moving link.
-TEST(Urdf, PlaceholderInertiasOfMovingLinks_AreRefusedWithAnEffectiveRemedy) {
+TEST(Urdf, PlaceholderInertiasOfMovingLinks_AreReplacedOrRefused) {
   const Folder folder;
   const auto write = [&](const std::string& inertial) {
     folder.write(
@@ -313,19 +314,21 @@ TEST(Urdf, PlaceholderInertiasOfMovingLinks_AreRefusedWithAnEffectiveRemedy) {
   for (const char* inertia : {"<inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>",
                               "<inertia ixx=\"1\" iyy=\"1\" izz=\"9\"/>", ""}) {
     write(std::string("<mass value=\"0.1\"/>") + inertia);
-    const Expected<SceneModel> refused = load("");
+    const Expected<SceneModel> refused = load("inertia = \"refuse\"\n");
     ASSERT_FALSE(refused.ok());
-    EXPECT_TRUE(contains(format(refused.errors()), "uniform_density = true"))
+    EXPECT_TRUE(contains(format(refused.errors()), "inertia = \"colliders\""))
         << format(refused.errors());
-    const SceneModel scene = orThrow(load("uniform_density = true\n"));
-    ASSERT_EQ(scene.bodies.size(), 2U);
-    EXPECT_TRUE(scene.bodies[0].fixed);
-    EXPECT_EQ(scene.bodies[1].mass_kg, 0.1);
-    EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(0, 0), about_x, 1e-15);
-    EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(2, 2), about_z, 1e-15);
+    for (const char* decided : {"", "inertia = \"colliders\"\n"}) {
+      const SceneModel scene = orThrow(load(decided));
+      ASSERT_EQ(scene.bodies.size(), 2U);
+      EXPECT_TRUE(scene.bodies[0].fixed);
+      EXPECT_EQ(scene.bodies[1].mass_kg, 0.1);
+      EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(0, 0), about_x, 1e-15);
+      EXPECT_NEAR(scene.bodies[1].inertia_kg_m2(2, 2), about_z, 1e-15);
+    }
   }
   write("<mass value=\"1e-9\"/>");
-  EXPECT_TRUE(contains(format(load("uniform_density = true\n").errors()),
+  EXPECT_TRUE(contains(format(load("inertia = \"colliders\"\n").errors()),
                        "the URDF's 'lid' has 1e-09 kg; must be in [1e-04, 1000] kg"));
 }
 
@@ -397,8 +400,9 @@ TEST(Urdf, FaultyFiles_AreReportedWithLineElementAndFault) {
       {placed("quat_xyzw=\"0 0 0 0\""), "origin.quat_xyzw = 0 0 0 0", "is no rotation"},
       {placed("xyz=\"0 0 0\" euler=\"0 0 1\""), "link[a].collision.origin.euler = 0 0 1",
        "is unknown; must be one of xyz, rpy, quat_xyzw"},
-      {inertial("<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" iyx=\"0.5\"/>"),
-       "link[a].inertial.inertia.iyx = 0.5", "is unknown"},
+      {inertial(
+           "<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" iyx=\"0.5\"/>"),
+       "link[a].inertial.inertia.iyx = 0.5", "differs from ixy = 0"},
       {"<link name=\"a\">" + kBall + "\n<colision/></link>", ":3: link[a].colision",
        "did you mean <collision>?"},
       {"<link name=\"a\"><collision><pose>0 0 1 0 0 0</pose>" + kBall.substr(11) + "</link>",
@@ -416,7 +420,8 @@ TEST(Urdf, FaultyFiles_AreReportedWithLineElementAndFault) {
     const std::string path =
         folder.write("bad.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\" version=\"1.1\">" +
                                      c.body + "</robot>\n");
-    const Expected<UrdfBody> body = loadUrdf(path);
+    MeshLoadTime time;
+    const Expected<UrdfBody> body = loadUrdf(path, time, {.inertia = InertiaRule::kRefuse});
     ASSERT_FALSE(body.ok()) << c.body;
     const std::string message = format(body.errors());
     EXPECT_EQ(message.find(path), 0U) << message;

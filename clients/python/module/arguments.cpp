@@ -48,6 +48,17 @@ RigFiles filesOf(RigArguments arguments) {
   return from;
 }
 
+std::uint64_t wholeOf(const char* name, const py::object& value, std::uint64_t least,
+                      std::uint64_t most) {
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  const std::uint64_t number = whole ? PyLong_AsUnsignedLongLong(whole.ptr()) : 0;
+  if (PyErr_Occurred() == nullptr && number >= least && number <= most) return number;
+  PyErr_Clear();
+  throw py::value_error(std::string(name) + " = " + textOf(py::repr(value)) +
+                        ": must be a whole number in [" + std::to_string(least) + ", " +
+                        std::to_string(most) + "]");
+}
+
 void checkAtLeast(const char* name, int value, int least, const char* unit) {
   if (value >= least) return;
   throw py::value_error(std::string(name) + " = " + std::to_string(value) + ": must be at least " +

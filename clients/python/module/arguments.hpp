@@ -3,6 +3,7 @@
 #include "simulated_rig.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <pybind11/numpy.h>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ struct RigArguments {
 };
 
 RigFiles filesOf(RigArguments arguments);
+
+/// A whole number of Python (int, numpy's integers) in [least, most].
+std::uint64_t wholeOf(const char* name, const pybind11::object& value, std::uint64_t least = 0,
+                      std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 /// Refuses an integer argument below `least`.
 void checkAtLeast(const char* name, int value, int least, const char* unit = "");

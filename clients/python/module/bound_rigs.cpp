@@ -3,6 +3,7 @@
 #include "exceptions.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace py = pybind11;
@@ -39,8 +40,8 @@ void runTicks(int ticks, const Run& run) {
   }
 }
 
-void checkTicks(int n) {
-  checkAtLeast("n", n, 1, " tick");
+int ticksOf(const py::object& n) {
+  return static_cast<int>(wholeOf("n", n, 1, std::numeric_limits<int>::max()));
 }
 
 std::unique_ptr<RigVector> loadVector(const RigArguments& arguments, int count, int threads) {
@@ -60,15 +61,16 @@ StepGuard::StepGuard(std::atomic<bool>& busy) : busy_(busy) {
 OneRig::OneRig(const RigArguments& arguments)
     : rig_(valueOr(SimulatedRig::load(filesOf(arguments)))) {
   rig_->keepHistory();
-  reset(arguments.seed);
+  reset(py::int_(arguments.seed));
 }
 
-void OneRig::reset(std::uint64_t seed) {
+void OneRig::reset(const py::object& asked) {
+  const std::uint64_t seed = wholeOf("seed", asked);
   resetAlone(busy_, [&] { return rig_->reset(seed, record_); });
 }
 
-int OneRig::step(const py::object& aim, int n) {
-  checkTicks(n);
+int OneRig::step(const py::object& aim, const py::object& asked) {
+  const int n = ticksOf(asked);
   const StepGuard guard(busy_);
   if (!rig_->running()) refuseEnded(*rig_, record_);
   if (aim.is_none()) {
@@ -142,13 +144,14 @@ void ManyRigs::reset(const std::vector<std::uint64_t>& seeds) {
   resetAlone(busy_, [&] { return rigs_->reset(seeds); });
 }
 
-void ManyRigs::resetOne(int rig, std::uint64_t seed) {
+void ManyRigs::resetOne(int rig, const py::object& asked) {
+  const std::uint64_t seed = wholeOf("seed", asked);
   checkRig(rig, rigs_->size());
   resetAlone(busy_, [&] { return rigs_->resetOne(rig, seed); });
 }
 
-void ManyRigs::step(const py::object& aim, int n) {
-  checkTicks(n);
+void ManyRigs::step(const py::object& aim, const py::object& asked) {
+  const int n = ticksOf(asked);
   const StepGuard guard(busy_);
   if (aim.is_none()) {
     for (int i = 0; i < rigs_->size(); ++i) (*rigs_)[i].steer(nullptr);

@@ -33,9 +33,9 @@ class OneRig {
   /// Raises BadInput.
   explicit OneRig(const RigArguments& arguments);
 
-  void reset(std::uint64_t seed);
+  void reset(const pybind11::object& seed);
   /// Returns how many ticks ran: fewer than `n` if the run ended.
-  int step(const pybind11::object& aim, int n);
+  int step(const pybind11::object& aim, const pybind11::object& n);
   void close();
   /// Seed, ticks and aims of a RigHistory. Raises RunEnded once closed, and RuntimeError where the
   /// history is not whole.
@@ -63,8 +63,8 @@ class ManyRigs {
   ManyRigs(const RigArguments& arguments, int count, int threads);
 
   void reset(const std::vector<std::uint64_t>& seeds);
-  void resetOne(int rig, std::uint64_t seed);
-  void step(const pybind11::object& aim, int n);
+  void resetOne(int rig, const pybind11::object& seed);
+  void step(const pybind11::object& aim, const pybind11::object& n);
 
   [[nodiscard]] pybind11::array_t<bool> running() const;
   [[nodiscard]] std::vector<std::string> endedBy() const;

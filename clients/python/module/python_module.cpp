@@ -126,7 +126,7 @@ py::class_<Of> addRigs(py::module_& module, const char* name, const Extra&... ow
   type.def(py::init([](Own... values, std::string device, std::string hand, std::string scene,
                        std::string exercise, int level, std::string patient, std::string rendering,
                        std::string motion, std::string engine, double rate_hz, bool uncertified,
-                       std::uint64_t seed) {
+                       const py::object& seed) {
              const RigArguments arguments{std::move(device),
                                           std::move(hand),
                                           std::move(scene),
@@ -138,7 +138,7 @@ py::class_<Of> addRigs(py::module_& module, const char* name, const Extra&... ow
                                           std::move(engine),
                                           rate_hz,
                                           uncertified,
-                                          seed};
+                                          wholeOf("seed", seed)};
              auto made = std::make_unique<Of>(arguments, values...);
              warn(made->models().scene.notices);
              return made;

@@ -39,9 +39,10 @@ py::array viewOf(const Records& records, const py::dtype& type, const void* memb
   return view(records, type, member, {size}, owner);
 }
 
-py::array viewOfOne(const Records& records, const py::dtype& type, const void* member,
-                    py::handle owner) {
-  return view(records, type, member, {}, owner);
+py::object viewOfOne(const Records& records, const py::dtype& type, const void* member,
+                     py::handle owner) {
+  py::array one = view(records, type, member, {}, owner);
+  return records.count > 0 ? py::object(one) : one.attr("item")();
 }
 
 py::dtype bodyType() {

@@ -17,9 +17,10 @@ struct Records {
 pybind11::array viewOf(const Records& records, const pybind11::dtype& type, const void* member,
                        pybind11::ssize_t size, pybind11::handle owner);
 
-/// The same of one element each: shape (), or (rigs,).
-pybind11::array viewOfOne(const Records& records, const pybind11::dtype& type, const void* member,
-                          pybind11::handle owner);
+/// The same of one element each: an array of shape (rigs,), or the number itself of a single rig,
+/// which a later step does not change.
+pybind11::object viewOfOne(const Records& records, const pybind11::dtype& type, const void* member,
+                           pybind11::handle owner);
 
 /// Structured types with the field names of BodyState and Contact.
 pybind11::dtype bodyType();

@@ -1,11 +1,14 @@
 # The module _rig in C++ (clients/python/module); wholehand.rig has its classes with default files.
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Generic, List, Optional, Sequence, Tuple, TypeVar, Union
 
 import numpy
 import numpy.typing
 
 _Reals = numpy.typing.NDArray[numpy.float64]
+_Whole = numpy.typing.NDArray[numpy.integer[Any]]
 _Aim = Optional[numpy.typing.ArrayLike]
+_R = TypeVar("_R")  # one real number: float of a Rig, an array of a VectorRig
+_I = TypeVar("_I")  # one whole number
 
 class BadInput(ValueError):
     """A file or an option that the program refuses, in its words: file, key, value, remedy."""
@@ -14,10 +17,10 @@ class BadInput(ValueError):
 class RunEnded(RuntimeError):
     """A step after a fault has ended the run."""
 
-class _State:
-    """Facts of the rig, and the record of its last tick: read-only views, overwritten by the next step() or reset().
-
-    Of a VectorRig they have a leading dimension n. docs/recording.md says what every field means.
+class _State(Generic[_R, _I]):
+    """Facts of the rig, and the record of its last tick. Arrays are read-only views, overwritten by the next step() or
+    reset(); what is one number is a number of a Rig, and an array of n of a VectorRig. Arrays of a VectorRig have a
+    leading dimension n. docs/recording.md says what every field means.
     """
     @property
     def axis_names(self) -> List[str]: ...
@@ -42,43 +45,43 @@ class _State:
     @property
     def engine(self) -> str: ...
     @property
-    def tick(self) -> numpy.typing.NDArray[numpy.uint64]: ...  # 0 before and after the first tick
+    def tick(self) -> _I: ...  # 0 before and after the first tick
     @property
-    def time_s(self) -> _Reals: ...
+    def time_s(self) -> _R: ...
     @property
-    def elapsed_periods(self) -> numpy.typing.NDArray[numpy.uint32]: ...  # 1 + periods skipped before the tick
+    def elapsed_periods(self) -> _I: ...  # 1 + periods skipped before the tick
     @property
-    def faults(self) -> numpy.typing.NDArray[numpy.uint32]: ...  # bits of the last tick
+    def faults(self) -> _I: ...  # bits of the last tick
     @property
-    def moved_by(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 nobody, 1 a person, 2 the virtual patient, 3 a motion
+    def moved_by(self) -> _I: ...  # 0 nobody, 1 a person, 2 the virtual patient, 3 a motion
     @property
-    def help(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 unspecified, 1 full, 2 some, 3 none
+    def help(self) -> _I: ...  # 0 unspecified, 1 full, 2 some, 3 none
     @property
-    def command_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    def command_count(self) -> _I: ...
     @property
-    def safety_state(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 disarmed, 1 armed, 2 rendering, 3 faulted
+    def safety_state(self) -> _I: ...  # 0 disarmed, 1 armed, 2 rendering, 3 faulted
     @property
-    def fault_axis(self) -> numpy.typing.NDArray[numpy.int32]: ...  # first axis beyond a limit; -1: none
+    def fault_axis(self) -> _I: ...  # first axis beyond a limit; -1: none
     @property
     def parameters(self) -> _Reals: ...  # live parameters in force
     @property
-    def authority(self) -> _Reals: ...
+    def authority(self) -> _R: ...
     @property
-    def palm_distance_m(self) -> _Reals: ...
+    def palm_distance_m(self) -> _R: ...
     @property
-    def palm_body(self) -> numpy.typing.NDArray[numpy.int32]: ...  # nearest target of the exercise; -1: none
+    def palm_body(self) -> _I: ...  # nearest target of the exercise; -1: none
     @property
-    def palm_target_distance_m(self) -> _Reals: ...
+    def palm_target_distance_m(self) -> _R: ...
     @property
-    def coupling_error_rad(self) -> _Reals: ...
+    def coupling_error_rad(self) -> _R: ...
     @property
-    def contact_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    def contact_count(self) -> _I: ...
     @property
-    def contacts_dropped(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    def contacts_dropped(self) -> _I: ...
     @property
-    def body_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    def body_count(self) -> _I: ...
     @property
-    def event_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    def event_count(self) -> _I: ...
     @property
     def q_m(self) -> _Reals: ...  # the device [m or rad]
     @property
@@ -112,7 +115,7 @@ class _State:
     @property
     def exercise_effort(self) -> _Reals: ...
     @property
-    def alpha(self) -> _Reals: ...  # of the transition
+    def alpha(self) -> _R: ...  # of the transition
     @property
     def wall_active(self) -> numpy.typing.NDArray[numpy.bool_]: ...
     @property
@@ -126,7 +129,7 @@ class _State:
     @property
     def contacts(self) -> numpy.typing.NDArray[numpy.void]: ...  # of the last step; VectorRig: valid up to contact_count
 
-class Rig(_State):
+class Rig(_State[float, int]):
     def __init__(self, *, device: str, hand: str, scene: str, exercise: str, level: int, patient: str, rendering: str,
                  motion: str, engine: str, rate_hz: float, uncertified: bool, seed: int) -> None: ...
     def reset(self, seed: int = 0) -> None:
@@ -148,7 +151,7 @@ class Rig(_State):
     @property
     def ended_by(self) -> str: ...  # names of the faults that ended the run
 
-class VectorRig(_State):
+class VectorRig(_State[_Reals, _Whole]):
     def __init__(self, n: int, *, threads: int, device: str, hand: str, scene: str, exercise: str, level: int, patient: str,
                  rendering: str, motion: str, engine: str, rate_hz: float, uncertified: bool, seed: int) -> None: ...
     def __len__(self) -> int: ...

@@ -141,7 +141,7 @@ class Rig(_Rig):
 
     def _end(self) -> bytes:
         """A digest of the last tick."""
-        last = (self.tick, self.q_m, self.q_s, self.qd_s, self.theta, self.sent, self.bodies, self.exercise_values)
+        last = (numpy.uint64(self.tick), self.q_m, self.q_s, self.qd_s, self.theta, self.sent, self.bodies, self.exercise_values)
         return hashlib.sha256(b"".join(array.tobytes() for array in last)).digest()
 
 

@@ -8,8 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -132,8 +136,10 @@ class DaeReader {
     } else if (first != nullptr && first->FirstChildElement("visual_scene") != nullptr) {
       placeNodes(*first->FirstChildElement("visual_scene"), unit_, 0);
     } else {
-      for (const auto& [id, e] : by_id_) {
-        if (std::string_view(e->Name()) == "geometry") placeGeometry(*e, unit_);
+      for (const auto& [id, elements] : by_id_) {
+        for (const XMLElement* e : elements) {
+          if (std::string_view(e->Name()) == "geometry") placeGeometry(*e, unit_);
+        }
       }
     }
     return std::move(file_);
@@ -169,15 +175,38 @@ class DaeReader {
   /// Collects elements by their id, in libraries and nested nodes.
   void collect(const XMLElement& e, int depth) {
     if (depth > 2 * kMostNestedNodes) failDae(e, "has elements nested too deeply");
-    if (e.Attribute("id") != nullptr) by_id_.try_emplace(e.Attribute("id"), &e);
+    if (e.Attribute("id") != nullptr) by_id_[e.Attribute("id")].push_back(&e);
     eachChild(e, nullptr, [&](const XMLElement& child) { collect(child, depth + 1); });
   }
 
+  /// The element whose id an attribute of `e` names. Exporters repeat ids, one geometry after the
+  /// other: of several elements with the id, the one within the innermost element around `e` that
+  /// holds any counts.
   const XMLElement& target(const XMLElement& e, const char* name) {
     const std::string url = attribute(e, name);
     const auto found = url.starts_with('#') ? by_id_.find(url.substr(1)) : by_id_.end();
-    if (found != by_id_.end()) return *found->second;
-    failDae(e, fmt::format("names \"{}\", which it does not hold", printable(url, 60)));
+    if (found == by_id_.end()) {
+      failDae(e, fmt::format("names \"{}\", which it does not hold", printable(url, 60)));
+    }
+    std::vector<const XMLElement*> near = found->second;
+    for (const auto* around = e.Parent(); near.size() > 1 && around != nullptr;
+         around = around->Parent()) {
+      std::vector<const XMLElement*> within;
+      std::copy_if(near.begin(), near.end(), std::back_inserter(within),
+                   [&](const XMLElement* one) { return holds(*around, *one); });
+      if (within.empty()) continue;
+      near = std::move(within);
+      break;
+    }
+    if (near.size() == 1) return *near.front();
+    failDae(e, fmt::format("names \"{}\", the id of several elements (lines {} and {})",
+                           printable(url, 60), near[0]->GetLineNum(), near[1]->GetLineNum()));
+  }
+
+  static bool holds(const tinyxml2::XMLNode& around, const XMLElement& e) {
+    const tinyxml2::XMLNode* up = &e;
+    while (up != nullptr && up != &around) up = up->Parent();
+    return up != nullptr;
   }
 
   void placeNodes(const XMLElement& parent, const Matrix4d& map, int depth) {
@@ -346,7 +375,7 @@ class DaeReader {
 
   tinyxml2::XMLDocument document_;
   Matrix4d unit_ = Matrix4d::Identity();
-  std::map<std::string, const XMLElement*> by_id_;
+  std::map<std::string, std::vector<const XMLElement*>> by_id_;
   std::map<const XMLElement*, MeshSurface> surfaces_;
   std::map<const XMLElement*, int> count_of_;  ///< number of points of each source
   std::size_t placed_nodes_ = 0;

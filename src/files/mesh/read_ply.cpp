@@ -59,6 +59,7 @@ class PlyReader {
       checkFaces(element);
       for (std::int64_t i = 0; i < element.count; ++i) readRow(element);
     }
+    addFaces();
     const bool more = format_ == PlyFormat::kText ? !words_.next().empty() : at_ < bytes_.size();
     if (more) file_.notices.emplace_back("goes on behind the values of its head, which is ignored");
     return std::move(file_);
@@ -185,8 +186,9 @@ class PlyReader {
       list_.clear();
       for (int i = 0; i < static_cast<int>(count); ++i) list_.push_back(value(*p.value));
       const bool indices = namesCorners(p);
-      if (indices && element.name == "face") addPolygon(file_.surface, corners());
-      if (indices && element.name == "tristrips") addStrips();
+      if (indices && (element.name == "face" || element.name == "tristrips")) {
+        faces_.push_back({element.name == "tristrips", list_});
+      }
     }
     if (element.name == "vertex") file_.surface.points.push_back(corner);
     // In the text format each row has its own line.
@@ -197,9 +199,9 @@ class PlyReader {
     }
   }
 
-  std::vector<int> corners() const {
+  [[nodiscard]] std::vector<int> corners(const std::vector<double>& list) const {
     std::vector<int> found;
-    for (const double v : list_) {
+    for (const double v : list) {
       if (!isCorner(v, file_.surface.points.size())) {
         failPly(fmt::format("has a face with the corner {:g}; there are {}", v,
                             file_.surface.points.size()));
@@ -209,20 +211,26 @@ class PlyReader {
     return found;
   }
 
-  /// Adds consecutive strips, which are separated by -1.
-  void addStrips() {
-    std::vector<double> all = std::move(list_);
-    all.push_back(-1.0);
-    list_.clear();
-    for (const double v : all) {
-      if (v != -1.0) {
-        list_.push_back(v);
+  /// Adds the faces after all corners: a file may list its faces first.
+  void addFaces() {
+    for (const Face& face : faces_) {
+      if (!face.strips) {
+        addPolygon(file_.surface, corners(face.list));
         continue;
       }
-      addStrip(file_.surface, corners());
-      list_.clear();
+      // -1 ends a strip.
+      for (auto from = face.list.begin(); from != face.list.end();) {
+        const auto end = std::find(from, face.list.end(), -1.0);
+        addStrip(file_.surface, corners({from, end}));
+        from = end == face.list.end() ? end : end + 1;
+      }
     }
   }
+
+  struct Face {
+    bool strips = false;       ///< consecutive strips, which -1 separates
+    std::vector<double> list;  ///< indices of corners
+  };
 
   std::string_view bytes_;
   MeshWords words_;
@@ -230,6 +238,7 @@ class PlyReader {
   std::vector<PlyElement> elements_;
   std::size_t at_ = 0;
   std::vector<double> list_;
+  std::vector<Face> faces_;
   bool more_ = false;  ///< a row has more values than the header declares
   MeshFile file_;
 };

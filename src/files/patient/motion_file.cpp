@@ -108,15 +108,68 @@ constexpr double kLongest_s = 3600.0;
 constexpr const char* kGiveMotion =
     "give a CSV file whose first line names the columns: time_s, x_m, ...";
 
-/// Names that other programs give to the time.
-bool isTime(std::string_view name) {
-  constexpr std::array<std::string_view, 9> kNames = {
-      "time", "t", "Time", "timestamp", "%time", "__time", "time_msec", "time_ms", "stamp"};
-  return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
+/// A unit that the name of a column may give, and what it is of.
+struct ColumnUnit {
+  enum class Of { kTime, kLength, kAngle };
+  std::string_view name;
+  Of of = Of::kTime;
+  double factor = 1.0;  ///< to s, m or rad
+};
+constexpr std::array kUnits = {ColumnUnit{"s", ColumnUnit::Of::kTime, 1.0},
+                               ColumnUnit{"sec", ColumnUnit::Of::kTime, 1.0},
+                               ColumnUnit{"ms", ColumnUnit::Of::kTime, 1e-3},
+                               ColumnUnit{"msec", ColumnUnit::Of::kTime, 1e-3},
+                               ColumnUnit{"us", ColumnUnit::Of::kTime, 1e-6},
+                               ColumnUnit{"usec", ColumnUnit::Of::kTime, 1e-6},
+                               ColumnUnit{"ns", ColumnUnit::Of::kTime, 1e-9},
+                               ColumnUnit{"m", ColumnUnit::Of::kLength, 1.0},
+                               ColumnUnit{"cm", ColumnUnit::Of::kLength, 1e-2},
+                               ColumnUnit{"mm", ColumnUnit::Of::kLength, 1e-3},
+                               ColumnUnit{"rad", ColumnUnit::Of::kAngle, 1.0},
+                               ColumnUnit{"deg", ColumnUnit::Of::kAngle, std::numbers::pi / 180.0}};
+
+/// What a column's name says: "x_mm", "X (mm)" and "X [mm]" are x in mm.
+struct ColumnName {
+  std::string stem;
+  const ColumnUnit* unit = nullptr;  ///< nullptr: it gives none of kUnits
+  bool foreign = false;              ///< of another program: in brackets, or with capital letters
+};
+
+ColumnName nameOf(std::string_view text) {
+  ColumnName name;
+  std::string unit;
+  const std::size_t bracket = text.find_first_of("([");
+  if (bracket != text.npos && bracket > 0) {
+    unit = text.substr(bracket + 1, text.find_first_of(")]", bracket) - bracket - 1);
+    name.stem = trimmed(text.substr(0, bracket));
+  } else if (const std::size_t line = text.rfind('_'); line != text.npos) {
+    unit = text.substr(line + 1);
+    name.stem = text.substr(0, line);
+  } else {
+    name.stem = text;
+  }
+  name.foreign = bracket != text.npos;
+  for (char& c : name.stem) {
+    if (c >= 'A' && c <= 'Z') name.foreign = true, c = static_cast<char>(c - 'A' + 'a');
+    if (c == ' ') c = '_';
+  }
+  const auto* const at = std::find_if(kUnits.begin(), kUnits.end(),
+                                      [&](const ColumnUnit& u) { return u.name == unit; });
+  if (at != kUnits.end()) name.unit = &*at;
+  if (name.unit == nullptr && bracket == text.npos) name.stem = text;
+  return name;
 }
 
-bool isOfMotion(std::string_view name) {
-  return name == "time_s" || isTime(name) || name.ends_with("_m") || name.ends_with("_rad");
+/// Names that other programs give to the time.
+bool isTime(std::string_view stem) {
+  constexpr std::array<std::string_view, 6> kNames = {"time",  "t",      "timestamp",
+                                                      "%time", "__time", "stamp"};
+  return std::find(kNames.begin(), kNames.end(), stem) != kNames.end();
+}
+
+bool isOfMotion(std::string_view text) {
+  const ColumnName name = nameOf(text);
+  return name.unit != nullptr || isTime(name.stem);
 }
 
 /// True for a header that other separators than commas divide.
@@ -172,12 +225,16 @@ class Reader {
   /// noise.
   bool line(std::string_view text);
   bool header(std::string_view line);
-  void column(const std::string& name, std::size_t place);
+  void column(const std::string& text, std::size_t place);
+  void timeColumn(const ColumnName& name, const std::string& text, std::size_t place);
+  void readUp(std::string_view comment);
+  void checkUp();
   void row(std::string_view line);
   std::optional<double> number(const std::string& cell, std::size_t place);
   void checkTime(double time_s, std::string_view cell);
   /// Refuses a file that is not a motion file. If its format is known, the message names it.
   void refuse(const std::string& problem, const char* remedy = kGiveMotion);
+  void turnUp(std::vector<double>& sample) const;
   void checkWhole();
   void checkValues();
   void checkPace();
@@ -192,8 +249,10 @@ class Reader {
   std::size_t unreported_ = 0;
   int line_ = 0;
   std::vector<std::string> header_;  // the columns as written
-  std::vector<bool> is_read_;        // for each column
-  std::size_t time_place_ = 0;
+  std::vector<double> factor_;       // for each column, to s, m or rad; 0: it is not read
+  std::vector<bool> foreign_;        // for each axis column: named in another program's way
+  char up_ = 0;                      // axis that points up, by a line "# up = y"; 0: not given
+  std::optional<std::size_t> time_place_;
   std::size_t unnamed_ = 0;  // number of values in a row before those that the header names
   std::vector<int> lines_;   // line of each sample
   int rows_ = 0;
@@ -217,40 +276,90 @@ void Reader::refuse(const std::string& problem, const char* remedy) {
   fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : remedy);
 }
 
-void Reader::column(const std::string& name, std::size_t place) {
+void Reader::timeColumn(const ColumnName& name, const std::string& text, std::size_t place) {
+  if (name.unit == nullptr) return;  // header() names it if there is no other
+  if (name.unit->of != ColumnUnit::Of::kTime) {
+    return fault("column " + std::to_string(place + 1), text, "is a time in the unit of another",
+                 "name it time_s, or with ms, us or ns");
+  }
+  if (time_place_ && text != "time_s") return;
+  if (time_place_) factor_[*time_place_] = 0.0;
+  time_place_ = place;
+  factor_[place] = name.unit->factor;
+}
+
+void Reader::column(const std::string& text, std::size_t place) {
   const std::string key = "column " + std::to_string(place + 1);
-  if (name.empty() && place == 0) return;  // row numbers as pandas and R write them
-  if (name.empty()) {
-    fault(key, name, "has no name", "name it time_s, <axis>_m or <axis>_rad");
+  if (text.empty() && place == 0) return;  // row numbers as pandas and R write them
+  if (text.empty()) {
+    fault(key, text, "has no name", "name it time_s, <axis>_m or <axis>_rad");
     return;
   }
-  if (std::find(header_.begin(), header_.end() - 1, name) != header_.end() - 1) {
-    fault(key, name, "stands there twice", "keep one of the two columns");
+  if (std::find(header_.begin(), header_.end() - 1, text) != header_.end() - 1) {
+    fault(key, text, "stands there twice", "keep one of the two columns");
     return;
   }
-  if (name == "time_s") {
-    is_read_[place] = true;
-    return;
-  }
-  const bool metres = name.ends_with("_m");
-  const bool known_unit = metres || name.ends_with("_rad");
-  const std::string axis =
-      name.substr(0, known_unit ? name.size() - (metres ? 2 : 4) : name.rfind('_'));
-  const std::optional<AxisKind> kind = kindOf(axis, device_);
+  const ColumnName name = nameOf(text);
+  if (isTime(name.stem)) return timeColumn(name, text, place);
+  const std::string axis = name.unit != nullptr || name.stem.find('_') == name.stem.npos
+                               ? name.stem
+                               : name.stem.substr(0, name.stem.rfind('_'));
+  std::optional<AxisKind> kind = kindOf(axis, device_);
+  if (!kind && name.unit == nullptr) kind = kindOf(name.stem, device_);
+  constexpr const char* kUnitRemedy =
+      "end it in _m, _cm or _mm for a translation, _rad or _deg for a rotation";
   if (!kind) {
-    if (isTime(name)) return;
-    ignored_.push_back({motion_.path, line_, key, shown(name),
-                        known_unit ? "is no known axis" : "has no known unit",
-                        known_unit ? "use one of " + axisNames(device_)
-                                   : "end it in _m for a translation, _rad for a rotation"});
-  } else if (!known_unit) {
-    fault(key, name, "has no known unit", "end it in _m for a translation, _rad for a rotation");
-  } else if ((*kind == AxisKind::kTranslation) != metres) {
-    fault(key, name, "has the wrong unit",
-          axis + (metres ? " is a rotation: use _rad" : " is a translation: use _m"));
+    const bool known = name.unit != nullptr;
+    ignored_.push_back({motion_.path, line_, key, shown(text),
+                        known ? "is no known axis" : "has no known unit",
+                        known ? "use one of " + axisNames(device_) : kUnitRemedy});
+    return;
+  }
+  const bool slides = *kind == AxisKind::kTranslation;
+  if (name.unit == nullptr) {
+    fault(key, text, "has no known unit", kUnitRemedy);
+  } else if (name.unit->of != (slides ? ColumnUnit::Of::kLength : ColumnUnit::Of::kAngle)) {
+    fault(key, text, "has the wrong unit",
+          axis + (slides ? " is a translation: use _m" : " is a rotation: use _rad"));
+  } else if (std::find(motion_.columns.begin(), motion_.columns.end(), axis) !=
+             motion_.columns.end()) {
+    fault(key, text, "is the axis " + axis + " once more", "keep one of the two columns");
   } else {
     motion_.columns.push_back(axis);
-    is_read_[place] = true;
+    foreign_.push_back(name.foreign);
+    factor_[place] = name.unit->factor;
+  }
+}
+
+/// Reads a line "# up = y".
+void Reader::readUp(std::string_view comment) {
+  std::string words;
+  for (const char c : comment) {
+    if (c != ' ' && c != '\t') words += c;
+  }
+  if (!words.starts_with("#up=")) return;
+  up_ = words == "#up=y" ? 'y' : 'z';
+  if (words == "#up=y" || words == "#up=z") return;
+  fault("# up", words.substr(4), "is no axis that may point up",
+        "write \"# up = y\" or \"# up = z\"");
+}
+
+/// A position in columns of another program may have y up. Motions are fitted to the device, so a
+/// wrong axis would pass unseen: such a file must say which axis points up.
+void Reader::checkUp() {
+  const auto at = [&](const char* name) {
+    return std::find(motion_.columns.begin(), motion_.columns.end(), name) -
+           motion_.columns.begin();
+  };
+  const auto none = static_cast<std::ptrdiff_t>(motion_.columns.size());
+  const std::ptrdiff_t y = at("y"), z = at("z");
+  if (up_ == 0 && y < none && z < none && (foreign_[y] || foreign_[z])) {
+    fault("", "", "does not say which of its axes points up",
+          "put the line \"# up = y\" or \"# up = z\" before the names of the columns");
+  }
+  if (up_ != 'y') return;
+  if (y == none || z == none) {
+    fault("# up", "y", "needs both columns, y and z", "give both, or take the line out");
   }
 }
 
@@ -266,21 +375,28 @@ bool Reader::header(std::string_view line) {
     return false;
   }
   // Reads the columns and finds the time.
-  is_read_.resize(names.size());
+  factor_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     header_.push_back(names[i].text);
     column(names[i].text, i);
   }
-  const auto time = std::find(header_.begin(), header_.end(), "time_s");
-  const auto other = std::find_if(header_.begin(), header_.end(), isTime);
-  if (time == header_.end()) {
+  const auto other = std::find_if(header_.begin(), header_.end(), [](const std::string& text) {
+    return isTime(nameOf(text).stem);
+  });
+  if (!time_place_) {
     fault("time_s", "",
           other == header_.end()
               ? "is missing"
               : "is missing: the column " + shown(*other) + " does not say its unit",
-          "add a column time_s with the time of each row in seconds");
+          "name the time of each row with its unit: time_s, time_ms, time_us or time_ns");
   }
-  time_place_ = time - header_.begin();
+  for (std::size_t i = 0; i < header_.size(); ++i) {
+    if (factor_[i] == 0.0 || factor_[i] == 1.0) continue;
+    motion_.notices.push_back(
+        {motion_.path, line_, "column " + std::to_string(i + 1), shown(header_[i]),
+         fmt::format("is converted: its values times {:.6g}", factor_[i]), "nothing to do"});
+  }
+  checkUp();
   // Ignored columns are faults if no axis column exists, else notices.
   const bool none = motion_.columns.empty();
   for (Diagnostic& column : ignored_) {
@@ -330,10 +446,10 @@ std::optional<double> Reader::number(const std::string& cell, std::size_t place)
     fault(key, cell, "is not a number", "write a decimal number such as 0.125");
   } else if (error == std::errc::result_out_of_range || !std::isfinite(value)) {
     fault(key, cell, "is not finite", "write a finite number");
-  } else if (place != time_place_ && std::abs(value) > kLargestValue) {
+  } else if (place != time_place_ && std::abs(factor_[place] * value) > kLargestValue) {
     fault(key, cell, "is out of range", "must be in [-1000, 1000] m or rad");
   } else {
-    return value;
+    return factor_[place] * value;
   }
   return std::nullopt;
 }
@@ -361,7 +477,7 @@ void Reader::row(std::string_view line) {
   }
   std::vector<double> sample;
   for (std::size_t i = 0; i < header_.size(); ++i) {
-    if (!is_read_[i]) continue;
+    if (factor_[i] == 0.0) continue;
     const std::string& cell = values[i + unnamed_].text;
     const std::optional<double> value = number(cell, i);
     if (!value) continue;
@@ -371,8 +487,20 @@ void Reader::row(std::string_view line) {
       sample.push_back(*value);
     }
   }
+  if (up_ == 'y' && sample.size() == motion_.columns.size()) turnUp(sample);
   motion_.samples.push_back(std::move(sample));
   lines_.push_back(line_);
+}
+
+/// Turns a position with y up about x, so that z is up: (x, y, z) becomes (x, -z, y).
+void Reader::turnUp(std::vector<double>& sample) const {
+  const auto at = [&](const char* name) {
+    return std::find(motion_.columns.begin(), motion_.columns.end(), name) -
+           motion_.columns.begin();
+  };
+  double &y = sample[static_cast<std::size_t>(at("y"))],
+         &z = sample[static_cast<std::size_t>(at("z"))];
+  y = -std::exchange(z, y);
 }
 
 /// Reports values that no hand and no device reaches: they have another unit. Names the first one
@@ -513,6 +641,7 @@ Expected<MotionFile> Reader::read() {
       std::string_view text = std::string_view(whole).substr(begin, end - begin);
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
       text = trimmed(text);
+      if (text.starts_with('#') && header_.empty()) readUp(text);
       if (text.empty() || text.starts_with('#')) continue;
       if (!line(text)) return faults_;
     }

@@ -2,6 +2,7 @@
 
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/mesh_file.hpp"
+#include "files/scene/plausibility.hpp"
 #include "files/scene/separation.hpp"
 #include "files/toml/toml_file.hpp"
 #include "files/urdf/urdf.hpp"
@@ -36,14 +37,6 @@ constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: round
 /// Density of a body that moves on a joint and has no <inertial>.
 constexpr double kWood_kg_m3 = 600.0;
 
-// Density limits. Osmium is the densest matter. The mass of a body may be concentrated to 10 times
-// its mean density, because light colliders may represent a heavy object.
-constexpr double kOsmium_kg_m3 = 22.6e3, kMostConcentration = 10.0;
-constexpr double kAir_kg_m3 = 1.2;
-/// Largest distance of ballast from the colliders, in extents of the colliders. Ballast has no
-/// collider; a larger distance indicates a wrong unit.
-constexpr double kMostBallastReach = 10.0;
-
 constexpr std::size_t kMostName = 200;    ///< maximum characters of a name in a recording
 constexpr std::size_t kShownName = 60;    ///< maximum characters of a name in a fault
 constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
@@ -64,60 +57,6 @@ bool isColor(const std::string& text) {
   return text.size() == 7 && text[0] == '#' &&
          std::all_of(text.begin() + 1, text.end(),
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
-}
-
-/// Half the extent of a shape's box in its own frame.
-Vector3d halfBox(const Shape& shape) {
-  const double end_m = shape.type == ShapeType::kSphere    ? shape.radius_m
-                       : shape.type == ShapeType::kCapsule ? shape.radius_m + shape.length_m / 2.0
-                                                           : shape.length_m / 2.0;
-  return shape.type == ShapeType::kBox ? shape.half_extents_m
-                                       : Vector3d(shape.radius_m, shape.radius_m, end_m);
-}
-
-/// Calls `take` with points (body frame) whose convex hull contains the shapes.
-template <class Take>
-void eachBound(const std::vector<Shape>& shapes, const Take& take) {
-  for (const Shape& shape : shapes) {
-    const auto in_body = [&](const Vector3d& p) {
-      return Vector3d(shape.in_body.rotation * p + shape.in_body.translation_m);
-    };
-    for (const Vector3d& p : shape.points_m) take(in_body(p));
-    if (shape.type == ShapeType::kConvexMesh) continue;
-    const Vector3d half_m = halfBox(shape);
-    for (int i = 0; i < 8; ++i) {
-      const Vector3d sign((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
-                          (i & 4) != 0 ? 1.0 : -1.0);
-      take(in_body(sign.cwiseProduct(half_m)));
-    }
-  }
-}
-
-/// Upper bound of the distance of the shapes' points from `from_m` [m].
-double farthestFrom(const std::vector<Shape>& shapes, const Vector3d& from_m) {
-  double most_m = 0.0;
-  eachBound(shapes, [&](const Vector3d& p) { most_m = std::max(most_m, (p - from_m).norm()); });
-  return most_m;
-}
-
-Eigen::AlignedBox3d boxOf(const std::vector<Shape>& shapes) {
-  Eigen::AlignedBox3d box;
-  eachBound(shapes, [&](const Vector3d& p) { box.extend(p); });
-  return box;
-}
-
-/// Largest plausible local density of a body with these colliders [kg/m³].
-double mostDensity(const std::vector<Shape>& shapes, double mass_kg) {
-  double volume_m3 = 0.0;
-  for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
-  return std::max(kOsmium_kg_m3, kMostConcentration * mass_kg / volume_m3);
-}
-
-/// Moment of inertia of a ball [kg·m²]. Among all bodies of this mass that are at most this dense,
-/// a ball has the least sum of principal moments.
-double ballInertia(double mass_kg, double density_kg_m3) {
-  const double radius_m = std::cbrt(mass_kg / density_kg_m3 / (4.0 / 3.0 * pi));
-  return 0.4 * mass_kg * radius_m * radius_m;
 }
 
 /// A body that moves on a joint of a URDF.
@@ -195,6 +134,12 @@ class BodyReader {
       Shape shape = readPrimitive(kind);
       if (!shape_wrong_) body.shapes.push_back(std::move(shape));
     }
+    const FarPlace far = farPlace(body.shapes);
+    if (far.refused) {
+      t_.fail("file", "the " + kind + " " + far.problem, "must be within 10 m, as positions are");
+    } else if (!far.problem.empty()) {
+      note(fileFault("", "the " + kind + " " + far.problem, "or move it by position_m"));
+    }
   }
 
   /// Accepts any dimension keys after an unknown shape, so that they are not reported as unknown.
@@ -244,16 +189,21 @@ class BodyReader {
     }
   }
 
-  /// Adds a notice about the key `file`.
+  /// Adds a notice about the key `file`, or about the body if it has none.
   void note(Diagnostic notice) {
     notice.line = t_.lineOf("file");
-    notice.key = t_.path() + ".file";
+    notice.key = t_.path() + (t_.has("file") ? ".file" : "");
     notices_.push_back(std::move(notice));
   }
 
   void readUrdf(SceneBody& body) {
     urdf_wrong_ = true;
-    uniform_density_ = t_.flag("uniform_density", false);
+    const bool decides = t_.has("inertia");
+    const std::string inertia = t_.choice("inertia", {"file", "colliders", "refuse"}, "colliders");
+    inertia_ = !decides              ? InertiaRule::kIfPossible
+               : inertia == "file"   ? InertiaRule::kFile
+               : inertia == "refuse" ? InertiaRule::kRefuse
+                                     : InertiaRule::kColliders;
     const std::string file = t_.text("file");
     if (!t_.isGood("file")) return;
     const fs::path path = folder_ / file;
@@ -264,7 +214,7 @@ class BodyReader {
       return;
     }
     Expected<UrdfBody> urdf =
-        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, uniform_density_, t_.has("friction")});
+        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, inertia_, t_.has("friction")});
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -288,9 +238,8 @@ class BodyReader {
                 "set fixed = true");
       }
       body.fixed = true;
-    } else if (body.fixed && t_.has("uniform_density")) {
-      t_.fail("uniform_density", "has no effect on a fixed body",
-              "take it out, or set fixed = false");
+    } else if (body.fixed && decides) {
+      t_.fail("inertia", "has no effect on a fixed body", "take it out, or set fixed = false");
     }
     for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
   }
@@ -314,15 +263,18 @@ class BodyReader {
     body.joint = mover.joint;
     // The body starts at joint position 0, or at the nearest end of a range without 0.
     const double start = std::clamp(0.0, body.joint->least, body.joint->most);
+    if (start != 0.0) {
+      note(fmt::format("starts at {:g} {}: the range of its joint does not contain 0", start,
+                       body.joint->isHinge() ? "rad" : "m"),
+           "turn the joint's <origin> so that 0 is where it shall start");
+    }
     body.pose = poseOn(*body.joint, body.pose, start);
     body.joint->least -= start, body.joint->most -= start;
     MassProperties m;
     if (mover.inertial) {
-      m = uniform_density_ ? uniformDensity(body.shapes, mover.inertial->mass_kg) : *mover.inertial;
+      m = inertialOf(body.shapes, {}, *mover.inertial, note);
     } else {
-      double volume_m3 = 0.0;
-      for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
-      m = uniformDensity(body.shapes, kWood_kg_m3 * volume_m3);
+      m = uniformDensity(body.shapes, kWood_kg_m3 * moments(body.shapes).volume_m3);
       note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
            "give it one");
     }
@@ -332,7 +284,6 @@ class BodyReader {
           fmt::format("the URDF's '{}' has {} kg", printable(mover.name), formatNumber(m.mass_kg)),
           bodyMass().remedy());
     }
-    if (mover.inertial && !uniform_density_) checkInertial(body, m);
     body.mass_kg = m.mass_kg;
     body.com_m = m.com_m;
     body.inertia_kg_m2 = m.inertia_kg_m2;
@@ -444,98 +395,62 @@ class BodyReader {
     }
     const bool from_urdf = inertial_.has_value() || urdf_wrong_;
     body.mass_kg = from_urdf
-                       ? t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->mass_kg : 1.0)
+                       ? t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->sum.mass_kg : 1.0)
                        : t_.number("mass_kg", bodyMass());
     if (body.shapes.empty()) return;
-    const bool given = inertial_.has_value() && !uniform_density_;
-    MassProperties m = given ? *inertial_ : uniformDensity(body.shapes, body.mass_kg);
+    MassProperties m =
+        inertial_ ? inertialOf(body.shapes, ballast_m_, *inertial_,
+                               [&](std::string problem, std::string remedy) {
+                                 note(fileFault("", "the URDF " + problem, std::move(remedy)));
+                               })
+                  : uniformDensity(body.shapes, body.mass_kg);
     if (!bodyMass().allows(m.mass_kg)) {
       t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
               bodyMass().remedy());
     }
-    if (given) checkInertial(body, m);
-    if (!assets_.empty()) noteDensity(body);
+    noteDensity(body);
     body.com_m = m.com_m;
     body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
   }
 
-  /// Notes an impossible density, which may be the only sign of a mesh or a mass in a wrong unit.
+  /// Notes an impossible density, which may be the only sign of a size or a mass in a wrong unit.
   void noteDensity(const SceneBody& body) {
-    double volume_m3 = 0.0;
-    for (const Shape& shape : body.shapes) volume_m3 += moments(shape).volume_m3;
-    const double density_kg_m3 = body.mass_kg / volume_m3;
-    if (density_kg_m3 >= kAir_kg_m3 && density_kg_m3 <= kOsmium_kg_m3) return;
-    note(fileFault(
-        "",
-        fmt::format("makes '{}' {} ({:.3g} kg/m³: {:.3g} kg in {:.3g} cm³)", printable(body.name),
-                    density_kg_m3 < kAir_kg_m3 ? "lighter than air" : "heavier than any matter",
-                    density_kg_m3, body.mass_kg, 1e6 * volume_m3),
-        "check its size (m) and its mass (kg)", DiagnosticCode::kRange));
+    if (auto notice = densityNotice(body)) note(std::move(*notice));
   }
 
-  /// Refuses impossible inertials. Many URDFs carry placeholders or moments in other units than
-  /// kg·m².
-  void checkInertial(const SceneBody& body, const MassProperties& m) {
-    std::string problem = ballastProblem(body);
-    if (problem.empty()) problem = inertialProblem(body, m);
-    if (problem.empty()) return;
-    t_.fail(
-        "file", "the URDF's " + problem,
-        "correct the URDF's <inertial> (kg, m, kg·m²), or set uniform_density = true to use its "
-        "colliders' own");
-  }
-
-  /// Fault of the positions of ballast; empty: none.
-  [[nodiscard]] std::string ballastProblem(const SceneBody& body) const {
-    const Eigen::AlignedBox3d colliders = boxOf(body.shapes);
-    const double most_m = kMostBallastReach * colliders.diagonal().norm();
-    for (const Vector3d& p : ballast_m_) {
-      const double aside_m = colliders.exteriorDistance(p);
-      if (aside_m <= most_m) continue;
-      return fmt::format(
-          "ballast, the mass of a link without a collider, is {:.3g} m outside of its colliders; "
-          "{:.3g} m at most",
-          aside_m, most_m);
+  /// The mass properties of a URDF's body: those of its inertials, or its colliders' own at the
+  /// inertials' mass where the scene asks for them or the inertials are impossible. Many URDFs
+  /// carry placeholders or moments in other units.
+  /// @param note adds a notice with a problem and a remedy
+  template <class Note>
+  MassProperties inertialOf(const std::vector<Shape>& shapes,
+                            const std::vector<Vector3d>& ballast_m, const UrdfInertial& urdf,
+                            Note note) {
+    const MassProperties& m = urdf.sum;
+    const MassProperties own = uniformDensity(shapes, m.mass_kg);
+    if (inertia_ == InertiaRule::kColliders || !urdf.complete) return own;
+    if (inertia_ == InertiaRule::kFile) return m;
+    const std::string problem = inertialProblem(shapes, ballast_m, m);
+    if (problem.empty()) return m;
+    if (inertia_ == InertiaRule::kRefuse) {
+      t_.fail("file", "the URDF's " + problem,
+              "correct the URDF's <inertial> (kg, m, kg·m²), or set inertia = \"colliders\"");
+      return m;
     }
-    return {};
-  }
-
-  /// Reason why no body of that mass within its colliders and ballast can have this inertial;
-  /// empty: possible.
-  [[nodiscard]] std::string inertialProblem(const SceneBody& body, const MassProperties& m) const {
-    Eigen::AlignedBox3d box = boxOf(body.shapes);
-    double reach_m = farthestFrom(body.shapes, m.com_m);
-    for (const Vector3d& p : ballast_m_) {
-      box.extend(p);
-      reach_m = std::max(reach_m, (p - m.com_m).norm());
-    }
-    if (const double aside_m = box.exteriorDistance(m.com_m); aside_m > 0.0) {
-      return fmt::format("centre of mass is {:.3g} m outside of its colliders", aside_m);
-    }
-    const Vector3d principal = principalAxesOf(m.inertia_kg_m2).moments;
-    if (const double most = m.mass_kg * reach_m * reach_m; principal.maxCoeff() > most) {
-      return fmt::format(
-          "largest moment of inertia is {:.3g} kg·m²; {:.3g} kg within {:.3g} m of their centre "
-          "have {:.3g} at most",
-          principal.maxCoeff(), m.mass_kg, reach_m, most);
-    }
-    const double density_kg_m3 = mostDensity(body.shapes, m.mass_kg);
-    if (const double least = ballInertia(m.mass_kg, density_kg_m3); principal.mean() < least) {
-      return fmt::format(
-          "moments of inertia are {:.3g} kg·m² in the mean; {:.3g} kg have {:.3g} at least, as a "
-          "ball of {:.3g} kg/m³",
-          principal.mean(), m.mass_kg, least, density_kg_m3);
-    }
-    return {};
+    const Vector3d moments = principalAxesOf(own.inertia_kg_m2).moments;
+    note("has an inertial that no such body has: its " + problem +
+             fmt::format("; its colliders' own takes its place: {:.3g}, {:.3g}, {:.3g} kg·m²",
+                         moments[0], moments[1], moments[2]),
+         "correct its <inertial>, or set inertia = \"file\" or \"colliders\" in the scene");
+    return own;
   }
 
   TomlTable t_;
   fs::path folder_;
   MeshLoadTime* time_;
   bool shape_wrong_ = false;
-  /// Inertia from the colliders at uniform density; only masses come from the URDF.
-  bool uniform_density_ = false;
-  std::optional<MassProperties> inertial_;
+  InertiaRule inertia_ = InertiaRule::kIfPossible;
+  std::optional<UrdfInertial> inertial_;
   std::vector<Vector3d> ballast_m_;
   Diagnostics urdf_faults_;
   bool urdf_wrong_ = false;  ///< the URDF has faults, so that the mass is unknown
@@ -648,8 +563,9 @@ void reportFalls(const SceneModel& scene, std::vector<BodyReader>& readers) {
     if (!body.fixed || !readers[i].placed()) continue;
     for (const Shape& shape : body.shapes) {
       double top_m = std::numeric_limits<double>::infinity();
-      eachBound({shape},
-                [&](const Vector3d& p) { top_m = std::min(top_m, down.dot(body.pose * p)); });
+      for (const Vector3d& p : boundingPoints(shape)) {
+        top_m = std::min(top_m, down.dot(body.pose * p));
+      }
       ground_m = std::max(ground_m, top_m);
     }
   }
@@ -684,6 +600,11 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
   scene.path = path;
   scene.name = root.text("name");
   scene.gravity_m_s2 = vectorFrom(root.numbers("gravity_m_s2", 3, between(-30.0, 30.0, "m/s^2")));
+  if (const Vector3d& g = scene.gravity_m_s2; g.norm() > 0.0 && g.z() > -0.999 * g.norm()) {
+    scene.notices.push_back({path, root.lineOf("gravity_m_s2"), "gravity_m_s2", "",
+                             "does not point down: z is up in a scene",
+                             "set [0.0, 0.0, -9.81] unless that is meant"});
+  }
   scene.hand_friction = root.number("hand_friction", between(0.0, 2.0), scene.hand_friction);
 
   std::vector<BodyReader> readers;

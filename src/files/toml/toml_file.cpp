@@ -332,6 +332,16 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
   return text;
 }
 
+/// True when a line holds a backslash within "...", as a path of Windows does.
+bool hasWindowsPath(std::string_view text, int line) {
+  for (int n = 1; n < line && !text.empty(); ++n) {
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  }
+  text = text.substr(0, text.find('\n'));
+  const std::size_t quote = text.find('"');
+  return quote != text.npos && text.find('\\', quote) != text.npos;
+}
+
 std::optional<toml::table> parseFile(const std::string& path, Diagnostics& faults) {
   Diagnostic fault;
   const std::optional<std::string> text = readText(path, fault);
@@ -364,6 +374,10 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
     fault.code = DiagnosticCode::kSyntax;
     fault.problem = "is not TOML: " + std::string(error.description());
     fault.remedy = "correct this line (syntax of TOML: https://toml.io)";
+    if (hasWindowsPath(*text, fault.line)) {
+      fault.problem = "has a backslash in \"...\", where it begins an escape";
+      fault.remedy = "write / in place of \\, or put the path in '...'";
+    }
     faults.push_back(std::move(fault));
     return std::nullopt;
   }
@@ -579,7 +593,7 @@ std::string TomlTable::text(std::string_view key) {
   if (!isPrintable(value->get(), kLongestText)) {
     state_->report(key, DiagnosticCode::kRange, nodeText(*node),
                    "is longer than 200 characters or holds control characters",
-                   "write a text that can be shown in a list");
+                   "write a text that can be shown in a list; of a path, write / in place of \\");
     return {};
   }
   return value->get();

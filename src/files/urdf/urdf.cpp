@@ -85,7 +85,7 @@ struct UrdfMeshes {
     std::string key, name;
     Diagnostic fault;
   };
-  std::vector<Flat> flat;  ///< meshes without volume: left out if the body has other colliders
+  std::vector<Flat> flat;  ///< colliders without volume: left out if the body has others
 };
 
 // Bounds of a URDF. A complete robot description has some 2,000 attributes; an element has two '<'.
@@ -276,7 +276,7 @@ const std::vector<UrdfNames>& urdfNames() {
       {"geometry", {}, {}},
       {"mesh", {}, {"filename", "scale"}},
       {"origin", {}, {"xyz", "rpy", "quat_xyzw"}, true},
-      {"inertia", {}, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"}, true},
+      {"inertia", {}, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz", "iyx", "izx", "izy"}, true},
       {"limit", {}, {"lower", "upper"}},
       {"dynamics", {}, {"damping", "friction"}}};
   return kNames;
@@ -331,6 +331,25 @@ std::string unescaped(std::string_view uri) {
   return text;
 }
 
+constexpr int kMostFoldersBeside =
+    200;  ///< folders in which a package is looked for, at each level
+
+/// Name of the package in a folder by its package.xml (ROS); empty: none.
+std::string packageIn(const fs::path& folder) {
+  const fs::path path = folder / "package.xml";
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || !beyondUrdfBounds(path.string()).empty()) return {};
+  tinyxml2::XMLDocument document;
+  if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) return {};
+  const XMLElement* const package = document.FirstChildElement("package");
+  const XMLElement* const name = package != nullptr ? package->FirstChildElement("name") : nullptr;
+  if (name == nullptr || name->GetText() == nullptr) return {};
+  const std::string_view text = name->GetText();
+  const std::size_t from = text.find_first_not_of(kBlanks);
+  if (from == text.npos) return {};
+  return std::string(text.substr(from, text.find_last_not_of(kBlanks) + 1 - from));
+}
+
 /// Path of an unescaped mesh name in any of the accepted forms; empty if no file is found.
 fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& tried) {
   std::error_code error;
@@ -347,6 +366,17 @@ fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& trie
     for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
       if (up.filename() == package && known(up / rest)) return up / rest;
       if (known(up / package / rest)) return up / package / rest;
+    }
+    // A folder may have another name than the package that it holds (ROS).
+    for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
+      if (packageIn(up) == package.string() && known(up / rest)) return up / rest;
+      int looked_at = 0;
+      for (const auto& beside : fs::directory_iterator(up, error)) {
+        if (++looked_at > kMostFoldersBeside) break;
+        if (packageIn(beside.path()) == package.string() && known(beside.path() / rest)) {
+          return beside.path() / rest;
+        }
+      }
     }
     return {};
   }
@@ -374,10 +404,23 @@ fs::path meshPath(const std::string& name, const fs::path& urdf) {
   return tried;
 }
 
-std::vector<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+/// A collider smaller than 1 mm in each direction: other engines use it as a point of contact or as
+/// a placeholder. It is kept in `meshes.flat`.
+bool isToken(const XMLElement& e, const char* attribute, const std::string& key,
+             const std::vector<double>& sizes, UrdfMeshes& meshes) {
+  if (std::any_of(sizes.begin(), sizes.end(), [](double s) { return s < 0.0 || s >= 1e-3; })) {
+    return false;
+  }
+  meshes.flat.push_back({&e, key + "." + attribute, e.Attribute(attribute),
+                         fileFault("", "is smaller than 1 mm", "must be in [0.001, 10] m")});
+  return true;
+}
+
+std::vector<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                           UrdfMeshes& meshes) {
   const std::size_t before = faults.all().size();
   const std::vector<double> size = faults.numbers(e, "size", key, 3);
-  if (faults.all().size() > before) return {};
+  if (faults.all().size() > before || isToken(e, "size", key, size, meshes)) return {};
   const auto [least, most] = std::minmax_element(size.begin(), size.end());
   if (*least < 1e-3 || *most > 10.0) {
     faults.add(&e, key + ".size", e.Attribute("size"), "is out of range",
@@ -418,12 +461,16 @@ std::vector<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFau
 }
 
 std::vector<Shape> readRound(const XMLElement& e, ShapeType type, const std::string& key,
-                             UrdfFaults& faults) {
+                             UrdfFaults& faults, UrdfMeshes& meshes) {
   const std::size_t before = faults.all().size();
   Shape shape;
   shape.type = type;
+  const bool long_one = type != ShapeType::kSphere;
+  std::vector<double> sizes = faults.numbers(e, "radius", key, 1);
+  if (long_one) sizes.push_back(faults.numbers(e, "length", key, 1).front());
+  if (faults.all().size() > before || isToken(e, "radius", key, sizes, meshes)) return {};
   shape.radius_m = faults.length_m(e, "radius", key);
-  if (type != ShapeType::kSphere) shape.length_m = faults.length_m(e, "length", key);
+  if (long_one) shape.length_m = faults.length_m(e, "length", key);
   if (faults.all().size() > before) return {};
   return {shape};
 }
@@ -431,10 +478,10 @@ std::vector<Shape> readRound(const XMLElement& e, ShapeType type, const std::str
 std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
                                 UrdfMeshes& meshes) {
   const std::string_view kind = e.Name();
-  if (kind == "box") return readBox(e, key, faults);
-  if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
-  if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults);
-  if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults);
+  if (kind == "box") return readBox(e, key, faults, meshes);
+  if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults, meshes);
+  if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults, meshes);
+  if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults, meshes);
   if (kind == "mesh") return readMesh(e, key, faults, meshes);
   faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
              "must be one of box, sphere, cylinder, capsule, mesh");
@@ -462,9 +509,9 @@ std::vector<Shape> readUrdfCollision(const XMLElement& collision, const std::str
 struct Link {
   const XMLElement* element = nullptr;
   std::string name;
-  std::vector<Shape> shapes;               ///< in the link's frame
-  std::optional<MassProperties> inertial;  ///< in the link's frame
-  int parent = -1;                         ///< index of the parent link; -1 for the root
+  std::vector<Shape> shapes;             ///< in the link's frame
+  std::optional<UrdfInertial> inertial;  ///< in the link's frame
+  int parent = -1;                       ///< index of the parent link; -1 for the root
   Pose in_parent;
   const XMLElement* inertial_element = nullptr;  ///< set for a link that has mass
   std::optional<SceneJoint>
@@ -769,20 +816,21 @@ class Reader {
   }
 
   /// Reads an inertial of Isaac Gym: its density applies to the link's colliders.
-  std::optional<MassProperties> readDensity(const XMLElement& density, const std::string& key,
-                                            const std::vector<Shape>& shapes) {
+  std::optional<UrdfInertial> readDensity(const XMLElement& density, const std::string& key,
+                                          const std::vector<Shape>& shapes) {
     const std::size_t before = faults_.all().size();
     const double value = faults_.numbers(density, "value", key + ".density", 1).front();
     if (faults_.all().size() > before) return std::nullopt;
-    double volume_m3 = 0.0;
-    for (const Shape& shape : shapes) volume_m3 += moments(shape).volume_m3;
-    if (value > 0.0 && volume_m3 > 0.0) return uniformDensity(shapes, value * volume_m3);
+    const double volume_m3 = moments(shapes).volume_m3;
+    if (value > 0.0 && volume_m3 > 0.0) {
+      return UrdfInertial{uniformDensity(shapes, value * volume_m3)};
+    }
     faults_.add(&density, key + ".density.value", density.Attribute("value"), "gives no mass",
                 "must be > 0 kg/m3, of a link with a <collision>; or give <mass> and <inertia>");
     return std::nullopt;
   }
 
-  std::optional<MassProperties> readInertial(const XMLElement& e, const Link& link, bool moves) {
+  std::optional<UrdfInertial> readInertial(const XMLElement& e, const Link& link, bool moves) {
     const std::string key = fmt::format("link[{}].inertial", link.name);
     const std::size_t before = faults_.all().size();
     (void)faults_.only(*link.element, "inertial", fmt::format("link[{}]", link.name));
@@ -790,41 +838,64 @@ class Reader {
     const XMLElement* density = e.FirstChildElement("density");
     if (mass == nullptr && density != nullptr) return readDensity(*density, key, link.shapes);
     const XMLElement* inertia = faults_.only(e, "inertia", key);
-    if (mass == nullptr || (inertia == nullptr && !use_.uniform_density)) {
-      faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
-                  mass == nullptr
-                      ? "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial>"
-                      : "give <inertia ixx iyy izz ...>, or set uniform_density = true in the "
-                        "scene");
+    if (mass == nullptr) {
+      faults_.add(&e, key, "", "has no <mass>",
+                  "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial>");
       return std::nullopt;
     }
-    MassProperties m;
-    m.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
-    if (use_.uniform_density) {
-      if (faults_.all().size() > before) return std::nullopt;
-      return m;
+    UrdfInertial m;
+    m.sum.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
+    m.complete = use_.inertia != InertiaRule::kColliders && inertia != nullptr;
+    if (m.complete) m.sum.inertia_kg_m2 = readInertia(*inertia, key);
+    const Pose frame = faults_.origin(e, key);
+    if (faults_.all().size() > before) return std::nullopt;
+    const std::string why = inertia == nullptr ? "has no <inertia>"
+                            : m.complete       ? inertiaFault(m.sum.inertia_kg_m2)
+                                               : "";
+    if (!why.empty() &&
+        (use_.inertia == InertiaRule::kFile || use_.inertia == InertiaRule::kRefuse)) {
+      faults_.add(inertia != nullptr ? inertia : &e, key + ".inertia", "", why,
+                  "principal moments must be > 0, none larger than the sum of the other two; or "
+                  "set inertia = \"colliders\" in the scene");
+      return std::nullopt;
     }
-    // Reads the moments and products of inertia.
-    constexpr std::array<const char*, 6> kNames{"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    if (!why.empty()) {
+      faults_.note(inertia != nullptr ? inertia : &e, key + ".inertia", "",
+                   fileFault("", why + ": the colliders' own takes its place",
+                             "give <inertia ixx iyy izz ...> in kg·m²"));
+      m.complete = false;
+    }
+    m.sum = moved(m.sum, frame);
+    return m;
+  }
+
+  /// The moments and products of inertia. Products are optional, and may stand twice (ixy, iyx).
+  Eigen::Matrix3d readInertia(const XMLElement& inertia, const std::string& key) {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+    constexpr std::array<std::array<const char*, 2>, 6> kNames{{{"ixx", "ixx"},
+                                                                {"iyy", "iyy"},
+                                                                {"izz", "izz"},
+                                                                {"ixy", "iyx"},
+                                                                {"ixz", "izx"},
+                                                                {"iyz", "izy"}}};
     constexpr std::array<std::pair<int, int>, 6> kCells{
         {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
-      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr)
-        continue;  // products of inertia are optional
-      const double value = faults_.numbers(*inertia, kNames[i], key + ".inertia", 1).front();
+      const auto [name, other] = kNames[i];
+      const char* const given = inertia.Attribute(name) != nullptr || i < 3 ? name : other;
+      if (inertia.Attribute(given) == nullptr && i >= 3) continue;
+      const double value = faults_.numbers(inertia, given, key + ".inertia", 1).front();
       const auto [row, column] = kCells[i];
-      m.inertia_kg_m2(row, column) = m.inertia_kg_m2(column, row) = value;
+      matrix(row, column) = matrix(column, row) = value;
+      if (i < 3 || inertia.Attribute(name) == nullptr || inertia.Attribute(other) == nullptr) {
+        continue;
+      }
+      if (faults_.numbers(inertia, other, key + ".inertia", 1).front() == value) continue;
+      faults_.add(&inertia, fmt::format("{}.inertia.{}", key, other), inertia.Attribute(other),
+                  fmt::format("differs from {} = {}", name, inertia.Attribute(name)),
+                  "an inertia is symmetric: give one of them");
     }
-    const Pose frame = faults_.origin(e, key);
-    if (faults_.all().size() > before) return std::nullopt;
-    if (const std::string why = inertiaFault(m.inertia_kg_m2); !why.empty()) {
-      faults_.add(
-          inertia, key + ".inertia", "", why,
-          "principal moments must be > 0, none larger than the sum of the other two; or set "
-          "uniform_density = true in the scene");
-      return std::nullopt;
-    }
-    return moved(m, frame);
+    return matrix;
   }
 
   void readJoint(const XMLElement& e) {
@@ -876,11 +947,35 @@ class Reader {
       joint.axis.normalize();
     }
     if (type != "continuous") readLimit(e, key, joint);
+    noteUnused(e, key, type);
     if (const XMLElement* dynamics = faults_.only(e, "dynamics", key)) {
       joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
       joint.dry_friction = notNegative(*dynamics, "friction", key + ".dynamics");
     }
     return joint;
+  }
+
+  /// Notes what a joint states and this reader does not apply.
+  void noteUnused(const XMLElement& e, const std::string& key, const std::string& type) {
+    const auto note = [&](const char* child, std::initializer_list<const char*> attributes,
+                          const char* remedy) {
+      const XMLElement* const at = e.FirstChildElement(child);
+      if (at == nullptr) return;
+      for (const char* name : attributes) {
+        const char* const value = at->Attribute(name);
+        if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) continue;
+        faults_.note(at, fmt::format("{}.{}.{}", key, child, name), value,
+                     fileFault("", "is not applied", remedy));
+      }
+    };
+    if (type == "continuous") {
+      note("limit", {"lower", "upper"},
+           "a continuous joint turns without end; make it revolute if it shall stop there");
+    }
+    note("safety_controller", {"soft_lower_limit", "soft_upper_limit"},
+         "narrow <limit lower upper> if it shall stop there");
+    note("dynamics", {"spring_stiffness", "spring_reference", "stiffness", "armature"},
+         "give the body of a scene a [bodies.joint] with its spring");
   }
 
   void readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
@@ -1012,10 +1107,12 @@ class Reader {
         (mover != nullptr ? mover->shapes : body.shapes).push_back(std::move(shape));
       }
       if (!link.inertial) continue;
-      const MassProperties m = moved(*link.inertial, in_body);
+      const MassProperties m = moved(link.inertial->sum, in_body);
       if (mover == nullptr && link.shapes.empty()) body.ballast_m.push_back(m.com_m);
       auto& inertial = mover != nullptr ? mover->inertial : body.inertial;
-      inertial = inertial ? combined(*inertial, m) : m;
+      inertial = inertial ? UrdfInertial{combined(inertial->sum, m),
+                                         inertial->complete && link.inertial->complete}
+                          : UrdfInertial{m, link.inertial->complete};
     }
     return body;
   }

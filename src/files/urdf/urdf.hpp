@@ -13,11 +13,25 @@ namespace wholehand {
 
 class MeshLoadTime;  // files/mesh/mesh_file.hpp
 
+/// Where a body's inertia comes from.
+enum class InertiaRule {
+  kIfPossible,  ///< the file, unless no such body has it: then the colliders, with a notice
+  kFile,        ///< the file, however unlikely
+  kColliders,   ///< the colliders at one density and the file's mass
+  kRefuse       ///< the file; one that no such body has is a fault
+};
+
 /// Parts of a URDF that a body does not use.
 struct UrdfUse {
-  bool fixed = false;            ///< the root never moves: its inertial is not used
-  bool uniform_density = false;  ///< of inertials only the masses are used
-  bool friction = false;         ///< the URDF's friction is not used: the body has its own
+  bool fixed = false;  ///< the root never moves: its inertial is not used
+  InertiaRule inertia = InertiaRule::kIfPossible;
+  bool friction = false;  ///< the URDF's friction is not used: the body has its own
+};
+
+/// Sum of inertials.
+struct UrdfInertial {
+  MassProperties sum;
+  bool complete = true;  ///< false: one of them has a mass alone
 };
 
 /// One rigid body that a movable joint of a URDF carries.
@@ -27,7 +41,7 @@ struct UrdfMover {
   Pose in_root;               ///< pose of its link's frame in the root link's frame at q = 0
   SceneJoint joint;           ///< in the frame of its link
   std::vector<Shape> shapes;  ///< in the frame of its link
-  std::optional<MassProperties> inertial;  ///< in the frame of its link
+  std::optional<UrdfInertial> inertial;  ///< in the frame of its link
 };
 
 /// A URDF as one rigid body in the frame of its root link, and the bodies that joints connect to
@@ -38,7 +52,7 @@ struct UrdfBody {
   std::vector<Shape> shapes;            ///< every collision element of every link
   std::vector<std::string> mesh_files;  ///< paths of the meshes it names
   Diagnostics notices;  ///< differences from the file, and content that is not applied
-  std::optional<MassProperties> inertial;  ///< sum of the inertials; empty when no link has one
+  std::optional<UrdfInertial> inertial;    ///< empty when no link has one
   std::vector<Eigen::Vector3d> ballast_m;  ///< centres of inertials of links without a collider
   std::optional<double> friction;          ///< from extensions of Bullet or Gazebo, 0 .. 2
 };

@@ -17,6 +17,7 @@ namespace wholehand {
 
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
@@ -103,6 +104,58 @@ double meshDistance(const Shape& shape, const Vector3d& p) {
     largest = std::max(largest, normal.dot(p - a));
   }
   return largest;
+}
+
+/// Half the extent of a shape's box in its own frame; not of a mesh.
+Vector3d halfBox(const Shape& shape) {
+  const double end_m = shape.type == ShapeType::kSphere    ? shape.radius_m
+                       : shape.type == ShapeType::kCapsule ? shape.radius_m + shape.length_m / 2.0
+                                                           : shape.length_m / 2.0;
+  return shape.type == ShapeType::kBox ? shape.half_extents_m
+                                       : Vector3d(shape.radius_m, shape.radius_m, end_m);
+}
+
+constexpr int kOverlapCells = 24;  ///< of the grid along each side of the box of an overlap
+
+/// The part of `shape` that lies within earlier shapes, those with a box, at unit density.
+MassProperties countedAgain(const Shape& shape, const std::vector<Shape>& shapes,
+                            const std::vector<AlignedBox3d>& boxes) {
+  const AlignedBox3d own = boxOf(shape);
+  AlignedBox3d room;
+  std::vector<const Shape*> near;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const AlignedBox3d common = own.intersection(boxes[i]);
+    if (common.isEmpty() || !(common.volume() > 0.0)) continue;
+    room.extend(common);
+    near.push_back(&shapes[i]);
+  }
+  if (near.empty()) return {};
+  const Vector3d cell_m = room.sizes() / kOverlapCells;
+  double count = 0.0;
+  Vector3d first = Vector3d::Zero();
+  Matrix3d second = Matrix3d::Zero();
+  for (int n = 0; n < kOverlapCells * kOverlapCells * kOverlapCells; ++n) {
+    const Vector3d place(n % kOverlapCells, n / kOverlapCells % kOverlapCells,
+                         n / (kOverlapCells * kOverlapCells));
+    const Vector3d p = room.min() + cell_m.cwiseProduct(place + Vector3d::Constant(0.5));
+    if (signedDistance(shape, p) > 0.0 ||
+        std::none_of(near.begin(), near.end(),
+                     [&](const Shape* other) { return signedDistance(*other, p) <= 0.0; })) {
+      continue;
+    }
+    const Vector3d from = p - room.min();
+    count += 1.0;
+    first += from;
+    second += from * from.transpose();
+  }
+  if (count == 0.0) return {};
+  const double volume_m3 = cell_m.prod();
+  const Vector3d center = first / count;
+  // A cell has a second moment of its own, h²/12 along each side h.
+  const Matrix3d own_m2 = Matrix3d((cell_m.cwiseAbs2() / 12.0).asDiagonal());
+  const Matrix3d central =
+      volume_m3 * (second - count * center * center.transpose() + count * own_m2);
+  return {count * volume_m3, room.min() + center, central.trace() * Matrix3d::Identity() - central};
 }
 
 ShapeMoments momentsInShapeFrame(const Shape& shape) {
@@ -229,15 +282,47 @@ double positionOn(const SceneJoint& joint, const Pose& start, const Pose& pose) 
   return std::clamp(q, joint.least, joint.most);
 }
 
-MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg) {
-  MassProperties unit;  // at unit density: numbers in kg are in m³ here
+std::vector<Vector3d> boundingPoints(const Shape& shape) {
+  std::vector<Vector3d> points;
+  const auto add = [&](const Vector3d& p) { points.emplace_back(shape.in_body * p); };
+  if (shape.type == ShapeType::kConvexMesh) {
+    for (const Vector3d& p : shape.points_m) add(p);
+    return points;
+  }
+  const Vector3d half_m = halfBox(shape);
+  for (int i = 0; i < 8; ++i) {
+    const Vector3d sign((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
+                        (i & 4) != 0 ? 1.0 : -1.0);
+    add(sign.cwiseProduct(half_m));
+  }
+  return points;
+}
+
+AlignedBox3d boxOf(const Shape& shape) {
+  AlignedBox3d box;
+  for (const Vector3d& p : boundingPoints(shape)) box.extend(p);
+  return box;
+}
+
+ShapeMoments moments(const std::vector<Shape>& shapes) {
+  MassProperties sum;  // at unit density: numbers in kg are in m³ here
+  std::vector<AlignedBox3d> boxes;
   for (const Shape& shape : shapes) {
     const ShapeMoments m = moments(shape);
-    unit = combined(unit, {m.volume_m3, m.center_m, m.inertia_m5});
+    sum = combined(sum, {m.volume_m3, m.center_m, m.inertia_m5});
+    const MassProperties again = countedAgain(shape, shapes, boxes);
+    if (again.mass_kg > 0.0) {
+      sum = combined(sum, {-again.mass_kg, again.com_m, -again.inertia_kg_m2});
+    }
+    boxes.push_back(boxOf(shape));
   }
-  if (!(unit.mass_kg > 0.0)) return {};
-  const double density = mass_kg / unit.mass_kg;
-  return {mass_kg, unit.com_m, density * unit.inertia_kg_m2};
+  return {sum.mass_kg, sum.com_m, sum.inertia_kg_m2};
+}
+
+MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg) {
+  const ShapeMoments unit = moments(shapes);
+  if (!(unit.volume_m3 > 0.0)) return {};
+  return {mass_kg, unit.center_m, mass_kg / unit.volume_m3 * unit.inertia_m5};
 }
 
 MassProperties combined(const MassProperties& a, const MassProperties& b) {

@@ -6,6 +6,7 @@
 #include "schema_enums.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <cmath>
 #include <limits>
@@ -146,6 +147,14 @@ struct ShapeMoments {
   Eigen::Matrix3d inertia_m5 = Eigen::Matrix3d::Zero();
 };
 [[nodiscard]] ShapeMoments moments(const Shape& shape);
+/// The same for the union of shapes, as a sum. Where shapes overlap, a midpoint sum over a grid
+/// takes off what the sum counts more than once (within 1 % of the overlap).
+[[nodiscard]] ShapeMoments moments(const std::vector<Shape>& shapes);
+
+/// The smallest box along the body's axes that surely contains a shape [m].
+[[nodiscard]] Eigen::AlignedBox3d boxOf(const Shape& shape);
+/// Points in the body frame whose convex hull contains a shape [m].
+[[nodiscard]] std::vector<Eigen::Vector3d> boundingPoints(const Shape& shape);
 
 /// Distance from a point to the shape's surface, negative inside [m]; point in the body frame. For
 /// a convex mesh, the largest face distance (exact inside and at faces, a lower bound outside).
@@ -158,8 +167,7 @@ struct MassProperties {
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass
 };
 
-/// Mass properties of shapes with a common density and this total mass [kg]. Overlapping volume
-/// counts once per shape.
+/// Mass properties of the union of shapes with one density and this total mass [kg].
 [[nodiscard]] MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg);
 
 /// Mass properties of two rigidly joined bodies (parallel axes); both in the same frame.

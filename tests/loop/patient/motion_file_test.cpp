@@ -112,7 +112,10 @@ TEST(MotionFile, FaultInTheHeader_NamesItsColumn) {
   EXPECT_CONTAINS(faultsOf("x_m\n0\n1\n"), "time_s: is missing");
   EXPECT_CONTAINS(faultsOf("time_s\n0\n1\n"), "has no axis column");
   EXPECT_CONTAINS(faultsOf("time_s,x\n0,0\n1,1\n"), "column 2 = x: has no known unit");
-  EXPECT_CONTAINS(faultsOf("time_s,x_mm\n0,0\n1,1\n"), "column 2 = x_mm: has no known unit");
+  EXPECT_CONTAINS(faultsOf("time_s,x_in\n0,0\n1,1\n"), "column 2 = x_in: has no known unit");
+  EXPECT_CONTAINS(faultsOf("time_m,x_m\n0,0\n1,1\n"), "column 1 = time_m: is a time in the unit");
+  EXPECT_CONTAINS(faultsOf("time_s,x_ms\n0,0\n1,1\n"), "column 2 = x_ms: has the wrong unit");
+  EXPECT_CONTAINS(faultsOf("time_s,x_m,x_mm\n0,0,0\n1,1,1\n"), "column 3 = x_mm: is the axis x");
   EXPECT_CONTAINS(faultsOf("time_s,figner_flexion_rad\n0,0\n1,1\n"),
                   "column 2 = figner_flexion_rad: is no known axis; use one of x, y, z");
   EXPECT_CONTAINS(faultsOf("time_s,x_rad\n0,0\n1,1\n"), "x is a translation: use _m");
@@ -139,8 +142,8 @@ TEST(MotionFile, FaultInARow_NamesItsLineAndColumn) {
 }
 
 TEST(MotionFile, SeveralFaults_AreAllReportedAndCappedAtTwenty) {
-  const std::string faults = faultsOf("time_s,x_m,y_mm\n0,zero,0\n0,1,1\n2,2\n");
-  EXPECT_CONTAINS(faults, ":1: column 3 = y_mm");
+  const std::string faults = faultsOf("time_s,x_m,y_in\n0,zero,0\n0,1,1\n2,2\n");
+  EXPECT_CONTAINS(faults, ":1: column 3 = y_in");
   EXPECT_CONTAINS(faults, ":2: x_m = zero");
   EXPECT_CONTAINS(faults, ":3: time_s = 0");
   EXPECT_CONTAINS(faults, ":4: has 2 values");
@@ -213,6 +216,40 @@ TEST(MotionFile, TimeWithoutUnit_IsReported) {
   EXPECT_CONTAINS(faultsOf("time,x\n0,0\n1,0.1\n"), "column 2 = x: has no known unit");
   EXPECT_CONTAINS(faultsOf("__time,x_m\n0,0\n1,0.1\n"), "the column __time does not say its unit");
   EXPECT_CONTAINS(faultsOf("%time,x_m\n0,0\n1,0.1\n"), "the column %time does not say its unit");
+}
+
+// The same motion in each unit: factors of the SI brochure, and π/180.
+TEST(MotionFile, UnitsInTheNamesOfColumns_AreConvertedAndSaid) {
+  const auto sample = [&](const std::string& content) {
+    const MotionFile motion = orThrow(loadMotionFile(written(content)));
+    std::vector<double> all = motion.samples.back();
+    all.push_back(motion.time_s.back());
+    return all;
+  };
+  const std::vector<double> si = sample("time_s,x_m,yaw_rad\n0,0,0\n0.5,0.02,0.1\n");
+  for (const char* content : {"time_ms,x_mm,yaw_deg\n0,0,0\n500,20,5.729577951308232\n",
+                              "timestamp_us,x_cm,yaw_rad\n0,0,0\n500000,2,0.1\n",
+                              "Time (s),X (mm),Yaw [deg]\n0,0,0\n0.5,20,5.729577951308232\n",
+                              "t_ns,x_m,yaw_rad\n0,0,0\n500000000,0.02,0.1\n",
+                              "time_msec,Time_s,x_m,yaw_rad\n0,0,0,0\n500,9,0.02,0.1\n"}) {
+    const std::vector<double> read = sample(content);
+    ASSERT_EQ(read.size(), si.size()) << content;
+    for (std::size_t i = 0; i < si.size(); ++i) EXPECT_NEAR(read[i], si[i], 1e-15) << content;
+  }
+  EXPECT_CONTAINS(noticesOf("time_s,x_mm\n0,0\n1,1\n"),
+                  "column 2 = x_mm: is converted: its values times 0.001");
+  EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
+}
+
+TEST(MotionFile, PositionOfAnotherProgram_MustSayWhichAxisPointsUp) {
+  const std::string rows = "Time (s),X (m),Y (m),Z (m)\n0,0,0,0\n1,0.1,0.2,0.3\n";
+  EXPECT_CONTAINS(faultsOf(rows), "put the line \"# up = y\" or \"# up = z\" before");
+  EXPECT_CONTAINS(faultsOf("# up = x\n" + rows), "is no axis that may point up");
+  const MotionFile as_it_is = orThrow(loadMotionFile(written("# up = z\n" + rows)));
+  EXPECT_EQ(as_it_is.samples.back(), (std::vector<double>{0.1, 0.2, 0.3}));
+  // A turn by 90° about x: y becomes z, z becomes -y.
+  const MotionFile turned = orThrow(loadMotionFile(written("# up = y\n" + rows)));
+  EXPECT_EQ(turned.samples.back(), (std::vector<double>{0.1, -0.3, 0.2}));
 }
 
 TEST(MotionFile, ValuesInAnotherUnit_AreReported) {
