@@ -402,8 +402,8 @@ TEST(Kitchen, FaultyFiles_AreReportedWithKeyValueAndRemedy) {
       {kScene, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
       {kScene, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
       {kScene, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
-      {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"",
-       "drawer.urdf", "must be > 0"},
+      {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"much\" iyy=\"0\" izz=\"0\"",
+       "drawer.urdf", "must be a finite number"},
       // The bar stands 10 mm in front of the panel, so that no finger passes behind it.
       {kUrdf, "<origin xyz=\"0.074 0 0\"/>", "<origin xyz=\"0.034 0 0\"/>", "is buried",
        "leave 18 mm free behind its radius of 15 mm"},

@@ -849,9 +849,10 @@ class Reader {
     if (m.complete) m.sum.inertia_kg_m2 = readInertia(*inertia, key);
     const Pose frame = faults_.origin(e, key);
     if (faults_.all().size() > before) return std::nullopt;
-    const std::string why = inertia == nullptr ? "has no <inertia>"
-                            : m.complete       ? inertiaFault(m.sum.inertia_kg_m2)
-                                               : "";
+    std::string why;
+    if (use_.inertia != InertiaRule::kColliders) {
+      why = inertia == nullptr ? "has no <inertia>" : inertiaFault(m.sum.inertia_kg_m2);
+    }
     if (!why.empty() &&
         (use_.inertia == InertiaRule::kFile || use_.inertia == InertiaRule::kRefuse)) {
       faults_.add(inertia != nullptr ? inertia : &e, key + ".inertia", "", why,
