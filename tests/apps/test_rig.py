@@ -313,7 +313,7 @@ class BadInputs(unittest.TestCase):
         for key in ("hand", "scene", "patient", "exercise", "motion", "rendering"):
             with self.assertRaisesRegex(BadInput, "no-such"):
                 Rig(**{key: "no-such"})
-        with self.assertRaisesRegex(BadInput, "engine.*bullet"):
+        with self.assertRaisesRegex(BadInput, "^engine = no-such: is not a known engine; use bullet"):
             Rig(engine="no-such")
         with self.assertRaisesRegex(ValueError, "rate_hz = 5.*must be in"):
             Rig(rate_hz=5)

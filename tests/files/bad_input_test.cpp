@@ -263,6 +263,8 @@ TEST(BadInput, MistakeInGainsPatientOrHand_GivesOneMessageWithPlaceAndRemedy) {
        "\"left\""},
       {"hand", "length_m = 0.1880", "length_m = 188.0", "length_m = 188", "length_m",
        DiagnosticCode::kRange, "[0.05, 0.35] m"},
+      {"hand", "length_m = 0.1880", "length_m = 0.0800", "breadth_m = 0.085", "breadth_m",
+       DiagnosticCode::kInvalid, "exchange the two"},
       {"hand", "index_mcp_flexion = 0.375", "index_mpc_flexion = 0.375", "index_mpc_flexion",
        "synergy.finger_flexion.index_mpc_flexion", "not a joint",
        "did you mean index_mcp_flexion?"},

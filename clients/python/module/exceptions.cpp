@@ -1,6 +1,9 @@
 #include "exceptions.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
+#include <utility>
 
 namespace py = pybind11;
 
@@ -9,6 +12,20 @@ namespace {
 
 PyObject* bad_input = nullptr;
 PyObject* run_ended = nullptr;
+
+/// The words of the program, with its options as arguments of Python: "--engine NAME" is
+/// engine=NAME.
+std::string inPython(std::string words) {
+  for (std::size_t at = 0; (at = words.find("--", at)) != words.npos; ++at) {
+    const std::size_t end = words.find_first_of(" =;,", at);
+    words.erase(at, 2);
+    if (end == words.npos) break;
+    if (words[end - 2] == ' ') words[end - 2] = '=';
+    std::replace(words.begin() + static_cast<std::ptrdiff_t>(at),
+                 words.begin() + static_cast<std::ptrdiff_t>(end - 2), '-', '_');
+  }
+  return words;
+}
 
 }  // namespace
 
@@ -19,9 +36,11 @@ void addExceptions(py::module_& module) {
   module.add_object("RunEnded", py::reinterpret_borrow<py::object>(run_ended));
 }
 
-void refuse(const Diagnostics& why) {
+void refuse(Diagnostics why) {
   py::list items;
-  for (const Diagnostic& d : why) {
+  for (Diagnostic& d : why) {
+    d.key = inPython(std::move(d.key));
+    d.remedy = inPython(std::move(d.remedy));
     items.append(py::dict(py::arg("file") = d.file, py::arg("line") = d.line,
                           py::arg("key") = d.key, py::arg("value") = d.value,
                           py::arg("problem") = d.problem, py::arg("remedy") = d.remedy));

@@ -14,7 +14,7 @@ namespace wholehand::python {
 void addExceptions(pybind11::module_& module);
 
 /// Raises BadInput with every diagnostic as text and in its attribute `diagnostics`.
-[[noreturn]] void refuse(const Diagnostics& why);
+[[noreturn]] void refuse(Diagnostics why);
 
 /// Raises RunEnded: `rig` does not run, and `record` is its last tick.
 [[noreturn]] void refuseEnded(const SimulatedRig& rig, const TickRecord& record);

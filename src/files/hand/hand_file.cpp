@@ -145,6 +145,10 @@ Expected<HandFile> loadHandFile(const std::string& path) {
   // From an infant's hand to the largest on record. Values outside have the wrong unit.
   hand.length_m = root.number("length_m", between(0.05, 0.35, "m"));
   hand.breadth_m = root.number("breadth_m", between(0.02, 0.20, "m"));
+  if (root.isGood("length_m") && root.isGood("breadth_m") && hand.breadth_m >= hand.length_m) {
+    root.fail("breadth_m", "is not less than length_m",
+              "a hand is longer than broad: exchange the two if they are mixed up");
+  }
   hand.mass_kg = root.number("mass_kg", between(0.01, 5.0, "kg"));
   readJoints(root, hand);
   readSynergy(root, hand);
