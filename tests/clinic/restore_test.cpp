@@ -363,9 +363,8 @@ class History {
   int texts_ = 0;
 };
 
-TEST(Restore, RandomHistories_AreTheBackupWithoutAllErasures) {
+void judgeHistories(int histories) {
   auto random = test::seededRandom(5902);
-  const int histories = test::fullCounts() ? 10'000 : test::kReducedCounts ? 3 : 30;
   for (int i = 0; i < histories && !testing::Test::HasFailure(); ++i) {
     const auto seed = random();
     SCOPED_TRACE(fmt::format("history {}, seed {}", i, seed));
@@ -377,6 +376,14 @@ TEST(Restore, RandomHistories_AreTheBackupWithoutAllErasures) {
     }
   }
   fmt::print("figure: {} random histories\n", histories);
+}
+
+TEST(Restore, RandomHistories_AreTheBackupWithoutAllErasures) {
+  judgeHistories(test::kReducedCounts ? 3 : 30);
+}
+
+TEST(Restore, TenThousandHistories_AreTheBackupWithoutAllErasures_slow) {
+  judgeHistories(10'000);
 }
 
 TEST(Restore, MovedVisitOfAnErasedPerson_StaysErasedWithItsNoteAndRecording) {
