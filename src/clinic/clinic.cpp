@@ -278,13 +278,16 @@ void Clinic::carryOut() {
   try {
     records_.open();
     last = lastIntent(records_.db());
-    if (last == 0 || records_.clock().steady_us() < carry_out_again_us_) return;
+    if (last == 0) return;
+    const bool later = records_.clock().steady_us() < carry_out_again_us_;
+    if (later && !(waits_for_readers_ && otherReaders(records_.db().path()).empty())) return;
+    waits_for_readers_ = false;
     const Places places = records_.places();
     std::vector<std::string> left;
     do {
       left = removeErasedFiles(records_.db(), places, records_.clock().now_us());
       if (!erases(records_.db(), last)) break;
-      compact(records_.db());
+      records_.compact();
       const Lines lines = linesOf(records_.db());
       const Kept kept = keptOf(records_.db());
       lock.unlock();  // copies of many patients take a while
@@ -301,6 +304,9 @@ void Clinic::carryOut() {
     } while (true);
     if (!left.empty()) return fail(notRemoved(left));
     finishIntents(records_.db(), last, records_.clock().now_us());
+  } catch (const ReadByOthers& error) {
+    fail(error.what());
+    waits_for_readers_ = !otherReaders(records_.db().path()).empty();
   } catch (const DatabaseError& error) {
     fail(error.what());
   } catch (const Json::exception&) {

@@ -36,7 +36,8 @@ class Clinic {
   /// every minute.
   void backUpIfDue();
   /// Carries out actions over rows and files that are stored and not done, those of an earlier
-  /// process included. After a failure it tries again a minute later. Call every second.
+  /// process included. After a failure it tries again a minute later, and as soon as the programs
+  /// that read the database are gone. Call every second.
   void carryOut();
 
  private:
@@ -66,6 +67,7 @@ class Clinic {
   Visits visits_;
   Trials trials_;
   std::int64_t carry_out_again_us_ = 0;  ///< steady clock: not earlier, after a failure
+  bool waits_for_readers_ = false;       ///< of other programs; earlier once they are gone
   const std::vector<Route> routes_;
 };
 

@@ -11,11 +11,15 @@
 namespace wholehand::clinic {
 namespace {
 
+constexpr int kOperationsBetweenLooks = 1000;  // of a statement, until it looks whether to end
 constexpr int kBusy_ms = 2000;  // waits for another process that holds the lock, e.g. a backup or a
                                 // copy program
 
 [[noreturn]] void fail(sqlite3* db, const std::string& what) {
   const std::string why = db != nullptr ? sqlite3_errmsg(db) : "out of memory";
+  if (db != nullptr && (sqlite3_errcode(db) & 0xFF) == SQLITE_INTERRUPT) {
+    throw ReadEnded(what + ": " + why);
+  }
   throw DatabaseError(what + ": " + why);
 }
 
@@ -125,6 +129,14 @@ void Database::checkFile() const {
                         ": was removed or replaced while it is open; put it back, or "
                         "restore a backup");
   }
+}
+
+void Database::endReadsWhen(std::function<bool()> ends) {
+  ends_ = std::make_unique<std::function<bool()>>(std::move(ends));
+  sqlite3_progress_handler(
+      db_.get(), kOperationsBetweenLooks,
+      [](void* look) { return (*static_cast<std::function<bool()>*>(look))() ? 1 : 0; },
+      ends_.get());
 }
 
 void Database::copyTo(const std::string& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +20,12 @@ struct RowGuard;  // row_digests.hpp
 class DatabaseError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A statement that endReadsWhen() ended.
+class ReadEnded : public DatabaseError {
+ public:
+  using DatabaseError::DatabaseError;
 };
 
 /// Bytes for a BLOB column.
@@ -97,6 +104,8 @@ class Database {
   [[nodiscard]] const std::shared_ptr<RowGuard>& guard() const { return guard_; }
   void setGuard(std::shared_ptr<RowGuard> guard) { guard_ = std::move(guard); }
   [[nodiscard]] sqlite3* handle() const { return db_.get(); }
+  /// From now on a statement throws ReadEnded soon after `ends` returns true.
+  void endReadsWhen(std::function<bool()> ends);
 
  private:
   struct Close {
@@ -105,6 +114,7 @@ class Database {
   [[nodiscard]] int changes() const;
   std::string path_;
   std::shared_ptr<RowGuard> guard_;  ///< outlives the connection, whose functions use it
+  std::unique_ptr<std::function<bool()>> ends_;  ///< the same
   std::unique_ptr<sqlite3, Close> db_;
   std::uint64_t device_ = 0, inode_ = 0;
 };

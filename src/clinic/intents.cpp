@@ -1,5 +1,6 @@
 #include "clinic/intents.hpp"
 
+#include "clinic/readers.hpp"
 #include "clinic/request.hpp"
 #include "clinic/row_digests.hpp"
 #include "files/text/text_file.hpp"
@@ -163,6 +164,21 @@ Lines eraseFromCopy(const std::string& folder, const std::string& path, const Li
   return after;
 }
 
+void emptyLog(Database& db) {
+  std::vector<std::string> readers = otherReaders(db.path());
+  if (readers.empty()) {
+    // With a reader, SQLite answers a row and no error.
+    Statement row = db.query("PRAGMA wal_checkpoint(TRUNCATE)");
+    if (row.step() && row.integer(0) == 0) return;
+    readers = otherReaders(db.path());
+    if (readers.empty()) readers.emplace_back("another program");
+  }
+  throw ReadByOthers(
+      fmt::format("{}: {} {} it, so that its write-ahead log still holds what was"
+                  " erased: end that program",
+                  db.path(), fmt::join(readers, ", "), readers.size() == 1 ? "reads" : "read"));
+}
+
 }  // namespace
 
 void removeDatabase(const std::string& path) {
@@ -292,13 +308,10 @@ void removeUnnamedHandFiles(Database& db, const std::string& folder) {
 }
 
 void compact(Database& db) {
+  // While somebody reads, each VACUUM would lengthen the log by the whole database.
+  emptyLog(db);
   db.run("VACUUM");
-  // With a reader, SQLite answers a row and no error.
-  Statement row = db.query("PRAGMA wal_checkpoint(TRUNCATE)");
-  if (row.step() && row.integer(0) == 0) return;
-  throw DatabaseError(db.path() +
-                      ": another program reads it, so that its write-ahead log still holds what was"
-                      " erased: end that program");
+  emptyLog(db);
 }
 
 Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept) {

@@ -43,8 +43,14 @@ void storeIntent(Database& db, std::int64_t now_us, const std::string& what,
 /// @return recordings and reports that could not be removed
 [[nodiscard]] std::vector<std::string> removeErasedFiles(Database& db, const Places& places,
                                                          std::int64_t now_us);
-/// Second step: frees the pages of deleted rows, and empties the write-ahead log. Throws while
-/// another program reads the database.
+/// The database cannot be compacted, because other programs read it, which the message names.
+class ReadByOthers : public DatabaseError {
+ public:
+  using DatabaseError::DatabaseError;
+};
+/// Second step: frees the pages of deleted rows, and empties the write-ahead log. Throws
+/// ReadByOthers while another program reads the database.
+/// @pre the readers of this process have ended
 void compact(Database& db);
 /// Third step: erases from every backup and replaced database: copies, erases, verifies, renames.
 /// Needs no database: other threads may use it.

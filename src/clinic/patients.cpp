@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace wholehand::clinic {
@@ -447,33 +448,53 @@ std::string csvOf(Database& db, std::int64_t patient, ExportProgress* progress) 
   return out;
 }
 
-/// Reads the values on a connection of its own, so that other requests go on meanwhile.
+namespace {
+
+/// Releases the lock of the requests while an export reads.
+class Unlocked {
+ public:
+  Unlocked(std::unique_lock<std::mutex>& lock, ExportProgress& progress)
+      : lock_(lock), progress_(progress) {
+    progress_.done = 0;
+    progress_.of = 1;
+    lock_.unlock();
+  }
+  ~Unlocked() {
+    lock_.lock();
+    progress_.of = 0;
+  }
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  std::unique_lock<std::mutex>& lock_;
+  ExportProgress& progress_;
+};
+
+}  // namespace
+
+/// Reads the values on a connection of its own, so that other requests go on meanwhile. An erasure
+/// ends the reading; it begins anew behind the erasure.
 std::string Patients::exported(Call& call, std::int64_t patient) {
   call.transaction->commit();
   call.transaction.reset();
-  if (export_.of != 0) {
-    throw RequestRefusal{409, "busy", "an export is under way; wait for it", {}};
+  while (true) {
+    if (export_.of != 0) {
+      throw RequestRefusal{409, "busy", "an export is under way; wait for it", {}};
+    }
+    if (patient != 0) check(patient);
+    auto turn = std::make_unique<Readers::Turn>(records_.readers());
+    const std::string path = records_.db().path();
+    const Unlocked unlocked(call.lock, export_);
+    try {
+      const auto own = std::move(turn);  // ends before the lock is taken again
+      Database reader(path, Database::Mode::kReadOnly);
+      reader.endReadsWhen([&] { return own->isOver(); });
+      guardByKeys(reader, records_.options().folder, true);
+      return csvOf(reader, patient, &export_);
+    } catch (const ReadEnded&) {  // the erasure has the lock
+    }
   }
-  const std::string folder = records_.options().folder;
-  struct Unlocked {
-    std::unique_lock<std::mutex>& lock;
-    ExportProgress& progress;
-    Unlocked(std::unique_lock<std::mutex>& l, ExportProgress& p) : lock(l), progress(p) {
-      progress.done = 0;
-      progress.of = 1;
-      lock.unlock();
-    }
-    ~Unlocked() {
-      lock.lock();
-      progress.of = 0;
-    }
-    Unlocked(const Unlocked&) = delete;
-    Unlocked& operator=(const Unlocked&) = delete;
-  };
-  const Unlocked unlocked(call.lock, export_);
-  Database reader(folder + "/clinic.db", Database::Mode::kReadOnly);
-  guardByKeys(reader, folder, true);
-  return csvOf(reader, patient, &export_);
 }
 
 Json Patients::exportProgress(Call&) {

@@ -168,10 +168,15 @@ std::vector<std::string> Records::removeErased() {
   std::vector<std::string> left;
   try {
     left = removeErasedFiles(db(), places(), clock_.now_us());
-    compact(db());
+    compact();
   } catch (const DatabaseError&) {  // the intent stays: Clinic::carryOut() tries again
   }
   return left;
+}
+
+void Records::compact() {
+  readers_.end();
+  clinic::compact(db());
 }
 
 Json Records::underWay() {

@@ -4,6 +4,7 @@
 #include "clinic/intents.hpp"
 #include "clinic/keys.hpp"
 #include "clinic/presets/presets.hpp"
+#include "clinic/readers.hpp"
 #include "clinic/request.hpp"
 #include "clinic/text.hpp"
 
@@ -75,6 +76,10 @@ class Records {
   /// rest.
   /// @return recordings and reports that could not be removed
   std::vector<std::string> removeErased();
+  /// Ends this process's readers, then clinic::compact().
+  void compact();
+  /// Readers beside this connection. A turn is taken under the lock of the requests.
+  [[nodiscard]] Readers& readers() { return readers_; }
   /// Actions that are stored and not done yet: kind, time, problem.
   [[nodiscard]] Json underWay();
   [[nodiscard]] Places places() const {
@@ -110,6 +115,7 @@ class Records {
   std::int64_t seen_us_ = 0, seen_boot_us_ = 0;  ///< clocks when watchClock() last looked
   bool jumped_ = false;                          ///< a jump that could not be stored yet
   std::vector<std::string> damaged_;
+  Readers readers_;
 };
 
 }  // namespace wholehand::clinic
