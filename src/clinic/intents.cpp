@@ -329,6 +329,23 @@ Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept
   throw DatabaseError(problem + "; what was erased is still in this copy: delete it, or mend it");
 }
 
+std::vector<std::string> marksInCopies(const Places& places, std::int64_t patient,
+                                       std::int64_t created_us) {
+  std::vector<std::string> out;
+  for (const std::string& path : copiesOf(places)) {
+    try {
+      Database copy(path, Database::Mode::kReadOnly);
+      guardByKeys(copy, places.folder, true);
+      if (!isSound(copy, "patient", patient)) continue;
+      const std::vector<std::string> marks = textsOf(copy.query(
+          "SELECT mark FROM patient WHERE id = ? AND created_us = ?", patient, created_us));
+      out.insert(out.end(), marks.begin(), marks.end());
+    } catch (const DatabaseError&) {  // a damaged copy: an erasure names it
+    }
+  }
+  return out;
+}
+
 bool addLinesOfCopies(Database& db, const Lines& lines) {
   Transaction transaction(db);
   const bool known = std::all_of(lines.begin(), lines.end(),

@@ -56,6 +56,10 @@ void compact(Database& db);
 /// Needs no database: other threads may use it.
 /// @return marks that the copies added
 [[nodiscard]] Lines eraseFromCopies(const Places& places, const Lines& lines, const Kept& kept);
+/// Marks under which backups and replaced databases know a patient.
+/// @param created_us tells the patient from another one with this number
+[[nodiscard]] std::vector<std::string> marksInCopies(const Places& places, std::int64_t patient,
+                                                     std::int64_t created_us);
 /// Adds marks of copies. @return false: the database has them all
 bool addLinesOfCopies(Database& db, const Lines& lines);
 /// Last step.

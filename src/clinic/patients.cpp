@@ -187,27 +187,52 @@ Json Patients::change(Call& call) {
   const std::int64_t id = call.ids.at(0);
   check(id);
   const Json version = call.body.value("version", Json());
-  Statement row = records_.db().query("SELECT version, plan FROM patient WHERE id = ?", id);
+  Statement row = records_.db().query("SELECT version FROM patient WHERE id = ?", id);
   row.step();
   if (!version.is_number_integer() || version.get<std::int64_t>() != row.integer(0)) {
     throw changedMeanwhile("the patient was changed meanwhile; both texts are shown", toJson(id));
   }
-  const Data data = read(call.body);
-  if (records_.db().number("SELECT COUNT(*) FROM patient WHERE code = ? AND id <> ?", data.code,
-                           id) != 0) {
+  store(id, read(call.body));
+  records_.log(call.session.account, "changed", id);
+  return toJson(id);
+}
+
+void Patients::store(std::int64_t id, const Data& data) {
+  Database& db = records_.db();
+  if (db.number("SELECT COUNT(*) FROM patient WHERE code = ? AND id <> ?", data.code, id) != 0) {
     throw RequestRefusal{409, "code_exists", "another patient has the code " + data.code, "code"};
   }
   const std::string plan = clinic::toJson(data.plan).dump();
-  if (plan != row.text(1)) {
-    records_.db().change("UPDATE patient SET plan = ?, plan_n = ? WHERE id = ?", plan,
-                         changesIn(records_.db()) + 1, id);
-  }
-  records_.db().change(
+  db.change("UPDATE patient SET plan = ?1, plan_n = ?2 WHERE id = ?3 AND plan <> ?1", plan,
+            changesIn(db) + 1, id);
+  db.change(
       "UPDATE patient SET version = version + 1, code = ?, side = ?, hands = ?, preset = ?,"
       " parameters = ?, secret = ? WHERE id = ?",
       data.code, data.side, data.hands.dump(), data.preset, Json(data.parameters).dump(),
       Blob{records_.seal("patient", data.secret.dump())}, id);
-  records_.log(call.session.account, "changed", id);
+}
+
+Json Patients::signAgain(Call& call) {
+  const std::int64_t id = call.ids.at(0);
+  check(id);
+  if (isSound(records_.db(), "patient", id)) {
+    throw changedMeanwhile("the patient's row is sound", toJson(id));
+  }
+  if (call.body.value("confirmed", Json()) != true) {
+    throw badValue("confirmed", "look at the person's hand, and confirm its side and size");
+  }
+  const Data data = read(call.body);
+  const SignAgain again(records_.db(), id);
+  store(id, data);
+  // If the mark is what was damaged, an erasure has to find the person in copies by the right one.
+  Statement row = records_.db().query("SELECT created_us, mark FROM patient WHERE id = ?", id);
+  row.step();
+  for (const std::string& mark : marksInCopies(records_.places(), id, row.integer(0))) {
+    if (mark == row.text(1)) continue;
+    records_.db().change("INSERT OR IGNORE INTO merged (patient, mark) VALUES (?, ?)", id, mark);
+  }
+  records_.forgetDamaged(fmt::format("patient {}", id));
+  records_.log(call.session.account, "signed a damaged patient again", id);
   return toJson(id);
 }
 

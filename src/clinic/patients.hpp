@@ -39,6 +39,11 @@ class Patients {
   Json add(Call& call);
   Json change(Call& call);
   Json show(Call& call);
+  /// What can be read of a damaged row: a beginning for signAgain(). Side, hands and limits are
+  /// left to the therapist; `was` says what stands there, `unreadable` names what cannot be read.
+  Json showDamaged(Call& call);
+  /// Replaces a damaged row by values that a therapist has confirmed.
+  Json signAgain(Call& call);
   Json remove(Call& call);
   Json merge(Call& call);
   Json erase(Call& call);
@@ -51,6 +56,7 @@ class Patients {
  private:
   struct Data;
   [[nodiscard]] Data read(const Json& body) const;
+  void store(std::int64_t id, const Data& data);
   [[nodiscard]] Json toJson(std::int64_t id);
   void checkNoOpenVisit(std::int64_t patient);
   [[nodiscard]] std::string exported(Call& call, std::int64_t patient);

@@ -179,6 +179,12 @@ void Records::compact() {
   clinic::compact(db());
 }
 
+void Records::forgetDamaged(const std::string& name) {
+  std::erase_if(damaged_, [&](const std::string& row) {
+    return row == name || row.starts_with(name + " of ");
+  });
+}
+
 Json Records::underWay() {
   Json out = Json::array();
   Statement rows = db().query("SELECT what, at_us, problem FROM intent ORDER BY n");

@@ -96,6 +96,8 @@ class Records {
   void confirmClock();
   /// Names of rows that were damaged when the database was opened.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
+  /// A row that was damaged is sound again. @param name its name, without the code behind it
+  void forgetDamaged(const std::string& name);
   /// Time and folder of the last backup, and the reason if none could be made.
   [[nodiscard]] Json backupFacts() const;
 

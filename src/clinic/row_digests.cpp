@@ -21,6 +21,7 @@ struct RowGuard {
   std::string key;  ///< 32 bytes
   int file = -1;    ///< of the counter; -1: none
   bool aside = false;
+  std::int64_t signed_patient = 0;                          ///< that is signed again; 0: none
   std::map<std::string, std::string, std::less<>> columns;  ///< of each table, with a place for
                                                             ///< the alias
   RowGuard() = default;
@@ -96,19 +97,23 @@ void rowHash(sqlite3_context* context, int count, sqlite3_value** values) {
   sqlite3_result_blob(context, out.data(), static_cast<int>(out.size()), SQLITE_TRANSIENT);
 }
 
-bool isVisit(sqlite3_value* table) {
-  return std::string_view(reinterpret_cast<const char*>(sqlite3_value_text(table))) == "visit";
+bool isTable(sqlite3_value* table, std::string_view name) {
+  return std::string_view(reinterpret_cast<const char*>(sqlite3_value_text(table))) == name;
 }
 
 /// row_hash_kept(...): nothing for a visit that is set aside.
 void rowHashKept(sqlite3_context* context, int count, sqlite3_value** values) {
-  if (guardOf(context).aside && isVisit(values[0])) return sqlite3_result_null(context);
+  if (guardOf(context).aside && isTable(values[0], "visit")) return sqlite3_result_null(context);
   rowHash(context, count, values);
 }
 
 /// row_check(TABLE, ROW, SOUND): an error for a damaged row.
 void rowCheck(sqlite3_context* context, int, sqlite3_value** values) {
-  if (sqlite3_value_int(values[2]) != 0 || (guardOf(context).aside && isVisit(values[0]))) return;
+  const RowGuard& guard = guardOf(context);
+  if (sqlite3_value_int(values[2]) != 0) return;
+  if (guard.aside && isTable(values[0], "visit")) return;
+  const bool signs = sqlite3_value_int64(values[1]) == guard.signed_patient;
+  if (signs && isTable(values[0], "patient")) return;
   const std::string why = fmt::format(
       "row {} of {} is damaged and stays as it is: restore a backup",
       sqlite3_value_int64(values[1]), reinterpret_cast<const char*>(sqlite3_value_text(values[0])));
@@ -335,6 +340,13 @@ SetAside::SetAside(Database& db) : db_(db) {
 }
 SetAside::~SetAside() {
   if (db_.guard()) db_.guard()->aside = false;
+}
+
+SignAgain::SignAgain(Database& db, std::int64_t patient) : db_(db) {
+  if (db_.guard()) db_.guard()->signed_patient = patient;
+}
+SignAgain::~SignAgain() {
+  if (db_.guard()) db_.guard()->signed_patient = 0;
 }
 
 std::int64_t changesIn(Database& db) {

@@ -54,6 +54,18 @@ class SetAside {
   Database& db_;
 };
 
+/// Lets a damaged row of `patient` be changed, which gives it the right digest.
+class SignAgain {
+ public:
+  SignAgain(Database& db, std::int64_t patient);
+  ~SignAgain();
+  SignAgain(const SignAgain&) = delete;
+  SignAgain& operator=(const SignAgain&) = delete;
+
+ private:
+  Database& db_;
+};
+
 /// Number of the last change: in the database, and in the file beside it (empty: there is none).
 [[nodiscard]] std::int64_t changesIn(Database& db);
 struct ChangesBeside {

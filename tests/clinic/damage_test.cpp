@@ -84,6 +84,66 @@ TEST(Damage, ChangedLimit_IsNamedAndNotServed) {
   EXPECT_EQ(b.get("/api/patients")["damaged"], Json::array({"patient 1 of P-001"}));
 }
 
+TEST(Damage, DamagedPatient_IsShownInPartAndSignedAgainByATherapist) {
+  Bench b;
+  const std::int64_t id = b.addPatient("P-001");
+  const std::int64_t visit = b.beginVisit(id);
+  b.finish(visit);
+  const std::string path = fmt::format("/api/patients/{}", id);
+  EXPECT_EQ(b.get(path + "/damaged")["refused"], "changed");  // nothing is damaged
+  for (const std::string set :
+       {"parameters = '{\"effort_limit_arm_n\":9.0}', side = 'left'", "secret = x'00'",
+        "hands = '{', plan = 7, code = 'P-OO1'", "row_digest = NULL"}) {
+    SCOPED_TRACE(set);
+    tamper(b, "UPDATE patient SET " + set);
+    b.restart();
+    const Json shown = b.get(path + "/damaged");
+    ASSERT_EQ(b.status, 200) << shown;
+    // Nothing that bounds a force, and no side, is taken from the damaged row.
+    EXPECT_EQ(shown["side"], "");
+    EXPECT_EQ(shown["hands"], Json::object());
+    EXPECT_EQ(shown["parameters"], Json::object());
+    EXPECT_EQ(shown["preset"], "gentle");
+    EXPECT_EQ(shown["name"], has(set, "secret") ? "" : "Anna Keller");
+    EXPECT_EQ(shown["unreadable"], has(set, "secret")  ? Json::array({"name"})
+                                   : has(set, "hands") ? Json::array({"plan", "hands"})
+                                                       : Json::array());
+    EXPECT_EQ(shown["was"]["side"], has(set, "left") ? "left" : "right");
+    if (has(set, "arm_n")) EXPECT_EQ(shown["was"]["parameters"]["effort_limit_arm_n"], 9.0);
+    Json body = patientOf("P-001");
+    EXPECT_EQ(b.post(path + "/sign_again", body)["field"], "confirmed");
+    EXPECT_EQ(b.get(path)["refused"], "damaged");
+    body["confirmed"] = true;
+    const Json whole = b.post(path + "/sign_again", body);
+    ASSERT_EQ(b.status, 200) << whole;
+    EXPECT_EQ(whole["parameters"], Json::object());
+    EXPECT_EQ(whole["visits"][0]["id"], visit);
+    EXPECT_EQ(b.refused(path + "/sign_again", body), "changed");
+    EXPECT_EQ(b.get("/api/patients")["damaged"], Json::array());
+    EXPECT_EQ(faultsOf(b.options.folder), "");
+    EXPECT_EQ(b.get("/api/log")["log"][0]["what"], "signed a damaged patient again");
+  }
+  b.restart();
+  EXPECT_NE(b.beginVisit(id), 0);
+  EXPECT_LE(b.station.orders.back().parameters.at("effort_limit_arm_n"), 6.0);
+}
+
+TEST(Damage, PatientWithADamagedMark_IsErasedFromBackupsAfterItWasSignedAgain) {
+  Bench b;
+  const std::int64_t id = b.addPatient("GONE-1");
+  const std::string backup = b.options.backups + "/old.db";
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
+  tamper(b, "UPDATE patient SET mark = 'another'");
+  Json body = patientOf("GONE-1");
+  body["confirmed"] = true;
+  b.post(fmt::format("/api/patients/{}/sign_again", id), body);
+  ASSERT_EQ(b.status, 200);
+  b.post(fmt::format("/api/patients/{}/erase", id), {{"code", "GONE-1"}});
+  b.clinic->carryOut();
+  EXPECT_EQ(b.get("/api/patients")["under_way"], Json::array());
+  EXPECT_FALSE(has(textOf(backup), "GONE-1"));
+}
+
 TEST(Damage, VisitWithAWrongOrMissingDigest_IsNamedAndCanBeEnded) {
   Bench b;
   const std::int64_t id = b.addPatient("P-001"), visit = b.beginVisit(id);

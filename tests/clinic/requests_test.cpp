@@ -34,6 +34,8 @@ TEST(Requests, EachRole_IsAnsweredAsDocumented) {
                                  {"POST", "/api/patients", kLocked, kOut, kHidden},
                                  {"GET", "/api/patients/propose", kLocked, kOut, kHidden},
                                  {"GET", "/api/patients/1", kLocked, kOut, kHidden},
+                                 {"GET", "/api/patients/1/damaged", kLocked, kOut, kHidden},
+                                 {"POST", "/api/patients/1/sign_again", kLocked, kOut, kHidden},
                                  {"PUT", "/api/patients/1", kLocked, kOut, kHidden},
                                  {"DELETE", "/api/patients/1", kLocked, kOut, kHidden},
                                  {"POST", "/api/patients/1/visits", kLocked, kOut, kHidden},

@@ -8,7 +8,7 @@ import { texts } from './i18n';
 import type { ClinicContext } from './page';
 import { GoalChoice } from './goals';
 import { planList, select } from './plan';
-import type { OneSide, Patient, PatientText, Presets, Side, Size } from './records';
+import type { DamagedPatient, OneSide, Patient, PatientText, Presets, Side, Size } from './records';
 import { button, Field, once, panel, problemWords, StatusMessage, textInput, type Screen } from './ui';
 import { parameterWords, presetName, sideWords } from './words';
 
@@ -23,6 +23,9 @@ export class PatientForm implements Screen {
   private readonly t = texts().form;
   private typed: FormValues = { ...EMPTY, side: '' };
   private version = 0;
+  /** The row in the records is damaged: saving signs it again. */
+  private damaged: DamagedPatient | undefined;
+  private readonly confirmed = h('input', { type: 'checkbox', id: 'hand-confirmed', 'data-testid': 'hand-confirmed' });
   private presets: Presets | undefined;
   private readonly message = new StatusMessage();
   private readonly fields = new Map<string, Field<HTMLInputElement | HTMLTextAreaElement>>();
@@ -44,9 +47,9 @@ export class PatientForm implements Screen {
     try {
       if (!clinic.presets) clinic.takePresets(await clinic.api.get<Presets>('/api/presets'));
       this.presets = clinic.presets!;
-      const kept = clinic.drafts.get<{ typed: FormValues; version: number }>('form', this.id);
-      if (kept) ({ typed: this.typed, version: this.version } = kept);
-      else if (this.id > 0) this.takePatient(await clinic.api.get<Patient>(`/api/patients/${this.id}`));
+      const kept = clinic.drafts.get<{ typed: FormValues; version: number; damaged?: DamagedPatient }>('form', this.id);
+      if (kept) ({ typed: this.typed, version: this.version, damaged: this.damaged } = kept);
+      else if (this.id > 0) await this.read();
       else {
         const { code } = await clinic.api.get<{ code: string }>('/api/patients/propose');
         const plan = this.presets.plans[0];
@@ -60,6 +63,18 @@ export class PatientForm implements Screen {
     }
   }
 
+  private async read(): Promise<void> {
+    const { api } = this.context.clinic;
+    try {
+      this.takePatient(await api.get<Patient>(`/api/patients/${this.id}`));
+    } catch (problem) {
+      if (!(problem instanceof RefusalError) || problem.code !== 'damaged') throw problem;
+      this.damaged = await api.get<DamagedPatient>(`/api/patients/${this.id}/damaged`);
+      const { name, code, born, number, side, hands, preset, parameters, warnings, plan } = this.damaged;
+      this.typed = { name, code, born, number, side, hands, preset, parameters, warnings, plan };
+    }
+  }
+
   private takePatient(patient: Patient): void {
     const { name, code, born, number, side, hands, preset, parameters, warnings, plan } = patient;
     this.typed = { name, code, born, number, side, hands, preset, parameters, warnings, plan };
@@ -68,7 +83,7 @@ export class PatientForm implements Screen {
 
   private change(part: Partial<FormValues>): void {
     this.typed = { ...this.typed, ...part };
-    this.context.clinic.drafts.set('form', this.id, { typed: this.typed, version: this.version });
+    this.context.clinic.drafts.set('form', this.id, { typed: this.typed, version: this.version, damaged: this.damaged });
   }
 
   private field(key: 'name' | 'code' | 'born' | 'number' | 'warnings', attributes: Readonly<Record<string, string | number | boolean>> = {}, wide = false): HTMLElement {
@@ -112,13 +127,26 @@ export class PatientForm implements Screen {
     });
     const plan = panel(t.plan, 'planned', goals.element, h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), start), this.planned);
     const form = h('form', { class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan),
-      h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, back, save));
+      h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, this.damaged ? h('label', { class: 'tick', for: 'hand-confirmed' }, this.confirmed, t.damaged.confirm) : null, back, save));
+    if (this.damaged) this.showDamaged(this.damaged);
     form.addEventListener('submit', (event) => { event.preventDefault(); void once(save, () => this.save()); });
     this.element.replaceChildren(this.both, form);
     this.showHands();
     this.showNumbers();
     this.showPlan();
     this.fields.get(this.typed.name === '' ? 'name' : 'code')?.input.focus();
+  }
+
+  /** What the damaged row says, for comparison. None of it is taken over unseen. */
+  private showDamaged({ was, unreadable }: DamagedPatient): void {
+    const { t } = this;
+    const sides: Readonly<Record<string, string>> = texts().sides;
+    const hands = Object.entries(was.hands).map(([side, size]) => `${sides[side] ?? side} ${JSON.stringify(size)}`);
+    const parameters = Object.entries(was.parameters).map(([name, value]) => (typeof value === 'number' ? parameterWords(name, value).join(' ') : name));
+    const rows = [[t.fields.side, sides[was.side] ?? was.side], [t.fields.hands, hands.join(', ')], [t.fields.preset, [presetName(was.preset), ...parameters].join(', ')]];
+    this.both.replaceChildren(h('section', { class: 'panel both', role: 'alert', 'data-testid': 'damaged-patient' }, h('h2', {}, t.damaged.title), h('p', {}, t.damaged.words),
+      h('dl', { class: 'facts' }, ...rows.map(([name, words]) => h('div', {}, h('dt', {}, name), h('dd', {}, words)))),
+      unreadable.length > 0 ? h('p', { class: 'warning' }, fill(t.damaged.unreadable, { fields: unreadable.map((key) => t.fields[key as keyof typeof t.fields] ?? key).join(', ') })) : null));
   }
 
   private planChoices(): (readonly [string, string])[] {
@@ -203,10 +231,16 @@ export class PatientForm implements Screen {
     if (future) this.refuse('born', t.bornLater);
     if (typed.name.trim() === '') this.refuse('name', t.noName);
     if (future || typed.side === '' || typed.name.trim() === '') return;
+    if (this.damaged && !this.confirmed.checked) {
+      this.message.show(t.damaged.confirmFirst);
+      return this.confirmed.focus();
+    }
     const hands = Object.fromEntries(Object.entries(typed.hands).filter(([side]) => typed.side === 'both' || side === typed.side));
     const body = { ...typed, name: typed.name.trim(), code: typed.code.trim(), hands };
     try {
-      const saved = this.id > 0
+      const saved = this.damaged
+        ? await clinic.api.send<Patient>('POST', `/api/patients/${this.id}/sign_again`, { ...body, confirmed: true })
+        : this.id > 0
         ? await clinic.api.send<Patient>('PUT', `/api/patients/${this.id}`, { ...body, version: this.version })
         : await clinic.api.send<Patient>('POST', '/api/patients', body);
       clinic.drafts.drop('form', this.id);

@@ -14,7 +14,7 @@ import { PatientPicker } from './picker';
 import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
-import { besideTitle, button, Field, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
+import { besideTitle, button, Field, link, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { activeWords, clock, bornWords, itemWords, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
 
 /** Number of visits that are listed at first. */
@@ -86,7 +86,7 @@ export class PatientScreen implements Screen {
       if (patient.visits.some(({ trials }) => trials.some(({ state }) => state === 'waiting'))) this.timer = setTimeout(() => void this.read(), MEASURED_MS);
     } catch (problem) {
       if (this.closed) return;
-      if (problem instanceof RefusalError && problem.code === 'damaged') return this.element.replaceChildren(h('section', { class: 'panel narrow' }, h('p', { class: 'said', role: 'alert' }, problemWords(problem)), gentleOffer(this.context)));
+      if (problem instanceof RefusalError && problem.code === 'damaged') return this.element.replaceChildren(h('section', { class: 'panel narrow' }, h('p', { class: 'said', role: 'alert' }, problemWords(problem)), link(this.t.signAgain, { at: 'edit', patient: this.id }, 'sign-again'), gentleOffer(this.context)));
       this.failedSince ??= new Date();
       const seen = clinic.seen.get(`/api/patients/${this.id}`);
       if (!this.patient && seen) this.build(this.patient = seen.value as Patient);

@@ -104,6 +104,15 @@ export interface PatientText {
   readonly plan: readonly Item[];
 }
 
+/** What can be read of a damaged patient. Side, hands and limits are chosen anew. */
+export interface DamagedPatient extends Omit<PatientText, 'side'> {
+  readonly side: '';
+  /** What the damaged row says. */
+  readonly was: { readonly side: string; readonly hands: Readonly<Record<string, unknown>>; readonly preset: string; readonly parameters: Readonly<Record<string, unknown>> };
+  /** Names of fields that cannot be read. */
+  readonly unreadable: readonly string[];
+}
+
 export interface Note {
   readonly id: number;
   readonly visit: number;
