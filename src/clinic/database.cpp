@@ -11,6 +11,7 @@
 namespace wholehand::clinic {
 namespace {
 
+constexpr std::size_t kMostIdle = 200;
 constexpr int kOperationsBetweenLooks = 1000;  // of a statement, until it looks whether to end
 constexpr int kBusy_ms = 2000;  // waits for another process that holds the lock, e.g. a backup or a
                                 // copy program
@@ -25,7 +26,33 @@ constexpr int kBusy_ms = 2000;  // waits for another process that holds the lock
 
 }  // namespace
 
-Statement::Statement(sqlite3* db, std::string_view sql) : db_(db) {
+IdleStatements::~IdleStatements() {
+  for (const auto& [sql, statement] : statements_) sqlite3_finalize(statement);
+}
+
+sqlite3_stmt* IdleStatements::take(std::string_view sql) {
+  const auto found = statements_.find(std::string(sql));
+  if (found == statements_.end()) return nullptr;
+  sqlite3_stmt* const statement = found->second;
+  statements_.erase(found);
+  return statement;
+}
+
+void IdleStatements::put(sqlite3_stmt* statement) {
+  sqlite3_reset(statement);
+  sqlite3_clear_bindings(statement);
+  const std::string sql = sqlite3_sql(statement);
+  // Some PRAGMAs act when they are prepared.
+  if (statements_.size() < kMostIdle && !sql.starts_with("PRAGMA")) {
+    statements_.emplace(sql, statement);
+  } else {
+    sqlite3_finalize(statement);
+  }
+}
+
+Statement::Statement(sqlite3* db, std::string_view sql, const std::shared_ptr<IdleStatements>& idle)
+    : db_(db), statement_(idle->take(sql), Release{idle}) {
+  if (statement_) return;
   sqlite3_stmt* statement = nullptr;
   const int code =
       sqlite3_prepare_v2(db, sql.data(), static_cast<int>(sql.size()), &statement, nullptr);
@@ -33,8 +60,12 @@ Statement::Statement(sqlite3* db, std::string_view sql) : db_(db) {
   check(code);
 }
 
-void Statement::Finalize::operator()(sqlite3_stmt* statement) const {
-  sqlite3_finalize(statement);
+void Statement::Release::operator()(sqlite3_stmt* statement) const {
+  if (const auto there = idle.lock()) {
+    there->put(statement);
+  } else {
+    sqlite3_finalize(statement);
+  }
 }
 
 void Statement::check(int code) const {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 struct sqlite3;
@@ -33,10 +34,26 @@ struct Blob {
   std::string_view bytes;
 };
 
+/// Prepared statements of a connection that are not in use: most requests run the same ones, and
+/// SQLite takes longer to prepare a statement with its triggers than to run it.
+class IdleStatements {
+ public:
+  IdleStatements() = default;
+  IdleStatements(const IdleStatements&) = delete;
+  IdleStatements& operator=(const IdleStatements&) = delete;
+  ~IdleStatements();
+  /// A statement with this text; null: there is none.
+  [[nodiscard]] sqlite3_stmt* take(std::string_view sql);
+  void put(sqlite3_stmt* statement);
+
+ private:
+  std::unordered_multimap<std::string, sqlite3_stmt*> statements_;
+};
+
 /// A prepared statement. Columns and parameters count from 0. Throws DatabaseError.
 class Statement {
  public:
-  Statement(sqlite3* db, std::string_view sql);
+  Statement(sqlite3* db, std::string_view sql, const std::shared_ptr<IdleStatements>& idle);
 
   void bind(int at, std::int64_t value);
   void bind(int at, int value) { bind(at, std::int64_t{value}); }
@@ -55,12 +72,14 @@ class Statement {
   [[nodiscard]] std::string text(int column) const;
 
  private:
-  struct Finalize {
+  /// Puts a statement back, or finalizes it when its connection is gone.
+  struct Release {
+    std::weak_ptr<IdleStatements> idle;
     void operator()(sqlite3_stmt* statement) const;
   };
   void check(int code) const;
   sqlite3* db_;
-  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  std::unique_ptr<sqlite3_stmt, Release> statement_;
 };
 
 /// A connection to the database: WAL, synchronous = FULL, foreign keys, secure_delete. One thread
@@ -74,7 +93,7 @@ class Database {
   void run(const std::string& sql);
   template <class... Values>
   Statement query(std::string_view sql, const Values&... values) {
-    Statement statement(db_.get(), sql);
+    Statement statement(db_.get(), sql, idle_);
     int at = 0;
     (statement.bind(at++, values), ...);
     return statement;
@@ -116,6 +135,7 @@ class Database {
   std::shared_ptr<RowGuard> guard_;  ///< outlives the connection, whose functions use it
   std::unique_ptr<std::function<bool()>> ends_;  ///< the same
   std::unique_ptr<sqlite3, Close> db_;
+  std::shared_ptr<IdleStatements> idle_ = std::make_shared<IdleStatements>();  ///< goes before db_
   std::uint64_t device_ = 0, inode_ = 0;
 };
 
