@@ -29,11 +29,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostNamed = 20;
 
-/// Numbers of notes begin anew, above those that pages draw (schema/004.sql).
+/// Numbers of notes go on at random above all that are known: SQLite takes no number below the
+/// largest of the table, and the next one may be that of an erased note.
 constexpr const char* kDrawNotes =
-    "DELETE FROM sqlite_sequence WHERE name = 'note';"
-    "INSERT INTO sqlite_sequence VALUES ('note', 281474976710656 + (abs(random()) % 1048576) *"
-    " 4294967296)";
+    "UPDATE sqlite_sequence SET seq = max(seq, (SELECT COALESCE(MAX(id), 0) FROM note),"
+    " (SELECT COALESCE(MAX(CAST(substr(line, 6) AS INTEGER)), 0) FROM mark WHERE line LIKE 'note"
+    " %')) + (1 + abs(random()) % 1048576) * 16777216 WHERE name = 'note'";
 
 std::string folderOf(const std::string& file) {
   const fs::path folder = fs::path(file).parent_path();

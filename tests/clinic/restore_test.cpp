@@ -386,6 +386,29 @@ TEST(Restore, TenThousandHistories_AreTheBackupWithoutAllErasures_slow) {
   judgeHistories(10'000);
 }
 
+TEST(Restore, NotesAfterARestore_HaveNumbersThatNoErasedNoteHad) {
+  Bench b;
+  const std::int64_t stays = b.addPatient("P-001");
+  b.post(fmt::format("/api/patients/{}/notes", stays), {{"text", "first"}});
+  const std::string backup = b.options.backups + "/old.db";
+  ASSERT_TRUE(backUp(b.options.folder, backup, b.clock.now).ok());
+  std::int64_t largest = 0;
+  for (int i = 0; i < 6; ++i) {
+    const std::int64_t gone = b.addPatient("GONE-1");
+    b.post(fmt::format("/api/patients/{}/notes", gone), {{"text", "erased"}});
+    const Json notes = b.get(fmt::format("/api/patients/{}", gone))["notes"];
+    ASSERT_EQ(notes.size(), 1U) << "restore " << i;
+    EXPECT_GT(notes[0]["id"], largest);
+    largest = notes[0]["id"];
+    b.post(fmt::format("/api/patients/{}/erase", gone), {{"code", "GONE-1"}});
+    b.clinic->carryOut();
+    b.clinic.reset();
+    ASSERT_TRUE(restoreBackup(backup, b.options.folder, b.clock.now).ok());
+    b.restart();
+  }
+  EXPECT_EQ(b.get(fmt::format("/api/patients/{}", stays))["notes"].size(), 1U);
+}
+
 TEST(Restore, MovedVisitOfAnErasedPerson_StaysErasedWithItsNoteAndRecording) {
   Bench b;
   const std::int64_t a = b.addPatient("A-1"), gone = b.addPatient("B-1");
