@@ -134,8 +134,20 @@ std::vector<Clinic::Route> Clinic::routes() {
   };
 }
 
+std::unique_lock<std::mutex> Clinic::turnOf(const Request& request) {
+  if (request.method != "GET") {
+    ++changes_waiting_;
+    std::unique_lock lock(mutex_);
+    if (--changes_waiting_ == 0) changes_waiting_.notify_all();
+    return lock;
+  }
+  const std::lock_guard turn(reads_);
+  for (int n = changes_waiting_; n != 0; n = changes_waiting_) changes_waiting_.wait(n);
+  return std::unique_lock(mutex_);
+}
+
 Answer Clinic::answer(const Request& request) {
-  std::unique_lock lock(mutex_);
+  std::unique_lock lock = turnOf(request);
   Call call{request, lock};
   const auto refuse = [&](const RequestRefusal& refused) {
     call.transaction.reset();

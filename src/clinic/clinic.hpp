@@ -11,6 +11,7 @@
 #include "clinic/upkeep.hpp"
 #include "clinic/visits.hpp"
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <vector>
@@ -50,6 +51,9 @@ class Clinic {
     std::function<Json(Call&)> handler;
   };
   [[nodiscard]] std::vector<Route> routes();
+  /// Locks the clinic for a request. What changes something goes before what reads: at most one
+  /// read waits for the lock, the others for their turn.
+  [[nodiscard]] std::unique_lock<std::mutex> turnOf(const Request& request);
   void route(Call& call);
   void perform(Call& call, const Route& route);
   Json state(Call& call);
@@ -58,7 +62,9 @@ class Clinic {
   Json signOut(Call& call);
 
   Station& station_;
-  std::mutex mutex_;  ///< guards the members below
+  std::mutex reads_;                     ///< held by the read that waits for the lock
+  std::atomic<int> changes_waiting_{0};  ///< requests that change something and wait for the lock
+  std::mutex mutex_;                     ///< guards the members below
   Records records_;
   Accounts accounts_{records_};
   Upkeep upkeep_{records_};

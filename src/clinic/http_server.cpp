@@ -35,7 +35,8 @@ constexpr std::uint32_t kLargestHeader_bytes = 16 * 1024;
 /// occupies the processors of this machine.
 constexpr std::chrono::milliseconds kTooLargeWait{500};
 constexpr std::chrono::seconds kPatience{10};
-constexpr int kMostConnections = 64, kThreads = 4;
+/// More threads than pages, so that a note does not wait behind lists for one.
+constexpr int kMostConnections = 64, kThreads = 16;
 constexpr unsigned kTooLarge = 413;
 
 int hexDigit(char c) {
