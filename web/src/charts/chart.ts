@@ -2,6 +2,7 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h } from '../shared/dom';
+import { LabelPlaces } from '../shared/label_places';
 import './chart.css';
 import { logarithmicNumbers, rangeOf, type ChartLine } from './chart_range';
 
@@ -170,44 +171,39 @@ function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
 }
 
 function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void {
-  const { ctx, bbox } = plot;
-  const dots = FINER * devicePixelRatio;
-  const taken: { left: number; right: number }[] = [];
-  let line = -Infinity;
+  const { ctx, bbox } = plot, dots = FINER * devicePixelRatio, end = bbox.left + bbox.width;
+  // Faults are labelled first; a label without room is left out, since the table has it.
+  const seen = [...marks.filter(({ bad }) => bad), ...marks.filter(({ bad }) => !bad)]
+    .map((mark) => ({ ...mark, x: plot.valToPos(mark.at, 'x', true) })).filter(({ x }) => x >= bbox.left && x <= end);
   ctx.save();
   ctx.textAlign = 'left';
-  // Faults are labelled first; a label without room is left out, since the table has it.
-  for (const { at, label, bad } of [...marks.filter((mark) => mark.bad), ...marks.filter((mark) => !mark.bad)]) {
-    const x = plot.valToPos(at, 'x', true);
-    if (!(x >= bbox.left && x <= bbox.left + bbox.width)) continue;
+  let line = -Infinity;
+  for (const { x, bad } of seen) {
+    // Hundreds of lines would hide the data: close ones are merged.
+    if (Math.abs(x - line) < 4 * dots) continue;
+    line = x;
     ctx.strokeStyle = bad ? colors.bad : colors.mark;
-    ctx.fillStyle = bad ? colors.bad : colors.words;
     ctx.lineWidth = (bad ? 1.6 : 0.8) * dots;
     ctx.setLineDash(bad ? [] : [2 * dots, 2 * dots]);
-    // Hundreds of lines would hide the data: close ones are merged.
-    if (Math.abs(x - line) >= 4 * dots) {
-      ctx.beginPath();
-      ctx.moveTo(x, bbox.top);
-      ctx.lineTo(x, bbox.top + bbox.height);
-      ctx.stroke();
-      line = x;
-    }
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  }
+  // Labels are drawn over all lines, on a background that keeps them readable.
+  const places = new LabelPlaces(end, 3 * dots);
+  ctx.setLineDash([]);
+  ctx.lineWidth = 3 * dots;
+  ctx.lineJoin = 'round';
+  ctx.strokeStyle = colors.paper;
+  for (const { x, label, bad } of seen) {
     if (label === '') continue;
     // Signs such as circled numbers need a larger size to be readable.
     ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
-    const width = ctx.measureText(label).width;
-    const left = x + 3 * dots + width > bbox.left + bbox.width ? x - 3 * dots - width : x + 3 * dots;
-    const place = { left: left - 4 * dots, right: left + width + 4 * dots };
-    if (taken.some((other) => place.left < other.right && place.right > other.left)) continue;
-    taken.push(place);
-    // A background keeps labels readable over lines.
-    ctx.save();
-    ctx.setLineDash([]);
-    ctx.lineWidth = 3 * dots;
-    ctx.lineJoin = 'round';
-    ctx.strokeStyle = colors.paper;
+    const left = places.place(x, ctx.measureText(label).width);
+    if (left === undefined) continue;
+    ctx.fillStyle = bad ? colors.bad : colors.words;
     ctx.strokeText(label, left, bbox.top + 11 * dots);
-    ctx.restore();
     ctx.fillText(label, left, bbox.top + 11 * dots);
   }
   ctx.restore();

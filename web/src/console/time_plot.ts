@@ -1,4 +1,5 @@
 import uPlot from 'uplot';
+import { LabelPlaces } from '../shared/label_places';
 import { h } from './dom';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
@@ -15,8 +16,8 @@ const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-
 /** A limit is drawn when the data reach this share of it. */
 const LIMIT_NEAR = 0.45;
 
-/** An interval of the canvas [px]. */
-interface PixelRange { readonly left: number; readonly right: number }
+/** Height of the row of labels [px]. */
+const ROW_PX = 18;
 
 const NOTHING: Span = { from_s: 0, to_s: 1 };
 /** A shorter drag is a click [px]. */
@@ -192,33 +193,60 @@ export class TimePlot {
     context.save();
     context.textAlign = 'left';
     context.textBaseline = 'alphabetic';
-    this.drawLimits(plot, ratio);
-    this.drawMarks(plot, ratio);
+    const places = new LabelPlaces(plot.bbox.left + plot.bbox.width, 5 * ratio);
+    this.drawLimits(plot, ratio, places);
+    this.drawMarks(plot, ratio, places);
     context.restore();
   }
 
-  /** Marks of faults are labelled first; a label that would overlap another one is left out. */
-  private drawMarks(plot: uPlot, ratio: number): void {
-    const { from_s, to_s } = this.window;
-    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s);
-    const taken: PixelRange[] = [];
-    for (const mark of [...seen.filter(({ bad }) => bad), ...seen.filter(({ bad }) => !bad)]) {
-      const name = this.drawMark(plot, mark, ratio, taken);
-      if (name) taken.push(name);
+  /** Lines first, then labels over all of them; those of faults have the first choice of a place. */
+  private drawMarks(plot: uPlot, ratio: number, places: LabelPlaces): void {
+    const { from_s, to_s } = this.window, { ctx: context, bbox } = plot;
+    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s).map((mark) => ({ ...mark, x: Math.round(plot.valToPos(mark.time_s, 'x', true)) }));
+    const colored = (bad: boolean): void => {
+      context.strokeStyle = bad ? this.theme.bad : this.theme.line2;
+      context.fillStyle = bad ? this.theme.bad : this.theme.ink2;
+      context.font = scaled(bad ? FONT_BAD : FONT_SIGN, ratio);
+    };
+    for (const { x, bad } of seen) {
+      colored(bad);
+      context.lineWidth = (bad ? 2 : 1) * ratio;
+      context.setLineDash(bad ? [] : [2 * ratio, 3 * ratio]);
+      context.beginPath();
+      context.moveTo(x, bbox.top);
+      context.lineTo(x, bbox.top + bbox.height);
+      context.stroke();
+    }
+    for (const { x, bad, label } of [...seen.filter((mark) => mark.bad), ...seen.filter((mark) => !mark.bad)]) {
+      // A stop is labelled once, at the top; its line crosses all plots.
+      if (label === '' || (bad && this.spec.id !== 'hand')) continue;
+      colored(bad);
+      const left = places.place(x, context.measureText(label).width);
+      if (left !== undefined) this.writeOver(context, label, left, bbox.top + 13 * ratio, ratio);
     }
   }
 
+  /** Text on a background that keeps it readable over lines. */
+  private writeOver(context: CanvasRenderingContext2D, words: string, left: number, y: number, ratio: number): void {
+    context.setLineDash([]);
+    context.lineJoin = 'round';
+    context.lineWidth = 4 * ratio;
+    context.strokeStyle = this.theme.color('--panel');
+    context.strokeText(words, left, y);
+    context.fillText(words, left, y);
+  }
+
   /** Draws limits of the axes that come near theirs, or the common limit of all; several limits are labelled with their axes. */
-  private drawLimits(plot: uPlot, ratio: number): void {
+  private drawLimits(plot: uPlot, ratio: number, places: LabelPlaces): void {
     const values = [...new Set(this.limits.map(({ limit }) => limit))];
     const drawn = values.length === 1 ? values : values.filter((value) => this.near.some(({ limit }) => limit === value));
     for (const value of drawn) {
       const whose = values.length === 1 ? '' : `, ${this.near.filter(({ limit }) => limit === value).map(({ name }) => name).join(', ')}`;
-      for (const signed of [value, -value]) this.drawLimit(plot, signed, `${this.words.limit}${whose}`, ratio);
+      for (const signed of [value, -value]) this.drawLimit(plot, signed, `${this.words.limit}${whose}`, ratio, places);
     }
   }
 
-  private drawLimit(plot: uPlot, value: number, words: string, ratio: number): void {
+  private drawLimit(plot: uPlot, value: number, words: string, ratio: number, places: LabelPlaces): void {
     const { ctx: context, bbox } = plot;
     const [lower, upper] = this.valueRange();
     if (value < lower || value > upper) return;
@@ -231,32 +259,9 @@ export class TimePlot {
     context.lineTo(bbox.left + bbox.width, y);
     context.stroke();
     context.font = scaled(FONT, ratio);
-    context.fillText(words, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
-  }
-
-  /** @param taken intervals of existing labels [px] @returns the interval of this label */
-  private drawMark(plot: uPlot, mark: Mark, ratio: number, taken: readonly PixelRange[]): PixelRange | undefined {
-    const { ctx: context, bbox } = plot;
-    const x = Math.round(plot.valToPos(mark.time_s, 'x', true));
-    context.strokeStyle = mark.bad ? this.theme.bad : this.theme.line2;
-    context.fillStyle = mark.bad ? this.theme.bad : this.theme.ink2;
-    context.lineWidth = (mark.bad ? 2 : 1) * ratio;
-    context.setLineDash(mark.bad ? [] : [2 * ratio, 3 * ratio]);
-    context.beginPath();
-    context.moveTo(x, bbox.top);
-    context.lineTo(x, bbox.top + bbox.height);
-    context.stroke();
-    // A stop is labelled once, at the top; its line crosses all plots.
-    if (mark.bad && this.spec.id !== 'hand') return undefined;
-    context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
-    if (mark.label === '') return undefined;
-    const width = context.measureText(mark.label).width;
-    // At the right end of the window the label stands before its line.
-    const left = x + 5 * ratio + width <= bbox.left + bbox.width ? x + 5 * ratio : x - 5 * ratio - width;
-    const name = { left, right: left + width };
-    if (taken.some((other) => name.left < other.right + 5 * ratio && name.right > other.left)) return undefined;
-    context.fillText(mark.label, left, bbox.top + 13 * ratio);
-    return name;
+    const left = bbox.left + 8 * ratio, base = y + (value < 0 ? -5 : 15) * ratio;
+    if (base - 13 * ratio < bbox.top + ROW_PX * ratio) places.cover(left, left + context.measureText(words).width);
+    this.writeOver(context, words, left, base, ratio);
   }
 }
 
