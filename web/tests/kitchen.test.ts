@@ -51,12 +51,14 @@ describe('a joint', () => {
     expect(moved(from, joint, 0.7).turn.angleTo(to.turn)).toBeLessThan(1e-7);
   });
 
-  it('that turns a full circle has an arrow around the circle', () => {
+  it('that turns a full circle has an arrow of three quarters on a larger circle, which does not cover itself', () => {
     const joint = { type: 'hinge', axis: [0, 0, 1], point_m: [0.1, 0, 0], least: null, most: null } as const, now = placedOf(kitchenState({}).bodies[0])!;
-    const way = wayOf(now, joint, 2 * Math.PI, { x: 0, y: 0, z: 0 }), radius = Math.hypot(0, 0.03);
-    expect(way[0]!.distanceTo(way.at(-1)!)).toBeLessThan(1e-12);
-    // Half-way the path is across the axis.
-    expect(way[0]!.distanceTo(way[(way.length - 1) / 2]!)).toBeCloseTo(2 * radius, 12);
+    for (const way of [1, -1]) {
+      const path = wayOf(now, joint, way * 2 * Math.PI, { x: 0, y: 0, z: 0 }), radius = 0.03, middle = path[0]!.clone().add(path[(path.length - 1) * 2 / 3]!).multiplyScalar(0.5);
+      // The ends of a diameter are half a turn apart, the last point is a quarter turn before the first one.
+      for (const p of path) expect(p.distanceTo(middle)).toBeCloseTo(2 * radius, 12);
+      expect(path[0]!.distanceTo(path.at(-1)!)).toBeCloseTo(2 * radius * Math.SQRT2, 12);
+    }
   });
 
   it('has an arrow that ends at the goal, however near that is', () => {

@@ -19,7 +19,7 @@ export async function drawerIsOpenedAndShut(t) {
   const open_cm = async () => parseFloat(await console.locator('[data-value=joint_q] :is(.figure, .num)').first().innerText());
   const instructionIs = (words) => until(`"${words}"`, async () => (await game.locator('[data-testid=instruction]').innerText()) === words);
   await instructionIs('Tirez le tiroir');
-  await until('the meter of the joint', () => game.locator('[data-testid=meter]').isVisible());
+  await nothingCoversTheCard(game);
   await until('an open drawer', async () => (await open_cm()) > 8);
   const most_cm = await open_cm();
   await t.picture(game, 'kitchen');
@@ -30,6 +30,20 @@ export async function drawerIsOpenedAndShut(t) {
   expect(done === 3, `${done} of the 3 rows of the card are done`);
   for (const page of [game, console]) await expectAccessible(page);
   return `opened ${most_cm} cm, and shut`;
+}
+
+/** Beside the card nothing stands over its rows: neither the meter nor "Play yourself". */
+async function nothingCoversTheCard(page) {
+  for (const size of [{ width: 1024, height: 640 }, { width: 1280, height: 720 }]) {
+    await page.setViewportSize(size);
+    await until(`a card that nothing covers at ${size.width} px`, () => page.evaluate(() => {
+      const card = document.querySelector('[data-testid=task]').getBoundingClientRect();
+      return ['.meter', '.playself', '.strip'].every((name) => {
+        const box = document.querySelector(name)?.getBoundingClientRect();
+        return !box || box.height === 0 || box.top >= card.bottom || box.left >= card.right;
+      });
+    }));
+  }
 }
 
 /** A newcomer with a mouse does the first task by the screen's text: it asks for one press. No picture is needed. */

@@ -12,6 +12,8 @@ import { Ribbon, type HalfWidth } from './ribbon';
 import { hasBar, type Handle, type Joint, type KitchenStep } from './task';
 
 const ARROW = { points: 49, half_m: 0.006, head_m: 0.03, head_half_m: 0.017, over_m: 0.028, least_m: 0.1 } as const;
+/** Most of a turn that is drawn, and how much its circle is larger. */
+const TURN = { most_rad: 1.5 * Math.PI, wider: 1 } as const;
 const RING = { points: 73, half_m: 0.0035, round_m: 0.02 } as const;
 /** A goal nearer than this has no arrow [m or rad]. */
 const NEAR = 0.006;
@@ -29,8 +31,18 @@ const thick: HalfWidth = (_, edge_m) => FORCE.half_m + edge_m;
 const pointed: HalfWidth = (left_m, edge_m) =>
   left_m <= ARROW.head_m ? ARROW.head_half_m * left_m / ARROW.head_m + edge_m * (left_m > 0 ? 1.6 : 0) : ARROW.half_m + edge_m;
 
+/** The way about a hinge by more than half a turn: three quarters of a turn on a larger circle, since the whole one would cover itself. */
+function turnOf(now: Placement, joint: Joint, dq: number, point: Position): Vector3[] {
+  const axis = new Vector3(...joint.axis).normalize(), middle = new Vector3(...joint.point_m), turn = Math.sign(dq) * Math.min(Math.abs(dq), TURN.most_rad);
+  return Array.from({ length: ARROW.points }, (_, i) => {
+    const p = pointOf(moved(now, joint, turn * i / (ARROW.points - 1)), point), out = p.clone().sub(middle);
+    return toThree(p.addScaledVector(out.addScaledVector(axis, -out.dot(axis)), TURN.wider));
+  });
+}
+
 /** Path of a point of the body to the goal, in three.js's frame. A short path begins straight behind the point, so that its direction is visible. */
 export function wayOf(now: Placement, joint: Joint, dq: number, point: Position): Vector3[] {
+  if (joint.type === 'hinge' && Math.abs(dq) > Math.PI) return turnOf(now, joint, dq, point);
   const far_m = Math.abs(dq) * armOf(now, joint, point), more_m = Math.max(0, ARROW.least_m - far_m), from = pointOf(now, point);
   const back = from.clone().sub(pointOf(moved(now, joint, Math.sign(dq) * 1e-3), point)).normalize();
   return Array.from({ length: ARROW.points }, (_, i) => {

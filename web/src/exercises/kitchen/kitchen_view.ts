@@ -8,12 +8,13 @@ import type { Quality } from '../../scene/quality';
 import type { Setting } from '../../scene/stage';
 import type { Anchors, ExerciseView } from '../exercise_view';
 import { ExerciseValues } from '../values';
+import { applianceOf, type Appliance } from './appliances';
 import { Cues, makeGhost } from './cues';
 import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from './furniture';
 import { Lamp } from './lamp';
 import { moved, placedOf, pointOf, type Placement } from './joint';
 import { kitchen, makeBase, makeInside, makeRow, makeThings, makeWall, makeWorktop, wallBehind, type Extent } from './room';
-import { askedOf, handleOf, hasBar, isOn, jointOf, switchOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
+import { askedOf, doneShare, handleOf, hasBar, isOn, jointOf, switchOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
 /** A fixed body of at most this relative thickness is a worktop; the widest one is used. */
 const FLAT = 0.25;
@@ -38,6 +39,8 @@ export class KitchenView implements ExerciseView {
   private readonly values: ExerciseValues;
   private readonly shop: Workshop;
   private readonly program = new Group();
+  private readonly appliance: Appliance | undefined;
+  private readonly modelled = new Set<number>();
   private readonly pieces = new Map<number, Group>();
   private readonly cues: Cues;
   private readonly names: ReadonlySet<string>;
@@ -53,13 +56,15 @@ export class KitchenView implements ExerciseView {
     this.program.matrixAutoUpdate = false;
     this.program.matrix.copy(programFrame());
     const ghosts = new Map<number, Group>(), used = usedBodies(task);
+    this.appliance = applianceOf(task.name, scene.rightHand, this.shop);
     scene.bodies.forEach((body, i) => {
-      const piece = makePiece(body, this.shop, used.includes(i) && !hasBar(body));
+      const model = this.appliance?.model(body), piece = model ?? makePiece(body, this.shop, used.includes(i) && !hasBar(body));
+      if (model) this.modelled.add(i);
       this.pieces.set(i, piece);
       this.program.add(piece);
     });
     for (const body of used) {
-      const piece = this.pieces.get(body)!, ghost = makeGhost(piece, scene.bodies[body]!, frontOf(scene.bodies[body]!));
+      const piece = this.pieces.get(body)!, ghost = makeGhost(makePiece(scene.bodies[body]!, this.shop), scene.bodies[body]!, frontOf(scene.bodies[body]!));
       if (hasBar(scene.bodies[body]!)) piece.add(makeContents(scene.bodies[body]!, this.shop));
       ghosts.set(body, ghost);
       this.program.add(ghost);
@@ -91,10 +96,12 @@ export class KitchenView implements ExerciseView {
     this.target = now && handle && toThree(pointOf(now, handle.at_m));
     const light = switchOf(task);
     if (this.lamp && light && step?.body === light.body) this.lamp.lit = isOn(light, values.get(state, 'joint_q'));
+    const joint = step && jointOf(task, step.body), q = values.get(state, 'joint_q');
+    this.appliance?.show(doneShare(task, values.get(state, 'instruction'), q, values.get(state, 'held_s')), q / (joint?.most ?? Infinity));
     const body = step && this.scene.bodies[step.body];
     this.cues.update(step && body && now && handle && {
       step, now, handle, barred: hasBar(body), point: pointMet(task, body, step.body, metAt(task, values.get(state, 'instruction'))),
-      joint: jointOf(task, step.body), q: values.get(state, 'joint_q'), held_s: values.get(state, 'held_s'), force: values.get(state, 'handle_n') / askedOf(step, this.scene, state),
+      joint, q, held_s: values.get(state, 'held_s'), force: values.get(state, 'handle_n') / askedOf(step, this.scene, state),
     }, eye);
   }
 
@@ -108,7 +115,7 @@ export class KitchenView implements ExerciseView {
 
   anchors(): Anchors { return { goal: undefined, target: this.target?.clone() }; }
 
-  /** Corners of the hand, and of handles now and at their goals. */
+  /** Corners of the hand, of handles now and at their goals, and of a device. */
   private outline(state: WorldStateT | undefined): Vector3[] {
     if (!state) return [];
     const handles = this.task.steps.flatMap(({ body, to }) => {
@@ -117,7 +124,8 @@ export class KitchenView implements ExerciseView {
       return [shut, ...(joint && to !== undefined ? [moved(shut, joint, to)] : [])].flatMap((there) =>
         [-1, 1].map((end) => toThree(pointOf(there, { ...at_m, z: at_m.z + end * (length_m / 2 + CUE_M) }))));
     });
-    return [...outlineOfHand(this.scene), ...handles];
+    const device = this.appliance ? this.scene.bodies.flatMap((body, i) => (this.modelled.has(i) && body.fixed ? cornersOf(extentOf(placedOf(state.bodies[i]), body.shapes)) : [])) : [];
+    return [...outlineOfHand(this.scene), ...handles, ...device];
   }
 
   /** Pose of a body at its joint's 0. The program reports the coordinate of the present step's body; other bodies are at 0. */
@@ -176,6 +184,9 @@ function extentOf(placed: Placement | undefined, shapes: readonly ShapeT[]): Ext
     return { low: [x - a, y - b, z - c], high: [x + a, y + b, z + c] };
   }));
 }
+
+/** In three.js's frame. */
+const cornersOf = ({ low, high }: Extent): Vector3[] => [low[0], high[0]].flatMap((x) => [low[1], high[1]].flatMap((y) => [low[2], high[2]].map((z) => toThree({ x, y, z }))));
 
 function unionOf(extents: readonly Extent[]): Extent {
   const over = (pick: (...of: number[]) => number, end: keyof Extent): Size => [0, 1, 2].map((i) => pick(...extents.map((one) => one[end][i]!))) as unknown as Size;

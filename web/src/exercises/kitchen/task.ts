@@ -45,19 +45,21 @@ export interface Joint {
 
 export interface Thing { readonly body: number; readonly joint?: Joint; readonly grip_m?: Triple }
 
-export interface KitchenTask { readonly steps: readonly KitchenStep[]; readonly things: readonly Thing[] }
+export interface KitchenTask { readonly name: string; readonly steps: readonly KitchenStep[]; readonly things: readonly Thing[] }
 
 /** The task of a scene; undefined for another exercise, or a task whose bodies the scene does not contain. */
 export function taskOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'> | null | undefined): KitchenTask | undefined {
   const parsedTask = scene && parsed(String(scene.exerciseJson ?? ''));
   if (parsedTask?.kind !== 'kitchen' || !parsedTask.steps?.length) return undefined;
   const isThere = parsedTask.steps.every(({ verb, body }) => VERBS.includes(verb) && scene!.bodies[body] !== undefined);
-  return isThere ? { steps: parsedTask.steps, things: parsedTask.things ?? [] } : undefined;
+  return isThere ? { name: parsedTask.task ?? '', steps: parsedTask.steps, things: parsedTask.things ?? [] } : undefined;
 }
 
-function parsed(json: string): ({ kind?: unknown } & Partial<KitchenTask>) | null {
+type Parsed = { readonly kind?: unknown; readonly task?: string } & Partial<Pick<KitchenTask, 'steps' | 'things'>>;
+
+function parsed(json: string): Parsed | null {
   try {
-    return JSON.parse(json) as { kind?: unknown } | null;
+    return JSON.parse(json) as Parsed | null;
   } catch {
     return null;
   }
@@ -70,6 +72,19 @@ export const jointOf = (task: KitchenTask, body: number): Joint | undefined => t
 export function askedOf({ force_n = 0 }: KitchenStep, { parameters }: Pick<SceneT, 'parameters'>, { parameters: now }: Pick<WorldStateT, 'parameters'>): number {
   const ratio = now?.[parameters?.findIndex(({ name }) => String(name) === 'force_ratio') ?? -1] ?? 1;
   return force_n * ratio;
+}
+
+/** Share of the task's work that is done: ways of joints and presses count, each step alike. */
+export function doneShare({ steps }: KitchenTask, now: number, q: number, held_s: number): number {
+  let done = 0, all = 0, from = 0;
+  steps.forEach(({ verb, to = 0, for_s = 1 }, i) => {
+    if (verb !== 'move' && verb !== 'press') return;
+    all += 1;
+    if (i < now) done += 1;
+    else if (i === now) done += Math.max(0, Math.min(1, verb === 'press' ? held_s / for_s : (q - from) / (to - from || 1)));
+    if (verb === 'move') from = to;
+  });
+  return all > 0 ? done / all : 0;
 }
 
 /** How the body of a step is met; for a release, as it was met before. */
