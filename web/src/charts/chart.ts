@@ -93,7 +93,8 @@ function draw(host: HTMLElement, spec: ChartSpec): void {
   if (!spec.pick) return;
   host.classList.add('picks');
   scaled.addEventListener('click', (event) => {
-    const left = (event.clientX - host.getBoundingClientRect().left) * FINER - plot.bbox.left / devicePixelRatio;
+    const shown = host.getBoundingClientRect(), larger = shown.width / host.clientWidth;   // a sheet may be zoomed
+    const left = (event.clientX - shown.left) / larger * FINER - plot.bbox.left / devicePixelRatio;
     spec.pick?.(plot.posToVal(left, 'x'));
   });
 }
