@@ -67,7 +67,7 @@ function frame(now_ms: number): void {
   const ended_ms = performance.now();
   stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), state && state !== drawn ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN);
   drawn = state;
-  if (picture) quality?.look(picture, ended_ms);
+  if (picture) quality?.look(picture, ended_ms, connection.controls.heldByYou);
   if (quality && document.body.dataset.quality !== quality.now) document.body.dataset.quality = quality.now;
 }
 requestAnimationFrame(frame);
