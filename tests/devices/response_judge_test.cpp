@@ -1,7 +1,9 @@
 // The judge of the response: honest drives, which it must never stop, and drives that lie.
 #include "devices/plugin/response_judge.hpp"
 
+#include "devices/plugin/effort_judge.hpp"
 #include "devices/response_world.hpp"
+#include "files/patient/patient_file.hpp"
 #include "loop/renderer/safety_tools.hpp"
 #include "support/figure.hpp"
 #include "support/rig_tools.hpp"
@@ -24,25 +26,49 @@ ResponseJudge judgeOf(const RenderedAxis& axis) {
   return {models, 1, ResponseWorld::kPeriod_s};
 }
 
+/// What the drive says that it gives, beside the judge of measured efforts, as in PluginDevice.
+class MeasuredEffort {
+ public:
+  MeasuredEffort(const RenderedAxis& axis, std::mt19937_64& random)
+      : random_(random), offset_(uniform(random, -0.02, 0.02) * axis.limit), limit_(axis.limit) {
+    judge_.begin(0.0, 0.0, 0, {0.1135 * axis.limit, 0.25});
+  }
+  [[nodiscard]] bool isAstray(const ResponseWorld& world, int tick) {
+    constexpr std::int64_t kWindow_ns = 2 * kPeriod_ns + 5 * 2'000'000;
+    const double noise = uniform(random_, -0.03, 0.03) * limit_;
+    return judge_.isAstray(world.acting() + offset_ + noise, tick * kPeriod_ns - kWindow_ns, false);
+  }
+  void send(double effort, int tick) { judge_.send(effort, tick * kPeriod_ns); }
+
+ private:
+  static constexpr std::int64_t kPeriod_ns = 1'000'000;
+  std::mt19937_64& random_;
+  double offset_, limit_;
+  EffortJudge judge_;
+};
+
 struct Verdict {
   int astray_after = -1;  ///< ticks; -1: never
   int contradictions = 0, excesses = 0;
 };
 
-/// The judge beside a world, as PluginDevice calls it.
+/// The judge beside a world, as PluginDevice calls it; with `measured` both judges.
 Verdict judge(ResponseWorld& world, const RenderedAxis& axis, int ticks,
-              const std::function<void(int tick)>& before = {}) {
+              const std::function<void(int tick)>& before = {},
+              MeasuredEffort* measured = nullptr) {
   ResponseJudge judge = judgeOf(axis);
   Verdict out;
   for (int k = 0; k < ticks; ++k) {
     if (before) before(k);
-    const bool astray = judge.isAstray(AxisPosition(1, world.read()));
+    bool astray = judge.isAstray(AxisPosition(1, world.read()));
+    if (measured != nullptr) astray |= measured->isAstray(world, k);
     out.contradictions = std::max(out.contradictions, judge.contradictions(0));
     out.excesses = std::max(out.excesses, judge.excesses(0));
     if (astray && out.astray_after < 0) out.astray_after = k;
     if (astray) break;
     world.pass();
     judge.send(AxisEffort(1, world.sent()));
+    if (measured != nullptr) measured->send(world.sent(), k);
   }
   return out;
 }
@@ -60,9 +86,39 @@ Limb anyLimb(std::mt19937_64& random, double limit) {
   return limb;
 }
 
+/// A person of a shipped patient file on one axis that moves a hand about.
+struct ShippedPatient {
+  RenderedAxis axis;
+  Limb limb;
+  std::shared_ptr<ActivePatient> acts;
+};
+
+std::vector<ShippedPatient> everyPatient() {
+  std::vector<ShippedPatient> all;
+  for (const auto& [device, axis] :
+       {std::pair{"desktop-3axis", kDesktop}, {"lambda-pride", kLambda}}) {
+    for (const std::string& patient : shipped("patients")) {
+      for (const char* name : {"x", "y", "z"}) {
+        const ModelFiles files = shippedFiles(device, "empty", "adult-median-right", patient);
+        DeviceModel one = load(files).device;
+        std::erase_if(one.axes, [&](const DeviceAxis& of) { return of.name != name; });
+        const PatientConfig config = orThrow(loadPatientFile(files.patient, one));
+        const PatientAxis& person = config.axes.at(0);
+        all.push_back({axis,
+                       {.mass = person.mass,
+                        .damping = person.damping,
+                        .stiffness = person.stiffness,
+                        .moves = true},
+                       std::make_shared<ActivePatient>(config, one, ResponseWorld::kPeriod_s)});
+      }
+    }
+  }
+  return all;
+}
+
 /// Knocks, a therapist, held bodies, pulses of an exercise: everything at once.
-ResponseWorld honestWorld(const RenderedAxis& axis, std::mt19937_64& random) {
-  ResponseWorld world(axis, anyLimb(random, axis.limit), random);
+ResponseWorld honestWorld(const RenderedAxis& axis, const Limb& limb, std::mt19937_64& random) {
+  ResponseWorld world(axis, limb, random);
   if (random() % 2 == 0) world.knocks_per_s = uniform(random, 0.0, 6.0);
   if (random() % 3 == 0) world.held_body = uniform(random, 0.02, 1.5);
   if (random() % 4 == 0) {
@@ -74,26 +130,39 @@ ResponseWorld honestWorld(const RenderedAxis& axis, std::mt19937_64& random) {
   return world;
 }
 
-// People switch off a supervisor that stops without reason. WHOLEHAND_FULL judges 10^9 ticks.
-TEST(ResponseJudge, HonestDrivesWithKnocksAndTherapists_AreNeverStopped) {
+// People switch off a supervisor that stops without reason. Half of the worlds have a person of a
+// shipped patient file, in turn, the others any limb. WHOLEHAND_FULL judges 10^9 ticks.
+TEST(BothJudges, HonestDrivesWithEveryPatientKnocksAndTherapists_AreNeverStopped) {
   auto random = seededRandom(5803);
-  const double most = fullCounts() ? 1e9 : kReducedCounts ? 5e4 : 1e6;
-  double ticks = 0.0;
-  int contradictions = 0, excesses = 0;
-  while (ticks < most) {
-    const RenderedAxis axis = random() % 2 == 0 ? kDesktop : kLambda;
-    ResponseWorld world = honestWorld(axis, random);
-    const Verdict verdict = judge(world, axis, 20'000, [&](int tick) {
-      if (tick % 1000 == 0) {
-        world.therapist_mass = random() % 4 == 0 ? uniform(random, 0.0, 3.0) : 0.0;
-      }
-    });
-    ASSERT_EQ(verdict.astray_after, -1) << "after " << ticks << " ticks";
+  const std::vector<ShippedPatient> patients = everyPatient();
+  const int first = static_cast<int>(random() % patients.size());
+  const int lives = fullCounts() ? 50'000 : 100;
+  const int ticks = kReducedCounts ? 1'000 : 20'000;
+  int stopped = 0, contradictions = 0, excesses = 0;
+  for (int life = 0; life < lives; ++life) {
+    const ShippedPatient& patient =
+        patients[static_cast<std::size_t>(first + life / 2) % patients.size()];
+    const bool from_file = life % 2 == 0;
+    const RenderedAxis axis = from_file ? patient.axis : random() % 2 == 0 ? kDesktop : kLambda;
+    ResponseWorld world =
+        honestWorld(axis, from_file ? patient.limb : anyLimb(random, axis.limit), random);
+    if (from_file) {
+      patient.acts->reset();
+      world.person = patient.acts;
+    }
+    MeasuredEffort measured(axis, random);
+    const auto holdAndLetGo = [&](int tick) {
+      if (tick % 1000 != 0) return;
+      world.therapist_mass = random() % 4 == 0 ? uniform(random, 0.0, 3.0) : 0.0;
+    };
+    const Verdict verdict = judge(world, axis, ticks, holdAndLetGo, &measured);
+    stopped += verdict.astray_after >= 0 ? 1 : 0;
+    EXPECT_EQ(verdict.astray_after, -1) << "life " << life;
     contradictions = std::max(contradictions, verdict.contradictions);
     excesses = std::max(excesses, verdict.excesses);
-    ticks += 20'000;
   }
-  figure("ticks of honest drives judged by their response", ticks, "");
+  figure("ticks of honest drives judged by both judges", static_cast<double>(lives) * ticks, "");
+  figure("lives that a judge ended", stopped, "");
   figure("most contradictions of one of them", contradictions, "of 6");
   figure("most excesses of one of them", excesses, "of 20");
 }

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "devices/plugin/response_judge.hpp"
+#include "loop/patient/active_patient.hpp"
 #include "support/seed.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -51,7 +53,8 @@ class ResponseWorld {
   double held_body = 0.0;       ///< mass in the hand [kg]
   double therapist_mass = 0.0;  ///< holds the device, too
   double knocks_per_s = 0.0;
-  double pulses = 0.0, pulses_hz = 1.0;  ///< efforts of an exercise, as a share of the limit
+  double pulses = 0.0, pulses_hz = 1.0;   ///< efforts of an exercise, as a share of the limit
+  std::shared_ptr<ActivePatient> person;  ///< what the limb does by itself; null: nothing
   /// What the drive gives for the effort that arrives [N].
   std::function<double(double)> drive = [](double effort) { return effort; };
 
@@ -59,6 +62,7 @@ class ResponseWorld {
   [[nodiscard]] double speed() const { return v_; }
   [[nodiscard]] double work_j() const { return work_j_; }
   [[nodiscard]] double sent() const { return sent_; }
+  [[nodiscard]] double acting() const { return acting_; }  ///< the drive's effort now
   [[nodiscard]] double time_s() const { return time_s_; }
 
   /// Renders, then passes a period.
@@ -67,12 +71,14 @@ class ResponseWorld {
     push();
     const double arrived = drive(before_);
     before_ = sent_;
-    const double moved = limb_.mass + therapist_mass + mass;
+    act();
+    const bool holds = person == nullptr || person->holds(0);
+    const double moved = (holds ? limb_.mass : 0.0) + therapist_mass + mass;
     for (int i = 0; i < kSteps; ++i) {
       constexpr double h = kPeriod_s / kSteps;
       acting_ += (arrived - acting_) * std::min(1.0, h / lag_s);
       const double hand =
-          limb_.stiffness * (aim() - q_) - limb_.damping * v_ + pushed(h) +
+          (holds ? impedance() : 0.0) + pushed(h) + own_ + (own_end_ - own_) * i / kSteps +
           limb_.tremor * std::sin(2.0 * std::numbers::pi * limb_.tremor_hz * time_s_);
       const double v = v_ + h * (acting_ + hand - damping * v_) / moved;
       const double held = h * friction / moved;
@@ -126,6 +132,16 @@ class ResponseWorld {
       knock_left_s_ = knock_s_ = uniform(random_, 0.002, 0.03);
     }
   }
+  void act() {
+    if (person == nullptr) return;
+    person->advance({AxisPosition(1, q_), AxisVelocity(1, v_), AxisEffort(1, acting_),
+                     AxisEffort(1, impedance())});
+    own_ = person->begin()[0];
+    own_end_ = person->end()[0];
+  }
+  [[nodiscard]] double impedance() const {
+    return limb_.stiffness * (aim() - q_) - limb_.damping * v_;
+  }
   double pushed(double h) {
     if (knock_left_s_ <= 0.0) return 0.0;
     knock_left_s_ -= h;
@@ -144,6 +160,7 @@ class ResponseWorld {
   double hand_ = 0.0, hand_speed_ = 0.0, filtered_ = 0.0, last_ = 0.0;
   double from_ = 0.0, to_ = 0.0, since_s_ = 0.0, until_s_ = 0.0, time_s_ = 0.0;
   double knock_ = 0.0, knock_s_ = 1.0, knock_left_s_ = 0.0;
+  double own_ = 0.0, own_end_ = 0.0;  ///< of the person, at the period's ends
 };
 
 /// The passport's model of an axis of the world: delay of a period, and lag.
