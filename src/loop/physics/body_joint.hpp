@@ -12,9 +12,13 @@ namespace wholehand {
 /// follows from q, so the joint has no position error. With a, the twist of the centre of mass per
 /// unit of q̇, the inertia is m_q = aᵀ M a: I + m|r|² for a hinge, m for a slide.
 ///
-/// Spring, viscous friction and the rising slopes of the latch are integrated implicitly: they add
-/// to the inertia by which an impulse changes q̇, m_q + T c + T² k. No step therefore feeds energy
-/// into the hand. Gravity and the latch's falling slopes are explicit (symplectic Euler).
+/// Let H = ½ m_q q̇² + V(q), V the potential of gravity, spring and latch together. No step adds to
+/// H more than the impulses on the joint do (docs/adr/0091-steps-of-a-joint.md), whatever the order
+/// of the two kinds of step:
+/// - An untouched joint keeps H: q moves by T times the mean rate, under the mean force along the
+///   way (discrete gradient). Friction takes what it should.
+/// - A touched joint moves by T q̇' and is integrated implicitly: viscous friction and the slope of
+///   V where it rises add to the inertia by which an impulse changes q̇, m_q + T c + T² k.
 class BodyJoint {
  public:
   /// Velocity of the centre of mass and angular velocity, per unit of q̇, in the world.
@@ -45,8 +49,9 @@ class BodyJoint {
   }
 
   /// Begins a step: computes q̇ at its end without contacts, ends of the range and dry friction.
-  /// Real-time safe.
-  WHOLEHAND_RT void predict(const Eigen::Vector3d& gravity_m_s2, double step_s) noexcept;
+  /// Real-time safe. @param touched contacts may act on the body in this step
+  WHOLEHAND_RT void predict(const Eigen::Vector3d& gravity_m_s2, double step_s,
+                            bool touched) noexcept;
   /// Change of q̇ per unit of impulse in this step.
   [[nodiscard]] double yield() const noexcept { return yield_; }
   /// True when dry friction or an end held the joint against its load in this step: gravity, spring
@@ -57,14 +62,25 @@ class BodyJoint {
   /// Bounds of q̇ in this step: at a bound the step ends exactly at an end of the range.
   [[nodiscard]] double leastRate() const noexcept { return least_rate_; }
   [[nodiscard]] double mostRate() const noexcept { return most_rate_; }
-  /// Ends the step with the q̇ that contacts, ends of the range and dry friction gave. Real-time
-  /// safe.
+  /// Ends the step with the q̇ that contacts, ends of the range and dry friction gave; q̇ of an
+  /// untouched joint is the predicted one. Real-time safe.
   WHOLEHAND_RT void move(double rate, double step_s) noexcept;
 
   /// Energy of motion, spring and latch [J].
   [[nodiscard]] double energy() const noexcept;
 
  private:
+  /// Force of gravity on q̇ at q, and its derivative.
+  struct Weight {
+    double force = 0.0, slope = 0.0;
+  };
+  [[nodiscard]] Weight weightAt(const Eigen::Vector3d& gravity_m_s2) const noexcept;
+  [[nodiscard]] double meanForce(const Weight& weight, double way) const noexcept;
+  [[nodiscard]] double slopeOnWay(const Weight& weight, double way) const noexcept;
+  [[nodiscard]] double stiffness(const Weight& weight, double most_weight,
+                                 double step_s) const noexcept;
+  [[nodiscard]] bool swing(const Weight& weight, double force, double step_s) noexcept;
+
   SceneJoint joint_;
   Pose start_;             ///< pose of the body frame at q = 0
   Eigen::Vector3d axis_;   ///< axis of the joint, world
@@ -73,6 +89,8 @@ class BodyJoint {
   double inertia_ = 0.0;
   double q_ = 0.0, rate_ = 0.0;
   double yield_ = 0.0, friction_impulse_ = 0.0, least_rate_ = 0.0, most_rate_ = 0.0;
+  double next_q_ = 0.0;     ///< q after an untouched step
+  bool untouched_ = false;  ///< this step keeps H
   bool load_is_held_ = false;
 };
 

@@ -192,8 +192,7 @@ TEST_F(BodyOnAJoint, CupInADrawer_MovesWithItAndRests) {
   EXPECT_NEAR(yard.at(1).x(), yard.at(0).x(), 0.003);
 }
 
-// Springs and dry friction are implicit: energy falls in each step. A latch's falling slopes use
-// symplectic Euler, which has q and q̇ half a step apart and keeps energy to second order.
+// Dry friction and the ends of a range only take energy; spring and latch keep it.
 TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndStaysOnItsPath) {
   for (int trial = 0; trial < cases(60); ++trial) {
     const Vector3d axis(uniform(random_, -1, 1), uniform(random_, -1, 1), uniform(random_, -1, 1));
@@ -220,15 +219,15 @@ TEST_F(BodyOnAJoint, AnyJoint_GainsNoEnergyAndStaysOnItsPath) {
       EXPECT_LE((law.pose().translation_m - yard.at(0)).norm(), 1e-12);
       EXPECT_LE((law.pose().rotation - yard.axes(0)).norm(), 1e-12);
       EXPECT_LE((rate * twist.linear - yard.velocity(0)).norm(), 1e-12);
-      law.put(law.position() - (latch ? 0.5e-3 * rate : 0.0), rate);
+      law.put(law.position(), rate);
       return law.energy();
     };
-    double most = energy();
+    double before = energy();
     for (int k = 0; k < 1000 && !HasFailure(); ++k) {
       yard.step();
       const double now = energy();
-      EXPECT_LE(now, latch ? most * 1.02 : most + 1e-12) << "trial " << trial << ", step " << k;
-      most = latch ? std::max(most, now) : now;
+      EXPECT_LE(now, before * (1.0 + 1e-9) + 1e-12) << "trial " << trial << ", step " << k;
+      before = now;
     }
     if (HasFailure()) return;
   }

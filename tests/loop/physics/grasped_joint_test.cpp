@@ -158,8 +158,8 @@ double momentOf(const SceneBody& body) {
 }
 
 // D'Alembert over one step: the impulse of the hand's contacts on q̇ is the change of momentum less
-// the joint's forces as defined in body_joint.hpp (spring, viscous friction and rising slopes at
-// the step's end, gravity and falling slopes at its start), less a dry friction of |λ| ≤ F_c T.
+// the joint's forces as ADR 91 defines them for a touched joint (those of the potential at the
+// step's start with its slope k, viscous friction at its end), less a dry friction of |λ| ≤ F_c T.
 TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
   std::mt19937_64 random(seed());
   double worst = 0.0, most = 0.0;
@@ -196,10 +196,16 @@ TEST(Contacts, OnAnyJoint_DoTheVirtualWorkOfItsForces) {
           if (joint.isHinge()) hand_does -= c.torque_nm.eigen().dot(about);
         }
         const double phase = joint.latch_wave * q, step = period_s * next_rate;
-        const double slope = std::max(0.0, latch * joint.latch_wave * std::cos(phase));
-        const double force = bar.mass_kg * gravity_m_s2.dot(way(then.translation_m)) -
-                             latch * std::sin(phase) - slope * step -
-                             joint.spring_stiffness * (q + step - joint.spring_rest) -
+        const Eigen::Vector3d com_way = way(then.translation_m);
+        const bool hinge = joint.isHinge();
+        const double curve = joint.spring_stiffness + latch * joint.latch_wave * std::cos(phase) -
+                             (hinge ? bar.mass_kg * gravity_m_s2.dot(about.cross(com_way)) : 0.0);
+        const double bend = latch * joint.latch_wave * joint.latch_wave +
+                            (hinge ? bar.mass_kg * gravity_m_s2.norm() * com_way.norm() : 0.0);
+        const double slope =
+            std::max({0.0, curve, 0.5 * curve + period_s * bend * std::abs(rate) / 3.0});
+        const double force = bar.mass_kg * gravity_m_s2.dot(com_way) - latch * std::sin(phase) -
+                             joint.spring_stiffness * (q - joint.spring_rest) - slope * step -
                              joint.viscous_friction * next_rate;
         const double rest = inertia * (next_rate - rate) / period_s - force - hand_does;
         const double scale = std::abs(hand_does) + std::abs(force) + std::abs(latch);

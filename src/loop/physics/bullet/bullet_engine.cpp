@@ -52,7 +52,9 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
   configure(settings);
   for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
   for (BulletBody& body : bodies) {
-    if (body.joint() != nullptr) solver.addJoint(body.rigid(), *body.joint());
+    if (body.joint() == nullptr) continue;
+    solver.addJoint(body.rigid(), *body.joint());
+    touched_.resize(bodies.size());
   }
   for (int i = 0; i < game.count(); ++i) body_names.push_back("slot " + std::to_string(i));
   for (int i = 0; i < game.firstBody(); ++i) {
@@ -198,12 +200,25 @@ void BulletEngine::advance(double step_s) noexcept {
   for (int i = 0; i < static_cast<int>(states_.size()); ++i) updateState(i);
 }
 
+void BulletEngine::findTouchedJoints() noexcept {
+  if (touched_.empty()) return;
+  std::fill(touched_.begin(), touched_.end(), 0);
+  for (const btPersistentManifold* manifold : manifolds_) {
+    if (manifold->getNumContacts() == 0) continue;
+    for (const btCollisionObject* object : {manifold->getBody0(), manifold->getBody1()}) {
+      const ColliderTag* tag = tagOf(object);
+      if (!tag->ofHand()) touched_[tag->body] = 1;
+    }
+  }
+}
+
 void BulletEngine::moveBodies(double step_s) noexcept {
   listMoving();
+  findTouchedJoints();
   for (BulletBody* body : moving_) {
     btRigidBody& rigid = body->rigid();
     if (BodyJoint* joint = body->joint()) {
-      joint->predict(toEigen(rigid.getGravity()), step_s);
+      joint->predict(toEigen(rigid.getGravity()), step_s, touched_[body - bodies.data()] != 0);
       body->moveWithJoint();
       continue;
     }

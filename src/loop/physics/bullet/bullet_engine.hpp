@@ -73,12 +73,14 @@ struct BulletEngine {
   void rehearseStep();
   void putStableBodiesToSleep();
   void listMoving() noexcept;
+  void findTouchedJoints() noexcept;
   void moveBodies(double step_s) noexcept;
 
   btContactSolverInfo solver_info_;
   std::vector<BulletBody*> moving_;                 ///< awake bodies
   std::vector<btCollisionObject*> moving_objects_;  ///< the same, in the solver's type
   std::vector<btPersistentManifold*> manifolds_;    ///< contacts of the hand or of an awake body
+  std::vector<char> touched_;  ///< per body: a contact may act on it; empty without joints
   int unsolved_ = 0;
   bool listed_ = false;  ///< the lists above match the two versions below
   unsigned pairs_listed_ = 0, resting_listed_ = 0, game_listed_ = 0;
