@@ -8,6 +8,11 @@
 /// world's axes.
 namespace wholehand::test {
 
+/// Uniform on the logarithm.
+inline double logUniform(std::mt19937_64& random, double low, double high) {
+  return low * std::pow(high / low, uniform(random, 0.0, 1.0));
+}
+
 /// A random rotation, uniform over all rotations.
 inline Eigen::Matrix3d anyTurn(std::mt19937_64& random) {
   const double u = uniform(random, 0.0, 1.0), v = uniform(random, 0.0, 2.0 * kPi),

@@ -13,15 +13,8 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kGravity = 9.81;
-
 Vector3d anyVector(std::mt19937_64& random) {
   return {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
-}
-
-/// Uniform on the logarithm.
-double between(std::mt19937_64& random, double low, double high) {
-  return low * std::pow(high / low, uniform(random, 0.0, 1.0));
 }
 
 /// Energy of a body on a joint at q in a scene with gravity.
@@ -39,23 +32,24 @@ struct Account {
 
 /// A box on any hinge or slide, without friction, with any of spring, latch and weight.
 Account anyJoint(std::mt19937_64& random) {
-  const Vector3d size_m(between(random, 0.01, 0.2), between(random, 0.01, 0.2),
-                        between(random, 0.01, 0.2));
-  Account drawn{bodyOf(boxShape(size_m), {0, 0, 0}, between(random, 0.01, 3.0), 0.5),
-                kGravity * anyVector(random).normalized()};
+  const Vector3d size_m(logUniform(random, 0.01, 0.2), logUniform(random, 0.01, 0.2),
+                        logUniform(random, 0.01, 0.2));
+  Account drawn{bodyOf(boxShape(size_m), {0, 0, 0}, logUniform(random, 0.01, 3.0), 0.5),
+                kGravity_m_s2 * anyVector(random).normalized()};
   SceneJoint joint;
   joint.type = random() % 3 == 0 ? SceneJoint::Type::kSlide : SceneJoint::Type::kHinge;
   joint.axis = anyVector(random).normalized();
-  joint.point_m = between(random, 0.005, 0.3) * anyVector(random).normalized();
+  joint.point_m = logUniform(random, 0.005, 0.3) * anyVector(random).normalized();
   const bool hinge = joint.isHinge();
   if (random() % 2 == 0) {
-    joint.spring_stiffness = hinge ? between(random, 1e-3, 5.0) : between(random, 1.0, 2000.0);
+    joint.spring_stiffness =
+        hinge ? logUniform(random, 1e-3, 5.0) : logUniform(random, 1.0, 2000.0);
     joint.spring_rest = uniform(random, -0.02, 0.02);
   }
   if (random() % 2 == 0) {
-    joint.latch_energy_j = between(random, 1e-4, 0.05);
+    joint.latch_energy_j = logUniform(random, 1e-4, 0.05);
     joint.latch_wave =
-        hinge ? 1.0 + static_cast<double>(random() % 20) : 2.0 * pi / between(random, 0.01, 0.1);
+        hinge ? 1.0 + static_cast<double>(random() % 20) : 2.0 * pi / logUniform(random, 0.01, 0.1);
     joint.latch_at = uniform(random, -1.0, 1.0) / joint.latch_wave;
   }
   if (random() % 4 == 0) {
@@ -74,7 +68,7 @@ double inertiaOf(const SceneBody& body) {
 double fastest(const Account& of) {
   const SceneJoint& joint = *of.body.joint;
   const double arm_m = joint.isHinge() ? joint.axis.cross(of.body.com_m - joint.point_m).norm() : 0;
-  const double slope = of.body.mass_kg * kGravity * arm_m + joint.spring_stiffness +
+  const double slope = of.body.mass_kg * kGravity_m_s2 * arm_m + joint.spring_stiffness +
                        0.5 * joint.latch_energy_j * joint.latch_wave * joint.latch_wave;
   return std::sqrt(slope / inertiaOf(of.body));
 }
@@ -106,18 +100,18 @@ double pendulumPeriod(double omega, double amplitude_rad) {
 /// @param kind 0: pendulum, 1: spring on a slide, 2: on a hinge, 3: latch
 Swing anySwing(std::mt19937_64& random, int kind, double omega_per_step, double period_s) {
   Swing swing;
-  const double mass_kg = between(random, 0.01, 2.0);
+  const double mass_kg = logUniform(random, 0.01, 2.0);
   swing.body = bodyOf(boxShape({0.02, 0.02, 0.02}), {0, 0, 0}, mass_kg, 0.5);
   swing.omega = omega_per_step / period_s;
   SceneJoint joint;
   joint.axis = Vector3d::UnitY();
   if (kind == 1) joint.type = SceneJoint::Type::kSlide;
-  if (kind == 0) joint.point_m = {0, 0, between(random, 0.005, 0.3)};
+  if (kind == 0) joint.point_m = {0, 0, logUniform(random, 0.005, 0.3)};
   swing.body.joint = joint;
   const double inertia = inertiaOf(swing.body);
   if (kind == 0) {  // let go at `angle` from where it hangs
     const double arm_m = joint.point_m.z(), angle = uniform(random, 0.05, 2.5);
-    swing.omega = std::sqrt(mass_kg * kGravity * arm_m / inertia);
+    swing.omega = std::sqrt(mass_kg * kGravity_m_s2 * arm_m / inertia);
     swing.start = angle;
     swing.period_s = pendulumPeriod(swing.omega, angle);
   } else if (kind == 3) {
@@ -142,10 +136,10 @@ TEST(UntouchedJoint, KeepsItsPeriodAndItsEnergyFor100Periods) {
   std::mt19937_64 random(seed());
   double worst_period = 0.0, least_energy = 2.0, most_energy = 0.0;
   for (int i = 0; i < cases(8); ++i) {
-    const double rate_hz = between(random, 500.0, 8000.0);
+    const double rate_hz = logUniform(random, 500.0, 8000.0);
     const double step_s = 1.0 / rate_hz;
-    Swing swing = anySwing(random, i % 4, between(random, 0.05, 0.1), step_s);
-    const Vector3d gravity(0, 0, i % 4 == 0 ? -kGravity : 0.0);
+    Swing swing = anySwing(random, i % 4, logUniform(random, 0.05, 0.1), step_s);
+    const Vector3d gravity(0, 0, i % 4 == 0 ? -kGravity_m_s2 : 0.0);
     const Account account{swing.body, gravity};
     BodyJoint joint(swing.body);
     joint.put(swing.start, 0.0);
@@ -188,7 +182,7 @@ TEST(UntouchedJoint, InTheEngine_KeepsItsEnergy) {
   for (const int kind : {0, 1}) {
     const double rate_hz = 1000.0;
     Swing swing = anySwing(random, kind, 0.1, 1.0 / rate_hz);
-    const Vector3d gravity(0, 0, kind == 0 ? -kGravity : 0.0);
+    const Vector3d gravity(0, 0, kind == 0 ? -kGravity_m_s2 : 0.0);
     const Account account{swing.body, gravity};
     Yard yard("bullet", {swing.body}, gravity, rate_hz, anyTurn(random));
     const double rate = 0.3 * swing.omega * swing.start;
@@ -215,12 +209,13 @@ TEST(AnyJoint, TouchedAtRandomSteps_GivesNothing) {
   for (int i = 0; i < cases(100); ++i) {
     const Account account = anyJoint(random);
     const double omega = std::max(1.0, fastest(account));
-    const double step_s = between(random, 1.25e-4, 2e-3);
+    const double step_s = logUniform(random, 1.25e-4, 2e-3);
     BodyJoint joint(account.body);
     joint.put(joint.position(), uniform(random, -1.0, 1.0) * omega * 0.1);
     const double middle_j = account.energy(joint.position(), joint.rate());
     double got_j = 0.0;
-    double scale_j = std::abs(middle_j) + 0.1 * kGravity * account.body.mass_kg;  // of rounding
+    double scale_j =
+        std::abs(middle_j) + 0.1 * kGravity_m_s2 * account.body.mass_kg;  // of rounding
     bool touched = false;
     double push = 0.0;
     for (int k = 0; k < 1000; ++k) {
@@ -253,11 +248,11 @@ TEST(Pendulum, MovedByTheHand_TakesEnergyInEachCycle) {
   std::mt19937_64 random(seed());
   for (int i = 0; i < cases(12); ++i) {
     Account account{
-        bodyOf(boxShape({0.02, 0.02, 0.02}), {0, 0, 0}, between(random, 0.02, 2.0), 0.5),
-        {0, 0, -kGravity}};
+        bodyOf(boxShape({0.02, 0.02, 0.02}), {0, 0, 0}, logUniform(random, 0.02, 2.0), 0.5),
+        {0, 0, -kGravity_m_s2}};
     account.body.joint.emplace();
     account.body.joint->axis = Vector3d::UnitY();
-    account.body.joint->point_m = {0, 0, between(random, 0.03, 0.3)};
+    account.body.joint->point_m = {0, 0, logUniform(random, 0.03, 0.3)};
     const double own = fastest(account);
     const double omega = own * uniform(random, 0.1, 0.8), amplitude = uniform(random, 0.01, 1.0);
     const double step_s = 1e-3;

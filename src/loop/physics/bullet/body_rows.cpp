@@ -660,20 +660,26 @@ void BodyRows::shortenStart(const Bodies& bodies) noexcept {
 }
 
 // Sorts bodies and contacts by their islands; both keep their order.
-void BodyRows::sortByIsland(const Bodies& bodies) noexcept {
+void BodyRows::sortByIsland(const Bodies& bodies, const std::vector<bool>& by_hand) noexcept {
   const int count = bodies.size();
   std::fill_n(swept_.begin(), count, 0);
-  for (const int body : touched_) swept_[islandOf(body)] = 1;
+  for (const int body : touched_) {
+    if (by_hand[body]) swept_[islandOf(body)] = 1;
+  }
   std::fill_n(first_body_.begin(), count + 1, 0);
   std::fill_n(first_place_.begin(), count + 1, 0);
-  for (const int body : free_) ++first_body_[islandOf(body) + 1];
+  for (int body = 0; body < count; ++body) {
+    if (moves(bodies[body])) ++first_body_[islandOf(body) + 1];
+  }
   for (const Group* group : all_) {
     for (int k = 0; k < group->used; ++k) ++first_place_[islandOf(moverOf(*group, k)) + 1];
   }
   std::partial_sum(first_body_.begin(), first_body_.begin() + count + 1, first_body_.begin());
   std::partial_sum(first_place_.begin(), first_place_.begin() + count + 1, first_place_.begin());
   // Filling moves each island's first index to the end of the island, the first of the next one.
-  for (const int body : free_) members_[first_body_[islandOf(body)]++] = body;
+  for (int body = 0; body < count; ++body) {
+    if (moves(bodies[body])) members_[first_body_[islandOf(body)]++] = body;
+  }
   for (Group* group : all_) {
     for (int k = 0; k < group->used; ++k) {
       places_[first_place_[islandOf(moverOf(*group, k))]++] = {group, k};
@@ -702,7 +708,8 @@ void BodyRows::writeRow(const Row& row, const Place& at, int r,
   out.goal[r] = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
 }
 
-bool BodyRows::solveIsland(int island, const Bodies& bodies, int& work) noexcept {
+bool BodyRows::solveIsland(int island, const Bodies& bodies, JointRows& joints,
+                           int& work) noexcept {
   const int first_body = first_body_[island], first_place = first_place_[island];
   const int body_count = first_body_[island + 1] - first_body;
   const int place_count = first_place_[island + 1] - first_place;
@@ -712,10 +719,9 @@ bool BodyRows::solveIsland(int island, const Bodies& bodies, int& work) noexcept
   for (int i = 0; i < body_count; ++i) {
     const int body = members_[first_body + i];
     slot_[body] = i;
-    const btRigidBody& rigid = *bodies[body].m_originalBody;
-    roots_[i].linear = std::sqrt(rigid.getInvMass());
-    const btMatrix3x3& inverse = rigid.getInvInertiaTensorWorld();
-    roots_[i].angular.factorize([&](int r, int c) { return inverse[r][c]; }, 3);
+    const Mobility mobility = mobilityOf(*bodies[body].m_originalBody);
+    roots_[i].linear = std::sqrt(mobility.linear);
+    roots_[i].angular.factorize([&](int r, int c) { return mobility.angular[r][c]; }, 3);
   }
   newton_.begin(body_count);
   const double share = start_[island].share;
@@ -737,6 +743,9 @@ bool BodyRows::solveIsland(int island, const Bodies& bodies, int& work) noexcept
     contact.start = {share * point.m_appliedImpulse, share * point.m_appliedImpulseLateral1,
                      share * point.m_appliedImpulseLateral2};
   }
+  for (int i = 0; i < body_count; ++i) {
+    if (!joints.addTo(newton_, members_[first_body + i], i)) return false;
+  }
   const int of_a_step = newton_.order();
   if (of_a_step == 0) return false;
   const bool found = newton_.solve(std::min(kMostSteps, work / of_a_step));
@@ -757,9 +766,9 @@ void BodyRows::silence(Group& group, int place) noexcept {
   group.point[place] = nullptr;
 }
 
-void BodyRows::takeImpulses(int island) noexcept {
+void BodyRows::takeImpulses(int island, Bodies& bodies, JointRows& joints) noexcept {
   const int first_body = first_body_[island], first_place = first_place_[island];
-  for (int i = 0; i < newton_.contactCount(); ++i) {
+  for (int i = 0; i < first_place_[island + 1] - first_place; ++i) {
     const Place& at = places_[first_place + i];
     const IslandNewton::Contact& contact = newton_.contact(i);
     btManifoldPoint& point = *at.group->point[at.place];
@@ -770,21 +779,26 @@ void BodyRows::takeImpulses(int island) noexcept {
   }
   for (int i = 0; i < first_body_[island + 1] - first_body; ++i) {
     const IslandNewton::Six& change = newton_.change(i);
-    Motion& motion = motions_[members_[first_body + i]];
+    const int body = members_[first_body + i];
+    Motion& motion = motions_[body];
     for (int k = 0; k < 3; ++k) motion.linear[k] = roots_[i].linear * change[k];
     roots_[i].angular.apply(change.data() + 3, motion.angular.data());
+    if (onJoint(bodies[body]) == nullptr) continue;
+    joints.takeFrom(newton_, body);
+    copyVector(motion.angular, bodies[body].m_deltaAngularVelocity);
   }
 }
 
-void BodyRows::solveIslands(const Bodies& bodies) noexcept {
+void BodyRows::solveIslands(Bodies& bodies, const std::vector<bool>& by_hand,
+                            JointRows& joints) noexcept {
   if (!any()) return;
-  sortByIsland(bodies);
+  sortByIsland(bodies, by_hand);
   int work = kMostWork;
-  for (const int body : free_) {
-    if (islandOf(body) != body || swept_[body] != 0) continue;
+  for (int body = 0; body < bodies.size(); ++body) {
+    if (!moves(bodies[body]) || islandOf(body) != body || swept_[body] != 0) continue;
     if (first_place_[body + 1] == first_place_[body]) continue;
-    if (solveIsland(body, bodies, work)) {
-      takeImpulses(body);
+    if (solveIsland(body, bodies, joints, work)) {
+      takeImpulses(body, bodies, joints);
     } else {
       swept_[body] = 1;
     }

@@ -16,6 +16,8 @@ class BodyJoint;  // loop/physics/body_joint.hpp
 
 namespace wholehand::bullet {
 
+class JointRows;  // loop/physics/bullet/joint_rows.hpp
+
 /// Goals of the contacts between bodies in one step.
 struct ContactGoals {
   double step_s = 0.0;
@@ -66,8 +68,9 @@ class BodyRows {
   /// Makes one sweep over the near contacts only.
   [[nodiscard]] double sweepNear(Bodies& bodies) noexcept;
   /// Solves the islands that the hand does not touch directly, as far as a bounded work allows
-  /// (IslandNewton). Their contacts are not swept. Call after begin() and before the first sweep.
-  void solveIslands(const Bodies& bodies) noexcept;
+  /// (IslandNewton), with the rows of their joints. Their contacts are not swept. Call after
+  /// begin() and before the first sweep. @param by_hand per body: true when the hand touches it
+  void solveIslands(Bodies& bodies, const std::vector<bool>& by_hand, JointRows& joints) noexcept;
   /// True when contacts are left to sweep.
   [[nodiscard]] bool anyToSweep() const noexcept { return !all_.empty(); }
   /// Writes the impulses to their contact points, and the velocities of the bodies that are not
@@ -136,10 +139,11 @@ class BodyRows {
   [[nodiscard]] int islandOf(int body) noexcept;
   void findIslands(const Bodies& bodies) noexcept;
   void shortenStart(const Bodies& bodies) noexcept;
-  void sortByIsland(const Bodies& bodies) noexcept;
-  [[nodiscard]] bool solveIsland(int island, const Bodies& bodies, int& work) noexcept;
+  void sortByIsland(const Bodies& bodies, const std::vector<bool>& by_hand) noexcept;
+  [[nodiscard]] bool solveIsland(int island, const Bodies& bodies, JointRows& joints,
+                                 int& work) noexcept;
   void writeRow(const Row& row, const Place& at, int r, IslandNewton::Contact& out) const noexcept;
-  void takeImpulses(int island) noexcept;
+  void takeImpulses(int island, Bodies& bodies, JointRows& joints) noexcept;
   static void silence(Group& group, int place) noexcept;
 
   [[nodiscard]] Group& groupFor(int run) noexcept;

@@ -41,6 +41,9 @@ IslandNewton::Contact* IslandNewton::add(int a, int b) noexcept {
   Contact& contact = contacts_[contact_count_++];
   contact.a = a;
   contact.b = b;
+  contact.of_joint = false;
+  contact.friction = contact.box = 0.0;
+  contact.goal = contact.start = {};
   for (Six& six : contact.along_a) six.fill(0.0);
   for (Six& six : contact.along_b) six.fill(0.0);
   if (a >= 0 && b >= 0) {
@@ -407,9 +410,9 @@ bool IslandNewton::solve(int most_steps) noexcept {
   for (int i = 0; i < contact_count_; ++i) {
     Contact& c = contacts_[i];
     c.start[0] = std::max(0.0, c.start[0]);
-    c.limit = c.friction * c.start[0];
+    c.limit = limitOf(c, c.start[0]);
     for (int r = 0; r < 3; ++r) {
-      fastest = std::max(fastest, std::abs(c.goal[r]));
+      if (!c.of_joint) fastest = std::max(fastest, std::abs(c.goal[r]));
       if (c.a >= 0) addScaled(change_[c.a], c.start[r], c.along_a[r]);
       if (c.b >= 0) addScaled(change_[c.b], c.start[r], c.along_b[r]);
     }
@@ -426,7 +429,7 @@ bool IslandNewton::solve(int most_steps) noexcept {
     for (int i = 0; i < contact_count_; ++i) {
       Contact& c = contacts_[i];
       largest = std::max(largest, c.impulse[0]);
-      const double limit = c.friction * c.impulse[0];
+      const double limit = limitOf(c, c.impulse[0]);
       changed = std::max(changed, std::abs(limit - c.limit));
       c.limit = limit;
       for (int r = 0; r < 3; ++r) {

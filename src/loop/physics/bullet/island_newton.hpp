@@ -15,7 +15,8 @@ namespace wholehand::bullet {
 /// With given limits w minimises a convex function; a line search therefore makes every Newton step
 /// decrease it. x then replaces x₀ until nothing changes (method of multipliers): the softness R
 /// vanishes from the result. Bodies are eliminated in the order of fewest neighbours, equal ones in
-/// their own order. Real-time safe.
+/// their own order. A body on a joint uses one of its six unknowns; a cone of one body stands for
+/// its dry friction or an end of its range. Real-time safe.
 class IslandNewton {
  public:
   static constexpr int kMostBodies = 32, kMostContacts = 160, kMostBlocks = 320;
@@ -26,6 +27,8 @@ class IslandNewton {
   struct Contact {
     int a = -1, b = -1;  ///< its bodies; -1: one that cannot move
     double friction = 0.0;
+    bool of_joint = false;  ///< its rows are those of a joint, not of a contact
+    double box = 0.0;  ///< of a joint: largest impulse of dry friction, along the first tangent
     std::array<Six, 3> along_a{}, along_b{};
     std::array<double, 3> goal{};     ///< wanted velocity along a row minus the present one
     std::array<double, 3> start{};    ///< x₀
@@ -58,6 +61,10 @@ class IslandNewton {
  private:
   using Block = std::array<double, kSize * kSize>;
 
+  /// Limit of a contact's friction. @param normal impulse that sets it
+  [[nodiscard]] static double limitOf(const Contact& contact, double normal) noexcept {
+    return contact.of_joint ? contact.box : contact.friction * normal;
+  }
   void soften(double softness) noexcept;
   void project(Contact& contact) noexcept;
   void moveRows(std::array<Six, kMostBodies>& by, bool of_step) noexcept;

@@ -19,7 +19,8 @@ void JointRows::begin(std::vector<bool>& touched) noexcept {
   for (Row& row : rows_) {
     row.body = row.rigid->getCompanionId();
     row.first = -1;
-    row.acts = false;
+    row.acts = row.solved = false;
+    row.first_cone = -1;
     const double most = row.joint->mostFriction();
     row.friction = std::clamp(row.friction, -most, most);
     if (row.body >= 0) touched[row.body] = true;
@@ -31,7 +32,7 @@ void JointRows::begin(std::vector<bool>& touched) noexcept {
 double JointRows::solve(Bodies& bodies) noexcept {
   double largest = 0.0;
   for (Row& row : rows_) {
-    if (row.body < 0 || row.first >= 0) continue;
+    if (row.body < 0 || row.first >= 0 || row.solved) continue;
     const BodyJoint& joint = *row.joint;
     double& change = bodies[row.body].m_deltaAngularVelocity[0];
     const double before = row.friction + row.end;
@@ -77,6 +78,38 @@ void JointRows::takeFrom(const ConeNewton& newton) noexcept {
     if (row.first < 0) continue;
     row.friction = newton.row(row.first).impulse;
     row.end = newton.row(row.first + 1).impulse - newton.row(row.first + 2).impulse;
+  }
+}
+
+bool JointRows::addTo(IslandNewton& newton, int body, int slot) noexcept {
+  for (Row& row : rows_) {
+    if (row.body != body) continue;
+    const BodyJoint& joint = *row.joint;
+    row.first_cone = newton.contactCount();
+    const auto give = [&](int which, double sign, double goal, double start) {
+      IslandNewton::Contact* to = newton.add(slot, -1);
+      if (to == nullptr) return false;
+      to->of_joint = true;
+      to->along_a[which][3] = sign * std::sqrt(joint.yield());
+      to->goal[which] = goal;
+      to->start[which] = start;
+      if (which > 0) to->box = joint.mostFriction();
+      return true;
+    };
+    return give(1, 1.0, -joint.rate(), row.friction) &&
+           give(0, 1.0, joint.leastRate() - joint.rate(), std::max(0.0, row.end)) &&
+           give(0, -1.0, joint.rate() - joint.mostRate(), std::max(0.0, -row.end));
+  }
+  return true;
+}
+
+void JointRows::takeFrom(const IslandNewton& newton, int body) noexcept {
+  for (Row& row : rows_) {
+    if (row.body != body) continue;
+    row.solved = true;
+    row.friction = newton.contact(row.first_cone).impulse[1];
+    row.end = newton.contact(row.first_cone + 1).impulse[0] -
+              newton.contact(row.first_cone + 2).impulse[0];
   }
 }
 

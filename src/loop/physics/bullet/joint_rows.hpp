@@ -3,6 +3,7 @@
 #include "loop/physics/body_joint.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 #include "loop/physics/bullet/cone_newton.hpp"
+#include "loop/physics/bullet/island_newton.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -58,9 +59,13 @@ class JointRows {
   /// Adds the joint rows of a solver body to an island's system, if the body is on a joint.
   /// @param unknown index of the x of the body's angular velocity @return false: no room
   [[nodiscard]] bool addTo(ConeNewton& newton, int body, int unknown) noexcept;
+  /// The same for an island that the hand does not touch. @param slot the body's index in it
+  [[nodiscard]] bool addTo(IslandNewton& newton, int body, int slot) noexcept;
   /// Takes the impulses of an island's rows.
   void takeFrom(const ConeNewton& newton) noexcept;
-  /// Marks all rows as outside of islands, after no solution was found.
+  /// The same for one body of an island that the hand does not touch.
+  void takeFrom(const IslandNewton& newton, int body) noexcept;
+  /// Marks all rows as outside of the hand's island, after no solution was found.
   void release() noexcept;
 
  private:
@@ -70,7 +75,10 @@ class JointRows {
     int body = -1;  ///< index of the solver body in this step; -1: the body rests
     double friction = 0.0, end = 0.0;  ///< impulses of dry friction and of an end
     bool acts = false;  ///< the impulses are included in the body's change of velocity
-    int first = -1;     ///< index of its first row in an island's system; -1: in no island
+    int first = -1;     ///< index of its first row in the hand's island; -1: not in it
+    /// Index of its first cone in another island.
+    int first_cone = -1;
+    bool solved = false;  ///< another island's solution was found
   };
   std::vector<Row> rows_;
 };

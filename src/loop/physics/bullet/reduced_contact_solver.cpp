@@ -79,6 +79,7 @@ void ReducedContactSolver::reserve(int bodies) {
   slot_.reserve(mostSolverBodies(bodies));
   island_.reserve(ConeNewton::kMostUnknowns / 6);
   touched_.resize(mostSolverBodies(bodies));
+  by_hand_.resize(touched_.size());
 }
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
@@ -114,6 +115,7 @@ void ReducedContactSolver::findTouched() {
     const int body = contacts_[i].solver_body;
     touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
   }
+  by_hand_ = touched_;
   joints_.begin(touched_);
 }
 
@@ -591,7 +593,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
   if (iteration == 0) {
     near_unsettled_ = far_unsettled_ = false;
     body_rows_.begin(m_tmpSolverBodyPool, touched_);
-    body_rows_.solveIslands(m_tmpSolverBodyPool);
+    body_rows_.solveIslands(m_tmpSolverBodyPool, by_hand_, joints_);
     far_done_ = !body_rows_.anyToSweep();
     at_once_ = solveAtOnce();
     if (!at_once_) prepareSweeps();

@@ -194,9 +194,10 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   AxisRoot root_;                   ///< root of M_r⁻¹
   std::vector<IslandBody> island_;  ///< bodies that the hand touches
   std::vector<int> slot_;           ///< per solver body: its index in the island, or −1
-  std::vector<bool> touched_;       ///< per solver body: the hand touches it
-  BodyRows body_rows_;              ///< contacts between bodies
-  JointRows joints_;                ///< friction and ends of bodies on joints
+  /// Per solver body: the hand touches it; and the same with every body on a joint.
+  std::vector<bool> by_hand_, touched_;
+  BodyRows body_rows_;  ///< contacts between bodies
+  JointRows joints_;    ///< friction and ends of bodies on joints
 };
 
 }  // namespace wholehand::bullet
