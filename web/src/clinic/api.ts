@@ -2,8 +2,11 @@
 
 /** A request without an answer for this long has failed [ms]. */
 const WITHIN_MS = 6000;
-/** The station checks the hand when it opens a visit, which takes up to 20 s; a stick is slow, too. */
-const LONG_WITHIN_MS = 21_000, LONG = /\/(visits|guest_visits|item|backup)$/;
+/**
+ * The station checks the hand when it opens a visit, which takes up to 20 s; a stick is slow, too; and a key is derived from a
+ * phrase, code or PIN by a function that is slow on purpose. A given-up first start would never show its recovery code.
+ */
+const LONG_WITHIN_MS = 21_000, LONG = /\/(visits|guest_visits|item|backup|init|unlock|phrase|recovery_code|sign_in|show|pin|accounts)$/;
 
 /** The records refused a request; nothing was changed. */
 export class RefusalError extends Error {
