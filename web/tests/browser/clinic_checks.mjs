@@ -11,10 +11,10 @@ const PHRASE = 'a phrase for the test', PIN = '2468', CANARY = 'Canaria Zwitsche
 const MOST_ACTIONS = 12, MOST_PRESSES = 5;
 const LANGUAGES = ['fr', 'de', 'en'];
 
-const id = (name) => `[data-testid="${name}"]`;
+export const id = (name) => `[data-testid="${name}"]`;
 
 /** Presses and fills, and counts both. */
-class Hands {
+export class Hands {
   count = 0;
   constructor(page) { this.page = page; }
   async press(name) {
@@ -32,13 +32,13 @@ class Hands {
 }
 
 /** Starts in a folder of its own: recordings of other tests would appear as sessions without a patient. */
-const start = async (t) => {
+export const start = async (t) => {
   const folder = mkdtempSync(join(t.folder, 'clinic-'));
   return startProgram({ file: t.file, folder, args: ['--wait', '--clinic', join(folder, 'records'), '--no-rehearsal'] });
 };
 // Refusals of the records are valid answers, and an ended process answers nothing: each test states which may occur.
-const open = (t, url, query = {}) => openPage(t.plain, pageUrl(url, '/clinic', { lang: 'en', theme: 'light', ...query }), { cutOff: true });
-const runState = (page) => page.evaluate(() => window.wholehandNow?.state?.runState);
+export const open = (t, url, query = {}) => openPage(t.plain, pageUrl(url, '/clinic', { lang: 'en', theme: 'light', ...query }), { cutOff: true });
+export const runState = (page) => page.evaluate(() => window.wholehandNow?.state?.runState);
 const shows = (page, screen) => page.waitForSelector(`body[data-screen=${screen}]`);
 
 async function stopIsInItsCorner(page, words) {
@@ -64,7 +64,7 @@ async function lookAt(t, page, words, everywhere = true) {
   await t.picture(page, `clinic-${words.replaceAll(' ', '-')}`);
 }
 
-async function begin(t, page, look) {
+export async function begin(t, page, look) {
   await page.waitForSelector(id('make-clinic'));
   if (look) await lookAt(t, page, 'first start');
   await page.fill(id('pass-phrase'), PHRASE);
@@ -113,17 +113,17 @@ async function withPatient(t) {
   return { program, page, hands };
 }
 
-async function enterPin(page, pin = PIN) {
+export async function enterPin(page, pin = PIN) {
   await page.waitForSelector(id('pin'));
   await page.fill(id('pin'), pin);
   await page.click(id('pin-ok'));
 }
 
 /** The records process of a program. */
-const recordsOf = (program) => execFileSync('pgrep', ['-P', String(program.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number)
+export const recordsOf = (program) => execFileSync('pgrep', ['-P', String(program.pid)], { encoding: 'utf8' }).trim().split('\n').map(Number)
   .find((pid) => execFileSync('ps', ['-o', 'args=', '-p', String(pid)], { encoding: 'utf8' }).includes('clinic'));
 /** Removes expected faults: refusals while nobody was signed in, and unanswered requests. */
-const forgive = (page) => { page.faults = page.faults.filter((fault) => !/^(401|403|409|423) http|net::ERR_|Failed to load resource/.test(fault)); };
+export const forgive = (page) => { page.faults = page.faults.filter((fault) => !/^(401|403|409|423) http|net::ERR_|Failed to load resource/.test(fault)); };
 
 async function endVisit(page) {
   await page.click(`${id('end-visit')}:enabled`);

@@ -13,7 +13,7 @@ export async function anyExerciseShowsItsPanel(t) {
   expect((await game.locator('[data-testid=task] h1').innerText()) === 'Doser sa force', 'the title is not the exercise’s French one');
   const console = await openPage(t.plain, pageUrl(url, '/console', { lang: 'de' }));
   await console.waitForSelector('.exercise [data-value=squeeze_n]');
-  await until('a squeeze on both pages', async () => (await game.locator('[data-testid=meter]').isVisible()) && (await shown(console, 'squeeze_n')) > 1);
+  await until('a squeeze', async () => (await shown(console, 'squeeze_n')) > 1);
   const instruction = await console.locator('[data-testid=exercise-instruction]').innerText();
   expect(instruction.length > 0, 'the console gives no instruction');
   await until('an event in words', async () => (await console.locator('[data-testid=exercise-event]').innerText()) !== '');

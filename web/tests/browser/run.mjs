@@ -17,6 +17,7 @@ import * as checks from './checks.mjs';
 import * as clinic from './clinic_checks.mjs';
 import { commissionedThroughThePage } from './commission_checks.mjs';
 import { besideAConsole, costOf } from './cost_checks.mjs';
+import { courseOfThreeVisits } from './course_checks.mjs';
 import { drinksByEveryWay, firstDrinkByMouse } from './drink_checks.mjs';
 import { FULL, Harness } from './harness.mjs';
 import { hourOfPlayLeaksNothing } from './hour_checks.mjs';
@@ -104,6 +105,7 @@ const TESTS = [
   // These take minutes with software rendering; every combination plays on the simulated clock in tests/every_drink.test.ts.
   ['a newcomer finds everything by visible words_slow', newcomerFinds, PACED],
   ['drinks by every input method_slow', drinksByEveryWay, PACED],
+  ['a course of three visits in few presses_slow', courseOfThreeVisits],
   // Not paced: the machine is kept busy on purpose.
   ['controls are kept_slow', trouble.controlsAreKept],
   ['an hour of play leaks nothing_slow', hourOfPlayLeaksNothing],
