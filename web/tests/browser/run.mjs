@@ -27,6 +27,7 @@ import * as panels from './panel_checks.mjs';
 import { lostPictureIsReported } from './picture_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import * as presence from './presence_checks.mjs';
+import { tenChangesAsPixels } from './same_pixels_checks.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
 import * as recorded from './recorded_checks.mjs';
 import * as replays from './replay_checks.mjs';
@@ -105,6 +106,7 @@ const TESTS = [
   // These take minutes with software rendering; every combination plays on the simulated clock in tests/every_drink.test.ts.
   ['a newcomer finds everything by visible words_slow', newcomerFinds, PACED],
   ['drinks by every input method_slow', drinksByEveryWay, PACED],
+  ['ten changes of exercise as pixels_slow', tenChangesAsPixels],
   ['a course of three visits in few presses_slow', courseOfThreeVisits],
   // Not paced: the machine is kept busy on purpose.
   ['controls are kept_slow', trouble.controlsAreKept],
