@@ -1,6 +1,7 @@
 // Loaded bodies on joints against light free things: what loads a contact is force, not mass alone.
 // Nothing is pressed into the table or into each other, and everything comes to rest.
 #include "loop/physics/body_yard.hpp"
+#include "loop/physics/still_hand.hpp"
 #include "support/figure.hpp"
 
 #include <algorithm>
@@ -126,7 +127,7 @@ TEST_F(LoadedJoint, LidOnLightDiscs_ComesToRest) {
 TEST_F(LoadedJoint, AnyLoadOnAnyThing_StandsAndRests) {
   LoadedCourse worst;
   int bad = 0;
-  const int wanted = cases(8);
+  const int wanted = cases(4);
   for (int i = 0; i < wanted; ++i) {
     Loading d;
     d.press = static_cast<Press>(i % 4);
@@ -149,6 +150,63 @@ TEST_F(LoadedJoint, AnyLoadOnAnyThing_StandsAndRests) {
   figure("of them that sink or move", bad, "");
   figure("loaded joints, sunk at most", 1e3 * worst.sunk_m, "mm");
   figure("loaded joints, fastest after 2 s", worst.fastest_m_s, "m/s");
+}
+
+/// A wall beside the hand on a joint whose end keeps it from giving way outwards.
+SceneBody jaw(const Vector3d& along, double face_m, bool hinge, double mass_kg) {
+  SceneBody body = wall(along, face_m);
+  body.fixed = false;
+  body.mass_kg = mass_kg;
+  const ShapeMoments about = moments(body.shapes[0]);
+  body.inertia_kg_m2 = mass_kg / about.volume_m3 * about.inertia_m5;
+  SceneJoint joint;
+  joint.axis = hinge ? Vector3d(0, 0, along.y()) : -along;
+  if (hinge) joint.point_m = {-0.4, 0.0, 0.0};  // at +q the jaw comes towards the hand
+  if (hinge) joint.axis = -joint.axis;
+  if (!hinge) joint.type = SceneJoint::Type::kSlide;
+  joint.least = 0.0, joint.most = 0.05;
+  body.joint = joint;
+  return body;
+}
+
+// A joint at its end is a wall: jaws that are too near press the hand by the depth of each contact,
+// 2.5 N/µm beyond the 10 µm at which contacts rest.
+TEST(JawsAtTheirEnds, WedgeTheHandAsWallsDo) {
+  std::mt19937_64 random(seed());
+  const HandModel& model = hand();
+  const double left_m = reach(model, AxisPosition(6), Vector3d::UnitY());
+  const double right_m = reach(model, AxisPosition(6), -Vector3d::UnitY());
+  double worst = 0.0;
+  for (int i = 0; i < cases(4); ++i) {
+    const double depth_m = uniform(random, 2e-5, 4e-5);
+    const auto any_jaw = [&](const Vector3d& along, double reach_m) {
+      return i == 0
+                 ? wall(along, reach_m - depth_m)
+                 : jaw(along, reach_m - depth_m, random() % 2 == 0, logUniform(random, 0.1, 5.0));
+    };
+    Bench bench("bullet", weightless({any_jaw(Vector3d::UnitY(), left_m),
+                                      any_jaw(-Vector3d::UnitY(), right_m)}));
+    ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
+    int pressed = 0;
+    double off = 0.0, most_n = 0.0;
+    for (int k = 0; k < 1500; ++k) {
+      ASSERT_NO_FATAL_FAILURE(bench.step(AxisPosition(6), AxisVelocity(6)));
+      if (k < 1400) continue;
+      for (int c = 0; c < bench.touching.count; ++c) {
+        const Contact& contact = bench.touching.points[c];
+        const double depth_n = 2.5e6 * std::max(0.0, -contact.distance_m - 1e-5);
+        if (depth_n < 2.0) continue;
+        ++pressed;
+        most_n = std::max(most_n, contact.force_n.eigen().norm());
+        off = std::max(
+            off, std::abs(contact.normal.eigen().dot(contact.force_n.eigen()) / depth_n - 1.0));
+      }
+    }
+    ASSERT_GT(pressed, 100) << "jaws " << i;
+    EXPECT_LE(off, tolerance(0.08)) << "jaws " << i << ", " << most_n << " N";
+    worst = std::max(worst, off);
+  }
+  figure("hand between jaws at their ends, force against depth, worst", 100.0 * worst, "%");
 }
 
 }  // namespace

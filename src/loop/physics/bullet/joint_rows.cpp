@@ -113,6 +113,13 @@ void JointRows::takeFrom(const IslandNewton& newton, int body) noexcept {
   }
 }
 
+double JointRows::borneByEnd(const BodyJoint& joint) const noexcept {
+  for (const Row& row : rows_) {
+    if (row.joint == &joint) return row.end;
+  }
+  return 0.0;
+}
+
 void JointRows::release() noexcept {
   for (Row& row : rows_) row.first = -1;
 }

@@ -65,6 +65,9 @@ class JointRows {
   void takeFrom(const ConeNewton& newton) noexcept;
   /// The same for one body of an island that the hand does not touch.
   void takeFrom(const IslandNewton& newton, int body) noexcept;
+  /// Impulse of the end of a body's range in the last step, as long as this one is not solved: > 0
+  /// at the least q. 0: no end bore.
+  [[nodiscard]] double borneByEnd(const BodyJoint& joint) const noexcept;
   /// Marks all rows as outside of the hand's island, after no solution was found.
   void release() noexcept;
 

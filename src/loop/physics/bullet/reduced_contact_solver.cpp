@@ -225,7 +225,12 @@ void ReducedContactSolver::startFromLast(HandContact& contact) const {
   const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                         point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
   const btRigidBody* body = m_tmpSolverBodyPool[contact.solver_body].m_originalBody;
-  const bool wall = body == nullptr || body->getInvMass() == 0.0;
+  bool wall = body == nullptr || body->getInvMass() == 0.0;
+  // A joint is a wall where its end bears this contact.
+  const BodyJoint* joint = wall ? nullptr : jointOf(*body);
+  if (joint != nullptr) {
+    wall = contact.normal_row.angular.x() * joints_.borneByEnd(*joint) < 0.0;
+  }
   const double share = settings_.warm_start;
   contact.normal_row.impulse = (wall ? settings_.wall_warm_start : share) * point.m_appliedImpulse;
   contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
