@@ -379,7 +379,7 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
             std::string::npos);
   EXPECT_NE(wireRefusalOf(setHelp(1, static_cast<fb::Help>(4))).find("help = 4"),
             std::string::npos);
-  EXPECT_NE(wireRefusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"),
+  EXPECT_NE(wireRefusalOf(action(1, static_cast<fb::Act>(-1), 0)).find("action = -1"),
             std::string::npos);
   // Messages of the program are not accepted from a client.
   EXPECT_NE(wireRefusalOf(wire::controlsMessage({true, true})).find("client may send"),
