@@ -65,7 +65,7 @@ TEST_F(RolesTest, TherapistWhileAPlayerHolds_IsObeyedInAllButSteering) {
   const auto leads = client("therapist");
   std::uint32_t id = 0;
   EXPECT_TRUE(ask(*leads, setParameter(++id, "lead_in_m", 0.25)).accepted);
-  EXPECT_TRUE(ask(*leads, action(++id, fb::Act::Pause)).accepted);
+  EXPECT_TRUE(ask(*leads, action(++id, fb::Act::Pause, 0)).accepted);
   EXPECT_TRUE(ask(*leads, load(++id, "cocktail-bar", 2, "")).accepted);
   EXPECT_TRUE(ask(*leads, stop(++id)).accepted);
   EXPECT_TRUE(ask(*leads, arm(++id)).accepted);
@@ -122,13 +122,13 @@ TEST_F(RolesTest, PauseOfTheTherapist_LastsUntilTheTherapistEndsIt) {
   open();
   const auto leads = client("therapist");
   const auto plays = player();
-  EXPECT_TRUE(ask(*leads, action(1, fb::Act::Pause)).accepted);
-  EXPECT_EQ(ask(*plays, action(2, fb::Act::Resume)).refusal, fb::Refusal::TherapistPaused);
-  EXPECT_TRUE(ask(*leads, action(2, fb::Act::Resume)).accepted);
-  EXPECT_TRUE(ask(*plays, action(3, fb::Act::Next)).accepted);
-  EXPECT_TRUE(ask(*leads, action(3, fb::Act::Pause)).accepted);
+  EXPECT_TRUE(ask(*leads, action(1, fb::Act::Pause, 0)).accepted);
+  EXPECT_EQ(ask(*plays, action(2, fb::Act::Resume, 0)).refusal, fb::Refusal::TherapistPaused);
+  EXPECT_TRUE(ask(*leads, action(2, fb::Act::Resume, 0)).accepted);
+  EXPECT_TRUE(ask(*plays, action(3, fb::Act::Next, 0)).accepted);
+  EXPECT_TRUE(ask(*leads, action(3, fb::Act::Pause, 0)).accepted);
   show(RunState::kRendering, 1, false, 2);
-  EXPECT_TRUE(ask(*plays, action(4, fb::Act::Resume)).accepted) << "the next session is not paused";
+  EXPECT_TRUE(ask(*plays, action(4, fb::Act::Resume, 0)).accepted) << "the next session is not paused";
 }
 
 TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
