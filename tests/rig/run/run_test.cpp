@@ -218,16 +218,22 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
 }
 
 TEST(RunAndRecord, SinkThatThrows_IsReportedAndTheLoopContinues) {
-  Story story;
-  const auto rig = watched(story);
-  RunPlan plan;
-  plan.duration_ticks = 100;
-  plan.sinks.emplace_back([](const TickRecord&) { throw std::runtime_error("no more paper"); });
-  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
-  EXPECT_FALSE(outcome.faulted);
-  EXPECT_GE(outcome.summary.ticks, 100U);
-  ASSERT_EQ(outcome.failures.size(), 1U);
-  EXPECT_EQ(outcome.failures.front(), "sink 1 threw: no more paper");
+  // A run on the wall clock, which a standing machine may end: tries again.
+  for (int attempt = 0; attempt < 10; ++attempt) {
+    Story story;
+    const auto rig = watched(story);
+    RunPlan plan;
+    plan.duration_ticks = 100;
+    plan.sinks.emplace_back([](const TickRecord&) { throw std::runtime_error("no more paper"); });
+    const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+    ASSERT_EQ(outcome.failures.size(), 1U);
+    EXPECT_EQ(outcome.failures.front(), "sink 1 threw: no more paper");
+    if (contains(faultText(outcome.summary), "gap too long")) continue;
+    EXPECT_FALSE(outcome.faulted);
+    EXPECT_GE(outcome.summary.ticks, 100U);
+    return;
+  }
+  FAIL() << "this machine stood still in ten runs of a tenth of a second";
 }
 
 /// Runs 200 ticks on the simulated clock and sends a signal in the 50th. @return true if the run

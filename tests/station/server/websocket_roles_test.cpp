@@ -128,7 +128,8 @@ TEST_F(RolesTest, PauseOfTheTherapist_LastsUntilTheTherapistEndsIt) {
   EXPECT_TRUE(ask(*plays, action(3, fb::Act::Next, 0)).accepted);
   EXPECT_TRUE(ask(*leads, action(3, fb::Act::Pause, 0)).accepted);
   show(RunState::kRendering, 1, false, 2);
-  EXPECT_TRUE(ask(*plays, action(4, fb::Act::Resume, 0)).accepted) << "the next session is not paused";
+  EXPECT_TRUE(ask(*plays, action(4, fb::Act::Resume, 0)).accepted)
+      << "the next session is not paused";
 }
 
 TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
