@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <malloc.h>
 #include <mutex>
 #include <string>
 #include <sys/prctl.h>
@@ -325,6 +326,9 @@ int runProgram(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   keepToOneself();
+  // An arena of each thread would reserve 64 MB of the address space, of which the station allows
+  // 1 GB; then no key could be derived.
+  mallopt(M_ARENA_MAX, 2);
   try {
     return runProgram(argc, argv);
   } catch (const std::exception& error) {

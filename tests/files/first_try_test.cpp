@@ -184,6 +184,21 @@ TEST(FirstTry, OverlappingColliders_CountTheirCommonVolumeOnce) {
   EXPECT_LT((m.inertia_kg_m2 - Matrix3d(closed.asDiagonal())).norm(), 1e-6 * closed.norm());
 }
 
+// Two halves of a cube that touch in a diagonal plane share nothing.
+TEST(FirstTry, CollidersThatTouchObliquely_LoseNothing) {
+  const auto wedge = [](const Vector3d& third, const Vector3d& raised) {
+    const Vector3d a(0, 0, 0), b(0.02, 0.02, 0), up(0, 0, 0.02);
+    const std::vector<Vector3d> points = {a, b, third, a + up, b + up, raised};
+    const std::vector<Vector3i> faces = {{0, 1, 2}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3},
+                                         {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}};
+    return orThrow(convexMesh(points, faces));
+  };
+  const std::vector<Shape> halves = {wedge({0.02, 0, 0}, {0.02, 0, 0.02}),
+                                     wedge({0, 0.02, 0}, {0, 0.02, 0.02})};
+  EXPECT_NEAR(moments(halves).volume_m3, 8e-6, 1e-15);
+  EXPECT_LT((moments(halves).center_m - Vector3d(0.01, 0.01, 0.01)).norm(), 1e-12);
+}
+
 // The lens of two equal balls: V = π (4 r + d) (2 r - d)² / 12.
 TEST(FirstTry, OverlappingBalls_LoseTheirLens) {
   auto random = seededRandom(6201);

@@ -115,7 +115,8 @@ Vector3d halfBox(const Shape& shape) {
                                        : Vector3d(shape.radius_m, shape.radius_m, end_m);
 }
 
-constexpr int kOverlapCells = 24;  ///< of the grid along each side of the box of an overlap
+constexpr double kTouching_m = 1e-6;  ///< shapes that overlap less deep touch
+constexpr int kOverlapCells = 24;     ///< of the grid along each side of the box of an overlap
 
 /// The part of `shape` that lies within earlier shapes, those with a box, at unit density.
 MassProperties countedAgain(const Shape& shape, const std::vector<Shape>& shapes,
@@ -138,9 +139,9 @@ MassProperties countedAgain(const Shape& shape, const std::vector<Shape>& shapes
     const Vector3d place(n % kOverlapCells, n / kOverlapCells % kOverlapCells,
                          n / (kOverlapCells * kOverlapCells));
     const Vector3d p = room.min() + cell_m.cwiseProduct(place + Vector3d::Constant(0.5));
-    if (signedDistance(shape, p) > 0.0 ||
-        std::none_of(near.begin(), near.end(),
-                     [&](const Shape* other) { return signedDistance(*other, p) <= 0.0; })) {
+    const auto holds = [&](const Shape& s) { return signedDistance(s, p) < -kTouching_m; };
+    if (!holds(shape) ||
+        std::none_of(near.begin(), near.end(), [&](const Shape* other) { return holds(*other); })) {
       continue;
     }
     const Vector3d from = p - room.min();
