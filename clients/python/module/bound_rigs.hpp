@@ -33,9 +33,9 @@ class OneRig {
   /// Raises BadInput.
   explicit OneRig(const RigArguments& arguments);
 
-  void reset(const pybind11::object& seed);
+  void reset(const pybind11::object& asked);
   /// Returns how many ticks ran: fewer than `n` if the run ended.
-  int step(const pybind11::object& aim, const pybind11::object& n);
+  int step(const pybind11::object& aim, const pybind11::object& asked);
   void close();
   /// Seed, ticks and aims of a RigHistory. Raises RunEnded once closed, and RuntimeError where the
   /// history is not whole.
@@ -63,8 +63,8 @@ class ManyRigs {
   ManyRigs(const RigArguments& arguments, int count, int threads);
 
   void reset(const std::vector<std::uint64_t>& seeds);
-  void resetOne(int rig, const pybind11::object& seed);
-  void step(const pybind11::object& aim, const pybind11::object& n);
+  void resetOne(int rig, const pybind11::object& asked);
+  void step(const pybind11::object& aim, const pybind11::object& asked);
 
   [[nodiscard]] pybind11::array_t<bool> running() const;
   [[nodiscard]] std::vector<std::string> endedBy() const;

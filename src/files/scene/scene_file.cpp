@@ -400,7 +400,7 @@ class BodyReader {
     if (body.shapes.empty()) return;
     MassProperties m =
         inertial_ ? inertialOf(body.shapes, ballast_m_, *inertial_,
-                               [&](std::string problem, std::string remedy) {
+                               [&](const std::string& problem, std::string remedy) {
                                  note(fileFault("", "the URDF " + problem, std::move(remedy)));
                                })
                   : uniformDensity(body.shapes, body.mass_kg);
@@ -427,7 +427,7 @@ class BodyReader {
                             const std::vector<Vector3d>& ballast_m, const UrdfInertial& urdf,
                             Note note) {
     const MassProperties& m = urdf.sum;
-    const MassProperties own = uniformDensity(shapes, m.mass_kg);
+    MassProperties own = uniformDensity(shapes, m.mass_kg);
     if (inertia_ == InertiaRule::kColliders || !urdf.complete) return own;
     if (inertia_ == InertiaRule::kFile) return m;
     const std::string problem = inertialProblem(shapes, ballast_m, m);

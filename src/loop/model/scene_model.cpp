@@ -136,8 +136,9 @@ MassProperties countedAgain(const Shape& shape, const std::vector<Shape>& shapes
   Vector3d first = Vector3d::Zero();
   Matrix3d second = Matrix3d::Zero();
   for (int n = 0; n < kOverlapCells * kOverlapCells * kOverlapCells; ++n) {
-    const Vector3d place(n % kOverlapCells, n / kOverlapCells % kOverlapCells,
-                         n / (kOverlapCells * kOverlapCells));
+    const Eigen::Vector3i cell(n % kOverlapCells, n / kOverlapCells % kOverlapCells,
+                               n / (kOverlapCells * kOverlapCells));
+    const Vector3d place = cell.cast<double>();
     const Vector3d p = room.min() + cell_m.cwiseProduct(place + Vector3d::Constant(0.5));
     const auto holds = [&](const Shape& s) { return signedDistance(s, p) < -kTouching_m; };
     if (!holds(shape) ||
