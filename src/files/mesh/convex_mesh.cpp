@@ -2,6 +2,7 @@
 
 #include "files/mesh/convex_hull.hpp"
 #include "files/mesh/mesh_checks.hpp"
+#include "files/mesh/shells.hpp"
 #include "loop/core/printable.hpp"
 
 #include <Eigen/Geometry>
@@ -14,7 +15,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -383,70 +383,17 @@ std::vector<int> components(const MeshSurface& mesh, const std::vector<int>& par
   return component;
 }
 
-/// A triangle at an edge of a welded surface.
-struct AtEdge {
-  int triangle = 0;
-  bool up = false;         ///< passes the edge from the smaller index to the larger one
-  double angle_rad = 0.0;  ///< of its third corner about the edge
-};
-
-/// Joins each triangle that passes the edge upward with the one that closes the solid behind it:
-/// the first that passes downward when turning from it to its inner side. Touching solids share an
-/// edge of four or more triangles.
-/// @return false when the edge is not passed equally often in both directions
-template <class Join>
-bool joinSolids(std::vector<AtEdge> edge, Join join) {
-  constexpr double kTurn = 2.0 * std::numbers::pi, kSame = 1e-6;
-  for (const AtEdge& from : edge) {
-    if (!from.up) continue;
-    AtEdge* mate = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    for (AtEdge& to : edge) {
-      if (to.up || to.triangle < 0) continue;
-      double turn = std::remainder(from.angle_rad - to.angle_rad, kTurn);
-      if (turn < kSame) turn += kTurn;  // a triangle that lies on this one closes another solid
-      if (turn >= least) continue;
-      least = turn;
-      mate = &to;
-    }
-    if (mate == nullptr) return false;
-    join(from.triangle, std::exchange(mate->triangle, -1));
-  }
-  return std::none_of(edge.begin(), edge.end(),
-                      [](const AtEdge& e) { return !e.up && e.triangle >= 0; });
-}
-
 /// Numbers the solids of a closed, outward wound surface that touch along edges or faces, as a
 /// convex decomposition in one object is. All 0: it is not such a surface.
 std::vector<int> touchingSolids(const MeshSurface& mesh) {
   const std::vector<int> same = welded(mesh);
-  std::map<std::pair<int, int>, std::vector<AtEdge>> edges;
-  for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
-    const Vector3i& t = mesh.triangles[n];
-    for (int k = 0; k < 3; ++k) {
-      const int i = same[t[k]], j = same[t[(k + 1) % 3]];
-      if (i == j) continue;
-      const Vector3d &a = mesh.points[std::min(i, j)], &b = mesh.points[std::max(i, j)];
-      const Vector3d along = (b - a).normalized(), across = along.unitOrthogonal();
-      const Vector3d third = mesh.points[t[(k + 2) % 3]] - a;
-      edges[std::minmax(i, j)].push_back(
-          {static_cast<int>(n), i < j,
-           std::atan2(along.cross(across).dot(third), across.dot(third))});
-    }
+  MeshSurface merged = mesh;
+  for (Vector3i& t : merged.triangles) {
+    for (int& corner : t) corner = same[corner];
   }
-  std::vector<int> solid(mesh.triangles.size());
-  std::iota(solid.begin(), solid.end(), 0);
-  const auto root = [&](int i) {
-    while (solid[i] != i) i = solid[i] = solid[solid[i]];
-    return i;
-  };
-  for (const auto& [ends, edge] : edges) {
-    if (!joinSolids(edge, [&](int a, int b) { solid[root(a)] = root(b); })) {
-      return std::vector<int>(mesh.triangles.size());
-    }
-  }
-  for (int& s : solid) s = root(s);
-  return solid;
+  std::vector<int> solids = shellNumbers(merged);
+  solids.resize(mesh.triangles.size());
+  return solids;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -38,24 +39,74 @@ class Sets {
   std::vector<int> parent_;
 };
 
-/// Triangles at an edge, by the direction in which they pass it.
+/// A triangle at an edge.
 struct AtEdge {
-  std::vector<int> up, down;  ///< from the smaller index to the larger one, and back
+  int triangle = 0;
+  double angle_rad = 0.0;  ///< of its third corner about the edge
 };
 
-/// Joins each triangle that passes the edge upward with one that passes it downward, already
-/// connected pairs first. Every shell is then closed, even where shells touch.
-void joinAtEdge(AtEdge edge, Sets& sets) {
-  for (const int up : std::exchange(edge.up, {})) {
-    const auto same = std::find_if(edge.down.begin(), edge.down.end(),
-                                   [&](int down) { return sets.find(down) == sets.find(up); });
+/// Triangles at an edge, by the direction in which they pass it.
+struct Edge {
+  std::vector<AtEdge> up, down;  ///< from the smaller index to the larger one, and back
+};
+
+/// Angle from one triangle that passes an edge upward through its inner side to one that passes it
+/// downward, 0 .. 2π. A triangle that lies on the first one closes another solid: 2π.
+double turnOf(const AtEdge& up, const AtEdge& down) {
+  constexpr double kTurn = 2.0 * std::numbers::pi, kSame = 1e-6;
+  const double turn = std::remainder(up.angle_rad - down.angle_rad, kTurn);
+  return turn < kSame ? turn + kTurn : turn;
+}
+
+/// Joins each triangle that passes the edge upward with one that passes it downward: already
+/// connected pairs first, then with the one that closes the solid behind it.
+void joinAtEdge(Edge edge, Sets& sets) {
+  for (const AtEdge up : std::exchange(edge.up, {})) {
+    const auto same = std::find_if(edge.down.begin(), edge.down.end(), [&](const AtEdge& down) {
+      return sets.find(down.triangle) == sets.find(up.triangle);
+    });
     if (same == edge.down.end()) {
       edge.up.push_back(up);
     } else {
       edge.down.erase(same);
     }
   }
-  for (std::size_t i = 0; i < edge.up.size(); ++i) sets.join(edge.up[i], edge.down[i]);
+  for (const AtEdge& up : edge.up) {
+    const auto mate = std::min_element(
+        edge.down.begin(), edge.down.end(),
+        [&](const AtEdge& a, const AtEdge& b) { return turnOf(up, a) < turnOf(up, b); });
+    sets.join(up.triangle, mate->triangle);
+    edge.down.erase(mate);
+  }
+}
+
+std::map<std::pair<int, int>, Edge> edgesOf(const MeshSurface& surface) {
+  std::map<std::pair<int, int>, Edge> edges;
+  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
+    const Vector3i& t = surface.triangles[n];
+    for (int k = 0; k < 3; ++k) {
+      const int i = t[k], j = t[(k + 1) % 3];
+      const Vector3d &a = surface.points[std::min(i, j)], &b = surface.points[std::max(i, j)];
+      const Vector3d along = (b - a).normalized(), across = along.unitOrthogonal();
+      const Vector3d third = surface.points[t[(k + 2) % 3]] - a;
+      Edge& edge = edges[std::minmax(i, j)];
+      (i < j ? edge.up : edge.down)
+          .push_back(
+              {static_cast<int>(n), std::atan2(along.cross(across).dot(third), across.dot(third))});
+    }
+  }
+  return edges;
+}
+
+std::vector<std::vector<int>> trianglesOfShells(const MeshSurface& surface) {
+  const std::vector<int> number = shellNumbers(surface);
+  std::map<int, std::vector<int>> shells;
+  for (std::size_t n = 0; n < number.size(); ++n) {
+    shells[number[n]].push_back(static_cast<int>(n));
+  }
+  std::vector<std::vector<int>> lists;
+  for (auto& [first, triangles] : shells) lists.push_back(std::move(triangles));
+  return lists;
 }
 
 /// A closed part of the surface.
@@ -65,32 +116,6 @@ struct Shell {
   Eigen::AlignedBox3d box;
   double volume_m3 = 0.0;  ///< negative: wound inward
 };
-
-std::vector<std::vector<int>> trianglesOfShells(const MeshSurface& surface) {
-  std::map<std::pair<int, int>, AtEdge> edges;
-  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
-    const Vector3i& t = surface.triangles[n];
-    for (int k = 0; k < 3; ++k) {
-      const int i = t[k], j = t[(k + 1) % 3];
-      AtEdge& edge = edges[std::minmax(i, j)];
-      (i < j ? edge.up : edge.down).push_back(static_cast<int>(n));
-    }
-  }
-  Sets sets(surface.triangles.size());
-  for (const auto& [ends, edge] : edges) {
-    if (edge.up.size() == 1) sets.join(edge.up[0], edge.down[0]);
-  }
-  for (const auto& [ends, edge] : edges) {
-    if (edge.up.size() > 1) joinAtEdge(edge, sets);
-  }
-  std::map<int, std::vector<int>> shells;
-  for (std::size_t n = 0; n < surface.triangles.size(); ++n) {
-    shells[sets.find(static_cast<int>(n))].push_back(static_cast<int>(n));
-  }
-  std::vector<std::vector<int>> lists;
-  for (auto& [first, triangles] : shells) lists.push_back(std::move(triangles));
-  return lists;
-}
 
 std::vector<Shell> shellsOf(const MeshSurface& surface) {
   std::vector<Shell> shells;
@@ -145,6 +170,24 @@ const Shell& outermostOf(const Shell& shell, const std::vector<Shell>& shells, d
 }
 
 }  // namespace
+
+std::vector<int> shellNumbers(const MeshSurface& surface) {
+  const std::map<std::pair<int, int>, Edge> edges = edgesOf(surface);
+  if (std::any_of(edges.begin(), edges.end(),
+                  [](const auto& at) { return at.second.up.size() != at.second.down.size(); })) {
+    return {};
+  }
+  Sets sets(surface.triangles.size());
+  for (const auto& [ends, edge] : edges) {
+    if (edge.up.size() == 1) sets.join(edge.up[0].triangle, edge.down[0].triangle);
+  }
+  for (const auto& [ends, edge] : edges) {
+    if (edge.up.size() > 1) joinAtEdge(edge, sets);
+  }
+  std::vector<int> number(surface.triangles.size());
+  for (std::size_t n = 0; n < number.size(); ++n) number[n] = sets.find(static_cast<int>(n));
+  return number;
+}
 
 TurnedShells turnInwardShells(MeshSurface& surface, double size_m) {
   const std::vector<Shell> shells = shellsOf(surface);
