@@ -109,6 +109,7 @@ Json EngineeringFacts::json() const {
       {"stopping_faults", summary.stopping_faults},
       {"faults", faultsJson(summary, meta_)},
       {"largest_effort", std::vector<double>(summary.max_effort.begin(), summary.max_effort.end())},
+      {"work_j", summary.work_j},
       {"contacts_max", summary.contacts_max},
       {"coupling_error_rad", summary.max_coupling_error_rad},
       {"damped_share", static_cast<double>(damped_) / records},

@@ -455,9 +455,13 @@ TEST(EngineeringFacts, Ticks_AreCountedInStepsOfThePeriod) {
     record.wall_ns = 95'500;  // 9.55 % of 1 ms
     if (i == 7) record.faults = Fault::kSpeedLimit;
     if (i == 7) record.fault_axis = 3;
+    record.sent[1] = 2.0;
+    record.q_m = AxisPosition(6);
+    record.q_m[1] = 1e-5 * i;
     facts.add(record);
   }
   const auto json = facts.json();
+  EXPECT_NEAR(json["work_j"].get<double>(), 2.0 * 1e-5 * 3999, 1e-9);  // force times way
   EXPECT_EQ(json["times"]["counts"][9], 4000);
   EXPECT_NEAR(json["damped_share"].get<double>(), 0.25, 1e-12);  // 1 s of 4 s
   ASSERT_EQ(json["faults"].size(), 1U);

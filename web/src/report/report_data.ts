@@ -58,7 +58,7 @@ export interface Fault { readonly name: string; readonly ticks: number; readonly
 
 export interface Engineering {
   readonly records: number; readonly missed_deadlines: number; readonly stopping_faults: number; readonly faults: readonly Fault[];
-  readonly largest_effort: readonly number[]; readonly contacts_max: number; readonly coupling_error_rad: number; readonly damped_share: number;
+  readonly largest_effort: readonly number[]; readonly work_j: number; readonly contacts_max: number; readonly coupling_error_rad: number; readonly damped_share: number;
   readonly times: { readonly is_cpu: boolean; readonly tick: Percentiles; readonly tick_cpu: Percentiles; readonly stages: readonly (Percentiles & { readonly name: string })[]; readonly step_s: number; readonly counts: readonly number[] };
   readonly settings: { readonly scene: string; readonly rendering: string; readonly engine: string; readonly simulated_clock: boolean; readonly paper: boolean; readonly uncertified: boolean; readonly passport: string; readonly seed: string };
 }
@@ -160,7 +160,7 @@ function readEngineering(json: Json): Engineering {
   return {
     records: number(json.records), missed_deadlines: number(json.missed_deadlines), stopping_faults: number(json.stopping_faults),
     faults: objects(json.faults).map((f) => ({ name: text(f.name), ticks: number(f.ticks), stops: f.stops === true, axis: text(f.axis) })),
-    largest_effort: numbers(json.largest_effort), contacts_max: number(json.contacts_max), coupling_error_rad: number(json.coupling_error_rad),
+    largest_effort: numbers(json.largest_effort), work_j: number(json.work_j), contacts_max: number(json.contacts_max), coupling_error_rad: number(json.coupling_error_rad),
     damped_share: number(json.damped_share),
     times: {
       is_cpu: times.is_cpu === true, tick: percentiles(asJson(times.tick)), tick_cpu: percentiles(asJson(times.tick_cpu)), step_s: number(times.step_s),

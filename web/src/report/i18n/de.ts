@@ -39,7 +39,7 @@ export const de: ReportTexts = {
   faults: { title: 'Störungen nach Takten', fault: 'Störung', ticks: 'Takte', axis: 'Meist an' },
   settings: {
     title: 'Einstellungen', scene: 'Szene', rendering: 'Rendering', engine: 'Physik', rate: 'Rate', simulatedClock: 'simulierte Uhr', realTime: 'Echtzeit', gains: 'Verstärkungen', accepted: 'zugelassen', uncertified: 'NICHT zertifiziert', paper: 'Gesetz der Veröffentlichung',
-    passport: 'Gerätepass', seed: 'Startwert', deadlines: 'Fristen versäumt', damped: 'Dämpfung φ über 0,5', share: '{n} % der Zeit', coupling: 'Grösster Kopplungsfehler', limits: 'Grenzen des Geräts',
+    passport: 'Gerätepass', seed: 'Startwert', deadlines: 'Fristen versäumt', damped: 'Dämpfung φ über 0,5', share: '{n} % der Zeit', coupling: 'Grösster Kopplungsfehler', work: 'Arbeit des Geräts', limits: 'Grenzen des Geräts',
   },
   problems: {
     template: 'Diese Seite enthält keine Aufzeichnung. Einen Bericht macht: wholehand replay --report bericht.html AUFZEICHNUNG.h5', old: 'Dieser Browser ist zu alt für diese Seite. Bitte mit einem Browser ab 2023 öffnen.',

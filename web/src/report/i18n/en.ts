@@ -38,7 +38,7 @@ export const en = {
   faults: { title: 'Faults by ticks', fault: 'Fault', ticks: 'Ticks', axis: 'Mostly on' },
   settings: {
     title: 'Settings', scene: 'Scene', rendering: 'Rendering', engine: 'Physics engine', rate: 'Rate', simulatedClock: 'simulated clock', realTime: 'real time', gains: 'Gains', accepted: 'accepted', uncertified: 'NOT certified', paper: 'the paper’s own law',
-    passport: 'Passport', seed: 'Seed', deadlines: 'Deadlines missed', damped: 'Damping φ above 0.5', share: '{n} % of the time', coupling: 'Largest coupling error', limits: 'Device limits',
+    passport: 'Passport', seed: 'Seed', deadlines: 'Deadlines missed', damped: 'Damping φ above 0.5', share: '{n} % of the time', coupling: 'Largest coupling error', work: 'Work of the device', limits: 'Device limits',
   },
   problems: {
     template: 'This page carries no recording. Make a report with: wholehand replay --report report.html RECORDING.h5', old: 'This browser is too old for this page. Open it with a browser of 2023 or later.',

@@ -39,7 +39,7 @@ export const fr: ReportTexts = {
   faults: { title: 'Défauts par cycles', fault: 'Défaut', ticks: 'Cycles', axis: 'Surtout sur' },
   settings: {
     title: 'Réglages', scene: 'Scène', rendering: 'Rendu', engine: 'Moteur physique', rate: 'Cadence', simulatedClock: 'horloge simulée', realTime: 'temps réel', gains: 'Gains', accepted: 'acceptés', uncertified: 'NON certifiés', paper: 'loi de l’article',
-    passport: 'Passeport', seed: 'Graine', deadlines: 'Échéances manquées', damped: 'Amortissement φ au-dessus de 0,5', share: '{n} % du temps', coupling: 'Plus grande erreur de couplage', limits: 'Limites de l’appareil',
+    passport: 'Passeport', seed: 'Graine', deadlines: 'Échéances manquées', damped: 'Amortissement φ au-dessus de 0,5', share: '{n} % du temps', coupling: 'Plus grande erreur de couplage', work: 'Travail de l’appareil', limits: 'Limites de l’appareil',
   },
   problems: {
     template: 'Cette page ne contient pas d’enregistrement. Un rapport se fait avec : wholehand replay --report rapport.html ENREGISTREMENT.h5', old: 'Ce navigateur est trop ancien pour cette page. L’ouvrir avec un navigateur de 2023 ou plus récent.',
