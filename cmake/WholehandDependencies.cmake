@@ -74,7 +74,7 @@ option(WHOLEHAND_QUICK "Compile without optimisation what is not hot: programs' 
 set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/exercise loop/safety
     loop/physics loop/physics/analytic loop/device/simulated loop/renderer ${engine_modules} files certify
     exercises rig/registry record devices/commissioning devices/commissioning/identification station/server)
-set(cold_modules "^(clinic|devices/conformance)(/|$)")
+set(cold_modules "^(clinic|devices/conformance|station/server)(/|$)")
 if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=(address|thread)")
   set(WHOLEHAND_SANITIZED ON)
   target_compile_options(wholehand_options INTERFACE

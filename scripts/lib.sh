@@ -322,12 +322,15 @@ read_step_costs() {
   while read -r cost output; do step_cost[$output]=$cost; done <"$root/scripts/step_costs.txt"
 }
 
-# cost_of_steps: reads lines of ninja, prints the sum of their costs.
-cost_of_steps() {
-  local line sum=0
+# cost_of_build <preset> <target ...>: prints the sum of the costs of all steps that the targets need now.
+cost_of_build() {
+  local line sum=0 folder=$root/build/$1
+  shift
+  # Under another name the build file has no rule that writes it anew, which is all that a dry run of it would list.
+  cp "$folder/build.ninja" "$folder/steps.ninja"
   while IFS= read -r line; do
     [[ $line =~ ^\[[0-9]+/[0-9]+\] ]] && sum=$((sum + ${step_cost[${line##* }]:-$usual_cost}))
-  done
+  done < <(ninja -C "$folder" -f steps.ninja -n "$@" 2>/dev/null)
   echo "$sum"
 }
 
@@ -368,7 +371,7 @@ build() {
   make_log "$log"
   jobs=$(build_jobs)
   read_step_costs
-  all=$(ninja -C "$root/build/$preset" -n "$@" 2>/dev/null | cost_of_steps) || all=0 # the build says what is wrong
+  all=$(cost_of_build "$preset" "$@") || all=0 # the build says what is wrong
   if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
     show_progress "Building $preset" "$all"; then
     if out_of_space "$log"; then fail "Building $preset failed: $disk_is_full Full log: $log"; fi

@@ -20,6 +20,7 @@ in_tree() {
   # shellcheck disable=SC2016
   CCACHE_DISABLE=1 bash -c 'set -euo pipefail; root=$1; shift; cd "$root"; source scripts/lib.sh; "$@"' lib "$@" 2>&1
 }
+cost_of_target() { in_tree "$1" cost_of_build release "$target"; } # <tree>
 build_it() { # <tree>
   local said
   said=$(in_tree "$1" configure release -DWHOLEHAND_BUILD_TESTS=OFF) || wrong "not configured in $1" "$said"
@@ -39,6 +40,9 @@ whole=$(objects "$tree")
 # Kills the build half way, three times, at different points.
 rm -rf "$tree/build"
 in_tree "$tree" configure release -DWHOLEHAND_BUILD_TESTS=OFF >/dev/null
+# The time that is left is estimated from the costs of all steps, also right after configuring. The target has more than
+# ten; each costs at least 1.
+((cold = $(cost_of_target "$tree"), cold > 10)) || wrong "a cold build is estimated by $cold"
 for seconds in 0.5 1.2 2.1; do
   # shellcheck disable=SC2016
   setsid bash -c 'root=$0; cd "$root"; source scripts/lib.sh; build release "$1"' "$tree" "$target" >"$folder/killed.log" 2>&1 &
@@ -48,6 +52,7 @@ for seconds in 0.5 1.2 2.1; do
   wait "$killed" 2>/dev/null || true
 done
 build_it "$tree"
+((4 * $(cost_of_target "$tree") < cold)) || wrong "a finished build is estimated by more than a quarter of a cold one"
 [[ $(objects "$tree") == "$whole" ]] || wrong "after three killed builds something else is built"
 
 # Two builds at once: the second one names the first.
