@@ -1,5 +1,8 @@
 #include "station/loop_answers.hpp"
 
+#include <chrono>
+#include <utility>
+
 namespace wholehand {
 namespace {
 
@@ -10,6 +13,8 @@ struct Patience {
 constexpr Patience kWithRobot{50'000'000, 100'000'000};
 /// A simulated device moves nobody, and a busy machine delays its loop.
 constexpr Patience kSimulated{1'000'000'000, 1'000'000'000};
+
+constexpr auto kWatchEvery = std::chrono::milliseconds(10);
 
 double seconds(std::int64_t duration_ns) {
   return 1e-9 * static_cast<double>(duration_ns);
@@ -54,6 +59,34 @@ void LoopAnswers::describe(const std::optional<LoopWord>& word, bool has_record,
   status.stop_pending = !any(word->stops & asked) && !word->at_neutral;
   status.stop_unconfirmed = status.stop_pending && now_ns - *stop_asked_ns_ > most.obeyed_ns;
   status.silent = status.silent || status.stop_unconfirmed;
+}
+
+AnswerWatch::AnswerWatch(std::function<LoopStatus()> answers,
+                         std::function<void(const std::string&)> log)
+    : answers_(std::move(answers)), log_(std::move(log)), thread_([this] { watch(); }) {}
+
+AnswerWatch::~AnswerWatch() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void AnswerWatch::watch() {
+  bool silent = false;
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      if (wake_.wait_for(lock, kWatchEvery, [this] { return ends_; })) return;
+    }
+    const LoopStatus now = answers_();
+    if (now.silent == silent) continue;
+    silent = now.silent;
+    const char* again = now.device ? "The robot answers again." : "The simulation answers again.";
+    log_(silent ? alarmOf(now) : again);
+  }
 }
 
 }  // namespace wholehand

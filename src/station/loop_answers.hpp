@@ -3,8 +3,13 @@
 #include "loop/runtime/session.hpp"
 #include "vocabulary/backend.hpp"
 
+#include <condition_variable>
 #include <cstdint>
+#include <functional>
+#include <mutex>
 #include <optional>
+#include <string>
+#include <thread>
 
 namespace wholehand {
 
@@ -36,6 +41,27 @@ class LoopAnswers {
   std::optional<std::int64_t> stop_asked_ns_;
   bool stop_at_once_ = false;
   bool left_silent_ = false;  ///< the last session ended without an answer of the device
+};
+
+/// Tells the person at the terminal that the loop or the device does not answer, during its
+/// lifetime. It has its own thread, because the main thread may be the one that waits for them.
+class AnswerWatch {
+ public:
+  /// @param answers what LoopAnswers::describe() says now
+  AnswerWatch(std::function<LoopStatus()> answers, std::function<void(const std::string&)> log);
+  ~AnswerWatch();
+  AnswerWatch(const AnswerWatch&) = delete;
+  AnswerWatch& operator=(const AnswerWatch&) = delete;
+
+ private:
+  void watch();
+
+  std::function<LoopStatus()> answers_;
+  std::function<void(const std::string&)> log_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ends_ = false;  ///< guarded by mutex_
+  std::thread thread_;
 };
 
 }  // namespace wholehand

@@ -22,8 +22,24 @@ constexpr std::uint64_t kMemory_bytes = 2ULL << 30;
 constexpr int kNotWhole = 1;  ///< exit code: the page was written but is incomplete, and says what
                               ///< is missing
 
+/// The file that marks a page as finished, and holds the identity of its recording.
 std::string markIn(const std::string& folder) {
   return folder + "/recording.txt";
+}
+
+/// Device, inode, size and modification time of a recording; empty when there is no such file.
+std::string identityOf(const std::string& recording) {
+  struct stat found {};
+  if (::stat(recording.c_str(), &found) != 0) return {};
+  return fmt::format("device {} inode {} bytes {} changed {}.{:09d}\n", found.st_dev, found.st_ino,
+                     found.st_size, found.st_mtim.tv_sec, found.st_mtim.tv_nsec);
+}
+
+bool isReportOf(const std::string& folder, const std::string& identity) {
+  std::error_code error;
+  if (identity.empty() || !std::filesystem::exists(folder + "/index.html", error)) return false;
+  std::ifstream in(markIn(folder));
+  return std::string(std::istreambuf_iterator<char>(in), {}) == identity;
 }
 
 }  // namespace
@@ -56,27 +72,25 @@ Expected<Done> ReportChild::make(const std::string& recording, const std::string
   return Done{};
 }
 
-std::string identityOf(const std::string& recording) {
-  struct stat found {};
-  if (::stat(recording.c_str(), &found) != 0) return {};
-  return fmt::format("device {} inode {} bytes {} changed {}.{:09d}\n", found.st_dev, found.st_ino,
-                     found.st_size, found.st_mtim.tv_sec, found.st_mtim.tv_nsec);
-}
-
-bool isReportOf(const std::string& folder, const std::string& identity) {
-  std::error_code error;
-  if (identity.empty() || !std::filesystem::exists(folder + "/index.html", error)) return false;
-  std::ifstream in(markIn(folder));
-  return std::string(std::istreambuf_iterator<char>(in), {}) == identity;
-}
-
-void markReport(const std::string& folder, const std::string& identity) {
-  (void)writeText(markIn(folder), identity);
-}
-
-void unmarkReport(const std::string& folder) {
+std::string Reports::folderOf(const std::string& recording, std::string& why) {
+  const std::lock_guard lock(mutex_);
+  std::string folder = recording.substr(0, recording.size() - 3) + "-report";
+  const std::string identity = identityOf(recording);
+  if (isReportOf(folder, identity)) return folder;
+  if (!make_) {
+    why = "this program makes no reports";
+    return {};
+  }
   std::error_code ignored;
   std::filesystem::remove(markIn(folder), ignored);
+  if (auto made = make_(recording, folder); !made) {
+    why = format(made.errors());
+    return {};
+  }
+  // The page is not marked when the recording was replaced meanwhile; the next request makes it
+  // again.
+  if (identityOf(recording) == identity) (void)writeText(markIn(folder), identity);
+  return folder;
 }
 
 }  // namespace wholehand

@@ -4,7 +4,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
+#include <mutex>
 #include <string>
+#include <utility>
 
 namespace wholehand {
 
@@ -30,18 +33,22 @@ class ReportChild {
   std::atomic<bool> ending_{false};
 };
 
-/// Identity of a recording file: its device, inode, size and modification time. A recording that
-/// replaces another one under the same name has a different identity. Empty when there is no such
-/// file.
-[[nodiscard]] std::string identityOf(const std::string& recording);
+/// Report pages of recordings, each made at its first request. A recording that replaces another
+/// one under the same name gets a page of its own. Any thread.
+class Reports {
+ public:
+  using Make =
+      std::function<Expected<Done>(const std::string& recording, const std::string& folder)>;
 
-/// True when the folder holds the finished report of the recording with that identity.
-[[nodiscard]] bool isReportOf(const std::string& folder, const std::string& identity);
+  /// @param make makes a page; null: none can be made
+  explicit Reports(Make make) : make_(std::move(make)) {}
 
-/// Marks a report as finished. A report without a mark is made again on the next request.
-void markReport(const std::string& folder, const std::string& identity);
+  /// Folder of the page of a finished recording; empty: none, and why says the reason.
+  [[nodiscard]] std::string folderOf(const std::string& recording, std::string& why);
 
-/// Removes the mark of a report that is about to be made again.
-void unmarkReport(const std::string& folder);
+ private:
+  Make make_;
+  std::mutex mutex_;  ///< held while a page is made: two concurrent requests share one
+};
 
 }  // namespace wholehand

@@ -192,4 +192,12 @@ std::string SessionFiles::path(const std::string& name, const std::string& being
   return fs::path(outside).filename() == file ? outside : std::string();
 }
 
+std::string pathOfSession(const std::string& path, std::uint64_t number) {
+  if (number < 2 || path.empty()) return path;
+  const fs::path first(path);
+  const std::string name =
+      first.stem().string() + "-" + std::to_string(number) + first.extension().string();
+  return (first.parent_path() / name).string();
+}
+
 }  // namespace wholehand

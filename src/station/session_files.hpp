@@ -65,4 +65,8 @@ class SessionFiles {
   WallClock now_;
 };
 
+/// Recording path of the session with this number, when `path` is that of the first session:
+/// "a.h5", "a-2.h5", "a-3.h5".
+[[nodiscard]] std::string pathOfSession(const std::string& path, std::uint64_t number);
+
 }  // namespace wholehand

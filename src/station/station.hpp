@@ -28,10 +28,6 @@ struct EndedSession {
   std::string record;                  ///< recording; empty: none
 };
 
-/// Recording path of the session with this number, when `path` is that of the first session:
-/// "a.h5", "a-2.h5", "a-3.h5".
-[[nodiscard]] std::string pathOfSession(const std::string& path, std::uint64_t number);
-
 /// Configuration of a station.
 struct StationConfig {
   ModelFiles files;  ///< models to load first

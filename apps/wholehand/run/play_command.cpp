@@ -25,6 +25,7 @@
 #include "station/reports.hpp"
 #include "station/server/server.hpp"
 #include "station/server/udp_bridge.hpp"
+#include "station/session_files.hpp"
 #include "station/station.hpp"
 
 #include <fmt/format.h>
