@@ -7,6 +7,7 @@ make.py FILE.json...      NAME.bin for a form in a file: {"about": ..., "form": 
 make.py --special         valid and damaged messages of special.py that have no file yet
 make.py --datagrams       datagrams of datagrams.py that have no file yet
 make.py --program         messages of tests/golden/program_messages.cpp that have no file yet
+make.py --show NAME       prints what a message says; with "about" it is a form for FILE.json
 
 An existing .bin is never overwritten, because it represents released programs and clients. --build names the
 folder of the build (build/release)."""
@@ -15,7 +16,6 @@ import itertools
 import json
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 
@@ -23,36 +23,36 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import datagrams  # noqa: E402
 import forms  # noqa: E402
+import run  # noqa: E402
 import special  # noqa: E402
 
 ROOT = HERE.parents[1]
-MESSAGES, DATAGRAMS = ROOT / "protocol/golden/messages", ROOT / "protocol/golden/datagrams"
+MESSAGES, DATAGRAMS = run.GOLDEN / "messages", run.GOLDEN / "datagrams"
 
 
 def snake(name):
     return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
 
 
-def write_json(path, value):
-    path.write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+def add_to_table(folder, name, entry):
+    """One line an entry, sorted by name."""
+    table = {**run.read_table(folder), name: entry}
+    lines = (f"{json.dumps(key)}: {json.dumps(table[key], ensure_ascii=False)}" for key in sorted(table))
+    (run.GOLDEN / folder / "table.json").write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
 class Maker:
     def __init__(self, build):
-        self.judge, self.compiled = build / "golden_judge", build / "tests/golden/wholehand.bfbs"
-        if not self.judge.exists():
-            sys.exit(f"{self.judge} is missing; build it: ninja -C {build} golden_judge")
-        self.schema = forms.Schema(self.judge, self.compiled)
+        if not (build / "golden_judge").exists():
+            sys.exit(f"{build}/golden_judge is missing; build it: ninja -C {build} golden_judge")
+        self.judge = run.Judge(build)
+        self.schema = self.judge.schema
 
     def judged(self, data):
         with tempfile.NamedTemporaryFile(suffix=".bin") as file:
             file.write(data)
             file.flush()
-            return self.ask(["messages", self.compiled], file.name + "\n")
-
-    def ask(self, arguments, line):
-        done = subprocess.run([self.judge, *arguments], input=line, text=True, capture_output=True, check=True)
-        return json.loads(done.stdout)
+            return self.judge.messages([file.name])[0]
 
     def file(self, name):
         return MESSAGES / f"{self.schema.named(name)}.bin"
@@ -66,13 +66,11 @@ class Maker:
         if form is not None and judged.get("form") != {"schema_version": self.schema.version, **form}:
             sys.exit(f"{name}: the form is not canonical, or was not read back; the judge reads\n"
                      f"{json.dumps(judged, indent=1, ensure_ascii=False)}")
-        golden = {"about": about, **{key: judged[key] for key in ("form", "refused") if key in judged}}
-        if "Command" in golden.get("form", {}).get("payload", {}) or "refused" in golden:
-            golden["program"] = judged["program"]
         binary.write_bytes(data)
-        write_json(MESSAGES / f"{name}.json", golden)
-        print(f"{name}: {len(data)} bytes" + (f", the program refuses it: {golden['program']['refused']}"
-                                              if "refused" in golden.get("program", {}) else ""))
+        version = {"version": self.schema.version} if "form" in judged else {}
+        add_to_table("messages", name, {"about": about, **version, "digest": run.digest_of(judged)})
+        print(f"{name}: {len(data)} bytes" + (f", the program refuses it: {judged['program']['refused']}"
+                                              if "refused" in judged["program"] else ""))
 
     def examples(self, table):
         within = self.schema.payload_of(table)
@@ -89,9 +87,8 @@ class Maker:
         for table in tables:
             if not self.file(snake(table)).exists():
                 self.examples(table)
-        forms_there = [json.loads(path.read_text(encoding="utf-8")).get("form", {}) for path in MESSAGES.glob("*.json")]
-        seen = set().union(*(self.schema.fields_in("Message", form) for form in forms_there
-                             if form.get("schema_version") == self.schema.version))
+        seen = set().union(*(self.schema.fields_in("Message", golden.form) for golden in run.read_goldens(self.judge)
+                             if golden.form is not None))
         for table in tables:
             form = self.schema.payload_of(table)(self.schema.example(table, "full"))
             if self.schema.fields_in("Message", form) <= seen:
@@ -102,7 +99,7 @@ class Maker:
 
     def program(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([self.judge, "say", folder], check=True)
+            self.judge.say(folder)
             for file in sorted(pathlib.Path(folder).iterdir()):
                 if not self.file(file.stem).exists():
                     self.write(file.stem, file.read_bytes(), "made by the program's own encoder")
@@ -114,10 +111,13 @@ class Maker:
                 continue
             binary.write_bytes(data)
             golden = {"about": about, "from": sender, "key": f"{datagrams.KEY:016x}", "after": before, "ignored": reason}
-            judged = self.ask(["datagrams"], f"{golden['key']} {binary}\n")
+            judged, = self.judge.datagrams([(golden["key"], [binary])])
             golden.update({key: judged[key] for key in ("header", "flaw") if key in judged})
-            write_json(DATAGRAMS / f"{name}.json", golden)
+            add_to_table("datagrams", name, golden)
             print(f"{name}: {len(data)} bytes" + (f", ignored: {reason}" if reason else ""))
+
+    def show(self, name):
+        print(json.dumps(self.judge.messages([MESSAGES / f"{name}.bin"])[0], indent=1, ensure_ascii=False))
 
     def from_form(self, path):
         golden = json.loads(path.read_text(encoding="utf-8"))
@@ -133,9 +133,12 @@ def main():
     parser.add_argument("--special", action="store_true")
     parser.add_argument("--datagrams", action="store_true")
     parser.add_argument("--program", action="store_true")
+    parser.add_argument("--show", metavar="NAME")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     arguments = parser.parse_args()
     maker = Maker(arguments.build)
+    if arguments.show:
+        maker.show(arguments.show)
     for what in arguments.what:
         maker.from_form(pathlib.Path(what))
     if arguments.missing:
