@@ -3,7 +3,7 @@ import { h, setText } from '../console/dom';
 import { viewOf } from '../console/parameter_model';
 import { texts as consoleTexts } from '../console/i18n';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import type { OneSide } from './records';
 import { gently, running, SideQuestion, Training } from './training';
 import { button, StatusMessage, type Screen } from './ui';

@@ -1,7 +1,7 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import type { BackupPlace } from './records';
 import { button, once, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';

@@ -4,7 +4,7 @@ import { RefusalError } from './api';
 import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { GoalChoice } from './goals';
 import { PlanEditor, planList } from './plan';
 import { newestFirst, nextWish, tookPlace, type Item, type Note, type OneSide, type Patient, type Visit } from './records';

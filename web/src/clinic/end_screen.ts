@@ -2,7 +2,7 @@ import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { button, link, once, panel, StatusMessage, textInput, Field, type Screen } from './ui';

@@ -1,7 +1,7 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { RefusalError } from './api';
 import type { SignInResult } from './clinic';
 import { COLOURS, colourChoice, goodPin } from './sign_in';

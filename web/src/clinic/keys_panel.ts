@@ -1,7 +1,7 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { button, Field, once, panel, StatusMessage, textInput } from './ui';
 
 interface Changed { readonly recovery_code?: string; readonly old_copies: readonly string[] }

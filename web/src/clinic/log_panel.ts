@@ -1,7 +1,7 @@
 import { h } from '../console/dom';
 import { texts } from './i18n';
 import { accountName } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import type { LogEntry } from './records';
 import { button, once, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';

@@ -1,7 +1,7 @@
 import { h, setText } from '../console/dom';
 import { texts } from './i18n';
 import { NoteKeeper, type NoteTarget } from './note_keeper';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import type { Note } from './records';
 import { button } from './ui';
 import { clockOf, dayOf } from './words';

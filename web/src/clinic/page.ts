@@ -9,6 +9,7 @@ import { fill } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
 import { AloneScreen } from './alone_screen';
 import { Clinic } from './clinic';
+import type { ClinicContext } from './clinic_context';
 import { EndScreen } from './end_screen';
 import { FirstStart } from './first_start';
 import { texts } from './i18n';
@@ -31,21 +32,6 @@ const REFRESH_MS = 200;
 const LOOK_MS = 4000;
 /** Period of the picture: it is drawn beside the patient's game, often on one machine [ms]. */
 const PICTURE_MS = 1000 / 12;
-
-/** The part of the page that its screens use. */
-export interface ClinicContext {
-  readonly clinic: Clinic;
-  readonly model: ConsoleModel;
-  readonly connection: Connection;
-  go(route: Route): void;
-  /** Shows a message below the header until it is closed. */
-  showMessage(words: string, bad?: boolean): void;
-  /** Loads the 3D view of the hand, once. */
-  picture(): Promise<PacedView | undefined>;
-  /** Builds the visible screen again. */
-  build(): void;
-}
-
 
 /** The page for patients, visits and progress. One screen at a time is shown below a fixed header. */
 export class ClinicPage implements ClinicContext {

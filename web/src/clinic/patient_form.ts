@@ -5,7 +5,7 @@ import { fill } from '../shared/i18n';
 import { RefusalError } from './api';
 import { BREADTH_M, handPicture, LENGTH_M, MEDIAN } from './hand_picture';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { GoalChoice } from './goals';
 import { planList, select } from './plan';
 import type { DamagedPatient, OneSide, Patient, PatientText, Presets, Side, Size } from './records';

@@ -8,7 +8,7 @@ import { curveFigure } from './curves';
 import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName, NoteBox, noteList } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { painWords } from './pain';
 import { PatientPicker } from './picker';
 import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';

@@ -5,7 +5,7 @@ import { duration } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { gentleVisit } from './gentle_visit';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { PatientPicker } from './picker';
 import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';

@@ -2,7 +2,7 @@ import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { RefusalError } from './api';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { staffOf } from './records';
 import { COLOURS, colourChoice, goodPin, inColour } from './sign_in';
 import { Field, once, panel, StatusMessage, textInput, twice } from './ui';

@@ -4,7 +4,7 @@ import { curveFigure } from './curves';
 import { resultTable } from './end_screen';
 import { texts } from './i18n';
 import { accountName, noteList } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { painWords } from './pain';
 import { activeOf_s, isCounting, newestFirst, tookPlace, type Patient, type Visit } from './records';
 import { hashOf } from './routes';

@@ -1,5 +1,5 @@
 import { h } from '../console/dom';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 
 /** Saves a table as a file. The request needs the session's token, so a plain link would be refused. */
 export async function saveText({ clinic }: ClinicContext, path: string, file_name: string): Promise<void> {

@@ -4,7 +4,7 @@ import { BackupPanel } from './backup_panel';
 import { texts } from './i18n';
 import { keysPanel } from './keys_panel';
 import { LogPanel } from './log_panel';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { PeoplePanel } from './people_panel';
 import { saveText } from './save_text';
 import { button, once, panel, problemWords, StatusMessage, type Screen } from './ui';

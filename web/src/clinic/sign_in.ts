@@ -1,7 +1,7 @@
 import { h, setText } from '../console/dom';
 import { RefusalError } from './api';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { staffOf, type Tile } from './records';
 import { button, Field, once, StatusMessage, textInput, type Screen } from './ui';
 

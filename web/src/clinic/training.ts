@@ -8,7 +8,7 @@ import { RunState, type EventT } from '../protocol';
 import type { HandLook, PacedView } from '../scene/paced_view';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import type { OneSide } from './records';
 import { button } from './ui';
 import { sideWords } from './words';

@@ -5,7 +5,7 @@ import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
-import type { ClinicContext } from './page';
+import type { ClinicContext } from './clinic_context';
 import { PainChoice, type PainTime } from './pain';
 import { activeOf_s, itemNow, type Patient, type Visit } from './records';
 import { gently, running, SideQuestion, Training } from './training';

@@ -1,4 +1,5 @@
-import { infoOf, type ExerciseInfo } from '../exercises/info';
+import { infoOf } from '../exercises/info';
+import type { ExerciseInfo } from '../exercises/exercise_info';
 import { ExercisePanel } from '../exercises/panel';
 import { Act, RunState, Steering } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';

@@ -5,7 +5,7 @@ import { isRecorded } from '../shared/recorded';
 import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
 import { Marks } from './marks';
-import type { Recording } from './recordings';
+import type { Recording } from './recording';
 import { statusOf, type Status } from './run_status';
 import { SessionCounters } from './session_counters';
 

@@ -6,7 +6,8 @@ import { texts } from './i18n';
 import { Role } from '../protocol';
 import type { ConsoleModel, Panel } from './model';
 import { tokenOf } from '../net/open_connection';
-import { figuresOf, reportUrl, type Recording } from './recordings';
+import { figuresOf, reportUrl } from './recordings';
+import type { Recording } from './recording';
 
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 10_000;

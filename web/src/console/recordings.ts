@@ -6,26 +6,12 @@ import { bytes, duration } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 import type { WorldStateT } from '../protocol';
+import type { Recording } from './recording';
 
 /** The list is requested this often [ms]. */
 const EVERY_MS = 5000;
 /** Number of recordings that are shown at first: a list of years would slow the page. */
 const NEWEST = 6;
-
-export interface Recording {
-  name: string;
-  created_utc?: string;
-  duration_s?: number;
-  bytes?: number;
-  /** Number of ticks that could not be written because the disk was full. */
-  ticks_missing?: number;
-  /** The program is writing it now; it can be replayed up to the present. */
-  being_written?: boolean;
-  title?: string;
-  /** Code of the person whose profile was open. */
-  profile?: string;
-  report?: boolean | string;
-}
 
 /** Reads the answer of /api/recordings without malformed entries; undefined if it is not a list. */
 function readRecordings(json: unknown): { recordings: Recording[]; recording: string } | undefined {

@@ -1,4 +1,5 @@
-import { infoOf, type ExerciseInfo } from '../exercises/info';
+import { infoOf } from '../exercises/info';
+import type { ExerciseInfo } from '../exercises/exercise_info';
 import type { HandLook, PacedView } from '../scene/paced_view';
 import { choice, h, setText } from './dom';
 import { texts } from './i18n';

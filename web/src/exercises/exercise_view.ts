@@ -1,20 +1,11 @@
-// The 3D view of an exercise. It is separate from exercise.ts because three.js is loaded later than the texts.
+// The 3D view of an exercise: an interface. It is separate from exercise.ts because three.js is loaded later than the texts.
 
 import type { Group, PerspectiveCamera, SpotLight, Vector3 } from 'three';
 import type { SkinUniforms } from '../hand/skin_shader';
-import type { SceneT, WorldStateT } from '../protocol';
+import type { WorldStateT } from '../protocol';
 import type { CameraPlace } from '../scene/camera';
-import type { Quality } from '../scene/quality';
 import type { Setting } from '../scene/stage';
-import { barOf } from './cocktail_bar/bar';
-import { BarView } from './cocktail_bar/bar_view';
 import type { Marks } from './exercise';
-import { thingsOf } from './free_grasping/things';
-import { CabinView } from './free_grasping/cabin_view';
-import { KitchenView } from './kitchen/kitchen_view';
-import { taskOf } from './kitchen/task';
-import { gripOf } from './squeeze_to_level/grip';
-import { HutView } from './squeeze_to_level/hut_view';
 
 /** Anchor points of the page's texts, in three.js's frame [m]. */
 export interface Anchors {
@@ -45,13 +36,4 @@ export interface ExerciseView {
   anchors(camera: PerspectiveCamera): Anchors;
   /** Sets the marks that the page remembers. */
   mark?(marks: Marks): void;
-}
-
-/** The view of a scene's exercise; undefined where the bodies are drawn plainly. */
-export function viewOf(scene: SceneT, quality: Quality): ExerciseView | undefined {
-  const bar = barOf(scene), grip = gripOf(scene), things = thingsOf(scene), task = taskOf(scene);
-  if (bar) return new BarView(bar, scene, quality);
-  if (grip) return new HutView(grip, scene, quality);
-  if (task) return new KitchenView(task, scene, quality);
-  return things && new CabinView(things, scene, quality);
 }

@@ -3,8 +3,7 @@ import type { RecordingInfo } from './about';
 import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
 import type { Problem } from './problem';
-import type { RecordingSource } from './recording_source';
-import type { Series } from './source';
+import type { Run, Series, SeriesReader } from './source';
 import { SeriesLevels, type Slot } from './series_levels';
 import type { SeriesPiece } from './series_piece';
 
@@ -12,9 +11,6 @@ import type { SeriesPiece } from './series_piece';
 const MOST_BYTES = 48e6;
 /** Number of columns for the whole recording: about the width of the time line in pixels. */
 const OVERVIEW = 800;
-
-/** The drawn part of a piece: columns `from` to `to`. */
-export interface Run { readonly piece: SeriesPiece; readonly from: number; readonly to: number; readonly width_s: number }
 
 /** Series of a recording: the whole of it coarsely, and the visible window finely, piece by piece as it loads. */
 export class SeriesStore implements Series {
@@ -29,7 +25,7 @@ export class SeriesStore implements Series {
 
   /** @param came called with every piece; `coarse`: it belongs to the whole recording's */
   constructor(
-    private readonly source: Pick<RecordingSource, 'readSeries'>, about: Pick<RecordingInfo, 'from_s' | 'to_s' | 'period_s'>,
+    private readonly source: SeriesReader, about: Pick<RecordingInfo, 'from_s' | 'to_s' | 'period_s'>,
     came: (piece: SeriesPiece, coarse: boolean) => void, report: (problem: Problem | undefined) => void,
   ) {
     this.whole = { from_s: about.from_s, to_s: about.to_s };

@@ -4,7 +4,13 @@ import type { RecordingInfo } from './about';
 import type { BodiesHistory } from './bodies_history';
 import type { Problem } from './problem';
 import type { SeriesPiece } from './series_piece';
-import type { Run } from './series_store';
+
+/** What the stores of a recording load. */
+export interface StateReader { readStates(first: number, count: number, step: number): Promise<Uint8Array[]> }
+export interface SeriesReader { readSeries(from_s: number, to_s: number, columns: number): Promise<SeriesPiece> }
+
+/** The drawn part of a piece: columns `from` to `to`. */
+export interface Run { readonly piece: SeriesPiece; readonly from: number; readonly to: number; readonly width_s: number }
 
 /** The loaded states of a recording. */
 export interface States {

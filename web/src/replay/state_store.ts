@@ -1,8 +1,7 @@
 import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
 import type { Problem } from './problem';
-import type { RecordingSource } from './recording_source';
-import type { States } from './source';
+import type { StateReader, States } from './source';
 import { StateMessages } from './state_messages';
 
 /** Number of rows in one request. */
@@ -27,7 +26,7 @@ export class StateStore extends StateMessages implements States {
   private readonly loader: Loader<{ readonly messages: Uint8Array[]; readonly ticks: number }>;
 
   /** @param changed called when states came */
-  constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, report: (problem: Problem | undefined) => void) {
+  constructor(private readonly source: StateReader, private ticks: number, changed: () => void, report: (problem: Problem | undefined) => void) {
     super();
     this.loader = new Loader(async (key) => {
       const [step, index] = key.split(':').map(Number);

@@ -1,5 +1,5 @@
 import type { Gap, SeriesPiece } from './series_piece';
-import type { Run } from './series_store';
+import type { Run } from './source';
 
 /** The origin of a sample of the window; without a piece its value is unknown. */
 interface Place { readonly piece: SeriesPiece | undefined; readonly column: number; readonly high: boolean }

@@ -5,7 +5,7 @@ import type { RecordingInfo } from '../replay/about';
 import type { BodiesHistory } from '../replay/bodies_history';
 import { Problem } from '../replay/problem';
 import type { SeriesPiece } from '../replay/series_piece';
-import type { Run } from '../replay/series_store';
+import type { Run } from '../replay/source';
 import type { Series, Source, States } from '../replay/source';
 import { StateMessages } from '../replay/state_messages';
 import type { ReportData } from './report_data';

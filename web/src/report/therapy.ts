@@ -1,5 +1,5 @@
 // Statements on the therapy in a recording, from the data of the page. No elements.
-import type { RecordedParts } from '../exercises/info';
+import type { RecordedParts } from '../exercises/exercise_info';
 import type { ReplayMark, SeriesPiece } from '../replay/series_piece';
 import { fixed } from '../shared/format';
 import { fill } from '../shared/i18n';

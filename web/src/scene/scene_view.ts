@@ -5,7 +5,8 @@ import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vec
 import { handShape, linkPoses } from '../hand/shape';
 import { HandView, SKIN_STEP_M } from '../hand/hand_view';
 import { madeSkin } from '../hand/skin_maker';
-import { viewOf, type ExerciseView } from '../exercises/exercise_view';
+import type { ExerciseView } from '../exercises/exercise_view';
+import { viewOf } from '../exercises/views';
 import type { GameBodyShown } from '../net/game_bodies';
 import type { Marks } from '../exercises/exercise';
 import type { SceneT, WorldStateT } from '../protocol';

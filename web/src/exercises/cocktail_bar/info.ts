@@ -1,5 +1,5 @@
 import { fixed } from '../../shared/format';
-import type { EventSign, ExerciseInfo } from '../info';
+import type { EventSign, ExerciseInfo } from '../exercise_info';
 import { BAR_FILE, type Bar } from './bar';
 import { nameOf, text, textOf } from './i18n';
 

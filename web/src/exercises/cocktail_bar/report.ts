@@ -1,5 +1,5 @@
 import { fixed } from '../../shared/format';
-import type { ExerciseReport, ReportPart } from '../info';
+import type { ExerciseReport, ReportPart } from '../exercise_info';
 import { barOf, type Bar } from './bar';
 import { nameOf, text } from './i18n';
 

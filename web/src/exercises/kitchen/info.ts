@@ -1,7 +1,7 @@
 // Texts of a kitchen task for console, replay and report, in addition to its panel.
 import { fixed } from '../../shared/format';
 import type { SceneT } from '../../protocol';
-import type { ExerciseInfo, ExerciseReport } from '../info';
+import type { ExerciseInfo, ExerciseReport } from '../exercise_info';
 import { ExercisePanel } from '../panel';
 import { text } from './i18n';
 import { taskOf, type KitchenTask } from './task';

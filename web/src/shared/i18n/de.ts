@@ -1,5 +1,5 @@
 // Deutsch: Schweizer Rechtschreibung (ss), höfliche Anrede, kurze Sätze.
-import type { Texts } from './index';
+import type { Texts } from './en';
 
 export const de: Texts = {
 

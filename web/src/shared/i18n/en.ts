@@ -232,3 +232,6 @@ export const en = {
   'fault.world gives energy': 'the simulated objects pushed with energy that nobody put in',
   'fault.contacts unsettled': 'contact forces that did not settle within a step',
 } as const;
+
+export type TextKey = keyof typeof en;
+export type Texts = Readonly<Record<TextKey, string>>;

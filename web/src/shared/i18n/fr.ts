@@ -1,5 +1,5 @@
 // Français de Suisse : vouvoiement, phrases courtes.
-import type { Texts } from './index';
+import type { Texts } from './en';
 
 export const fr: Texts = {
 

@@ -1,10 +1,9 @@
 // The texts of all pages in three languages, one file each.
 import { de } from './de';
-import { en } from './en';
+import { en, type TextKey, type Texts } from './en';
 import { fr } from './fr';
+export type { TextKey, Texts } from './en';
 
-export type TextKey = keyof typeof en;
-export type Texts = Readonly<Record<TextKey, string>>;
 export type Language = 'en' | 'de' | 'fr';
 
 export const LANGUAGES: readonly Language[] = ['de', 'fr', 'en'];

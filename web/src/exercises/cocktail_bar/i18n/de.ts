@@ -1,4 +1,4 @@
-import type { BarTexts } from './index';
+import type { BarTexts } from './en';
 
 export const de: BarTexts = {
   'liquid.lemon': 'Zitrone',

@@ -97,3 +97,6 @@ export const en = {
   'oneButton.press': 'press once: your hand reaches, squeezes and lets go at the line',
   'oneButton.point': 'a bottle: your hand reaches, squeezes and lets go at the line',
 } as const;
+
+export type BarTextKey = keyof typeof en;
+export type BarTexts = Readonly<Record<BarTextKey, string>>;

@@ -1,10 +1,8 @@
 import { fill, language, type Language } from '../../../shared/i18n';
 import { de } from './de';
-import { en } from './en';
+import { en, type BarTextKey, type BarTexts } from './en';
 import { fr } from './fr';
-
-export type BarTextKey = keyof typeof en;
-export type BarTexts = Readonly<Record<BarTextKey, string>>;
+export type { BarTextKey } from './en';
 
 const ALL: Readonly<Record<Language, BarTexts>> = { en, de, fr };
 

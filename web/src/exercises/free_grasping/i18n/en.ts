@@ -28,3 +28,5 @@ export const en = {
   'welcome.step3': 'Light a star',
   'welcome.step3More': 'One for each thing that you hold.',
 } as const;
+
+export type GraspTexts = Readonly<Record<keyof typeof en, string>>;

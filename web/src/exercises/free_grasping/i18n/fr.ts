@@ -1,4 +1,4 @@
-import type { GraspTexts } from './index';
+import type { GraspTexts } from './en';
 
 export const fr: GraspTexts = {
   cube: 'Cube',

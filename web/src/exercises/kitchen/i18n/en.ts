@@ -45,3 +45,5 @@ export const en = {
   'welcome.step3': 'Let go',
   'welcome.step3More': 'Open your hand when it is done.',
 } as const;
+
+export type KitchenTexts = Readonly<Record<keyof typeof en, string>>;

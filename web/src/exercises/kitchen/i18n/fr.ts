@@ -1,4 +1,4 @@
-import type { KitchenTexts } from './index';
+import type { KitchenTexts } from './en';
 
 export const fr: KitchenTexts = {
   'verb.reach': 'Tendre',

@@ -1,4 +1,4 @@
-import type { LevelTexts } from './index';
+import type { LevelTexts } from './en';
 
 export const de: LevelTexts = {
   'sign.grip': 'Hier greifen',

@@ -25,3 +25,5 @@ export const en = {
   'welcome.step3': 'Hold',
   'welcome.step3More': 'Keep it there until the lantern is lit.',
 } as const;
+
+export type LevelTexts = Readonly<Record<keyof typeof en, string>>;

@@ -1,9 +1,7 @@
 import { fill, language, type Language } from '../../../shared/i18n';
 import { de } from './de';
-import { en } from './en';
+import { en, type LevelTexts } from './en';
 import { fr } from './fr';
-
-export type LevelTexts = Readonly<Record<keyof typeof en, string>>;
 
 const ALL: Readonly<Record<Language, LevelTexts>> = { en, de, fr };
 
