@@ -57,7 +57,7 @@ def commands():
                             capture_output=True, text=True, check=True).stdout.splitlines()
     archive = "src/station/libwholehand_station.a"
     compiles = [c for c in listed if "/wholehand_station.dir/" in c and " -c " in c]
-    link = next(c for c in listed if "-o tests/" in c and "test_station " in c)
+    link = next(c for c in listed if re.search(r" -o \S*test_station\b", c) and " -c " not in c)
     return archive, compiles, link
 
 
@@ -98,7 +98,7 @@ def try_guard(source, mutated):
         program = Path(place) / "mutant"
         words[words.index("-o") + 1] = str(program)
         subprocess.run(words, cwd=BUILD, check=True)
-        ran = subprocess.run([program, f"--gtest_filter={TESTS}"], capture_output=True, text=True,
+        ran = subprocess.run([program, f"--gtest_filter={TESTS}", "--gtest_fail_fast"], capture_output=True, text=True,
                              env={**os.environ, "WHOLEHAND_REDUCED_COUNTS": "1"}, timeout=900)
         return ran.stdout if ran.returncode else ""
 

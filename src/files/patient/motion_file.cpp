@@ -2,6 +2,10 @@
 
 #include "files/device/axis_keys.hpp"
 #include "files/foreign/foreign_file.hpp"
+#include "files/patient/column_map.hpp"
+#include "files/patient/column_name.hpp"
+#include "files/patient/csv_line.hpp"
+#include "files/patient/mocap_head.hpp"
 
 #include <fmt/format.h>
 
@@ -26,77 +30,6 @@ namespace wholehand {
 
 namespace {
 
-/// Bytes of the first UTF-8 character; 0 if it is invalid.
-std::size_t characterBytes(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text.front());
-  const std::size_t bytes = lead < 0x80   ? 1
-                            : lead < 0xC2 ? 0
-                            : lead < 0xE0 ? 2
-                            : lead < 0xF0 ? 3
-                            : lead < 0xF5 ? 4
-                                          : 0;
-  if (bytes > text.size()) return 0;
-  const bool whole =
-      std::all_of(text.begin() + 1, text.begin() + static_cast<long>(bytes ? bytes : 1),
-                  [](unsigned char c) { return (c & 0xC0U) == 0x80U; });
-  return whole ? bytes : 0;
-}
-
-/// The text without blanks at both ends.
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-/// A value between commas.
-struct Cell {
-  std::string text;  ///< value without its quotes
-  bool quoted = false;
-};
-
-/// Comma-separated values of a line, each trimmed. Inside double quotes a comma is text and two
-/// quotes stand for one (RFC 4180).
-std::vector<Cell> cells(std::string_view line) {
-  std::vector<Cell> found(1);
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    Cell& cell = found.back();
-    if (line[i] == ',' && !inside) {
-      found.emplace_back();
-    } else if (line[i] != '"' || !(inside || trimmed(cell.text).empty())) {
-      cell.text += line[i];
-    } else if (inside && line.substr(i + 1).starts_with('"')) {
-      cell.text += line[i++];
-    } else {
-      inside = !inside;
-      cell.quoted = true;
-    }
-  }
-  for (Cell& cell : found) cell.text = std::string(trimmed(cell.text));
-  return found;
-}
-
-/// True if the text has control bytes: then the file is binary or UTF-16.
-bool holdsControl(std::string_view text) {
-  return std::any_of(text.begin(), text.end(), [](unsigned char c) {
-    return (c < 0x20 && c != '\t' && c != '\r') || c == 0x7F;
-  });
-}
-
-/// A value for a message: shortened, and safe for terminals.
-std::string shown(std::string_view value) {
-  constexpr std::size_t kLongest = 40;
-  std::string out;
-  while (!value.empty() && out.size() < kLongest) {
-    const std::size_t bytes = characterBytes(value);
-    out += bytes > 0 ? value.substr(0, bytes) : "?";
-    value.remove_prefix(std::max<std::size_t>(bytes, 1));
-  }
-  return out;
-}
-
 /// "1 value", "2 values"
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
@@ -107,65 +40,6 @@ constexpr double kLargestValue = 1000.0;  // m or rad: beyond any hand motion
 constexpr double kLongest_s = 3600.0;
 constexpr const char* kGiveMotion =
     "give a CSV file whose first line names the columns: time_s, x_m, ...";
-
-/// A unit that the name of a column may give, and what it is of.
-struct ColumnUnit {
-  enum class Of { kTime, kLength, kAngle };
-  std::string_view name;
-  Of of = Of::kTime;
-  double factor = 1.0;  ///< to s, m or rad
-};
-constexpr std::array kUnits = {ColumnUnit{"s", ColumnUnit::Of::kTime, 1.0},
-                               ColumnUnit{"sec", ColumnUnit::Of::kTime, 1.0},
-                               ColumnUnit{"ms", ColumnUnit::Of::kTime, 1e-3},
-                               ColumnUnit{"msec", ColumnUnit::Of::kTime, 1e-3},
-                               ColumnUnit{"us", ColumnUnit::Of::kTime, 1e-6},
-                               ColumnUnit{"usec", ColumnUnit::Of::kTime, 1e-6},
-                               ColumnUnit{"ns", ColumnUnit::Of::kTime, 1e-9},
-                               ColumnUnit{"m", ColumnUnit::Of::kLength, 1.0},
-                               ColumnUnit{"cm", ColumnUnit::Of::kLength, 1e-2},
-                               ColumnUnit{"mm", ColumnUnit::Of::kLength, 1e-3},
-                               ColumnUnit{"rad", ColumnUnit::Of::kAngle, 1.0},
-                               ColumnUnit{"deg", ColumnUnit::Of::kAngle, std::numbers::pi / 180.0}};
-
-/// What a column's name says: "x_mm", "X (mm)" and "X [mm]" are x in mm.
-struct ColumnName {
-  std::string stem;
-  const ColumnUnit* unit = nullptr;  ///< nullptr: it gives none of kUnits
-  bool foreign = false;              ///< of another program: in brackets, or with capital letters
-};
-
-ColumnName nameOf(std::string_view text) {
-  ColumnName name;
-  std::string unit;
-  const std::size_t bracket = text.find_first_of("([");
-  if (bracket != text.npos && bracket > 0) {
-    unit = text.substr(bracket + 1, text.find_first_of(")]", bracket) - bracket - 1);
-    name.stem = trimmed(text.substr(0, bracket));
-  } else if (const std::size_t line = text.rfind('_'); line != text.npos) {
-    unit = text.substr(line + 1);
-    name.stem = text.substr(0, line);
-  } else {
-    name.stem = text;
-  }
-  name.foreign = bracket != text.npos;
-  for (char& c : name.stem) {
-    if (c >= 'A' && c <= 'Z') name.foreign = true, c = static_cast<char>(c - 'A' + 'a');
-    if (c == ' ') c = '_';
-  }
-  const auto* const at = std::find_if(kUnits.begin(), kUnits.end(),
-                                      [&](const ColumnUnit& u) { return u.name == unit; });
-  if (at != kUnits.end()) name.unit = &*at;
-  if (name.unit == nullptr && bracket == text.npos) name.stem = text;
-  return name;
-}
-
-/// Names that other programs give to the time.
-bool isTime(std::string_view stem) {
-  constexpr std::array<std::string_view, 6> kNames = {"time",  "t",      "timestamp",
-                                                      "%time", "__time", "stamp"};
-  return std::find(kNames.begin(), kNames.end(), stem) != kNames.end();
-}
 
 bool isOfMotion(std::string_view text) {
   const ColumnName name = nameOf(text);
@@ -186,6 +60,15 @@ std::string noHeader(const std::vector<Cell>& names) {
   const bool any = std::any_of(names.begin(), names.end(),
                                [](const Cell& cell) { return isOfMotion(cell.text); });
   return any ? "" : "is not a motion: its first line names neither a time nor an axis";
+}
+
+/// True for a first line that names columns of another program: words between commas.
+bool mayBeMapped(const std::vector<Cell>& names) {
+  constexpr std::size_t kFewest = 3;
+  return names.size() >= kFewest && std::none_of(names.begin(), names.end(), [](const Cell& cell) {
+           return !cell.text.empty() &&
+                  cell.text.find_first_not_of("+-.,0123456789eE") == std::string::npos;
+         });
 }
 
 /// Kind of the device's axis of that name, else of the standard axis of that name.
@@ -224,10 +107,12 @@ class Reader {
   /// Reads one line. Returns false when the file is not a motion file and further faults would be
   /// noise.
   bool line(std::string_view text);
-  bool header(std::string_view line);
+  bool header(const std::vector<Cell>& names);
+  void checkColumns();
+  void checkMap();
   void column(const std::string& text, std::size_t place);
   void timeColumn(const ColumnName& name, const std::string& text, std::size_t place);
-  void readUp(std::string_view comment);
+  void readComment(std::string_view comment);
   void checkUp();
   void row(std::string_view line);
   std::optional<double> number(const std::string& cell, std::size_t place);
@@ -243,18 +128,21 @@ class Reader {
   void keep(Diagnostic fault);
 
   const DeviceModel* device_;
+  ColumnMap map_;
+  MocapHead mocap_;
   MotionFile motion_;
   Diagnostics faults_;
   Diagnostics ignored_;  // notices of ignored columns
   std::size_t unreported_ = 0;
+  std::size_t incomplete_ = 0;  // rows without a value that is read, left out
   int line_ = 0;
   std::vector<std::string> header_;  // the columns as written
   std::vector<double> factor_;       // for each column, to s, m or rad; 0: it is not read
   std::vector<bool> foreign_;        // for each axis column: named in another program's way
-  char up_ = 0;                      // axis that points up, by a line "# up = y"; 0: not given
   std::optional<std::size_t> time_place_;
   std::size_t unnamed_ = 0;  // number of values in a row before those that the header names
   std::vector<int> lines_;   // line of each sample
+  std::vector<std::string> unmapped_;  // columns that are no axis, as written
   int rows_ = 0;
 };
 
@@ -309,6 +197,7 @@ void Reader::column(const std::string& text, std::size_t place) {
   constexpr const char* kUnitRemedy =
       "end it in _m, _cm or _mm for a translation, _rad or _deg for a rotation";
   if (!kind) {
+    unmapped_.push_back(text);
     const bool known = name.unit != nullptr;
     ignored_.push_back({motion_.path, line_, key, shown(text),
                         known ? "is no known axis" : "has no known unit",
@@ -331,14 +220,20 @@ void Reader::column(const std::string& text, std::size_t place) {
   }
 }
 
-/// Reads a line "# up = y".
-void Reader::readUp(std::string_view comment) {
+/// Reads a line "# up = y" or "# columns: ...".
+void Reader::readComment(std::string_view comment) {
+  if (isColumnMap(comment)) {
+    for (Diagnostic& entry : readColumnMap(comment, map_)) {
+      fault(std::move(entry.key), entry.value, std::move(entry.problem), std::move(entry.remedy));
+    }
+    return;
+  }
   std::string words;
   for (const char c : comment) {
     if (c != ' ' && c != '\t') words += c;
   }
   if (!words.starts_with("#up=")) return;
-  up_ = words == "#up=y" ? 'y' : 'z';
+  map_.up = words == "#up=y" ? 'y' : 'z';
   if (words == "#up=y" || words == "#up=z") return;
   fault("# up", words.substr(4), "is no axis that may point up",
         "write \"# up = y\" or \"# up = z\"");
@@ -353,37 +248,59 @@ void Reader::checkUp() {
   };
   const auto none = static_cast<std::ptrdiff_t>(motion_.columns.size());
   const std::ptrdiff_t y = at("y"), z = at("z");
-  if (up_ == 0 && y < none && z < none && (foreign_[y] || foreign_[z])) {
+  if (map_.up == 0 && y < none && z < none && (foreign_[y] || foreign_[z])) {
     fault("", "", "does not say which of its axes points up",
           "put the line \"# up = y\" or \"# up = z\" before the names of the columns");
   }
-  if (up_ != 'y') return;
+  if (map_.up != 'y') return;
   if (y == none || z == none) {
     fault("# up", "y", "needs both columns, y and z", "give both, or take the line out");
   }
 }
 
-bool Reader::header(std::string_view line) {
-  const std::vector<Cell> names = cells(line);
-  if (isDividedOtherwise(names)) {
-    refuse("is not a CSV file of commas: its columns are divided by something else",
-           "divide the columns by commas, and write numbers with a point: 0.125");
-    return false;
-  }
-  if (std::string why = noHeader(names); !why.empty()) {
-    refuse(why);
-    return false;
-  }
+bool Reader::header(const std::vector<Cell>& names) {
   // Reads the columns and finds the time.
   factor_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
-    header_.push_back(names[i].text);
-    column(names[i].text, i);
+    const std::string name = takeName(map_, names[i].text);
+    const bool mapped = name != names[i].text;
+    header_.push_back(name);
+    const std::size_t axes = motion_.columns.size();
+    column(name, i);
+    if (mapped && motion_.columns.size() > axes) foreign_.back() = true;
   }
+  if (mocap_.rate_hz() > 0.0 && !time_place_) {
+    time_place_ = 0;  // the frame's number
+    factor_[0] = 1.0 / mocap_.rate_hz();
+  }
+  checkMap();
+  checkColumns();
+  return true;
+}
+
+/// Reports names of the column map that the motion does not have.
+void Reader::checkMap() {
+  for (const auto& [name, column] : map_.columns) {
+    fault("# columns", name + " = " + column, "names no column of the motion",
+          "give a name as the motion has it");
+  }
+}
+
+void Reader::checkColumns() {
+  const bool none = motion_.columns.empty();
   const auto other = std::find_if(header_.begin(), header_.end(), [](const std::string& text) {
     return isTime(nameOf(text).stem);
   });
-  if (!time_place_) {
+  if (none && faults_.empty() && unmapped_.size() > 1) {
+    fault("", "",
+          fmt::format("names {} and no known axis: \"{}\", \"{}\"{}",
+                      counted(unmapped_.size(), "column"), shown(unmapped_[0]), shown(unmapped_[1]),
+                      unmapped_.size() > 2 ? ", ..." : ""),
+          "write before its first line, with your names, units and rate: " +
+              exampleOfMap(unmapped_, time_place_.has_value()));
+    return;
+  }
+  if (!time_place_ && map_.rate_hz == 0.0) {
     fault("time_s", "",
           other == header_.end()
               ? "is missing"
@@ -391,14 +308,13 @@ bool Reader::header(std::string_view line) {
           "name the time of each row with its unit: time_s, time_ms, time_us or time_ns");
   }
   for (std::size_t i = 0; i < header_.size(); ++i) {
-    if (factor_[i] == 0.0 || factor_[i] == 1.0) continue;
+    if (factor_[i] == 0.0 || factor_[i] == 1.0 || (i == time_place_ && mocap_.begun())) continue;
     motion_.notices.push_back(
         {motion_.path, line_, "column " + std::to_string(i + 1), shown(header_[i]),
          fmt::format("is converted: its values times {:.6g}", factor_[i]), "nothing to do"});
   }
   checkUp();
   // Ignored columns are faults if no axis column exists, else notices.
-  const bool none = motion_.columns.empty();
   for (Diagnostic& column : ignored_) {
     if (none) {
       keep(std::move(column));
@@ -416,7 +332,6 @@ bool Reader::header(std::string_view line) {
   if (faults_.empty() && none) {
     fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");
   }
-  return true;
 }
 
 bool Reader::line(std::string_view text) {
@@ -430,7 +345,29 @@ bool Reader::line(std::string_view text) {
     row(text);
     return true;
   }
-  return header(text);
+  const std::vector<Cell> names = cells(text);
+  if (mocap_.begun() || MocapHead::begins(names)) {
+    if (!mocap_.add(names)) {
+      refuse("begins as a file of motion capture, but its names do not stand where they should",
+             "export it as CSV with its header");
+      return false;
+    }
+    if (!mocap_.complete()) return true;
+    std::vector<Cell> columns;
+    for (std::string& name : mocap_.columns()) columns.push_back({std::move(name), false});
+    return header(columns);
+  }
+  if (isDividedOtherwise(names)) {
+    refuse("is not a CSV file of commas: its columns are divided by something else",
+           "divide the columns by commas, and write numbers with a point: 0.125");
+    return false;
+  }
+  if (std::string why = noHeader(names);
+      !why.empty() && map_.columns.empty() && !mayBeMapped(names)) {
+    refuse(why);
+    return false;
+  }
+  return header(names);
 }
 
 std::optional<double> Reader::number(const std::string& cell, std::size_t place) {
@@ -475,7 +412,16 @@ void Reader::row(std::string_view line) {
           "give every row one value a column");
     return;
   }
+  // Motion capture leaves cells empty while it does not see a marker.
+  for (std::size_t i = 0; mocap_.begun() && i < header_.size(); ++i) {
+    if (factor_[i] == 0.0 || !values[i].text.empty()) continue;
+    ++incomplete_;
+    return;
+  }
   std::vector<double> sample;
+  if (!time_place_ && map_.rate_hz > 0.0) {
+    motion_.time_s.push_back(static_cast<double>(rows_ - 1) / map_.rate_hz);
+  }
   for (std::size_t i = 0; i < header_.size(); ++i) {
     if (factor_[i] == 0.0) continue;
     const std::string& cell = values[i + unnamed_].text;
@@ -487,7 +433,7 @@ void Reader::row(std::string_view line) {
       sample.push_back(*value);
     }
   }
-  if (up_ == 'y' && sample.size() == motion_.columns.size()) turnUp(sample);
+  if (map_.up == 'y' && sample.size() == motion_.columns.size()) turnUp(sample);
   motion_.samples.push_back(std::move(sample));
   lines_.push_back(line_);
 }
@@ -602,6 +548,12 @@ void Reader::checkWhole() {
           "at least 2 are needed");
   }
   if (!faults_.empty()) return;
+  if (incomplete_ > 0) {
+    motion_.notices.push_back(fileFault(motion_.path,
+                                        "has " + counted(incomplete_, "row") +
+                                            " without a value of a column that is read, left out",
+                                        "nothing to do"));
+  }
   checkValues();
   checkPace();
   if (device_ == nullptr || !faults_.empty()) return;
@@ -641,7 +593,7 @@ Expected<MotionFile> Reader::read() {
       std::string_view text = std::string_view(whole).substr(begin, end - begin);
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
       text = trimmed(text);
-      if (text.starts_with('#') && header_.empty()) readUp(text);
+      if (text.starts_with('#') && header_.empty()) readComment(text);
       if (text.empty() || text.starts_with('#')) continue;
       if (!line(text)) return faults_;
     }

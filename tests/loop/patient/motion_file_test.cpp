@@ -197,15 +197,14 @@ TEST(MotionFile, ColumnsOfUnknownAxes_AreIgnoredAndNamed) {
   EXPECT_EQ(noticesOf("time_s,x_m\n0,0\n1,1\n"), "");
 }
 
-TEST(MotionFile, ManyColumnsOfUnknownAxes_AreNamedUpToTwentyAndCounted) {
+TEST(MotionFile, ManyColumnsOfUnknownAxes_AreNamedInBriefAndCounted) {
   std::string names, values;
   for (int i = 0; i < 23; ++i) {
     names += ",field.position" + std::to_string(i);
     values += ",0";
   }
   const std::string faults = faultsOf("time_s" + names + "\n0" + values + "\n1" + values + "\n");
-  EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 20) << faults;
-  EXPECT_CONTAINS(faults, "has 3 more faults");
+  EXPECT_CONTAINS(faults, "names 23 columns and no known axis: \"field.position0\", ");
   const std::string notices = noticesOf("time_s,x_m" + names + "\n0,0" + values + "\n1,0" + values);
   EXPECT_CONTAINS(notices, "has 3 more columns that no axis has, ignored");
 }

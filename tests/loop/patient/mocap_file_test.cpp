@@ -1,0 +1,154 @@
+// Motions of other programs: heads of OptiTrack Motive and Vicon Nexus as their manuals describe
+// them, columns of a hand tracker and of a hand model. Expected values: the cells, in m, s and rad,
+// with z up.
+#include "files/patient/motion_file.hpp"
+#include "support/contains.hpp"
+#include "support/folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+const char* const kMotive =
+    "Format Version,1.23,Take Name,reach,Capture Frame Rate,100.000000,Rotation Type,XYZ,"
+    "Length Units,Millimeters,Coordinate Space,Global\n"
+    "\n"
+    ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body\n"
+    ",Name,Wrist,Wrist,Wrist,Wrist,Wrist,Wrist\n"
+    ",ID,1,1,1,1,1,1\n"
+    ",,Rotation,Rotation,Rotation,Position,Position,Position\n"
+    "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n"
+    "0,0.000000,90,0,0,100,200,300\n"
+    "1,0.010000,90,0,0,110,200,300\n"
+    "2,0.020000,90,0,0,120,200,310\n";
+
+const char* const kNexus =
+    "Trajectories\n"
+    "200\n"
+    ",,Left:RWRI,,,Left:RFIN,,\n"
+    "Frame,Sub Frame,X,Y,Z,X,Y,Z\n"
+    ",,mm,mm,mm,mm,mm,mm\n"
+    "100,0,1,2,3,4,5,6\n"
+    "101,0,,,,4,5,6\n"
+    "102,0,2,2,3,4,5,6\n"
+    "103,0,3,2,3,,,\n";
+
+const char* const kTracker =
+    "timestamp,hand_type,palm_position_x,palm_position_y,palm_position_z,pinch\n"
+    "1000000,right,10,20,30,0.5\n1010000,right,11,20,30,0.5\n";
+
+const char* const kHandModel = "frame,theta_0,theta_1\n0,0.1,0.2\n1,0.2,0.3\n2,0.3,0.4\n";
+
+class Motions : public ::testing::Test {
+ protected:
+  Expected<MotionFile> read(const std::string& motion, const std::string& columns = "") {
+    std::ofstream(path_) << (columns.empty() ? "" : "# columns: " + columns + "\n") << motion;
+    return loadMotionFile(path_);
+  }
+  std::string refusal(const std::string& motion, const std::string& columns = "") {
+    const auto read_motion = read(motion, columns);
+    return read_motion ? "" : format(read_motion.errors());
+  }
+
+  const Folder folder_;
+  const std::string path_ = folder_.path() + "/motion.csv";
+};
+
+TEST_F(Motions, OfMotive_AreReadInItsUnitsWithZUp) {
+  const auto motion = read(kMotive,
+                           "Wrist Position X = x, Wrist Position Y = y, Wrist Position Z = z, "
+                           "Wrist Rotation X = finger_flexion, up = y");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  EXPECT_EQ(motion->columns, (std::vector<std::string>{"finger_flexion", "x", "y", "z"}));
+  EXPECT_EQ(motion->time_s, (std::vector<double>{0.0, 0.01, 0.02}));
+  ASSERT_EQ(motion->samples.size(), 3U);
+  const std::vector<double> last{std::numbers::pi / 2.0, 0.12, -0.31, 0.2};  // x, -z, y
+  for (std::size_t i = 0; i < last.size(); ++i) EXPECT_NEAR(motion->samples[2][i], last[i], 1e-12);
+}
+
+TEST_F(Motions, OfNexus_AreTimedByTheirRateAndRowsWithoutAMarkerAreLeftOut) {
+  const auto motion = read(kNexus, "RWRI X = x");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  EXPECT_EQ(motion->columns, (std::vector<std::string>{"x"}));
+  ASSERT_EQ(motion->time_s.size(), 3U);
+  const double expected[3][2] = {{0.5, 1e-3}, {0.51, 2e-3}, {0.515, 3e-3}};  // frame / 200 Hz, mm
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(motion->time_s[i], expected[i][0], 1e-12);
+    EXPECT_NEAR(motion->samples[i][0], expected[i][1], 1e-15);
+  }
+  std::string notices;
+  for (const Diagnostic& notice : motion->notices) notices += format(notice) + "\n";
+  EXPECT_TRUE(contains(notices, "1 row without a value of a column that is read, left out"))
+      << notices;
+}
+
+TEST_F(Motions, OfAHandTracker_TakeUnitsFromTheMap) {
+  const auto motion = read(kTracker,
+                           "timestamp = time_us, palm_position_x = x_mm, palm_position_y = y_mm, "
+                           "palm_position_z = z_mm, up = y");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  EXPECT_NEAR(motion->time_s[1] - motion->time_s[0], 0.01, 1e-12);
+  const std::vector<double> first{0.010, -0.030, 0.020};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(motion->samples[0][i], first[i], 1e-12);
+}
+
+TEST_F(Motions, WithoutATime_AreTimedByTheRateOfTheMap) {
+  const auto motion = read(kHandModel, "rate_hz = 25, theta_1 = finger_flexion_rad");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  ASSERT_EQ(motion->time_s.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(motion->time_s[i], static_cast<double>(i) / 25.0, 1e-12);
+  EXPECT_EQ(motion->samples[2], (std::vector<double>{0.4}));
+}
+
+// A user writes the line that the refusal prints, and the motion plays.
+TEST_F(Motions, OfEveryKind_ArePlayedWithTheLineOfTheRefusal) {
+  for (const char* content :
+       {kMotive, kNexus, kHandModel, "Time (ms),Wrist X,Wrist Y,Wrist Z\n0,1,2,3\n10,1,2,3\n",
+        "frame,wrist_x,wrist_y,wrist_z,thumb\n0,1,2,3,4\n1,1,2,3,4\n",
+        "elapsed;s,Hand.X,Hand.Y,Hand.Z\n0,1,2,3\n1,1,2,3\n"}) {
+    const std::string why = refusal(content), mark = "# columns: ";
+    const auto begin = why.find(mark);
+    ASSERT_NE(begin, std::string::npos) << why;
+    const auto motion = read(content, why.substr(begin + mark.size()));
+    EXPECT_TRUE(motion) << format(motion.errors()) << "\nwith " << why;
+  }
+}
+
+TEST_F(Motions, WrongMaps_AreNamed) {
+  const struct {
+    const char *columns, *words;
+  } wrong[] = {
+      {"Palm X = x", "Palm X = x: names no column of the motion"},
+      {"up = x, RWRI X = x", "is no axis that may point up"},
+      {"rate_hz = -1.0, RWRI X = x", "is no rate; must be in (0, 100000] Hz"},
+      {"rate_hz = 120 Hz, RWRI X = x", "is no rate"},
+      {"RWRI X = elbow", "no known axis"},
+      {"RWRI X = finger_flexion", "is a rotation: use _rad"},
+      {"RWRI X = x, RFIN X = x", "stands there twice"},
+      {"RWRI X = x, RFIN X = x_cm", "once more"},
+      {"RWRI X = x, RWRI X = y", "names this column twice"},
+      {"RWRI X = x, RWRI Y = y, RWRI Z = z", "does not say which of its axes points up"},
+      {"RWRI X", "says nothing of a column"},
+  };
+  for (const auto& [columns, words] : wrong) {
+    EXPECT_TRUE(contains(refusal(kNexus, columns), words)) << columns << refusal(kNexus, columns);
+  }
+}
+
+TEST_F(Motions, DamagedHeads_AreRefusedAndNothingCrashes) {
+  const std::string whole = kNexus, motive = kMotive;
+  for (std::size_t cut = 1; cut < whole.size(); cut += 5) (void)read(whole.substr(0, cut));
+  for (std::size_t cut = 1; cut < motive.size(); cut += 5) (void)read(motive.substr(0, cut));
+  EXPECT_TRUE(contains(refusal("Trajectories\n200\n1,2,3\n4,5,6\n7,8,9\n"),
+                       "names do not stand where they should"));
+}
+
+}  // namespace
+}  // namespace wholehand::test
