@@ -43,6 +43,11 @@ bool MocapHead::begins(const std::vector<Cell>& first) {
   return std::find(kBegins.begin(), kBegins.end(), textAt(first, 0)) != kBegins.end();
 }
 
+bool MocapHead::isOtherSection(const std::vector<Cell>& first) {
+  constexpr std::array<std::string_view, 3> kOthers = {"Devices", "Events", "Segments"};
+  return std::find(kOthers.begin(), kOthers.end(), textAt(first, 0)) != kOthers.end();
+}
+
 bool MocapHead::isNexus() const {
   return textAt(lines_.front(), 0) != "Format Version";
 }

@@ -13,6 +13,8 @@ class MocapHead {
  public:
   /// True if a first line begins such a file.
   [[nodiscard]] static bool begins(const std::vector<Cell>& first);
+  /// True for the first line of a section of Nexus that holds no positions, such as "Devices".
+  [[nodiscard]] static bool isOtherSection(const std::vector<Cell>& first);
 
   /// Takes one more line. @return false: the line is not of this head
   bool add(const std::vector<Cell>& line);
@@ -25,6 +27,8 @@ class MocapHead {
   /// One name for each column: "Wrist Position X (mm)", "RWRI X (mm)". The time is "Time (s)", or
   /// "Frame".
   [[nodiscard]] std::vector<std::string> columns() const;
+  /// True if a blank line ends the samples.
+  [[nodiscard]] bool hasSections() const { return begun() && isNexus(); }
   /// Frames a second; 0: the samples have a time, or there is no such head.
   [[nodiscard]] double rate_hz() const;
 

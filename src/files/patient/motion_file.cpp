@@ -121,6 +121,7 @@ class Reader {
   void refuse(const std::string& problem, const char* remedy = kGiveMotion);
   void turnUp(std::vector<double>& sample) const;
   void checkWhole();
+  Expected<MotionFile> finish();
   void checkValues();
   void checkPace();
   void fault(std::string key, std::string_view value, std::string problem, std::string remedy);
@@ -132,7 +133,8 @@ class Reader {
   MocapHead mocap_;
   MotionFile motion_;
   Diagnostics faults_;
-  Diagnostics ignored_;  // notices of ignored columns
+  Diagnostics ignored_;         // notices of ignored columns
+  bool other_section_ = false;  // a section before the motion is skipped
   std::size_t unreported_ = 0;
   std::size_t incomplete_ = 0;  // rows without a value that is read, left out
   int line_ = 0;
@@ -346,6 +348,9 @@ bool Reader::line(std::string_view text) {
     return true;
   }
   const std::vector<Cell> names = cells(text);
+  other_section_ =
+      (other_section_ || MocapHead::isOtherSection(names)) && !MocapHead::begins(names);
+  if (other_section_) return true;
   if (mocap_.begun() || MocapHead::begins(names)) {
     if (!mocap_.add(names)) {
       refuse("begins as a file of motion capture, but its names do not stand where they should",
@@ -402,7 +407,14 @@ void Reader::checkTime(double time_s, std::string_view cell) {
 
 void Reader::row(std::string_view line) {
   ++rows_;
-  const std::vector<Cell> values = cells(line);
+  std::vector<Cell> values = cells(line);
+  // Motion capture leaves out cells at the end of a row, or adds empty ones.
+  const auto isEmpty = [](const Cell& cell) { return cell.text.empty(); };
+  if (mocap_.begun() &&
+      (values.size() < header_.size() ||
+       std::all_of(values.begin() + static_cast<long>(header_.size()), values.end(), isEmpty))) {
+    values.resize(header_.size());
+  }
   // R writes a quoted row number before each row and no header for it.
   if (rows_ == 1 && values.size() == header_.size() + 1 && values[0].quoted) unnamed_ = 1;
   if (values.size() != header_.size() + unnamed_) {
@@ -594,10 +606,15 @@ Expected<MotionFile> Reader::read() {
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
       text = trimmed(text);
       if (text.starts_with('#') && header_.empty()) readComment(text);
+      if (text.empty() && mocap_.hasSections() && rows_ > 0) return finish();
       if (text.empty() || text.starts_with('#')) continue;
       if (!line(text)) return faults_;
     }
   }
+  return finish();
+}
+
+Expected<MotionFile> Reader::finish() {
   checkWhole();
   if (unreported_ > 0) {
     faults_.push_back(fileFault(motion_.path, "has " + counted(unreported_, "more fault"),

@@ -88,6 +88,20 @@ TEST_F(Motions, OfNexus_AreTimedByTheirRateAndRowsWithoutAMarkerAreLeftOut) {
       << notices;
 }
 
+// Nexus writes force plates before the markers, other sections after them, and drops empty cells.
+TEST_F(Motions, OfNexusBetweenOtherSections_AreFound) {
+  const std::string content =
+      "\n\nDevices\n1000\n,,Plate\nFrame,Sub Frame,Fx\n,,N\n1,0,5\n1,1,6\n\n"
+      "Trajectories\n100\n,,A:RWRI\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n"
+      "1,0,1,2,3,\n2,0,2,2\n3,0,3,2,3\n4,0\n\nModel Outputs\n100\n,,A:Angle\n"
+      "Frame,Sub Frame,X\n,,deg\n1,0,99\n";
+  const auto motion = read(content, "RWRI X = x, RWRI Z = z, up = z");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  EXPECT_EQ(motion->samples, (std::vector<std::vector<double>>{{1e-3, 3e-3}, {3e-3, 3e-3}}));
+  ASSERT_EQ(motion->time_s.size(), 2U);
+  EXPECT_NEAR(motion->time_s[1] - motion->time_s[0], 0.02, 1e-12);
+}
+
 TEST_F(Motions, OfAHandTracker_TakeUnitsFromTheMap) {
   const auto motion = read(kTracker,
                            "timestamp = time_us, palm_position_x = x_mm, palm_position_y = y_mm, "
