@@ -2,6 +2,7 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h } from '../shared/dom';
+import { drawMoments, FONT } from '../shared/chart_marks';
 import { LabelPlaces } from '../shared/label_places';
 import './chart.css';
 import { logarithmicNumbers, rangeOf, type ChartLine } from './chart_range';
@@ -10,8 +11,6 @@ export type { ChartLine };
 
 /** Additional canvas resolution relative to the screen's: 192 dots per inch on paper. */
 const FINER = 2;
-const SIGNS = '"DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
-export const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 
 export interface ChartMark { readonly at: number; readonly label: string; readonly bad: boolean }
 export interface ChartBand { readonly from: number; readonly to: number; readonly color: string }
@@ -173,39 +172,9 @@ function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
 
 function drawMarks(plot: uPlot, { marks = [] }: ChartSpec, colors: Colors): void {
   const { ctx, bbox } = plot, dots = FINER * devicePixelRatio, end = bbox.left + bbox.width;
-  // Faults are labelled first; a label without room is left out, since the table has it.
-  const seen = [...marks.filter(({ bad }) => bad), ...marks.filter(({ bad }) => !bad)]
-    .map((mark) => ({ ...mark, x: plot.valToPos(mark.at, 'x', true) })).filter(({ x }) => x >= bbox.left && x <= end);
+  const seen = marks.map((mark) => ({ ...mark, x: plot.valToPos(mark.at, 'x', true) })).filter(({ x }) => x >= bbox.left && x <= end);
   ctx.save();
   ctx.textAlign = 'left';
-  let line = -Infinity;
-  for (const { x, bad } of seen) {
-    // Hundreds of lines would hide the data: close ones are merged.
-    if (Math.abs(x - line) < 4 * dots) continue;
-    line = x;
-    ctx.strokeStyle = bad ? colors.bad : colors.mark;
-    ctx.lineWidth = (bad ? 1.6 : 0.8) * dots;
-    ctx.setLineDash(bad ? [] : [2 * dots, 2 * dots]);
-    ctx.beginPath();
-    ctx.moveTo(x, bbox.top);
-    ctx.lineTo(x, bbox.top + bbox.height);
-    ctx.stroke();
-  }
-  // Labels are drawn over all lines, on a background that keeps them readable.
-  const places = new LabelPlaces(end, 3 * dots);
-  ctx.setLineDash([]);
-  ctx.lineWidth = 3 * dots;
-  ctx.lineJoin = 'round';
-  ctx.strokeStyle = colors.paper;
-  for (const { x, label, bad } of seen) {
-    if (label === '') continue;
-    // Signs such as circled numbers need a larger size to be readable.
-    ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
-    const left = places.place(x, ctx.measureText(label).width);
-    if (left === undefined) continue;
-    ctx.fillStyle = bad ? colors.bad : colors.words;
-    ctx.strokeText(label, left, bbox.top + 11 * dots);
-    ctx.fillText(label, left, bbox.top + 11 * dots);
-  }
+  drawMoments(ctx, bbox, seen, { dots, text_px: 11, line: colors.mark, words: colors.words, bad: colors.bad, paper: colors.paper }, new LabelPlaces(end, 4 * dots));
   ctx.restore();
 }

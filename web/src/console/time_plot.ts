@@ -1,4 +1,5 @@
 import uPlot from 'uplot';
+import { drawMoments, FONT, writeOver, type MomentLook } from '../shared/chart_marks';
 import { LabelPlaces } from '../shared/label_places';
 import { h } from './dom';
 import type { ConsoleTexts } from './i18n';
@@ -10,9 +11,7 @@ import type { Theme } from './theme';
 
 /** Half a letter's width [px]: the word for the present is centred at the last tick. */
 const NOW_PX = 3.7;
-const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
-const FONT_BAD = '700 14px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
-const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
+const TEXT_PX = 13;
 /** A limit is drawn when the data reach this share of it. */
 const LIMIT_NEAR = 0.45;
 
@@ -141,7 +140,7 @@ export class TimePlot {
 
   private options(width: number, height: number): uPlot.Options {
     const { theme, spec } = this;
-    const axis = { stroke: theme.ink2, grid: { stroke: theme.grid, width: 1 }, ticks: { show: false }, font: FONT };
+    const axis = { stroke: theme.ink2, grid: { stroke: theme.grid, width: 1 }, ticks: { show: false }, font: `${TEXT_PX}px ${FONT}` };
     const [valueSplits, valueNames] = this.valueAxis();
     return {
       width, height, legend: { show: false }, cursor: this.cursor(), padding: [6, Math.max(16, NOW_PX * this.words.now.length), 0, 0],
@@ -199,41 +198,18 @@ export class TimePlot {
     context.restore();
   }
 
-  /** Lines first, then labels over all of them; those of faults have the first choice of a place. */
   private drawMarks(plot: uPlot, ratio: number, places: LabelPlaces): void {
-    const { from_s, to_s } = this.window, { ctx: context, bbox } = plot;
-    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s).map((mark) => ({ ...mark, x: Math.round(plot.valToPos(mark.time_s, 'x', true)) }));
-    const colored = (bad: boolean): void => {
-      context.strokeStyle = bad ? this.theme.bad : this.theme.line2;
-      context.fillStyle = bad ? this.theme.bad : this.theme.ink2;
-      context.font = scaled(bad ? FONT_BAD : FONT_SIGN, ratio);
-    };
-    for (const { x, bad } of seen) {
-      colored(bad);
-      context.lineWidth = (bad ? 2 : 1) * ratio;
-      context.setLineDash(bad ? [] : [2 * ratio, 3 * ratio]);
-      context.beginPath();
-      context.moveTo(x, bbox.top);
-      context.lineTo(x, bbox.top + bbox.height);
-      context.stroke();
-    }
-    for (const { x, bad, label } of [...seen.filter((mark) => mark.bad), ...seen.filter((mark) => !mark.bad)]) {
-      // A stop is labelled once, at the top; its line crosses all plots.
-      if (label === '' || (bad && this.spec.id !== 'hand')) continue;
-      colored(bad);
-      const left = places.place(x, context.measureText(label).width);
-      if (left !== undefined) this.writeOver(context, label, left, bbox.top + 13 * ratio, ratio);
-    }
+    const { from_s, to_s } = this.window;
+    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s).map(({ time_s, label, bad }) => ({
+      x: Math.round(plot.valToPos(time_s, 'x', true)), bad,
+      label: bad && this.spec.id !== 'hand' ? '' : label,   // a stop is labelled once, at the top; its line crosses all plots
+    }));
+    drawMoments(plot.ctx, plot.bbox, seen, this.look(ratio), places);
   }
 
-  /** Text on a background that keeps it readable over lines. */
-  private writeOver(context: CanvasRenderingContext2D, words: string, left: number, y: number, ratio: number): void {
-    context.setLineDash([]);
-    context.lineJoin = 'round';
-    context.lineWidth = 4 * ratio;
-    context.strokeStyle = this.theme.color('--panel');
-    context.strokeText(words, left, y);
-    context.fillText(words, left, y);
+  private look(dots: number): MomentLook {
+    const { line2, ink2, bad, color } = this.theme;
+    return { dots, text_px: TEXT_PX, line: line2, words: ink2, bad, paper: color('--panel') };
   }
 
   /** Draws limits of the axes that come near theirs, or the common limit of all; several limits are labelled with their axes. */
@@ -258,10 +234,10 @@ export class TimePlot {
     context.moveTo(bbox.left, y);
     context.lineTo(bbox.left + bbox.width, y);
     context.stroke();
-    context.font = scaled(FONT, ratio);
+    context.font = `${TEXT_PX * ratio}px ${FONT}`;
     const left = bbox.left + 8 * ratio, base = y + (value < 0 ? -5 : 15) * ratio;
     if (base - 13 * ratio < bbox.top + ROW_PX * ratio) places.cover(left, left + context.measureText(words).width);
-    this.writeOver(context, words, left, base, ratio);
+    writeOver(context, words, left, base, this.look(ratio));
   }
 }
 
@@ -273,8 +249,4 @@ function unknownSpans(plot: uPlot, series: number, first: number, last: number):
     if (Number.isNaN(values[i])) spans.push([plot.valToPos(times[i], 'x', true), plot.valToPos(times[i + 1], 'x', true)]);
   }
   return spans;
-}
-
-function scaled(font: string, ratio: number): string {
-  return font.replace(/(\d+)px/, (_all, size: string) => `${Number(size) * ratio}px`);
 }
