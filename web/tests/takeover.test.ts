@@ -1,8 +1,8 @@
 import { expect, test, vi } from 'vitest';
-import { changeLevel, letProgramPlay, Press, takeOver, type PlayContext } from '../src/game/takeover';
+import { changeLoaded, letProgramPlay, Press, takeOver, type PlayContext } from '../src/game/takeover';
 import type { Connection } from '../src/net/connection';
 import type { Answer } from '../src/net/pending_answers';
-import { RunState } from '../src/protocol';
+import { RunState, Steering } from '../src/protocol';
 
 const YES: Answer = { accepted: true, reason: '' };
 const known = (): PlayContext => ({ play: null, hardware: false });
@@ -123,12 +123,27 @@ test('LetProgramPlay_AfterAPlayerPausedAndLeft_Continues', async () => {
 test('ChangeLevel_StopPressedWhileItLoads_DoesNotSteer', async () => {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
   const press = new Press(asConnection, connection.endings, 6);
-  const changed = changeLevel(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), press, 2);
+  const changed = changeLoaded(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), press, { level: 2 });
   press.cancel();
   connection.scene.level = 2;
   finishLoading();
   await changed;
   expect(asked).toEqual(['load']);
+});
+
+test('ChangeLoaded_ToTheOtherHand_KeepsTheLevelAndPlaysOn', async () => {
+  const { asked, connection, asConnection } = waitingProgram();
+  Object.assign(connection.scene, { level: 2, handName: 'adult-small-right' });
+  Object.assign(connection, { loadExercise: async (...what: unknown[]) => {
+    asked.push(`load ${what.join()}`);
+    Object.assign(connection.scene, { handName: what[2] });
+    return YES;
+  } });
+  Object.assign(connection.latestState, { runState: RunState.Rendering, steering: Steering.Person });
+  const playing = (): PlayContext => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false });
+  for (const hand of ['adult-small-left', 'adult-small-left', undefined])
+    expect(await changeLoaded(asConnection, playing, new Press(asConnection, 4, 6), { level: 2, hand })).toEqual(YES);
+  expect(asked).toEqual(['load ,2,adult-small-left', 'steer', 'steer', 'steer']);
 });
 
 test('TakeOver_AfterARefusal_GivesTheControlsBack', async () => {

@@ -98,10 +98,11 @@ export class Cards {
   private openHelp(): void {
     const { memory, presses, sound } = this.behind;
     const again = focusedChoice(), close = () => presses.help();
-    const { card, first } = helpCard(this.ways(), { help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, levels: this.behind.connection.controls.led ? 0 : memory.levels, level: memory.level, recordings: !this.behind.connection.controls.led, sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
+    const { card, first } = helpCard(this.ways(), { help: memory.setHelp || !this.exerciseWords.oneButton() ? null : memory.help, levels: this.behind.connection.controls.led ? 0 : memory.levels, level: memory.level, hand: this.behind.connection.controls.led || memory.hardware || !memory.hands ? null : memory.side, recordings: !this.behind.connection.controls.led, sounds: sound.on, music: sound.musicVolume, speech: this.speech.on, voice: this.speech.hasVoice, textSize: memory.textSize }, {
       language: (wanted) => this.choose(() => setLanguage(wanted)),
       help: (wanted) => this.choose(() => { memory.chooseHelp(wanted); this.behind.controls.help = wanted; }),
-      level: (wanted) => { presses.help(); void presses.load(wanted); },
+      level: (wanted) => this.chooseLoaded(() => memory.chooseLevel(wanted)),
+      hand: (wanted) => this.chooseLoaded(() => memory.chooseHand(wanted)),
       sounds: () => this.choose(() => { sound.toggle(); }),
       music: (wanted) => this.choose(() => sound.setMusic(wanted)),
       speech: () => this.choose(() => this.speech.toggle()),
@@ -131,6 +132,15 @@ export class Cards {
     this.choose(() => { this.behind.memory.chooseTextSize(wanted); document.documentElement.dataset.text = wanted; });
   }
 
+  /** A level or a hand: loaded at once where the person plays, else with Start. */
+  private chooseLoaded(change: () => void): void {
+    const { memory, presses } = this.behind;
+    if (memory.wish !== 'play') return this.choose(change);
+    change();
+    presses.help();
+    void presses.load();
+  }
+
   private choose(change: () => void): void {
     change();
     this.hud.words();
@@ -147,7 +157,7 @@ export class Cards {
     const more = memory.level < memory.levels && !this.behind.connection.controls.led;
     const { card, first } = praiseCard(!memory.credit.own ? uncredited(praise) : memory.ownGrip ? praise : helped(praise), more, praise.stars === undefined || !memory.credit.own ? 0 : memory.countStars(praise.stars), {
       next: () => { void presses.goOn(); },
-      nextLevel: () => { void presses.load(memory.level + 1); },
+      nextLevel: () => { memory.chooseLevel(memory.level + 1); void presses.load(); },
       again: () => presses.again(),
       rest: () => this.restAfter(praise),
     });

@@ -8,6 +8,7 @@ import { FIRST } from '../exercises';
 import type { ExerciseWords, Praise } from '../exercises/exercise';
 import { language, LANGUAGES, text, type Language, type TextKey } from '../shared/i18n';
 import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture } from './pictures';
+import type { Side } from './memory';
 import { MUSIC_VOLUMES, type MusicVolume } from './sound';
 
 /** Sizes of the text. Text that must be read during play is always large (game.css). */
@@ -257,6 +258,7 @@ export interface Settings {
   readonly help: Help | null;     // null: the therapist has set it, or the exercise has none
   readonly levels: number;        // 0: a therapist chooses
   readonly level: number;
+  readonly hand: Side | null;     // null: a therapist or the device chooses
   readonly recordings: boolean;   // this page may look at them
   readonly sounds: boolean;
   readonly music: MusicVolume;
@@ -265,7 +267,7 @@ export interface Settings {
   readonly textSize: TextSize;
 }
 
-export interface SettingsActions { language(wanted: Language): void; help(wanted: Help): void; level(wanted: number): void; sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
+export interface SettingsActions { language(wanted: Language): void; help(wanted: Help): void; level(wanted: number): void; hand(wanted: Side): void; sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
 
 /** The settings of sound and text, which the browser stores. */
 function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
@@ -276,6 +278,7 @@ function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
   return h('section', { class: 'settings', 'data-testid': 'settings' },
     now.help && line('help', 'settings.help', HELPS.map((help) => pressable(text(`help.${help}`), help === now.help, () => actions.help(help), { 'data-help': help }))),
     now.levels < 2 ? null : line('level', 'settings.level', Array.from({ length: now.levels }, (_, i) => pressable(String(i + 1), i + 1 === now.level, () => actions.level(i + 1), { 'data-level': String(i + 1) }))),
+    now.hand && line('hand', 'settings.hand', (['left', 'right'] as const).map((side) => pressable(text(`settings.hand.${side}`), side === now.hand, () => actions.hand(side), { 'data-side': side }))),
     line('language', 'settings.language', LANGUAGES.map((l) => pressable(l.toUpperCase(), l === language(), () => actions.language(l), { 'data-lang': l }))),
     line('sounds', 'settings.sounds', onOff('sounds', now.sounds, actions.sounds)),
     line('music', 'settings.music', MUSIC_VOLUMES.map((volume) => pressable(text(`music.${volume}`), volume === now.music, () => actions.music(volume), { 'data-music': volume }))),

@@ -42,11 +42,21 @@ function ownPart(): boolean {
   try { return sessionStorage.getItem(OWN) === 'true'; } catch { return false; }
 }
 
+export type Side = 'right' | 'left';
+
+/** Names of a hand of either side, where the program has both. */
+function bothSides({ handName, hands, rightHand }: Pick<SceneT, 'handName' | 'hands' | 'rightHand'>): Record<Side, string> | undefined {
+  const own = String(handName ?? ''), other = rightHand ? own.replace('right', 'left') : own.replace('left', 'right');
+  if (other === own || !hands.map(String).includes(other)) return undefined;
+  return rightHand ? { right: own, left: other } : { right: other, left: own };
+}
+
 export class Memory {
   // Choices of the person, from this visit or an earlier one.
   tone: Tone = storedTone();
   way = stored(STORED.way) ?? (matchMedia('(pointer: coarse)').matches ? 'touch' : 'mouse');
   level = 1;
+  hand: string | undefined;    // chosen for the next load; undefined: the loaded one
   private chosenHelp: Help = storedHelp();
   textSize: TextSize = stored(STORED.text) === 'far' ? 'far' : 'normal';
 
@@ -66,6 +76,9 @@ export class Memory {
   // Reports of the program.
   play: Play | null = null;
   levels = 1;
+  /** The loaded hand and its mirror image; undefined where there is none. */
+  hands: { readonly right: string; readonly left: string } | undefined;
+  private rightHand = true;
   palmLink = 0;
   hardware = false;
   setHelp: Help | undefined;   // set by the therapist
@@ -103,6 +116,8 @@ export class Memory {
   chooseTone(wanted: Tone): void { this.tone = wanted; store(STORED.tone, wanted); }
   chooseWay(wanted: string): void { this.way = wanted; store(STORED.way, wanted); }
   chooseHelp(wanted: Help): void { this.chosenHelp = wanted; store(STORED.help, wanted); }
+  chooseHand(wanted: Side): void { this.hand = this.hands?.[wanted]; }
+  get side(): Side { return (this.hand === undefined ? this.rightHand : this.hand === this.hands?.right) ? 'right' : 'left'; }
   get help(): Help { return this.setHelp ?? this.chosenHelp; }
   chooseLevel(wanted: number): void { this.level = wanted; store(STORED.level, String(wanted)); }
 
@@ -152,6 +167,9 @@ export class Memory {
     const wanted = Number(new URLSearchParams(location.search).get('level') ?? stored(STORED.level) ?? 0);
     this.level = this.wish === 'undecided' && wanted >= 1 && wanted <= this.levels ? wanted : Math.max(1, scene.level);
     this.loadedLevel = Math.max(1, scene.level);
+    this.rightHand = scene.rightHand;
+    this.hands = bothSides(scene);
+    this.hand = undefined;
     this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
   }
 

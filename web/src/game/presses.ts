@@ -5,7 +5,7 @@ import { Act, RunState } from '../protocol';
 import { text } from '../shared/i18n';
 import type { Memory } from './memory';
 import type { Sound } from './sound';
-import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './takeover';
+import { changeLoaded, letProgramPlay, openCamera, Press, takeOver } from './takeover';
 import { isPlaying } from './page_state';
 
 export class Presses {
@@ -31,10 +31,11 @@ export class Presses {
     this.memory.isTheirs = true;
   }
 
-  async load(level: number): Promise<void> {
-    this.memory.chooseLevel(level);
-    const answer = await this.busy(this.press(), (press) => changeLevel(this.connection, this.memory.known, press, level));
-    this.memory.notice = answer.reason;
+  /** Loads the chosen level and hand; the person plays on. */
+  async load(): Promise<void> {
+    const { connection, memory } = this, { level, hand } = memory;
+    const answer = await this.busy(this.press(), (press) => changeLoaded(connection, memory.known, press, { level, hand }));
+    memory.notice = answer.reason;
   }
 
   /** Pauses the exercise while the person reads the praise. */
@@ -78,7 +79,7 @@ export class Presses {
       await this.busy(this.press(), (press) => letProgramPlay(connection, memory.known, press));
       return;
     }
-    const wishes = { way: memory.way, level: memory.level, fresh: false };
+    const wishes = { way: memory.way, level: memory.level, hand: memory.hand, fresh: false };
     const outcome = await this.busy(this.press(), (press) => takeOver(connection, memory.known, press, wishes));
     memory.notice = outcome.is === 'refused' ? outcome.reason : '';
     if (outcome.is === 'playing') memory.wish = 'play';
@@ -117,7 +118,7 @@ export class Presses {
     // After a stop in the meantime, here or elsewhere, the person must press again.
     if (!press.holds) return;
     if (!camera.accepted) { memory.notice = camera.reason; return; }
-    const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs || !memory.credit.own };
+    const wishes = { way: memory.way, level: memory.level, hand: memory.hand, fresh: memory.isTheirs || !memory.credit.own };
     this.begins = true;
     if (wishes.fresh) memory.stars.begin();
     const outcome = await this.busy(press, () => takeOver(connection, memory.known, press, wishes)).finally(() => { this.begins = false; });

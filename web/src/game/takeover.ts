@@ -13,6 +13,7 @@ import { isFaded } from './page_state';
 export interface Wishes {
   readonly way: string;      // the input method
   readonly level: number;
+  readonly hand?: string;    // its name; undefined: the loaded one
   readonly fresh: boolean;   // a new person begins from the start
 }
 
@@ -49,13 +50,13 @@ export class Press {
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
-/** Loads a level; or the first exercise if the present one cannot be shown. It does nothing if the level is loaded. */
-async function matchLevel(connection: Connection, known: () => PlayContext, level: number): Promise<Answer> {
+/** Loads a level and a hand; or the first exercise if the present one cannot be shown. It does nothing if they are loaded. */
+async function matchLoaded(connection: Connection, known: () => PlayContext, { level, hand }: Pick<Wishes, 'level' | 'hand'>): Promise<Answer> {
   const { scene } = connection;
-  const shown = known().play !== null;
-  if (!scene || (shown && scene.level === level)) return { accepted: true, reason: '' };
-  const answer = await connection.loadExercise(shown ? '' : FIRST.file, level, '');
-  if (answer.accepted) await until(() => known().play !== null && connection.scene?.level === level);
+  const shown = known().play !== null, fits = (): boolean => known().play !== null && connection.scene?.level === level && (hand === undefined || String(connection.scene.handName) === hand);
+  if (!scene || fits()) return { accepted: true, reason: '' };
+  const answer = await connection.loadExercise(shown ? '' : FIRST.file, level, hand ?? '');
+  if (answer.accepted) await until(fits);
   return answer;
 }
 
@@ -70,9 +71,9 @@ async function steer(connection: Connection, known: () => PlayContext): Promise<
   return answer;
 }
 
-/** Changes the level of a person who plays: loading gives the hand back to the virtual patient, so it is taken again. */
-export async function changeLevel(connection: Connection, known: () => PlayContext, press: Press, level: number): Promise<Answer> {
-  const loaded = await matchLevel(connection, known, level);
+/** Changes level and hand of a person who plays: loading gives the hand back to the virtual patient, so it is taken again. */
+export async function changeLoaded(connection: Connection, known: () => PlayContext, press: Press, wishes: Pick<Wishes, 'level' | 'hand'>): Promise<Answer> {
+  const loaded = await matchLoaded(connection, known, wishes);
   return loaded.accepted && press.holds ? steer(connection, known) : loaded;
 }
 
@@ -118,7 +119,7 @@ export async function takeOver(connection: Connection, known: () => PlayContext,
 
 /** Loads, starts and steers while holding the controls, each only while the press holds. */
 async function takeHand(connection: Connection, known: () => PlayContext, press: Press, wishes: Wishes): Promise<Outcome> {
-  const loaded = connection.controls.led ? { accepted: true, reason: '' } : await matchLevel(connection, known, wishes.level);
+  const loaded = connection.controls.led ? { accepted: true, reason: '' } : await matchLoaded(connection, known, wishes);
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
   if (!press.holds) return { is: 'stopped' };
   if (connection.latestState?.runState === RunState.Disarmed || restsNow(connection)) {
