@@ -1,4 +1,4 @@
-// States of meters and limits are distinguishable without red-green vision: by words, and by lightness.
+// What must be told apart is so without colour vision: by words, patterns, signs and dashes, and by lightness.
 // Simulation: Machado, Oliveira and Fernandes 2009, severity 1, in linear RGB. Contrast: WCAG 2.2.
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
@@ -8,6 +8,8 @@ import { fr } from '../src/shared/i18n/fr';
 import { de as consoleDe } from '../src/console/i18n/de';
 import { en as consoleEn } from '../src/console/i18n/en';
 import { fr as consoleFr } from '../src/console/i18n/fr';
+import { plotSpecs } from '../src/console/plot_specs';
+import { liquidLook } from '../src/exercises/cocktail_bar/liquids';
 
 type Rgb = readonly [number, number, number];
 
@@ -15,6 +17,7 @@ const SIGHT: Readonly<Record<string, readonly Rgb[]>> = {
   usual: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
   deuteranopia: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+  tritanopia: [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
 };
 
 const linear = (hex: string): Rgb => [1, 3, 5].map((at) => {
@@ -73,6 +76,18 @@ describe.each(Object.keys(SIGHT))('with %s sight', (sight) => {
 });
 
 describe('information that does not depend on colour', () => {
+  it('every two liquids differ in pattern and symbol', () => {
+    const looks = ['lemon', 'cherry', 'blueberry', 'coconut'].map(liquidLook);
+    for (const part of ['pattern', 'symbol'] as const) expect(new Set(looks.map((look) => look[part])).size).toBe(looks.length);
+  });
+
+  it('every two lines of a plot differ in their dashes', () => {
+    const names = ['x', 'y', 'z', 'roll', 'pitch', 'yaw', 'finger_flexion', 'thumb_circumduction', 'thumb_flexion'];
+    const axes = names.map((name) => ({ name, unit: ['x', 'y', 'z'].includes(name) ? 'm' : 'rad' })) as never;
+    const columns = { column: () => 0, alphaColumn: 0 } as never;
+    for (const { id, series } of plotSpecs({ axes }, columns, 0, consoleEn)) expect(new Set(series.map(({ dash }) => dash.join())).size, id).toBe(series.length);
+  });
+
   it.each([['en', en], ['fr', fr], ['de', de]])('every zone of the meter has its own word, %s', (_language, texts) => {
     for (const zones of [['none', 'soft', 'right', 'strong', 'stop', 'wrong'], ['low', 'right', 'high']] as const) {
       const words = zones.map((zone) => (texts as Record<string, string>)[`game.zone.${zone}`]);
