@@ -139,7 +139,7 @@ TEST_P(WedgedHand, BetweenWallsThatAreTooNear_IsPressedByTheDepthOnly) {
   // has its own depth: half of 40 µm, 25 N, less the hand's compliance.
   if (GetParam() == "bullet") {
     EXPECT_NEAR(largest_n, 25.0, tolerance(1.25));
-    EXPECT_LE(off_n, tolerance(1.0));
+    EXPECT_LE(off_n, tolerance(0.1));
   }
 }
 

@@ -216,9 +216,11 @@ void HandRows::start(double* change) noexcept {
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
     // The contacts coupled to this end have already applied their starting impulses, with the end's
-    // shares of them.
+    // shares of them. Only what the end bears beside them is reduced: less under a contact would
+    // throw the light digit against it.
     if (end.coupled_index >= 0) end.row.impulse = coupled_impulse_[end.coupled_index];
-    apply<kMaxAxes>(end.row, share * end.kept_impulse, change);
+    const double borne = end.row.impulse;
+    apply<kMaxAxes>(end.row, borne + share * (end.kept_impulse - borne), change);
     if (end.coupled_index >= 0) coupled_impulse_[end.coupled_index] = end.row.impulse;
   }
 }

@@ -156,7 +156,7 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
     contact.bound = bounded_[body.body] ? &bounds_[body.body] : nullptr;
     setUpContact(contact, hand, *body.rigid,
                  hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
-    startFromLast(contact);
+    startFromLast(contact, info.m_timeStep);
   }
 }
 
@@ -219,8 +219,9 @@ void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
 }
 
 // Sets the starting impulses. The point keeps its impulses and tangents from the last step; the
-// tangents may have rotated since.
-void ReducedContactSolver::startFromLast(HandContact& contact) const {
+// tangents may have rotated since. What a normal against a wall does not keep is replaced by the
+// impulse that the depth implies at rest, so that a wedged hand at rest starts from the solution.
+void ReducedContactSolver::startFromLast(HandContact& contact, double step_s) const {
   const btManifoldPoint& point = *contact.point;
   const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
                         point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
@@ -232,7 +233,11 @@ void ReducedContactSolver::startFromLast(HandContact& contact) const {
     wall = contact.normal_row.angular.x() * joints_.borneByEnd(*joint) < 0.0;
   }
   const double share = settings_.warm_start;
-  contact.normal_row.impulse = (wall ? settings_.wall_warm_start : share) * point.m_appliedImpulse;
+  const double depth_m = std::max(0.0, -contact.distance_m - settings_.penetration_slop_m);
+  const double at_rest = settings_.contact_stiffness_n_m * step_s * depth_m;
+  const double kept = settings_.wall_warm_start;
+  contact.normal_row.impulse = wall ? kept * point.m_appliedImpulse + (1.0 - kept) * at_rest
+                                    : share * point.m_appliedImpulse;
   contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
   contact.tangent2_row.impulse = share * old.dot(contact.tangent2);
   contact.spin_row.impulse = share * point.m_prevRHS;

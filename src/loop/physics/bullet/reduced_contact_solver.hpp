@@ -123,7 +123,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void setUpContact(HandContact& contact, const ColliderTag& tag, const btRigidBody& owner,
                     const btVector3& on_body, const btContactSolverInfo& info);
   void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
-  void startFromLast(HandContact& contact) const;
+  void startFromLast(HandContact& contact, double step_s) const;
   void prepareSweeps();
   /// The joint ends that bear a row's impulse. kPressed: those against which the row presses.
   /// kHeld: those that bore an impulse in the last step, whatever the sign. kFree: none.
