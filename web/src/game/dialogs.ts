@@ -8,12 +8,8 @@ import { FIRST } from '../exercises';
 import type { ExerciseWords, Praise } from '../exercises/exercise';
 import { language, LANGUAGES, text, type Language, type TextKey } from '../shared/i18n';
 import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture } from './pictures';
-import type { Side } from './memory';
+import { TEXT_SIZES, type Side, type TextSize } from './memory';
 import { MUSIC_VOLUMES, type MusicVolume } from './sound';
-
-/** Sizes of the text. Text that must be read during play is always large (game.css). */
-const TEXT_SIZES = ['normal', 'far'] as const;
-export type TextSize = typeof TEXT_SIZES[number];
 
 export interface HelpSection { readonly way: string; readonly name: string; readonly lines: readonly { readonly keys: readonly string[]; readonly does: string }[] }
 

@@ -5,7 +5,6 @@ import type { Connection } from '../net/connection';
 import { HandPart, Help as HelpSet, RunState, type SceneT, type WorldStateT } from '../protocol';
 import { store, stored, text } from '../shared/i18n';
 import { TONES, type ToneName as Tone } from '../hand/tones';
-import type { TextSize } from './dialogs';
 import { Credit } from './credit';
 import { Stars } from './stars';
 import type { PlayContext, Press } from './takeover';
@@ -43,6 +42,10 @@ function ownPart(): boolean {
 }
 
 export type Side = 'right' | 'left';
+
+/** Sizes of the text. Text that must be read during play is always large (game.css). */
+export const TEXT_SIZES = ['normal', 'far'] as const;
+export type TextSize = typeof TEXT_SIZES[number];
 
 /** Names of a hand of either side, where the program has both. */
 function bothSides({ handName, hands, rightHand }: Pick<SceneT, 'handName' | 'hands' | 'rightHand'>): Record<Side, string> | undefined {
