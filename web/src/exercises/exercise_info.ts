@@ -41,3 +41,15 @@ export interface ExerciseReport {
   /** A table of all parts: the person's first, with the share of each. */
   table<Part extends ReportPart>(recorded: RecordedParts<Part>, timeWords: (time_s: number) => string, whoseWords: (part: Part) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
 }
+
+/** What a folder of an exercise says. Each function returns nothing for another exercise. */
+export interface ExerciseTexts {
+  infoOf(scene: SceneT): ExerciseInfo | undefined;
+  /** The title of an exercise file in the page's language. */
+  titleOf?(file: string): string | undefined;
+  /** The text of an event in the page's language. */
+  eventWords?(name: string): string | undefined;
+  /** Signs of its own events, by the events' names. */
+  readonly signs?: Readonly<Record<string, EventSign>>;
+  readonly report: ExerciseReport;
+}

@@ -2,8 +2,9 @@
 
 import type { Group, PerspectiveCamera, SpotLight, Vector3 } from 'three';
 import type { SkinUniforms } from '../hand/skin_shader';
-import type { WorldStateT } from '../protocol';
+import type { SceneT, WorldStateT } from '../protocol';
 import type { CameraPlace } from '../scene/camera';
+import type { Quality } from '../scene/quality';
 import type { Setting } from '../scene/stage';
 import type { Marks } from './exercise';
 
@@ -37,3 +38,6 @@ export interface ExerciseView {
   /** Sets the marks that the page remembers. */
   mark?(marks: Marks): void;
 }
+
+/** The view of a scene's exercise; undefined for another exercise. */
+export type ViewOf = (scene: SceneT, quality: Quality) => ExerciseView | undefined;

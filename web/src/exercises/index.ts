@@ -1,41 +1,34 @@
-// The exercises that have a folder here. Every other exercise is shown by its panel.
+// The exercises that have a folder here; each folder has a game.ts. Every other exercise is shown by its panel.
 import type { SceneT } from '../protocol';
-import { BAR_FILE, barOf } from './cocktail_bar/bar';
-import { BarPlay } from './cocktail_bar/play';
-import { barTargets } from './cocktail_bar/targets';
-import { barWords } from './cocktail_bar/words';
+import { BAR_FILE } from './cocktail_bar/bar';
 import { text } from './cocktail_bar/i18n';
+import { barWords } from './cocktail_bar/words';
 import type { GraspTargets, Play } from './exercise';
-import { GraspPlay } from './free_grasping/play';
-import { thingsOf } from './free_grasping/things';
-import { KitchenPlay } from './kitchen/play';
-import { kitchenTargets } from './kitchen/targets';
-import { taskOf } from './kitchen/task';
+import type { ExerciseGame } from './exercise_game';
 import { ExercisePanel } from './panel';
 import { PanelPlay } from './panel_play';
-import { gripOf } from './squeeze_to_level/grip';
-import { LevelPlay } from './squeeze_to_level/play';
-import { gripTargets } from './squeeze_to_level/targets';
 
+const GAMES = Object.values(import.meta.glob<ExerciseGame>('./*/game.ts', { eager: true, import: 'game' }));
 const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: () => -1, letGo: () => false };
+
+/** The first value that an exercise gives. */
+function firstOf<Value>(of: (game: ExerciseGame) => Value | null | undefined): Value | undefined {
+  for (const game of GAMES) {
+    const value = of(game);
+    if (value) return value;
+  }
+  return undefined;
+}
 
 /** The grasp targets of a scene's exercise. */
 export function targetsOf(scene: SceneT): GraspTargets {
-  const bar = barOf(scene), grip = gripOf(scene), task = taskOf(scene);
-  if (bar) return barTargets(bar, scene);
-  if (task) return kitchenTargets(task, scene);
-  return grip ? gripTargets(grip, scene) : NO_TARGETS;
+  return firstOf((game) => game.targetsOf(scene)) ?? NO_TARGETS;
 }
 
 /** The exercise of a scene in the game; null where nothing can be shown. @param before the play of an earlier scene, which may continue */
 export function playOf(scene: SceneT, before: Play | null): Play | null {
-  const bar = barOf(scene);
-  if (bar) return new BarPlay(bar, scene, before instanceof BarPlay ? before : undefined);
-  const panel = ExercisePanel.of(scene), things = thingsOf(scene), task = taskOf(scene);
-  if (panel && gripOf(scene)) return new LevelPlay(panel, scene);
-  if (panel && things) return new GraspPlay(things, panel);
-  if (panel && task) return new KitchenPlay(task, panel, scene);
-  return panel && new PanelPlay(panel, scene);
+  const panel = ExercisePanel.of(scene) ?? null;
+  return firstOf((game) => game.playOf(scene, panel, before)) ?? (panel && new PanelPlay(panel, scene));
 }
 
 /** The exercise that the game loads if the present one cannot be shown; it is described before a scene has come. */

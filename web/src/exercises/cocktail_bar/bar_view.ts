@@ -6,9 +6,9 @@ import type { SkinUniforms } from '../../hand/skin_shader';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
 import { quaternionToThree, toThree } from '../../scene/frames';
 import type { Quality } from '../../scene/quality';
-import type { Anchors, ExerciseView } from '../exercise_view';
+import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { ExerciseValues } from '../values';
-import { Stage, type Bar } from './bar';
+import { barOf, Stage, type Bar } from './bar';
 import { BubblesView } from './bubbles';
 import { Sign, makeDispenser, type Shell } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
@@ -227,3 +227,8 @@ function place(root: Group, pose: PoseT, lift: number): void {
   quaternionToThree(pose.orientationXyzw, root.quaternion);
   toThree(pose.positionM, root.position).add(new Vector3(0, lift, 0).applyQuaternion(root.quaternion));
 }
+
+export const viewOf: ViewOf = (scene, quality) => {
+  const bar = barOf(scene);
+  return bar && new BarView(bar, scene, quality);
+};

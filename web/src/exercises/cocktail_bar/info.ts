@@ -1,10 +1,11 @@
 import { fixed } from '../../shared/format';
-import type { EventSign, ExerciseInfo } from '../exercise_info';
-import { BAR_FILE, type Bar } from './bar';
+import type { EventSign, ExerciseInfo, ExerciseTexts } from '../exercise_info';
+import { BAR_FILE, barOf, type Bar } from './bar';
 import { nameOf, text, textOf } from './i18n';
+import { barReport } from './report';
 
 /** Signs in the plots for the events that begin and end the pouring. */
-export const BAR_SIGNS: Readonly<Record<string, EventSign>> = {
+const BAR_SIGNS: Readonly<Record<string, EventSign>> = {
   pour_began: { sign: '③', meaning: () => text('phase.pour'), legend: () => text('legend.pour') },
   pour_ended: { sign: '④', meaning: () => text('phase.release'), legend: () => text('legend.release') },
 };
@@ -13,10 +14,10 @@ export const BAR_SIGNS: Readonly<Record<string, EventSign>> = {
 const FREE_FILE = `${BAR_FILE}-free`;
 
 /** The title of the bar's files in the page's language; undefined for another file. */
-export const barTitle = (file: string): string | undefined => (file === BAR_FILE ? text('name') : file === FREE_FILE ? text('nameFree') : undefined);
+const barTitle = (file: string): string | undefined => (file === BAR_FILE ? text('name') : file === FREE_FILE ? text('nameFree') : undefined);
 
 /** Texts of the bar for the console, the replay and reports. */
-export function barInfo(bar: Bar, file: string): ExerciseInfo {
+function barInfo(bar: Bar, file: string): ExerciseInfo {
   const ml = (litres: number | undefined): string => fixed(1000 * (litres ?? 0), 0);
   return {
     progress: (value) => {
@@ -35,3 +36,14 @@ export function barInfo(bar: Bar, file: string): ExerciseInfo {
     },
   };
 }
+
+export const info: ExerciseTexts = {
+  infoOf(scene) {
+    const bar = barOf(scene);
+    return bar && barInfo(bar, String(scene.exerciseName ?? ''));
+  },
+  titleOf: barTitle,
+  eventWords: (name) => textOf(`event.${name}`),
+  signs: BAR_SIGNS,
+  report: barReport,
+};

@@ -9,12 +9,12 @@ import type { Quality } from '../../scene/quality';
 import { Sign } from '../../scene/sign';
 import type { Setting } from '../../scene/stage';
 import type { Marks } from '../exercise';
-import type { Anchors, ExerciseView } from '../exercise_view';
+import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { cabin } from './cabin';
 import { text } from './i18n';
 import { makeThing } from './models';
 import { Stars } from './stars';
-import type { Thing } from './things';
+import { thingsOf, type Thing } from './things';
 
 const SIGN = { wide_m: 0.085, over_m: 0.02 } as const;
 /** Size of the ring around the proposed object [m]. */
@@ -106,3 +106,8 @@ export class CabinView implements ExerciseView {
     this.sign.root.rotation.y = this.window.rotation.y;
   }
 }
+
+export const viewOf: ViewOf = (scene, quality) => {
+  const things = thingsOf(scene);
+  return things && new CabinView(things, scene, quality);
+};

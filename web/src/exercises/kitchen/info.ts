@@ -1,7 +1,7 @@
 // Texts of a kitchen task for console, replay and report, in addition to its panel.
 import { fixed } from '../../shared/format';
 import type { SceneT } from '../../protocol';
-import type { ExerciseInfo, ExerciseReport } from '../exercise_info';
+import type { ExerciseInfo, ExerciseReport, ExerciseTexts } from '../exercise_info';
 import { ExercisePanel } from '../panel';
 import { text } from './i18n';
 import { taskOf, type KitchenTask } from './task';
@@ -9,7 +9,7 @@ import { taskOf, type KitchenTask } from './task';
 const DONE = 'level_done';
 
 /** The present step, the force at the handle and the time. */
-export function kitchenInfo({ steps }: KitchenTask): ExerciseInfo {
+function kitchenInfo({ steps }: KitchenTask): ExerciseInfo {
   return {
     progress: (value) => text('count', { n: Math.min(value('instruction') ?? 0, steps.length), m: steps.length }),
     caption(value) {
@@ -24,7 +24,7 @@ export function kitchenInfo({ steps }: KitchenTask): ExerciseInfo {
 const isKitchen = (scene: SceneT | undefined): boolean => taskOf(scene) !== undefined;
 
 /** A report with a row for each finished task. */
-export const kitchenReport: ExerciseReport = {
+const kitchenReport: ExerciseReport = {
   better: {},
   thing: () => undefined,
   parts: ({ sums, scene }) => (isKitchen(scene) && sums[DONE] ? { key: 'tasks', done: sums[DONE].count, words: text('report.title') } : undefined),
@@ -39,4 +39,12 @@ export const kitchenReport: ExerciseReport = {
         .map((part) => [title, `${part.steps.length} / ${task.steps.length}`, fixed(part.value, 0), timeWords(part.to_s), whoseWords(part)]),
     };
   },
+};
+
+export const info: ExerciseTexts = {
+  infoOf(scene) {
+    const task = taskOf(scene);
+    return task && kitchenInfo(task);
+  },
+  report: kitchenReport,
 };

@@ -6,7 +6,7 @@ import { programFrame, toThree } from '../../scene/frames';
 import { outlineOfHand } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
 import type { Setting } from '../../scene/stage';
-import type { Anchors, ExerciseView } from '../exercise_view';
+import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { applianceOf, type Appliance } from './appliances';
 import { Cues, makeGhost } from './cues';
@@ -14,7 +14,7 @@ import { colorOf, frontOf, makeContents, makePiece, Workshop, type Size } from '
 import { Lamp } from './lamp';
 import { moved, placedOf, pointOf, type Placement } from './joint';
 import { kitchen, makeBase, makeInside, makeRow, makeThings, makeWall, makeWorktop, wallBehind, type Extent } from './room';
-import { askedOf, doneShare, handleOf, hasBar, isOn, jointOf, switchOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
+import { taskOf, askedOf, doneShare, handleOf, hasBar, isOn, jointOf, switchOf, metAt, pointMet, usedBodies, type KitchenTask } from './task';
 
 /** A fixed body of at most this relative thickness is a worktop; the widest one is used. */
 const FLAT = 0.25;
@@ -192,3 +192,8 @@ function unionOf(extents: readonly Extent[]): Extent {
   const over = (pick: (...of: number[]) => number, end: keyof Extent): Size => [0, 1, 2].map((i) => pick(...extents.map((one) => one[end][i]!))) as unknown as Size;
   return { low: over(Math.min, 'low'), high: over(Math.max, 'high') };
 }
+
+export const viewOf: ViewOf = (scene, quality) => {
+  const task = taskOf(scene);
+  return task && new KitchenView(task, scene, quality);
+};

@@ -9,13 +9,13 @@ import type { Quality } from '../../scene/quality';
 import { Sign } from '../../scene/sign';
 import type { Setting } from '../../scene/stage';
 import { Dent, pressingOn } from '../../scene/dent';
-import type { Anchors, ExerciseView } from '../exercise_view';
+import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { BASKET_Y, makeBalloon, makeFlame } from './balloon';
 import { Course, overCounter } from './course';
 import { Fleet } from './fleet';
 import { flightOf } from './flight';
-import type { Grip } from './grip';
+import { gripOf, type Grip } from './grip';
 import { makeHandle } from './handle';
 import { hut, POST_X_M, WINDOW } from './hut';
 import { text } from './i18n';
@@ -134,3 +134,8 @@ export class HutView implements ExerciseView {
     });
   }
 }
+
+export const viewOf: ViewOf = (scene, quality) => {
+  const grip = gripOf(scene);
+  return grip && new HutView(grip, scene, quality);
+};
