@@ -14,8 +14,7 @@ const PLACE = /\b(the|die|der|zur|le|du|au|un) bar\b/i;
 
 /** Files that may contain them, with the reason. */
 const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
-  [/^src\/exercises\/(index|info|exercise_view)\.ts$/, /from '\.\/cocktail_bar\//, 'they join the folders: imports alone'],
-  [/^src\/net\/fake_(program|recordings)\.ts$/, /./, 'the stand-in program, of development and tests, plays the bar'],
+  [/^src\/exercises\/index\.ts$/, /from '\.\/cocktail_bar\//, 'the game loads it first: imports alone'],
   [/^src\/clinic\/i18n\//, /\bpoured_total_l: /, 'results of all exercises, of visits whose exercise is not loaded'],
   [/^src\/clinic\/i18n\//, /'deleted a guest visit': /, 'entries of the log, as the records write them'],
   [/^src\/clinic\/(api|records|gentle_visit|patients_screen)\.ts$/, /\bguest(s|_visits)?\b/, 'a visit without a patient, as the records call it'],

@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection } from '../src/net/connection';
-import { FakeProgram } from '../src/net/fake_program';
+import { FakeProgram } from '../fake/fake_program';
 import { Stage } from '../src/exercises/cocktail_bar/bar';
-import { FakeBar } from '../src/exercises/cocktail_bar/fake_bar';
+import { FakeBar } from '../fake/fake_bar';
 import { Steering } from '../src/protocol';
 
 beforeEach(() => { vi.useFakeTimers(); });

@@ -1,6 +1,6 @@
 // Bodies of a game in a replay: for each row the picture shows the same bodies as the live pages.
 import { describe, expect, it, vi } from 'vitest';
-import { FakeRecordings } from '../src/net/fake_recordings';
+import { FakeRecordings } from '../fake/fake_recordings';
 import { BodyBudgetT, GameBodiesT, GameBodyT, GameShapesT, ShapeT, ShapeType, SlotState } from '../src/protocol';
 import { BodiesHistory } from '../src/replay/bodies_history';
 import { Column } from '../src/replay/column';

@@ -1,7 +1,7 @@
 // The replay's data from the program, by the contract of src/replay/replay_question.hpp.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { quantityWords } from '../src/shared/format';
-import { FakeRecordings, framed } from '../src/net/fake_recordings';
+import { FakeRecordings, framed } from '../fake/fake_recordings';
 import { readAbout } from '../src/replay/about';
 import { BoundedCache } from '../src/replay/bounded_cache';
 import { Loader } from '../src/replay/loader';

@@ -3,7 +3,7 @@ import { describe, expect, it, vi } from 'vitest';
 import { en as consoleEn } from '../src/console/i18n/en';
 import { replayUrl } from '../src/console/recordings';
 import { AxisT } from '../src/protocol';
-import { FakeRecordings } from '../src/net/fake_recordings';
+import { FakeRecordings } from '../fake/fake_recordings';
 import { channelOf, ColumnList } from '../src/replay/channels';
 import { clockTicks, clockTime } from '../src/replay/clock';
 import { de } from '../src/replay/i18n/de';

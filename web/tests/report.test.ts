@@ -2,7 +2,7 @@
 import { deflateSync } from 'node:zlib';
 import { describe, expect, it, vi } from 'vitest';
 import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
-import { FakeRecordings } from '../src/net/fake_recordings';
+import { FakeRecordings } from '../fake/fake_recordings';
 import { ReplaySide } from '../src/replay/side';
 import { asProblem } from '../src/replay/problem';
 import { titleWords } from '../src/console/title_words';

@@ -1,11 +1,11 @@
 // A page with only the scene, for pictures and measurements: "npm run dev", then
 //   /tests/scene_page.html?at=pour&level=3&quality=high&tone=honey&ghost&colliders&plain&check
-// Options of the stand-in program (src/net/fake_program.ts) work too. window.scene is the scene,
+// Options of the stand-in program (fake/fake_program.ts) work too. window.scene is the scene,
 // window.ready counts frames, window.check has the skin's positions on the graphics card.
 
 import type { PerspectiveCamera } from 'three';
 import '../src/shared/tokens.css';
-import { FakeProgram } from '../src/net/fake_program';
+import { FakeProgram } from '../fake/fake_program';
 import type { SceneT, WorldStateT } from '../src/protocol';
 import { DOOR, DRAWER, PUT, kitchenScene, kitchenState } from './kitchen_scene';
 import { checkOnCard } from './scene_gpu_check';

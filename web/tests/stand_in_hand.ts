@@ -1,10 +1,10 @@
 // The pages' stand-in for the bar, aimed like the program's hand: no program is needed.
 import { targetsOf } from '../src/exercises';
-import { AXES, FakeBar } from '../src/exercises/cocktail_bar/fake_bar';
-import { describeBar, fillBar } from '../src/exercises/cocktail_bar/fake_messages';
+import { AXES, FakeBar } from '../fake/fake_bar';
+import { describeBar, fillBar } from '../fake/fake_messages';
 import { Perceiver } from '../src/input/perceiver';
-import { HAND, type Triple } from '../src/net/fake_hand';
-import { pose, vec } from '../src/net/fake_shapes';
+import { HAND, type Triple } from '../fake/fake_hand';
+import { pose, vec } from '../fake/fake_shapes';
 import { AxisT, CapsuleT, SceneT, WorldStateT } from '../src/protocol';
 import type { PlayedHand } from './player';
 import { LOOK_S, type RigSnapshot } from './steered_hand';

@@ -52,7 +52,7 @@ async function connect(role: PageRole): Promise<Connection> {
   const token = takeToken();
   const url = socketUrl(location, import.meta.env.DEV, role, token);
   if (import.meta.env.DEV && new URLSearchParams(location.search).has('fake')) {
-    const { FakeProgram } = await import('./fake_program');
+    const { FakeProgram } = await import('../../fake/fake_program');
     const program = new FakeProgram(new URLSearchParams(location.search));
     return new Connection({ url, token, open: () => program.connect() });
   }

@@ -1,4 +1,4 @@
-/** The used part of a WebSocket; net/fake_program.ts makes another implementation. */
+/** The used part of a WebSocket; fake/fake_program.ts makes another implementation. */
 export interface SocketConnection {
   binaryType: string;
   onopen: ((event: Event) => void) | null;

@@ -39,7 +39,7 @@ function showOpening(): void {
 /** The program's HTTP interface; with ?fake, in development builds, a stand-in within the page. */
 async function answers(): Promise<Fetch | undefined> {
   if (!import.meta.env.DEV || !asked.has('fake')) return undefined;
-  const { FakeRecordings } = await import('../net/fake_recordings');
+  const { FakeRecordings } = await import('../../fake/fake_recordings');
   const fake = new FakeRecordings(asked);
   return (address) => fake.answer(address);
 }

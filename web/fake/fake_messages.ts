@@ -1,7 +1,7 @@
 // The stand-in bar as messages: its parts of a scene and of a state.
-import { BodyT, ContactPointT, type SceneT, type WorldStateT } from '../../protocol';
-import { box, cylinder, pose, vec } from '../../net/fake_shapes';
-import { Stage } from './bar';
+import { BodyT, ContactPointT, type SceneT, type WorldStateT } from '../src/protocol';
+import { box, cylinder, pose, vec } from './fake_shapes';
+import { Stage } from '../src/exercises/cocktail_bar/bar';
 import { GEOMETRY as g, LEVEL_NAMES, SQUEEZE, type FakeBar } from './fake_bar';
 
 export const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'pour_began', 'pour_ended', 'line_reached', 'overfilled', 'spilt',

@@ -1,7 +1,7 @@
 // A simplified bar for drawing and playing without the program: kinematic contact, squeeze bottles, recipe. It is only
 // plausible; the program has the physical model.
-import { capsulesOf, jointsOf, linkPoses, type RigidPose, type Triple, type WorldCapsule } from '../../net/fake_hand';
-import { DRIP_L_S, Stage } from './bar';
+import { capsulesOf, jointsOf, linkPoses, type RigidPose, type Triple, type WorldCapsule } from './fake_hand';
+import { DRIP_L_S, Stage } from '../src/exercises/cocktail_bar/bar';
 
 const DEGREE = Math.PI / 180;
 const LIQUIDS = [

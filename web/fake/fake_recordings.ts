@@ -6,7 +6,7 @@
 //     gone=5        the program is absent for 5 s, from 5 s after the start
 //     title=...     its title; a recording "unknown" does not exist
 import * as flatbuffers from 'flatbuffers';
-import { Message, MessageT, Payload, SCHEMA_VERSION, type GameBodiesT, type SceneT, type WorldStateT } from '../protocol';
+import { Message, MessageT, Payload, SCHEMA_VERSION, type GameBodiesT, type SceneT, type WorldStateT } from '../src/protocol';
 import { FakeProgram } from './fake_program';
 
 const PERIOD_S = 1e-3;

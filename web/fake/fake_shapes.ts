@@ -1,5 +1,5 @@
 // Messages of positions and shapes, for the stand-in program.
-import { PoseT, QuatXyzwT, ShapeT, ShapeType, Vec3T } from '../protocol';
+import { PoseT, QuatXyzwT, ShapeT, ShapeType, Vec3T } from '../src/protocol';
 import type { Quad, Triple } from './fake_hand';
 
 export const vec = (v: Triple): Vec3T => new Vec3T(v[0], v[1], v[2]);

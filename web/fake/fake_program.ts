@@ -9,11 +9,11 @@ import {
   Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, ReleaseReason, LoadExercise, Message, MessageT, Order,
   ParameterGroup, ParameterRangeT, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
   WelcomeT, WorldStateT,
-} from '../protocol';
-import type { SocketConnection } from './socket_connection';
-import { BAR_FILE } from '../exercises/cocktail_bar/bar';
-import { AXES, FakeBar, LEVEL_NAMES } from '../exercises/cocktail_bar/fake_bar';
-import { describeBar, EVENT_NAMES, fillBar, playTo } from '../exercises/cocktail_bar/fake_messages';
+} from '../src/protocol';
+import type { SocketConnection } from '../src/net/socket_connection';
+import { BAR_FILE } from '../src/exercises/cocktail_bar/bar';
+import { AXES, FakeBar, LEVEL_NAMES } from './fake_bar';
+import { describeBar, EVENT_NAMES, fillBar, playTo } from './fake_messages';
 import { HAND, type Triple } from './fake_hand';
 import { pose, vec } from './fake_shapes';
 
