@@ -51,11 +51,13 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       theta_dot(hand_in.joint_count) {
   configure(settings);
   for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
+  bool any_joint = false;
   for (BulletBody& body : bodies) {
     if (body.joint() == nullptr) continue;
     solver.addJoint(body.rigid(), *body.joint());
-    touched_.resize(bodies.size());
+    any_joint = true;
   }
+  if (any_joint) touched_.resize(bodies.size());
   for (int i = 0; i < game.count(); ++i) body_names.push_back("slot " + std::to_string(i));
   for (int i = 0; i < game.firstBody(); ++i) {
     if (!bodies[i].moves()) fixed_.push_back(i);

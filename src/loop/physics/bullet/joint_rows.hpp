@@ -21,6 +21,15 @@ namespace wholehand::bullet {
   return static_cast<const BodyJoint*>(rigid.getUserPointer());
 }
 
+/// False for the solver's body that stands for all fixed ones.
+[[nodiscard]] inline bool moves(const btSolverBody& body) noexcept {
+  return body.m_originalBody != nullptr;
+}
+/// The joint of a body in the solver; null when it has none.
+[[nodiscard]] inline const BodyJoint* jointOf(const btSolverBody& body) noexcept {
+  return moves(body) ? jointOf(*body.m_originalBody) : nullptr;
+}
+
 /// Projects a row on a body onto the q̇ of its joint.
 inline void projectOnJoint(const BodyJoint& joint, btVector3& linear, btVector3& angular) noexcept {
   const BodyJoint::Twist twist = joint.twist();

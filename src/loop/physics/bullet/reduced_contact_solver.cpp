@@ -207,7 +207,7 @@ void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
                                double goal_velocity) const {
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * velocity_[a];
-  const BodyJoint* joint = body.m_originalBody != nullptr ? jointOf(*body.m_originalBody) : nullptr;
+  const BodyJoint* joint = jointOf(body);
   if (joint != nullptr) {
     projectOnJoint(*joint, row.linear, row.angular);
     velocity += row.angular.x() * joint->rate();
