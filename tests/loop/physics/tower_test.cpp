@@ -102,6 +102,16 @@ TEST(Towers, OfAnyMassesNudged_RestAndOnlyLoseEnergy) {
   }
 }
 
+TEST(Towers, OfAnyMassesNudged_StandForAMinute_slow) {
+  auto random = seededRandom(6102);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<double> masses_kg = anyTower(random);
+    const double aside_rad = uniform(random, 0.0, 2.0 * kPi);
+    SCOPED_TRACE(std::to_string(i) + ": " + std::to_string(masses_kg.size()) + " cubes");
+    expectRest(masses_kg, nudge(masses_kg, 1000.0, aside_rad, anyTurn(random), 60.0));
+  }
+}
+
 /// Masses grow by the same ratio from the lowest cube to the highest. docs/adr/0086 compares them.
 TEST(Towers, HeavierUpwards_RestAndOnlyLoseEnergy) {
   struct Tower {
