@@ -77,11 +77,11 @@ std::string takeName(ColumnMap& map, const std::string& text) {
 std::string exampleOfMap(const std::vector<std::string>& names, bool has_time) {
   constexpr std::string_view kAxes = "xyz";
   std::size_t first = 0;
-  const auto isPlace = [&](std::size_t i) {
+  const auto is_place = [&](std::size_t i) {
     return isPosition(names[i], 'x') && isPosition(names[i + 1], 'y') &&
            isPosition(names[i + 2], 'z');
   };
-  while (first + 2 < names.size() && !isPlace(first)) ++first;
+  while (first + 2 < names.size() && !is_place(first)) ++first;
   const bool place = first + 2 < names.size();
   if (!place) first = names.size() - 1;
   std::string line = std::string(kBegin);

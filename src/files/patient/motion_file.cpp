@@ -409,10 +409,10 @@ void Reader::row(std::string_view line) {
   ++rows_;
   std::vector<Cell> values = cells(line);
   // Motion capture leaves out cells at the end of a row, or adds empty ones.
-  const auto isEmpty = [](const Cell& cell) { return cell.text.empty(); };
+  const auto is_empty = [](const Cell& cell) { return cell.text.empty(); };
   if (mocap_.begun() &&
       (values.size() < header_.size() ||
-       std::all_of(values.begin() + static_cast<long>(header_.size()), values.end(), isEmpty))) {
+       std::all_of(values.begin() + static_cast<long>(header_.size()), values.end(), is_empty))) {
     values.resize(header_.size());
   }
   // R writes a quoted row number before each row and no header for it.
