@@ -20,6 +20,7 @@
 #include "station/profiles.hpp"
 #include "support/file_bytes.hpp"
 #include "support/folder.hpp"
+#include "support/mocap_files.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -158,7 +159,9 @@ std::vector<FuzzTarget> fileTargets() {
       profileTarget(),
       passportTarget(),
       fileTarget("csv",
-                 {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
+                 {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096),
+                  std::string("# columns: Wrist Position X = x, up = z\n") + kMotive,
+                  std::string("# columns: RWRI X = x_mm\n") + kNexus},
                  "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
       fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
                  [](const std::string& p) { return faultsOf(loadUrdf(p)); })};

@@ -4,6 +4,7 @@
 #include "files/patient/motion_file.hpp"
 #include "support/contains.hpp"
 #include "support/folder.hpp"
+#include "support/mocap_files.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,30 +15,6 @@
 
 namespace wholehand::test {
 namespace {
-
-const char* const kMotive =
-    "Format Version,1.23,Take Name,reach,Capture Frame Rate,100.000000,Rotation Type,XYZ,"
-    "Length Units,Millimeters,Coordinate Space,Global\n"
-    "\n"
-    ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body\n"
-    ",Name,Wrist,Wrist,Wrist,Wrist,Wrist,Wrist\n"
-    ",ID,1,1,1,1,1,1\n"
-    ",,Rotation,Rotation,Rotation,Position,Position,Position\n"
-    "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n"
-    "0,0.000000,90,0,0,100,200,300\n"
-    "1,0.010000,90,0,0,110,200,300\n"
-    "2,0.020000,90,0,0,120,200,310\n";
-
-const char* const kNexus =
-    "Trajectories\n"
-    "200\n"
-    ",,Left:RWRI,,,Left:RFIN,,\n"
-    "Frame,Sub Frame,X,Y,Z,X,Y,Z\n"
-    ",,mm,mm,mm,mm,mm,mm\n"
-    "100,0,1,2,3,4,5,6\n"
-    "101,0,,,,4,5,6\n"
-    "102,0,2,2,3,4,5,6\n"
-    "103,0,3,2,3,,,\n";
 
 const char* const kTracker =
     "timestamp,hand_type,palm_position_x,palm_position_y,palm_position_z,pinch\n"
