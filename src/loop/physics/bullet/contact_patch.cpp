@@ -25,6 +25,7 @@ constexpr double kAlike = 0.98;      // cosine above which two directions count 
 constexpr double kUpright = 1e-7;    // sine of a cylinder's tilt below which it counts as upright
 constexpr double kTie_m = 1e-7;      // gaps of two faces that differ by less count as equal
 constexpr double kLevel_m = 1e-9;    // a corner must be deeper by this to become the deepest
+constexpr double kEqual = 1e-9;      // relative difference of corners that are equally good
 constexpr double kSame_m = 1e-6;     // corners nearer than this count as one
 constexpr double kLine_m2 = 1e-9;    // twice the area below which a triangle counts as a line
 constexpr double kCoreGap_m = 1e-7;  // points nearer than this give no direction
@@ -44,6 +45,12 @@ constexpr int kMostCorners = 64;
 struct Corner {
   double u, v, height_m;
 };
+
+/// Squared distance from the world's origin. It decides among equal corners, so that a mirrored
+/// world has the mirrored points in the same order.
+double awayFromOrigin(const Corner& at) {
+  return at.u * at.u + at.v * at.v + at.height_m * at.height_m;
+}
 
 /// A convex polygon (counter-clockwise), an edge, or a point.
 struct Outline {
@@ -479,11 +486,12 @@ Chosen spreadFrom(int first, const Outline& of) {
   Chosen chosen{first, -1, -1, -1};
   const auto choose = [&](int place, const auto& worth) {
     double best = 1e-15;
+    for (int i = 0; i < of.count; ++i) best = std::max(best, worth(of.corners[i]));
     for (int i = 0; i < of.count; ++i) {
-      const double is = worth(of.corners[i]);
-      if (is <= best) continue;
-      best = is;
-      chosen[place] = i;
+      const Corner& at = of.corners[i];
+      int& found = chosen[place];
+      if (best == 1e-15 || worth(at) < (1.0 - kEqual) * best) continue;
+      if (found < 0 || awayFromOrigin(at) < awayFromOrigin(of.corners[found])) found = i;
     }
     return chosen[place];
   };
@@ -525,14 +533,19 @@ Chosen nearestEdge(const Outline& of, const Corner& at) {
   };
   double longest_m = 0.0;
   for (int i = 0; i < of.count; ++i) longest_m = std::max(longest_m, length(i));
-  int first = 0;
+  const auto away = [&](int a, int b) {
+    return awayFromOrigin(of.corners[a]) + awayFromOrigin(of.corners[b]);
+  };
+  const auto distance = [&](int i) {
+    if (length(i) < kShort * longest_m) return 1e30;  // its two corners nearly coincide
+    return within(of.corners[i], of.corners[index(i, 1)], at);
+  };
   double least_m = 1e30;
+  for (int i = 0; i < of.count; ++i) least_m = std::min(least_m, distance(i));
+  int first = -1;
   for (int i = 0; i < of.count; ++i) {
-    if (length(i) < kShort * longest_m) continue;  // its two corners nearly coincide
-    const double is_m = within(of.corners[i], of.corners[index(i, 1)], at);
-    if (is_m >= least_m - kNearer_m) continue;
-    least_m = is_m;
-    first = i;
+    if (distance(i) > least_m + kNearer_m) continue;
+    if (first < 0 || away(i, index(i, 1)) < away(first, index(first, 1))) first = i;
   }
   Chosen chosen{};
   double most_m2 = -1.0;
@@ -541,12 +554,21 @@ Chosen nearestEdge(const Outline& of, const Corner& at) {
     for (int j = i + 1; j < of.count; ++j) {
       const int c = index(first, i), d = index(first, j);
       const double is_m2 = turnOf(a, b, of.corners[c]) + turnOf(a, of.corners[c], of.corners[d]);
-      if (is_m2 <= most_m2 + kLine_m2) continue;
+      const bool equal = most_m2 >= 0.0 && std::abs(is_m2 - most_m2) <= kLine_m2;
+      if (equal ? away(c, d) >= away(chosen[2], chosen[3]) : is_m2 <= most_m2) continue;
       most_m2 = is_m2;
       chosen = {first, index(first, 1), c, d};
     }
   }
   return chosen;
+}
+
+/// Sorts points as awayFromOrigin() does.
+void sortPoints(ContactPatch& patch) {
+  std::sort(patch.points.begin(), patch.points.begin() + patch.count,
+            [](const ContactPatch::Point& a, const ContactPatch::Point& b) {
+              return a.on_b.length2() < b.on_b.length2();
+            });
 }
 
 /// Finds the patch of two shapes along a normal. @param before points of the last step; null: none
@@ -560,16 +582,13 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
                          : of_a.count > 2 ? clip(of_b, of_a)
                                           : commonOf(of_a, of_b);
   const Ground ground_a(of_a), ground_b(of_b);
-  // The corners at which the gap is small enough, and the deepest of them.
+  // The corners at which the gap is small enough.
   Outline touching;
   std::array<double, 2 * kMostCorners> gaps;
-  gaps[0] = 1e30;
-  int deepest = 0;
   for (int i = 0; i < common.count; ++i) {
     const Corner& at = common.corners[i];
     const double gap_m = ground_a.height(at) - ground_b.height(at);
     if (gap_m > reach_m) continue;
-    if (gap_m < gaps[deepest] - kLevel_m) deepest = touching.count;
     gaps[touching.count] = gap_m;
     touching.add(at);
   }
@@ -581,7 +600,17 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
   };
   if (touching.count <= ContactPatch::kMost) {
     for (int i = 0; i < touching.count; ++i) add(i);
+    sortPoints(patch);
     return patch;
+  }
+  const double least_m = *std::min_element(gaps.begin(), gaps.begin() + touching.count);
+  int deepest = -1;
+  for (int i = 0; i < touching.count; ++i) {
+    if (gaps[i] > least_m + kLevel_m) continue;
+    if (deepest < 0 ||
+        awayFromOrigin(touching.corners[i]) < awayFromOrigin(touching.corners[deepest])) {
+      deepest = i;
+    }
   }
   // A body tips about an edge of its support, never about a line inside it. If it pressed near an
   // edge, both corners of that edge are kept.
@@ -591,6 +620,7 @@ ContactPatch patchAlong(const Convex& a, const Convex& b, const btVector3& norma
   for (const int i : chosen) {
     if (i >= 0) add(i);
   }
+  sortPoints(patch);
   return patch;
 }
 
