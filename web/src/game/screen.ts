@@ -45,6 +45,8 @@ export class Screen {
     this.cameraView = new CameraView({ again: () => presses.cameraAgain(), otherWay: () => presses.otherWay() });
     this.cards = new Cards(root, play, this.hud, this.cameraView, behind, { rest: () => this.rest(), tone: (wanted) => this.picture?.setLook({ tone: wanted }) });
     root.append(this.cameraView.mirror);
+    // Browsers show a pad only once it was pressed, mostly after the page was loaded.
+    for (const change of ['gamepadconnected', 'gamepaddisconnected']) addEventListener(change, () => { this.shown = ''; });
     answerPresses(document);
     this.hud.words();
     document.documentElement.dataset.text = behind.memory.textSize;

@@ -7,7 +7,7 @@ import { GOES_ON } from './checks.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
-const HANDS = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..', 'config', 'hands');
+export const HANDS = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..', 'config', 'hands');
 /** Time limit of a first drink with full help [s]; less than 1 ml is spilt. */
 const DRINK_S = 30;
 const NOTHING_L = 0.0005;

@@ -1,6 +1,8 @@
 // Kitchen tasks on both pages, with a program whose virtual patient plays them.
+import { join } from 'node:path';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
 import { GOES_ON, openGame } from './checks.mjs';
+import { HANDS } from './drink_checks.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
@@ -46,13 +48,14 @@ async function nothingCoversTheCard(page) {
   }
 }
 
-/** A newcomer with a mouse does the first task by the screen's text: it asks for one press. No picture is needed. */
+/** A newcomer with a mouse and the left hand does the first task by the screen's text: it asks for one press. No picture is needed. */
 export async function newcomerDoesTheFirstTask(t) {
-  const { url } = await startProgram({ ...t, args: ['--wait', '--exercise', 'drawer'] });
+  const { url } = await startProgram({ ...t, args: ['--wait', '--exercise', 'drawer', '--hand', join(HANDS, 'adult-median-left.toml')] });
   const watcher = await openWatcher(t.plain, url, { role: 'watcher' });
   const game = await openGame(t.plain, url, {}, { init: GOES_ON, hasTouch: false });
   await watcher.rendering();
-  const { tick: began } = await watcher.now();
+  const { tick: began, rightHand } = await watcher.now();
+  expect(!rightHand, 'it is a right hand');
   let presses = 0, pressed_ms = -Infinity;
   await watcher.until('the task done', async ({ tick, values }) => {
     if (values.done === 1) return true;
