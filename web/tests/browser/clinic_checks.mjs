@@ -13,21 +13,26 @@ const LANGUAGES = ['fr', 'de', 'en'];
 
 export const id = (name) => `[data-testid="${name}"]`;
 
-/** Presses and fills, and counts both. */
+/** What a screen reader calls a control that is pressed or filled: a role that can be, and a name. */
+const NAMED = /^- (button|link|textbox|radio|checkbox|slider|spinbutton|combobox|summary) "[^"]*\p{L}/u;
+
+/** Presses and fills, and counts both. Each control has a role and a name. */
 export class Hands {
   count = 0;
   constructor(page) { this.page = page; }
-  async press(name) {
-    await this.page.click(`${id(name)}:not([disabled])`);
-    this.count += 1;
-  }
+  async press(name) { await this.choose(`${id(name)}:not([disabled])`); }
   async choose(selector) {
-    await this.page.click(selector);
+    await (await this.#named(selector)).click();
     this.count += 1;
   }
   async fill(name, words) {
-    await this.page.fill(id(name), words);
+    await (await this.#named(id(name))).fill(words);
     this.count += 1;
+  }
+  async #named(selector) {
+    const control = this.page.locator(selector).first(), called = await control.ariaSnapshot();
+    expect(NAMED.test(called), `a screen reader calls ${selector} "${called}"`);
+    return control;
   }
 }
 
