@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace wholehand {
@@ -245,6 +246,30 @@ void mirror(SceneModel& scene) {
     // The axis of a hinge is a pseudovector: a reflection also reverses the sense of rotation.
     joint.axis = joint.isHinge() ? Vector3d(-(reflect * joint.axis)) : reflect * joint.axis;
   }
+}
+
+std::vector<std::vector<int>> jointChains(const std::vector<SceneBody>& bodies) {
+  // The first body of each body's chain: disjoint sets.
+  std::vector<int> first(bodies.size());
+  std::iota(first.begin(), first.end(), 0);
+  const auto root = [&](int body) {
+    while (first[body] != body) body = first[body];
+    return body;
+  };
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies[i].joint) continue;
+    for (const int other : {bodies[i].joint->parent, bodies[i].joint->follows}) {
+      if (other < 0) continue;
+      const int a = root(static_cast<int>(i)), b = root(other);
+      first[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<std::vector<int>> members(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    members[root(static_cast<int>(i))].push_back(static_cast<int>(i));
+  }
+  std::erase_if(members, [](const std::vector<int>& of) { return of.size() < 2; });
+  return members;
 }
 
 Pose poseOn(const SceneJoint& joint, const Pose& start, double q) noexcept {

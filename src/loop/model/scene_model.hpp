@@ -39,11 +39,15 @@ struct SceneJoint {
   double latch_energy_j = 0.0;    ///< U₀: energy from the bottom of a detent to the top beside it
   double latch_wave = 0.0;        ///< n: periods of the latch's potential per 2π of q [1/rad; 1/m]
   double latch_at = 0.0;          ///< q at the bottom of a detent [rad; m]
+  int parent = -1;                ///< body on another joint that carries this one; -1: the world
+  int follows = -1;  ///< body whose joint this one follows: its q is ratio · the other q; -1: none
+  double ratio = 1.0;  ///< [this unit / unit of the other]
 
   [[nodiscard]] bool isHinge() const { return type == Type::kHinge; }
 };
 
-/// Pose of a body frame at q. @param start pose at q = 0. Real-time safe.
+/// Pose of a body frame at q, of a body that nothing else carries. @param start pose at q = 0.
+/// Real-time safe.
 [[nodiscard]] WHOLEHAND_RT Pose poseOn(const SceneJoint& joint, const Pose& start,
                                        double q) noexcept;
 /// The q within the joint's range at which the body frame is nearest to a pose; for a hinge without
@@ -82,8 +86,9 @@ struct SceneBody {
   double mass_kg = 0.0;                                     ///< > 0 unless fixed
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< body frame
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the com, body axes
-  Pose pose;                          ///< initial pose of the body frame in the world
-  std::vector<Shape> shapes;          ///< at least one
+  Pose pose;  ///< initial pose of the body frame in the world
+  /// At least one, except of a link without a collider that moves others.
+  std::vector<Shape> shapes;
   double friction = 0.8;              ///< Coulomb coefficient against the hand
   double linear_damping_per_s = 0.0;  ///< fraction of velocity lost per second, 0 .. 1
   /// Depth by which fingers and thumb sink into the side before they reach a rigid core, without
@@ -101,6 +106,10 @@ struct SceneBody {
     return (joint && (other.fixed || other.joint)) || (fixed && other.joint);
   }
 };
+
+/// Bodies whose joints move each other: a joint on a body that moves on a joint, or one that
+/// follows another. Each list ascends; bodies whose joint stands alone are in none.
+[[nodiscard]] std::vector<std::vector<int>> jointChains(const std::vector<SceneBody>& bodies);
 
 /// Limits for the bodies that a game may put into the running world (loop/core/body_order.hpp).
 struct GameBudget {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace wholehand::test {
 
@@ -21,9 +22,12 @@ struct PowerGrasp {
 
   PowerGrasp(double effort_tip_n, const SceneBody& thing,
              const std::function<AxisPosition(int)>& script)
+      : PowerGrasp(effort_tip_n, std::vector<SceneBody>{thing}, script) {}
+  PowerGrasp(double effort_tip_n, const std::vector<SceneBody>& things,
+             const std::function<AxisPosition(int)>& script)
       : tip_n(effort_tip_n) {
     Models m = load(shippedFiles());
-    m.scene.bodies = {thing};
+    m.scene.bodies = things;
     q_m[1] = -0.1;
     q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
     rig = buildScripted(std::move(m), script);

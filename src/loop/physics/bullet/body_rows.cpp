@@ -96,14 +96,14 @@ struct FourVectors {
 }
 
 /// Projects rows on bodies onto the bodies' joints. @param sign of the rows' direction
-void projectOnJoints(const std::array<const BodyJoint*, 4>& joints, const FourVectors& along,
+void projectOnJoints(const std::array<const SolverJoint*, 4>& joints, const FourVectors& along,
                      double sign, FourVectors& about) {
   for (int i = 0; i < 4; ++i) {
     if (joints[i] == nullptr) continue;
     btVector3 linear = sign * btVector3(along.x[i], along.y[i], along.z[i]);
     btVector3 angular(about.x[i], about.y[i], about.z[i]);
     projectOnJoint(*joints[i], linear, angular);
-    about.x[i] = angular.x(), about.y[i] = about.z[i] = 0.0;
+    about.x[i] = angular.x(), about.y[i] = angular.y(), about.z[i] = angular.z();
   }
 }
 
@@ -112,9 +112,10 @@ void takeState(const btSolverBody& body, std::array<double, 4>& linear,
   linear = angular = {};
   mobility = {};
   if (!moves(body)) return;
-  if (const BodyJoint* joint = jointOf(body)) {
-    angular[0] = joint->rate();
-    mobility[0][0] = joint->yield();
+  if (const SolverJoint* on = jointOf(body)) {
+    copyVector(ratesOf(*on), angular);
+    const Mobility of = mobilityOf(*body.m_originalBody);
+    for (int r = 0; r < 3; ++r) copyVector(of.angular[r], mobility[r]);
     return;
   }
   copyVector(body.m_linearVelocity + body.m_externalForceImpulse, linear);
@@ -358,21 +359,32 @@ WHOLEHAND_VECTOR_CLONES void BodyRows::lay(const std::vector<Group*>& groups) no
   for (Group* group : groups) lay(*group);
 }
 
-void BodyRows::put(Group& group, int place, int a, int b, const Bodies& bodies) noexcept {
+void BodyRows::put(Group& group, int place, int a, int b, const btRigidBody* rigid_a,
+                   const btRigidBody* rigid_b) noexcept {
   group.a[place] = &motions_[a], group.b[place] = &motions_[b];
   group.before_a[place] = &states_[a], group.before_b[place] = &states_[b];
-  group.joint_a[place] = jointOf(bodies[a]), group.joint_b[place] = jointOf(bodies[b]);
-  const auto inverse_mass = [](const btSolverBody& body, const BodyJoint* joint) {
-    return moves(body) && joint == nullptr ? body.m_originalBody->getInvMass() : 0.0;
+  const auto on = [](const btRigidBody* rigid) {
+    return rigid != nullptr ? jointOf(*rigid) : nullptr;
   };
-  group.inverse_mass_a[place] = inverse_mass(bodies[a], group.joint_a[place]);
-  group.inverse_mass_b[place] = inverse_mass(bodies[b], group.joint_b[place]);
+  group.joint_a[place] = on(rigid_a), group.joint_b[place] = on(rigid_b);
+  const auto inverse_mass = [](const btRigidBody* rigid, const SolverJoint* joint) {
+    return rigid != nullptr && joint == nullptr ? rigid->getInvMass() : 0.0;
+  };
+  group.inverse_mass_a[place] = inverse_mass(rigid_a, group.joint_a[place]);
+  group.inverse_mass_b[place] = inverse_mass(rigid_b, group.joint_b[place]);
   if (group.joint_a[place] != nullptr || group.joint_b[place] != nullptr) group.has_joint = true;
 }
 
 void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGoals& goals,
                    const Bodies& bodies, const std::vector<bool>& touched) noexcept {
-  const btRigidBody *rigid_a = bodies[a].m_originalBody, *rigid_b = bodies[b].m_originalBody;
+  // Of a tree of joints, the rigid body is the link that touches; `a` and `b` are the whole tree.
+  const auto mover = [&](int body, const btCollisionObject* object) -> const btRigidBody* {
+    const SolverJoint* on = jointOf(bodies[body]);
+    const bool of_tree = on != nullptr && on->chain != nullptr;
+    return of_tree ? tagOf(object)->rigid : bodies[body].m_originalBody;
+  };
+  const btRigidBody* rigid_a = mover(a, manifold.getBody0());
+  const btRigidBody* rigid_b = mover(b, manifold.getBody1());
   if (rigid_a == nullptr && rigid_b == nullptr) return;
   const auto write = [](const btVector3& from, EachVector& to, int place) {
     for (int k = 0; k < 3; ++k) to[k][place] = from[k];
@@ -386,7 +398,7 @@ void BodyRows::add(btPersistentManifold& manifold, int a, int b, const ContactGo
     depth_[a] = depth_[b] = depth + 1;
     Group& group = groupFor(2 * depth + (touched[a] || touched[b] ? 0 : 1));
     const int place = group.used++;
-    put(group, place, a, b, bodies);
+    put(group, place, a, b, rigid_a, rigid_b);
     group.point[place] = &point;
     group.friction[place] = point.m_combinedFriction;
     // Arms from the bodies' centres to the contact.

@@ -10,13 +10,10 @@
 #include <array>
 #include <vector>
 
-namespace wholehand {
-class BodyJoint;  // loop/physics/body_joint.hpp
-}
-
 namespace wholehand::bullet {
 
-class JointRows;  // loop/physics/bullet/joint_rows.hpp
+class JointRows;     // loop/physics/bullet/joint_rows.hpp
+struct SolverJoint;  // loop/physics/bullet/joint_rows.hpp
 
 /// Goals of the contacts between bodies in one step.
 struct ContactGoals {
@@ -109,7 +106,7 @@ class BodyRows {
     Each goal;                ///< goal velocity along the normal
     std::array<Motion*, kWide> a, b;
     std::array<const State*, kWide> before_a, before_b;
-    std::array<const BodyJoint*, kWide> joint_a, joint_b;  ///< null: the body has no joint
+    std::array<const SolverJoint*, kWide> joint_a, joint_b;  ///< null: the body has no joint
     std::array<btManifoldPoint*, kWide> point;
     bool has_joint = false;
     int run = 0;
@@ -148,7 +145,8 @@ class BodyRows {
 
   [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
-  void put(Group& group, int place, int a, int b, const Bodies& bodies) noexcept;
+  void put(Group& group, int place, int a, int b, const btRigidBody* rigid_a,
+           const btRigidBody* rigid_b) noexcept;
   static void lay(const std::vector<Group*>& groups) noexcept;
   [[gnu::always_inline]] static inline void lay(Group& group);
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);

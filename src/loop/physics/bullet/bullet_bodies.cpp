@@ -23,7 +23,7 @@ constexpr double kLongestStep_s = 1e-2;
 }  // namespace
 
 BulletBody::BulletBody(const SceneBody& body, int index, double reach_m)
-    : no_shape_(new btEmptyShape), index_(index), reach_m_(reach_m) {
+    : no_shape_(new btEmptyShape), index_(index), lead_(index), reach_m_(reach_m) {
   btVector3 moments(0, 0, 0);
   from_body_ = principalFrame(body, moments);
   start_ = toBt(body.pose * from_body_);
@@ -69,6 +69,7 @@ BulletBody::BulletBody(int index, int pieces, double reach_m)
     : start_(btTransform::getIdentity()),
       no_shape_(new btEmptyShape),
       index_(index),
+      lead_(index),
       reach_m_(reach_m) {
   rigid_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, no_shape_.get(), btVector3(0, 0, 0)));
@@ -142,7 +143,7 @@ void BulletBody::placeColliders(double ahead_s) noexcept {
 }
 
 bool BulletBody::place(const BodyPlacement& placement) noexcept {
-  if (!isPose(placement)) return false;
+  if (!isPose(placement) || chain_ != nullptr) return false;
   btTransform at = placedAt(placement, from_body_);
   if (joint_) {
     joint_->put(joint_->nearest(toPose(at) * from_body_.inverse()), 0.0);
@@ -184,8 +185,25 @@ void BulletBody::finishJoint(double step_s) noexcept {
   moveWithJoint();
 }
 
+void BulletBody::joinChain(JointChain& chain, int link, int lead) {
+  joint_.reset();
+  chain_ = &chain;
+  link_ = link;
+  lead_ = lead;
+}
+
+void BulletBody::moveWithChain() noexcept {
+  rigid_->setLinearVelocity(toBt(chain_->velocity(link_)));
+  rigid_->setAngularVelocity(toBt(chain_->spin(link_)));
+}
+
+void BulletBody::placeOnChain() noexcept {
+  rigid_->proceedToTransform(toBt(chain_->pose(link_) * from_body_));
+}
+
 void BulletBody::stand() noexcept {
   const btVector3 none(0, 0, 0);
+  if (chain_ != nullptr) chain_->put(chain_->position(), Eigen::Vector3d::Zero());
   if (joint_) joint_->put(joint_->position(), 0.0);
   rigid_->setLinearVelocity(none);
   rigid_->setAngularVelocity(none);
@@ -195,6 +213,7 @@ void BulletBody::stand() noexcept {
 
 void BulletBody::putAtStart() noexcept {
   if (joint_) joint_->put(0.0, 0.0);
+  if (chain_ != nullptr) chain_->put(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
   put(start_, btVector3(0, 0, 0));
 }
 

@@ -7,6 +7,7 @@
 #include "loop/physics/bullet/box_sweep.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 #include "loop/physics/bullet/shape_sets.hpp"
+#include "loop/physics/joint_chain.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -31,6 +32,19 @@ class BulletBody {
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
   /// The joint on which the body moves; null: it is free, or fixed.
   [[nodiscard]] BodyJoint* joint() { return joint_ ? &*joint_ : nullptr; }
+  /// Makes the body a link of a tree of joints. @param lead index in the scene of the tree's first
+  /// link
+  void joinChain(JointChain& chain, int link, int lead);
+  /// The tree of joints that moves the body; null: none.
+  [[nodiscard]] JointChain* chain() { return chain_; }
+  /// True for a link of a tree other than its first one, which stands for it in the solver.
+  [[nodiscard]] bool isLed() const noexcept { return link_ > 0; }
+  /// A body that rests and wakes with this one: the first link of its tree, or itself.
+  [[nodiscard]] int restsWith() const noexcept { return lead_; }
+  /// Sets the velocities of a link from the rates of its tree. Real-time safe.
+  void moveWithChain() noexcept;
+  /// Places a link where its tree is. Real-time safe.
+  void placeOnChain() noexcept;
   /// Sets the velocities of a body on a joint from its q̇. Real-time safe.
   void moveWithJoint() noexcept;
   /// Ends a step of a body on a joint. Real-time safe.
@@ -70,7 +84,8 @@ class BulletBody {
   void placeColliders(double ahead_s) noexcept;
   /// Places the body for an exercise; stops its rotation. A fixed body has the given velocity in
   /// the next step only. An invalid placement is ignored. Returns true when the body was moved
-  /// farther than it could slide while keeping its contacts. Real-time safe.
+  /// farther than it could slide while keeping its contacts. A link of a tree of joints is not
+  /// placed: its place follows from the whole tree. Real-time safe.
   bool place(const BodyPlacement& placement) noexcept;
   /// Call before every step: a fixed body that was not placed since the last step gets zero
   /// velocity. Real-time safe.
@@ -92,7 +107,10 @@ class BulletBody {
   std::unique_ptr<btCollisionShape> no_shape_;
   std::unique_ptr<btRigidBody> rigid_;
   std::optional<BodyJoint> joint_;
+  JointChain* chain_ = nullptr;
+  int link_ = -1;  ///< of the tree
   int index_;
+  int lead_;  ///< index of the tree's first link, or index_
   double reach_m_;
   bool placed_ = false;
   std::vector<std::unique_ptr<Collider>> colliders_;  ///< addresses must stay: Bullet points to the

@@ -44,6 +44,7 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       hand(hand_in, scene.hand_friction),
       bodies(makeBodies(scene)),
       resting(bodies, scene.gravity_m_s2.norm(), settings.lets_rest),
+      chains(scene, bodies),
       pairs(dispatcher, hand, bodies, resting, contactThreshold()),
       game(scene, bodies, resting, pairs, solver, dispatcher),
       q_s(hand_in.axis_count),
@@ -57,7 +58,8 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
     solver.addJoint(body.rigid(), *body.joint());
     any_joint = true;
   }
-  if (any_joint) touched_.resize(bodies.size());
+  chains.addTo(solver);
+  if (any_joint || chains.any()) touched_.resize(bodies.size());
   for (int i = 0; i < game.count(); ++i) body_names.push_back("slot " + std::to_string(i));
   for (int i = 0; i < game.firstBody(); ++i) {
     if (!bodies[i].moves()) fixed_.push_back(i);
@@ -151,7 +153,7 @@ void BulletEngine::listMoving() noexcept {
   for (const int body : resting.awakeBodies()) {
     if (game.isGhost(body)) continue;
     moving_.push_back(&bodies[body]);
-    moving_objects_.push_back(&bodies[body].rigid());
+    if (!bodies[body].isLed()) moving_objects_.push_back(&bodies[body].rigid());
   }
   // Contacts of the hand or of an awake body, without ghosts.
   manifolds_.clear();
@@ -224,9 +226,11 @@ void BulletEngine::moveBodies(double step_s) noexcept {
       body->moveWithJoint();
       continue;
     }
+    if (body->chain() != nullptr) continue;
     rigid.applyGravity();
     rigid.applyDamping(step_s);
   }
+  chains.predict(resting, touched_, step_s);
   solver_info_.m_timeStep = step_s;
   // Solves the whole world in one call, because the hand's reduced velocities are one set of
   // unknowns.
@@ -238,9 +242,11 @@ void BulletEngine::moveBodies(double step_s) noexcept {
       body->finishJoint(step_s);
       continue;
     }
+    if (body->chain() != nullptr) continue;
     moveFree(body->rigid(), step_s);
     body->rigid().clearForces();
   }
+  chains.finish(resting, step_s);
   for (const int body : resting.awakeBodies()) bodies[body].placeColliders(step_s);
 }
 

@@ -4,6 +4,7 @@
 #include "loop/dynamics/synergy.hpp"
 #include "loop/model/scene_model.hpp"
 #include "loop/physics/bullet/bullet_bodies.hpp"
+#include "loop/physics/bullet/bullet_chains.hpp"
 #include "loop/physics/bullet/bullet_hand.hpp"
 #include "loop/physics/bullet/collider_pairs.hpp"
 #include "loop/physics/bullet/game_bodies.hpp"
@@ -59,6 +60,7 @@ struct BulletEngine {
   BulletHand hand;
   std::vector<BulletBody> bodies;
   RestingBodies resting;
+  BulletChains chains;
   ColliderPairs pairs;
   GameBodies game;   ///< manages the last bodies of `bodies`
   AxisPosition q_s;  ///< position last set by setHand()

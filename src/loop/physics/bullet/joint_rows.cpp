@@ -11,8 +11,16 @@ constexpr double kRounding = 1e-12;  // smaller relative changes of an impulse a
 }  // namespace
 
 void JointRows::add(btRigidBody& rigid, BodyJoint& joint) {
-  rigid.setUserPointer(&joint);
+  rigid.setUserPointer(&on_.emplace_back(SolverJoint{&joint, nullptr, -1, &rigid}));
   rows_.push_back({&rigid, &joint});
+}
+
+void JointRows::add(const std::vector<btRigidBody*>& links, JointChain& chain) {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    links[i]->setUserPointer(
+        &on_.emplace_back(SolverJoint{nullptr, &chain, static_cast<int>(i), links.front()}));
+  }
+  chains_.add(*links.front(), chain);
 }
 
 void JointRows::begin(std::vector<bool>& touched) noexcept {
@@ -25,6 +33,7 @@ void JointRows::begin(std::vector<bool>& touched) noexcept {
     row.friction = std::clamp(row.friction, -most, most);
     if (row.body >= 0) touched[row.body] = true;
   }
+  chains_.begin(touched);
 }
 
 // The joint has one unknown, q̇: friction acts first, as far as it stops the joint; then an end
@@ -47,7 +56,7 @@ double JointRows::solve(Bodies& bodies) noexcept {
     const double changed = std::abs(row.friction + row.end - before);
     if (changed > kRounding * std::abs(before)) largest = std::max(largest, changed);
   }
-  return largest;
+  return std::max(largest, chains_.solve(bodies));
 }
 
 bool JointRows::addTo(ConeNewton& newton, int body, int unknown) noexcept {
@@ -70,10 +79,11 @@ bool JointRows::addTo(ConeNewton& newton, int body, int unknown) noexcept {
            give(newton.add(1, 0.0, 0.0), -root, joint.rate() - joint.mostRate(),
                 std::max(0.0, -row.end));
   }
-  return true;
+  return chains_.addTo(newton, body, unknown);
 }
 
 void JointRows::takeFrom(const ConeNewton& newton) noexcept {
+  chains_.takeFrom(newton);
   for (Row& row : rows_) {
     if (row.first < 0) continue;
     row.friction = newton.row(row.first).impulse;
@@ -100,10 +110,11 @@ bool JointRows::addTo(IslandNewton& newton, int body, int slot) noexcept {
            give(0, 1.0, joint.leastRate() - joint.rate(), std::max(0.0, row.end)) &&
            give(0, -1.0, joint.rate() - joint.mostRate(), std::max(0.0, -row.end));
   }
-  return true;
+  return chains_.addTo(newton, body, slot);
 }
 
 void JointRows::takeFrom(const IslandNewton& newton, int body) noexcept {
+  chains_.takeFrom(newton, body);
   for (Row& row : rows_) {
     if (row.body != body) continue;
     row.solved = true;
@@ -113,15 +124,17 @@ void JointRows::takeFrom(const IslandNewton& newton, int body) noexcept {
   }
 }
 
-double JointRows::borneByEnd(const BodyJoint& joint) const noexcept {
+bool JointRows::endBears(const SolverJoint& on, const btVector3& along) const noexcept {
+  if (on.chain != nullptr) return chains_.endBears(*on.chain, along);
   for (const Row& row : rows_) {
-    if (row.joint == &joint) return row.end;
+    if (row.joint == on.joint) return along.x() * row.end < 0.0;
   }
-  return 0.0;
+  return false;
 }
 
 void JointRows::release() noexcept {
   for (Row& row : rows_) row.first = -1;
+  chains_.release();
 }
 
 }  // namespace wholehand::bullet

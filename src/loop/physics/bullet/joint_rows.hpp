@@ -2,39 +2,72 @@
 
 #include "loop/physics/body_joint.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/chain_rows.hpp"
 #include "loop/physics/bullet/cone_newton.hpp"
 #include "loop/physics/bullet/island_newton.hpp"
+#include "loop/physics/joint_chain.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <deque>
 #include <vector>
 
-/// Bodies on a joint in the solver. Such a body has a single velocity, q̇. The solver stores the
-/// change of q̇ as the x of the body's change of angular velocity and nothing else. A row that acts
-/// on the body by (linear, angular) acts on q̇ by j = linear · v_a + angular · ω_a, with v_a and
-/// ω_a the twist of the joint.
+/// Bodies on joints in the solver. A body on one joint has a single velocity, q̇. The solver stores
+/// the change of q̇ as the x of the body's change of angular velocity and nothing else. A row that
+/// acts on the body by (linear, angular) acts on q̇ by j = linear · v_a + angular · ω_a, with v_a
+/// and ω_a the twist of the joint. A tree of joints (JointChain) is one body of the solver, with up
+/// to three such velocities; a row on any of its links acts on them.
 namespace wholehand::bullet {
 
-/// The joint of a rigid body; null when the body is free.
-[[nodiscard]] inline const BodyJoint* jointOf(const btRigidBody& rigid) noexcept {
-  return static_cast<const BodyJoint*>(rigid.getUserPointer());
+/// The coordinates on which a rigid body moves: that of its joint, or those of a tree.
+struct SolverJoint {
+  const BodyJoint* joint = nullptr;   ///< null: the body is a link of a tree
+  const JointChain* chain = nullptr;  ///< the tree; null: the body has one joint
+  int link = -1;                      ///< of the tree
+  btRigidBody* lead = nullptr;        ///< its body of the solver has the coordinates
+};
+
+/// The coordinates of a rigid body; null when the body is free.
+[[nodiscard]] inline const SolverJoint* jointOf(const btRigidBody& rigid) noexcept {
+  return static_cast<const SolverJoint*>(rigid.getUserPointer());
 }
 
 /// False for the solver's body that stands for all fixed ones.
 [[nodiscard]] inline bool moves(const btSolverBody& body) noexcept {
   return body.m_originalBody != nullptr;
 }
-/// The joint of a body in the solver; null when it has none.
-[[nodiscard]] inline const BodyJoint* jointOf(const btSolverBody& body) noexcept {
+/// The coordinates of a body in the solver; null when it has none.
+[[nodiscard]] inline const SolverJoint* jointOf(const btSolverBody& body) noexcept {
   return moves(body) ? jointOf(*body.m_originalBody) : nullptr;
 }
 
-/// Projects a row on a body onto the q̇ of its joint.
-inline void projectOnJoint(const BodyJoint& joint, btVector3& linear, btVector3& angular) noexcept {
-  const BodyJoint::Twist twist = joint.twist();
+/// The rigid body whose body of the solver an impulse on this one acts on.
+[[nodiscard]] inline btRigidBody& leadOf(btRigidBody& rigid) noexcept {
+  const SolverJoint* on = jointOf(rigid);
+  return on != nullptr ? *on->lead : rigid;
+}
+
+/// Projects a row on a body onto the rates of its coordinates.
+inline void projectOnJoint(const SolverJoint& on, btVector3& linear, btVector3& angular) noexcept {
+  if (on.chain != nullptr) {
+    angular = toBt(on.chain->project(on.link, toEigen(linear), toEigen(angular)));
+    linear.setZero();
+    return;
+  }
+  const BodyJoint::Twist twist = on.joint->twist();
   angular = {toEigen(linear).dot(twist.linear) + toEigen(angular).dot(twist.angular), 0.0, 0.0};
   linear.setZero();
+}
+
+/// Velocity along a row on the coordinates before the contacts. Real-time safe.
+[[nodiscard]] inline double rateAlong(const SolverJoint& on, const btVector3& row) noexcept {
+  return on.chain == nullptr ? row.x() * on.joint->rate() : toEigen(row).dot(on.chain->rate());
+}
+
+/// Rates of the coordinates before the contacts. Real-time safe.
+[[nodiscard]] inline btVector3 ratesOf(const SolverJoint& on) noexcept {
+  return on.chain != nullptr ? toBt(on.chain->rate()) : btVector3(on.joint->rate(), 0.0, 0.0);
 }
 
 /// Change of a body's velocities per unit of impulse, in the solver's form.
@@ -43,8 +76,9 @@ struct Mobility {
   btMatrix3x3 angular;  ///< [1/(kg·m²)]
 };
 [[nodiscard]] inline Mobility mobilityOf(const btRigidBody& rigid) noexcept {
-  if (const BodyJoint* joint = jointOf(rigid)) {
-    return {0.0, {joint->yield(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
+  if (const SolverJoint* on = jointOf(rigid)) {
+    if (on->chain != nullptr) return {0.0, toBt(on->chain->mobility())};
+    return {0.0, {on->joint->yield(), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
   }
   return {rigid.getInvMass(), rigid.getInvInertiaTensorWorld()};
 }
@@ -57,7 +91,9 @@ class JointRows {
 
   /// Adds a body on a joint. @pre both outlive this
   void add(btRigidBody& rigid, BodyJoint& joint);
-  [[nodiscard]] bool any() const noexcept { return !rows_.empty(); }
+  /// Adds the bodies of a tree, in the order of its links. @pre all outlive this
+  void add(const std::vector<btRigidBody*>& links, JointChain& chain);
+  [[nodiscard]] bool any() const noexcept { return !rows_.empty() || chains_.any(); }
 
   /// Begins a step with the impulses of the last step. @param touched per body of the solver: set
   /// to true for bodies on joints
@@ -74,9 +110,9 @@ class JointRows {
   void takeFrom(const ConeNewton& newton) noexcept;
   /// The same for one body of an island that the hand does not touch.
   void takeFrom(const IslandNewton& newton, int body) noexcept;
-  /// Impulse of the end of a body's range in the last step, as long as this one is not solved: > 0
-  /// at the least q. 0: no end bore.
-  [[nodiscard]] double borneByEnd(const BodyJoint& joint) const noexcept;
+  /// True when an end of a range bore a row of this impulse on the coordinates in the last step, as
+  /// long as this one is not solved.
+  [[nodiscard]] bool endBears(const SolverJoint& on, const btVector3& row) const noexcept;
   /// Marks all rows as outside of the hand's island, after no solution was found.
   void release() noexcept;
 
@@ -93,6 +129,8 @@ class JointRows {
     bool solved = false;  ///< another island's solution was found
   };
   std::vector<Row> rows_;
+  std::deque<SolverJoint> on_;  ///< addresses must stay: the rigid bodies point to them
+  ChainRows chains_;
 };
 
 }  // namespace wholehand::bullet

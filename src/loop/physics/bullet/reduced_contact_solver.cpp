@@ -128,15 +128,15 @@ void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
   const ContactGoals goals{info.m_timeStep,           settings_.penetration_slop_m,
                            settings_.contact_erp,     settings_.body_push_m_s,
                            settings_.body_warm_start, info.m_restitutionVelocityThreshold};
-  const int a = getOrInitSolverBody(*tagOf(manifold.getBody0())->rigid, info.m_timeStep);
-  const int b = getOrInitSolverBody(*tagOf(manifold.getBody1())->rigid, info.m_timeStep);
+  const int a = getOrInitSolverBody(leadOf(*tagOf(manifold.getBody0())->rigid), info.m_timeStep);
+  const int b = getOrInitSolverBody(leadOf(*tagOf(manifold.getBody1())->rigid), info.m_timeStep);
   body_rows_.add(manifold, a, b, goals, m_tmpSolverBodyPool, touched_);
 }
 
 void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
                                                const ColliderTag& hand, const ColliderTag& body,
                                                bool hand_is_a, const btContactSolverInfo& info) {
-  const int solver_body = getOrInitSolverBody(*body.rigid, info.m_timeStep);
+  const int solver_body = getOrInitSolverBody(leadOf(*body.rigid), info.m_timeStep);
   for (int k = 0; k < manifold.getNumContacts(); ++k) {
     btManifoldPoint& point = manifold.getContactPoint(k);
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
@@ -166,7 +166,8 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const btRigidBody* rigid = body.m_originalBody;
   const btVector3 arm =
-      rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
+      rigid != nullptr ? on_body - owner.getCenterOfMassPosition() : btVector3(0, 0, 0);
+  const SolverJoint* on = rigid != nullptr ? jointOf(owner) : nullptr;
   const Eigen::Vector3d at = toEigen(contact.on_hand);
   const double step_s = info.m_timeStep;
   // Chooses the tangents as Bullet does for a new point, so that a point that replaces an old one
@@ -180,7 +181,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
     // Bullet uses one body at rest for everything that is fixed; a fixed body may slide, so its
     // velocity is subtracted here.
     if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
-    aim(row, body, goal);
+    aim(row, body, on, goal);
   };
   // Apart: the gap may close in this step, but no overlap may begin. Overlapping: pushes apart
   // gently.
@@ -200,17 +201,16 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
   spin.linear.setZero();
   spin.angular = -contact.normal;
-  aim(spin, body, 0.0);
+  aim(spin, body, on, 0.0);
 }
 
-void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
+void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body, const SolverJoint* on,
                                double goal_velocity) const {
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * velocity_[a];
-  const BodyJoint* joint = jointOf(body);
-  if (joint != nullptr) {
-    projectOnJoint(*joint, row.linear, row.angular);
-    velocity += row.angular.x() * joint->rate();
+  if (on != nullptr) {
+    projectOnJoint(*on, row.linear, row.angular);
+    velocity += rateAlong(*on, row.angular);
   } else if (body.m_originalBody != nullptr) {
     velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
                 row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
@@ -228,10 +228,8 @@ void ReducedContactSolver::startFromLast(HandContact& contact, double step_s) co
   const btRigidBody* body = m_tmpSolverBodyPool[contact.solver_body].m_originalBody;
   bool wall = body == nullptr || body->getInvMass() == 0.0;
   // A joint is a wall where its end bears this contact.
-  const BodyJoint* joint = wall ? nullptr : jointOf(*body);
-  if (joint != nullptr) {
-    wall = contact.normal_row.angular.x() * joints_.borneByEnd(*joint) < 0.0;
-  }
+  const SolverJoint* on = wall ? nullptr : jointOf(*body);
+  if (on != nullptr) wall = joints_.endBears(*on, contact.normal_row.angular);
   const double share = settings_.warm_start;
   const double depth_m = std::max(0.0, -contact.distance_m - settings_.penetration_slop_m);
   const double at_rest = settings_.contact_stiffness_n_m * step_s * depth_m;

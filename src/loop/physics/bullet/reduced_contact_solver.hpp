@@ -93,6 +93,10 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
 
   /// Adds a body that moves on a joint. @pre both outlive this
   void addJoint(btRigidBody& rigid, BodyJoint& joint) { joints_.add(rigid, joint); }
+  /// Adds the bodies of a tree of joints, in the order of its links. @pre all outlive this
+  void addChain(const std::vector<btRigidBody*>& links, JointChain& chain) {
+    joints_.add(links, chain);
+  }
 
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
@@ -122,7 +126,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
                            const btContactSolverInfo& info);
   void setUpContact(HandContact& contact, const ColliderTag& tag, const btRigidBody& owner,
                     const btVector3& on_body, const btContactSolverInfo& info);
-  void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
+  void aim(ReducedRow& row, const btSolverBody& body, const SolverJoint* on,
+           double goal_velocity) const;
   void startFromLast(HandContact& contact, double step_s) const;
   void prepareSweeps();
   /// The joint ends that bear a row's impulse. kPressed: those against which the row presses.

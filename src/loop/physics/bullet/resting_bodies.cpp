@@ -44,6 +44,7 @@ bool RestingBodies::isStill(int body) const noexcept {
 
 // False for a body on a joint that its load would start, however slowly.
 bool RestingBodies::isHeld(int body) const noexcept {
+  if (const JointChain* chain = bodies_[body].chain()) return chain->loadIsHeld();
   const BodyJoint* joint = bodies_[body].joint();
   return joint == nullptr || joint->loadIsHeld();
 }
@@ -102,13 +103,17 @@ int RestingBodies::rootOf(int body) noexcept {
   return body;
 }
 
-// Disjoint sets of bodies near one another; fixed bodies do not join sets.
+// Disjoint sets of bodies near one another, and of the links of each tree of joints; fixed bodies
+// do not join sets.
 void RestingBodies::group(const std::vector<Near>& near) noexcept {
   std::iota(parent_.begin(), parent_.end(), 0);
-  for (const auto& [a, b] : near) {
-    if (!awake_[a] || !awake_[b]) continue;
+  const auto join = [this](int a, int b) {
     const int first = rootOf(a), second = rootOf(b);
     parent_[std::max(first, second)] = std::min(first, second);
+  };
+  for (const int body : awake_bodies_) join(body, bodies_[body].restsWith());
+  for (const auto& [a, b] : near) {
+    if (awake_[a] && awake_[b]) join(a, b);
   }
   std::fill(least_s_.begin(), least_s_.end(), std::numeric_limits<double>::infinity());
   for (const int body : awake_bodies_) {
