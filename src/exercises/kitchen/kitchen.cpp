@@ -330,6 +330,14 @@ class TaskReader {
     return v;
   }
 
+  /// True for a body whose joint is moved by, or moves, that of another one.
+  [[nodiscard]] bool movesOthers(int body) const {
+    for (const std::vector<int>& chain : jointChains(scene_.bodies)) {
+      if (std::find(chain.begin(), chain.end(), body) != chain.end()) return true;
+    }
+    return false;
+  }
+
   void readThing(TomlTable& t, KitchenTask& task) {
     Thing thing;
     names_.push_back(t.text("body"));
@@ -342,6 +350,9 @@ class TaskReader {
     } else if (scene_.bodies[thing.body].fixed) {
       t.fail("body", "is fixed in the scene " + printable(scene_.path),
              "give it a joint or a mass there");
+    } else if (movesOthers(thing.body)) {
+      t.fail("body", "moves together with other bodies of its object",
+             "name a body whose joint stands alone");
     } else {
       const SceneBody& body = scene_.bodies[thing.body];
       thing.com_m = body.com_m;

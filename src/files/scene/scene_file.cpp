@@ -62,7 +62,8 @@ bool isColor(const std::string& text) {
 /// A body that moves on a joint of a URDF.
 struct Mover {
   SceneBody body;
-  Diagnostic link;  ///< file, line and key of its link
+  int carrier = -1, follows = -1;  ///< others of the same URDF; -1: none
+  Diagnostic link;                 ///< file, line and key of its link
 };
 
 /// Reads one `[[bodies]]` table.
@@ -241,29 +242,68 @@ class BodyReader {
     } else if (body.fixed && decides) {
       t_.fail("inertia", "has no effect on a fixed body", "take it out, or set fixed = false");
     }
-    for (UrdfMover& mover : urdf->movers) addMover(body, std::move(mover), path.string());
+    addMovers(body, urdf->movers, path.string());
+  }
+
+  /// Adds the bodies that move on joints of a URDF. Each starts at joint position 0, or at the
+  /// nearest end of a range without 0; a joint that follows another starts where that one puts it.
+  void addMovers(const SceneBody& root, std::vector<UrdfMover>& movers, const std::string& path) {
+    std::vector<double> starts;
+    for (const UrdfMover& mover : movers) {
+      starts.push_back(std::clamp(0.0, mover.joint.least, mover.joint.most));
+    }
+    std::vector<int> added(movers.size(), -1);
+    for (std::size_t i = 0; i < movers.size(); ++i) {
+      UrdfMover& mover = movers[i];
+      if (mover.follows >= 0) {
+        const SceneJoint& leader = movers[mover.follows].joint;
+        starts[i] = mover.ratio * starts[mover.follows] + mover.offset;
+        mover.joint.least = mover.ratio * leader.least + mover.offset;
+        mover.joint.most = mover.ratio * leader.most + mover.offset;
+        if (mover.ratio < 0.0) std::swap(mover.joint.least, mover.joint.most);
+      }
+      const bool moves_others =
+          std::any_of(movers.begin(), movers.end(), [&](const UrdfMover& other) {
+            const int index = static_cast<int>(i);
+            return other.carrier == index || other.follows == index;
+          });
+      const std::size_t before = movers_.size();
+      const int carrier = mover.carrier >= 0 ? added[mover.carrier] : -1;
+      if (mover.carrier >= 0 && carrier < 0) continue;  // the carrier is a fault
+      addMover(carrier >= 0 ? movers_[carrier].body.pose : root.pose, root, mover, starts[i],
+               moves_others, path);
+      if (movers_.size() == before) continue;
+      added[i] = static_cast<int>(before);
+      movers_.back().carrier = carrier;
+    }
+    for (std::size_t i = 0; i < movers.size(); ++i) {
+      if (added[i] < 0 || movers[i].follows < 0) continue;
+      movers_[added[i]].follows = added[movers[i].follows];
+      movers_[added[i]].body.joint->ratio = movers[i].ratio;
+    }
   }
 
   /// Adds a body that moves on a joint of a fixed URDF, named "<body>/<link>".
-  void addMover(const SceneBody& root, UrdfMover mover, const std::string& path) {
+  /// @param carrier pose of what carries it @param start position of its joint
+  /// @param moves_others other bodies depend on its joint
+  void addMover(const Pose& carrier, const SceneBody& root, UrdfMover& mover, double start,
+                bool moves_others, const std::string& path) {
     SceneBody body;
     body.name = root.name + "/" + mover.name;
     const std::string key = fmt::format("link[{}]", printable(mover.name, kShownName));
     const auto note = [&](std::string problem, std::string remedy) {
       notices_.push_back(keyFault(path, key, "", std::move(problem), std::move(remedy)));
     };
-    if (mover.shapes.empty()) {
+    if (mover.shapes.empty() && !moves_others) {
       note("moves on a joint and has no collider: it is left out", "give it a <collision>");
       return;
     }
     body.friction = root.friction;
     body.color = root.color;
-    body.pose = root.pose * mover.in_root;
+    body.pose = carrier * mover.in_carrier;
     body.shapes = std::move(mover.shapes);
     body.joint = mover.joint;
-    // The body starts at joint position 0, or at the nearest end of a range without 0.
-    const double start = std::clamp(0.0, body.joint->least, body.joint->most);
-    if (start != 0.0) {
+    if (start != 0.0 && mover.follows < 0) {
       note(fmt::format("starts at {:g} {}: the range of its joint does not contain 0", start,
                        body.joint->isHinge() ? "rad" : "m"),
            "turn the joint's <origin> so that 0 is where it shall start");
@@ -271,7 +311,9 @@ class BodyReader {
     body.pose = poseOn(*body.joint, body.pose, start);
     body.joint->least -= start, body.joint->most -= start;
     MassProperties m;
-    if (mover.inertial) {
+    if (body.shapes.empty()) {
+      m = bareMass(mover, note);
+    } else if (mover.inertial) {
       m = inertialOf(body.shapes, {}, *mover.inertial, note);
     } else {
       m = uniformDensity(body.shapes, kWood_kg_m3 * moments(body.shapes).volume_m3);
@@ -287,14 +329,30 @@ class BodyReader {
     body.mass_kg = m.mass_kg;
     body.com_m = m.com_m;
     body.inertia_kg_m2 = m.inertia_kg_m2;
-    noteDensity(body);
-    if (body.joint->dry_friction == 0.0) {
+    if (!body.shapes.empty()) noteDensity(body);
+    if (body.joint->dry_friction == 0.0 && mover.follows < 0) {
       note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
     }
-    Mover moving{std::move(body), keyFault(path, key, "", "", "")};
+    Mover moving{std::move(body), -1, -1, keyFault(path, key, "", "", "")};
     moving.link.line = mover.line;
     checkName(moving);
     movers_.push_back(std::move(moving));
+  }
+
+  /// Mass properties of a link without a collider that moves others: its inertial, or, without a
+  /// whole one, a ball of 10 mm radius.
+  template <class Note>
+  static MassProperties bareMass(const UrdfMover& mover, Note note) {
+    constexpr double kLight_kg = 1e-3, kSmall_m = 0.01;
+    if (mover.inertial && mover.inertial->complete) return mover.inertial->sum;
+    MassProperties m;
+    m.mass_kg = kLight_kg;
+    if (mover.inertial) m = mover.inertial->sum;
+    m.inertia_kg_m2 = 0.4 * m.mass_kg * kSmall_m * kSmall_m * Eigen::Matrix3d::Identity();
+    note(fmt::format("moves others and has neither a collider nor a whole <inertial>: {:.3g} kg",
+                     m.mass_kg),
+         "give it an <inertial>");
+    return m;
   }
 
   /// Checks a moving body's name, which is recorded and shown in lists.
@@ -501,8 +559,10 @@ void reportUnwatched(const SceneModel& scene, std::vector<BodyReader>& readers) 
 void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
   const std::size_t others = scene.bodies.size();
   for (BodyReader& reader : readers) {
+    std::vector<int> added;
     for (const Mover& moving : reader.movers()) {
-      const SceneBody& mover = moving.body;
+      SceneBody mover = moving.body;
+      added.push_back(static_cast<int>(scene.bodies.size()));
       if (reader.table().isGood("name") && scene.bodyIndex(mover.name) >= 0) {
         reader.failLink(
             moving, fmt::format("moves on a joint as '{}', the name of another body", mover.name),
@@ -527,7 +587,16 @@ void addMovers(SceneModel& scene, std::vector<BodyReader>& readers) {
             fmt::format("a scene with URDFs that move has {} bodies at most", kMaxBodies));
         return;
       }
-      scene.bodies.push_back(mover);
+      scene.bodies.push_back(std::move(mover));
+    }
+    // Joints name the bodies that carry and lead them by their index in the scene. After a fault
+    // there is no scene.
+    for (std::size_t i = 0; i < added.size(); ++i) {
+      if (added[i] >= static_cast<int>(scene.bodies.size())) break;
+      const Mover& moving = reader.movers()[i];
+      SceneJoint& joint = *scene.bodies[added[i]].joint;
+      joint.parent = moving.carrier >= 0 ? added[moving.carrier] : -1;
+      joint.follows = moving.follows >= 0 ? added[moving.follows] : -1;
     }
   }
 }

@@ -6,6 +6,7 @@
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh/mesh_readers.hpp"
 #include "files/toml/toml_file.hpp"
+#include "files/urdf/urdf_chains.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/core/geometry.hpp"
 #include "loop/model/scene_model.hpp"
@@ -278,7 +279,8 @@ const std::vector<UrdfNames>& urdfNames() {
       {"origin", {}, {"xyz", "rpy", "quat_xyzw"}, true},
       {"inertia", {}, {"ixx", "iyy", "izz", "ixy", "ixz", "iyz", "iyx", "izx", "izy"}, true},
       {"limit", {}, {"lower", "upper"}},
-      {"dynamics", {}, {"damping", "friction"}}};
+      {"dynamics", {}, {"damping", "friction"}},
+      {"mimic", {}, {"joint", "multiplier", "offset"}}};
   return kNames;
 }
 
@@ -517,6 +519,9 @@ struct Link {
   std::optional<SceneJoint>
       joint;  ///< movable joint to the parent, in the link's frame; empty: fixed
   const XMLElement* joint_element = nullptr;
+  // Of a movable joint: the link whose joint it follows (-1: none), and how.
+  int follows = -1;
+  double ratio = 1.0, offset = 0.0;
 };
 
 /// Description of an XML error.
@@ -569,7 +574,8 @@ class Reader {
     noteFriction(*robot_);
     checkColliders();
     if (faults_.all().empty()) checkTree();
-    if (faults_.all().empty()) checkCarried();
+    if (faults_.all().empty()) linkMovables();
+    if (faults_.all().empty()) readInertials();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
     noteWorld();
     return merged();
@@ -930,11 +936,6 @@ class Reader {
                   "must be fixed, revolute, continuous or prismatic");
       return joint;
     }
-    if (const XMLElement* mimic = e.FirstChildElement("mimic")) {
-      faults_.add(mimic, key + ".mimic", "",
-                  fmt::format("the joint '{}' ({}) follows another joint", name, type),
-                  "take <mimic> out, or make the joint fixed");
-    }
     if (type == "prismatic") joint.type = SceneJoint::Type::kSlide;
     joint.axis = Eigen::Vector3d::UnitX();
     if (const XMLElement* axis = faults_.only(e, "axis", key)) {
@@ -947,7 +948,10 @@ class Reader {
       }
       joint.axis.normalize();
     }
-    if (type != "continuous") readLimit(e, key, joint);
+    // A joint that follows another one needs no range of its own.
+    const bool free = type == "continuous" || (e.FirstChildElement("mimic") != nullptr &&
+                                               e.FirstChildElement("limit") == nullptr);
+    if (!free) readLimit(e, key, joint);
     noteUnused(e, key, type);
     if (const XMLElement* dynamics = faults_.only(e, "dynamics", key)) {
       joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
@@ -1022,23 +1026,63 @@ class Reader {
     return link;
   }
 
-  /// Refuses joints on a body that a joint carries; then reads the inertials of links that need a
-  /// mass.
-  void checkCarried() {
+  /// The optional number of a <mimic>.
+  double ofMimic(const XMLElement& mimic, const char* attribute, const std::string& key,
+                 double otherwise) {
+    if (mimic.Attribute(attribute) == nullptr) return otherwise;
+    return faults_.numbers(mimic, attribute, key, 1).front();
+  }
+
+  /// Finds which movable joints carry and follow which others (linkJoints()).
+  void linkMovables() {
+    std::vector<LinkedJoint> joints(links_.size());
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      Link& link = links_[i];
+      LinkedJoint& of = joints[i];
+      of.movable = link.joint.has_value();
+      if (link.joint_element == nullptr) continue;
+      const char* const name = link.joint_element->Attribute("name");
+      of.name = name != nullptr ? name : "";
+      if (!of.movable) continue;
+      of.carrier = carrierOf(link.parent);
+      of.joint = &*link.joint;
+      const std::string key = fmt::format("joint[{}]", of.name);
+      if (const XMLElement* mimic = faults_.only(*link.joint_element, "mimic", key)) {
+        of.mimics = true;
+        of.leader = faults_.text(*mimic, "joint", key + ".mimic");
+        of.ratio = ofMimic(*mimic, "multiplier", key + ".mimic", 1.0);
+        of.offset = ofMimic(*mimic, "offset", key + ".mimic", 0.0);
+      }
+    }
+    if (!faults_.all().empty()) return;
+    const JointRemarks remarks = linkJoints(joints);
+    const auto where = [&](const JointRemark& remark) {
+      const XMLElement* const joint = links_[remark.joint].joint_element;
+      return remark.of_mimic ? joint->FirstChildElement("mimic") : joint;
+    };
+    const auto key_of = [&](const JointRemark& remark) {
+      return fmt::format("joint[{}]{}", joints[remark.joint].name,
+                         remark.of_mimic ? ".mimic.joint" : "");
+    };
+    for (const JointRemark& fault : remarks.faults) {
+      faults_.add(where(fault), key_of(fault), fault.value, fault.problem, fault.remedy);
+    }
+    for (const JointRemark& notice : remarks.notices) {
+      faults_.note(where(notice), key_of(notice), notice.value,
+                   fileFault("", notice.problem, notice.remedy));
+    }
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      links_[i].follows = joints[i].follows;
+      links_[i].ratio = joints[i].ratio, links_[i].offset = joints[i].offset;
+    }
+  }
+
+  /// Reads the inertials of links that need a mass.
+  void readInertials() {
     const bool stands = use_.fixed || std::any_of(links_.begin(), links_.end(), [](const Link& l) {
                           return l.joint.has_value();
                         });
     for (Link& link : links_) {
-      const int below = link.joint ? carrierOf(link.parent) : -1;
-      if (below >= 0) {
-        const char* name = link.joint_element->Attribute("name");
-        faults_.add(link.joint_element, fmt::format("joint[{}]", name),
-                    link.joint_element->Attribute("type"),
-                    fmt::format("the joint '{}' is at the link '{}', which moves itself: chains of "
-                                "joints are not supported",
-                                name, links_[link.parent].name),
-                    "make one of the two joints fixed");
-      }
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
       if (link.inertial_element != nullptr && (moves || !stands)) {
         link.inertial = readInertial(*link.inertial_element, link, moves);
@@ -1089,14 +1133,21 @@ class Reader {
     body.notices = faults_.notices();
     body.friction = friction_;
     std::vector<int> mover_of(links_.size(), -1);
-    for (std::size_t i = 0; i < links_.size(); ++i) {
-      if (!links_[i].joint) continue;
+    const std::vector<int> movables = movablesInOrder();
+    for (const int i : movables) {
       mover_of[i] = static_cast<int>(body.movers.size());
+      const int carrier = carrierOf(links_[i].parent);
       UrdfMover& mover = body.movers.emplace_back();
       mover.name = links_[i].name;
       mover.line = links_[i].element->GetLineNum();
       mover.joint = *links_[i].joint;
-      mover.in_root = poseBelow(static_cast<int>(i), -1);
+      mover.carrier = carrier >= 0 ? mover_of[carrier] : -1;
+      mover.in_carrier = poseBelow(i, carrier);
+      mover.ratio = links_[i].ratio, mover.offset = links_[i].offset;
+    }
+    for (const int i : movables) {
+      const int leads = links_[i].follows;
+      if (leads >= 0) body.movers[mover_of[i]].follows = mover_of[leads];
     }
     for (std::size_t i = 0; i < links_.size(); ++i) {
       const Link& link = links_[i];
@@ -1116,6 +1167,22 @@ class Reader {
                           : UrdfInertial{m, link.inertial->complete};
     }
     return body;
+  }
+
+  /// Links on movable joints, each after those that carry it, otherwise as in the file.
+  [[nodiscard]] std::vector<int> movablesInOrder() const {
+    std::vector<int> movables;
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (links_[i].joint) movables.push_back(static_cast<int>(i));
+    }
+    const auto depth = [this](int link) {
+      int joints = 0;
+      while ((link = carrierOf(links_[link].parent)) >= 0) ++joints;
+      return joints;
+    };
+    std::stable_sort(movables.begin(), movables.end(),
+                     [&](int a, int b) { return depth(a) < depth(b); });
+    return movables;
   }
 
   /// Pose of a link's frame in the frame of a link above it; -1: in the root's frame.

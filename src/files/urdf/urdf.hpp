@@ -36,11 +36,14 @@ struct UrdfInertial {
 
 /// One rigid body that a movable joint of a URDF carries.
 struct UrdfMover {
-  std::string name;           ///< name of its link
-  int line = 0;               ///< line of its link in the file
-  Pose in_root;               ///< pose of its link's frame in the root link's frame at q = 0
-  SceneJoint joint;           ///< in the frame of its link
-  std::vector<Shape> shapes;  ///< in the frame of its link
+  std::string name;  ///< name of its link
+  int line = 0;      ///< line of its link in the file
+  int carrier = -1;  ///< mover that carries it; -1: the root, which stands
+  Pose in_carrier;   ///< pose of its link's frame in the carrier's at q = 0
+  SceneJoint joint;  ///< in the frame of its link
+  int follows = -1;  ///< mover whose joint its own follows: its q is ratio · the other q + offset
+  double ratio = 1.0, offset = 0.0;
+  std::vector<Shape> shapes;             ///< in the frame of its link
   std::optional<UrdfInertial> inertial;  ///< in the frame of its link
 };
 
@@ -62,11 +65,11 @@ struct UrdfBody {
 /// its caps. Mesh names are absolute paths or "file://" URIs. Relative names (without ".."),
 /// "package://name/..." and "model://name/..." are searched for in the URDF's folder and the
 /// folders above it. "%20" and backslashes are accepted. Links without a collider are frames, or
-/// ballast if they have an inertial. Revolute, continuous and prismatic joints at the root body
-/// carry bodies of their own.
+/// ballast if they have an inertial. Revolute, continuous and prismatic joints carry bodies of
+/// their own; at most three that follow no other joint may move each other.
 ///
-/// @return every fault at once, with line and element: joints of other types, joints on a body that
-/// another joint carries, no collider, impossible inertials, meshes that make no collider
+/// @return every fault at once, with line and element: joints of other types, more joints that move
+/// each other, no collider, impossible inertials, meshes that make no collider
 /// (meshCollider()), meshes that take longer than MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 /// The same; the reading time of its meshes is added to `time`.
