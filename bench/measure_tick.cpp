@@ -104,6 +104,35 @@ Prepared play(const std::string& exercise, std::uint64_t seed, int ticks_before,
   return {orThrow(buildRig(std::move(models), std::move(player), options)), ticks_before};
 }
 
+/// The drawer of `drawer` with two flaps on hinges at its front: a tree of three coordinates under
+/// the hand.
+Prepared pullTree(int ticks_before, const RigOptions& options) {
+  ModelFiles files = barFiles();
+  files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/drawer.toml";
+  Models models = orThrow(loadModels(files));
+  auto player = makeExercisePlayer(models, 1);
+  std::vector<SceneBody>& bodies = models.scene.bodies;
+  const auto drawer = std::find_if(bodies.begin(), bodies.end(),
+                                   [](const SceneBody& body) { return body.joint.has_value(); });
+  const int index = static_cast<int>(drawer - bodies.begin());
+  for (const double side : {-1.0, 1.0}) {
+    SceneBody flap;
+    flap.name = side < 0.0 ? "right flap" : "left flap";
+    flap.mass_kg = 0.1;
+    flap.pose = bodies[index].pose;
+    flap.pose.translation_m += Eigen::Vector3d(0.2, 0.1 * side, -0.1);
+    flap.shapes.emplace_back().half_extents_m = {0.05, 0.005, 0.05};
+    const ShapeMoments about = moments(flap.shapes[0]);
+    flap.inertia_kg_m2 = flap.mass_kg / about.volume_m3 * about.inertia_m5;
+    flap.joint.emplace();
+    flap.joint->point_m = {-0.05, 0.0, 0.0};
+    flap.joint->dry_friction = 0.01;
+    flap.joint->parent = index;
+    bodies.push_back(flap);
+  }
+  return {orThrow(buildRig(std::move(models), std::move(player), options)), ticks_before};
+}
+
 /// The hand at rest among the paper's four objects, which it does not touch.
 Prepared restAmongFour(const RigOptions& options) {
   Models models = orThrow(loadModels(filesOf("four-shapes.toml")));
@@ -205,12 +234,14 @@ Prepared prepareScene(const std::string& scene, bool bare, const RigOptions& opt
   if (const int n = counted("pile-"); n >= 0) return swayAmong(ComplexityKind::kPile, n, options);
   if (const int n = counted("far-"); n >= 0) return swayAmong(ComplexityKind::kFar, n, options);
   if (scene == "drawer") return play(scene, 1, 4000, options);  // the handle is grasped and pulled
+  if (scene == "drawer-tree") return pullTree(4000, options);
   if (scene.starts_with("play-")) {
     return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
   }
   throw std::runtime_error(
       "scene \"" + scene +
-      "\" is none of approach, squeeze, near, drawer, slots, no-slots, orders, hold-cube, "
+      "\" is none of approach, squeeze, near, drawer, drawer-tree, slots, no-slots, orders, "
+      "hold-cube, "
       "hold-cylinder, hold-sphere, hold-disk, close-PERCENT, pile-BALLS, far-BODIES, play-SEED; "
       "squeeze and close-PERCENT also with -bare");
 }
