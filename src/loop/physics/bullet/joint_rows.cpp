@@ -10,6 +10,15 @@ constexpr double kRounding = 1e-12;  // smaller relative changes of an impulse a
 
 }  // namespace
 
+void projectOnChain(const SolverJoint& on, btVector3& linear, btVector3& angular) noexcept {
+  angular = toBt(on.chain->project(on.link, toEigen(linear), toEigen(angular)));
+  linear.setZero();
+}
+
+double rateAlongChain(const SolverJoint& on, const btVector3& row) noexcept {
+  return toEigen(row).dot(on.chain->rate());
+}
+
 void JointRows::add(btRigidBody& rigid, BodyJoint& joint) {
   rigid.setUserPointer(&on_.emplace_back(SolverJoint{&joint, nullptr, -1, &rigid}));
   rows_.push_back({&rigid, &joint});
@@ -56,7 +65,7 @@ double JointRows::solve(Bodies& bodies) noexcept {
     const double changed = std::abs(row.friction + row.end - before);
     if (changed > kRounding * std::abs(before)) largest = std::max(largest, changed);
   }
-  return std::max(largest, chains_.solve(bodies));
+  return chains_.any() ? std::max(largest, chains_.solve(bodies)) : largest;
 }
 
 bool JointRows::addTo(ConeNewton& newton, int body, int unknown) noexcept {

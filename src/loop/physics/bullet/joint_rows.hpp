@@ -48,13 +48,13 @@ struct SolverJoint {
   return on != nullptr ? *on->lead : rigid;
 }
 
+// What is done for a link of a tree; apart, so that the code for one joint stays small.
+void projectOnChain(const SolverJoint& on, btVector3& linear, btVector3& angular) noexcept;
+[[nodiscard]] double rateAlongChain(const SolverJoint& on, const btVector3& row) noexcept;
+
 /// Projects a row on a body onto the rates of its coordinates.
 inline void projectOnJoint(const SolverJoint& on, btVector3& linear, btVector3& angular) noexcept {
-  if (on.chain != nullptr) {
-    angular = toBt(on.chain->project(on.link, toEigen(linear), toEigen(angular)));
-    linear.setZero();
-    return;
-  }
+  if (on.chain != nullptr) return projectOnChain(on, linear, angular);
   const BodyJoint::Twist twist = on.joint->twist();
   angular = {toEigen(linear).dot(twist.linear) + toEigen(angular).dot(twist.angular), 0.0, 0.0};
   linear.setZero();
@@ -62,7 +62,7 @@ inline void projectOnJoint(const SolverJoint& on, btVector3& linear, btVector3& 
 
 /// Velocity along a row on the coordinates before the contacts. Real-time safe.
 [[nodiscard]] inline double rateAlong(const SolverJoint& on, const btVector3& row) noexcept {
-  return on.chain == nullptr ? row.x() * on.joint->rate() : toEigen(row).dot(on.chain->rate());
+  return on.chain == nullptr ? row.x() * on.joint->rate() : rateAlongChain(on, row);
 }
 
 /// Rates of the coordinates before the contacts. Real-time safe.

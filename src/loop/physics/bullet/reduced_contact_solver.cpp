@@ -607,7 +607,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     if (!at_once_) prepareSweeps();
   }
   const bool far = !far_done_;
-  double others = joints_.solve(m_tmpSolverBodyPool);
+  double others = joints_.any() ? joints_.solve(m_tmpSolverBodyPool) : 0.0;
   if (far) {
     others = std::max(others, body_rows_.sweepAll(m_tmpSolverBodyPool));
     const int most = std::clamp(kFarBudget / body_rows_.groups(), kLeastFarSweeps, kMostFarSweeps);
