@@ -2,7 +2,7 @@
 // @vitest-environment happy-dom
 import { beforeEach, expect, it, vi } from 'vitest';
 import { Clinic } from '../src/clinic/clinic';
-import type { ClinicContext } from '../src/clinic/page';
+import type { ClinicContext } from '../src/clinic/clinic_context';
 import { PatientScreen } from '../src/clinic/patient_screen';
 import type { Route } from '../src/clinic/routes';
 import { UnlockScreen } from '../src/clinic/sign_in';

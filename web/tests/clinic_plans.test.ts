@@ -10,7 +10,7 @@ import { moreMinutes, ofCourse } from '../src/clinic/end_screen';
 import { de } from '../src/clinic/i18n/de';
 import { en } from '../src/clinic/i18n/en';
 import { fr } from '../src/clinic/i18n/fr';
-import type { ClinicContext } from '../src/clinic/page';
+import type { ClinicContext } from '../src/clinic/clinic_context';
 import type { Item, Patient, PlanPreset, Visit } from '../src/clinic/records';
 import { proposals, toggled, wishedPlan } from '../src/clinic/wishes';
 import { LANGUAGES, setLanguage } from '../src/shared/i18n';

@@ -7,7 +7,7 @@ import { Clinic } from '../src/clinic/clinic';
 import { de } from '../src/clinic/i18n/de';
 import { en } from '../src/clinic/i18n/en';
 import { fr } from '../src/clinic/i18n/fr';
-import type { ClinicContext } from '../src/clinic/page';
+import type { ClinicContext } from '../src/clinic/clinic_context';
 import { SettingsScreen } from '../src/clinic/settings_screen';
 import { WhoScreen } from '../src/clinic/sign_in';
 import { setLanguage } from '../src/shared/i18n';
