@@ -87,7 +87,8 @@ def main():
     options = parser.parse_args()
     if options.costs:
         for output, seconds in sorted(read_ninja_log(options.folders[0]).items()):
-            print(max(1, round(10 * seconds)), output)
+            if not output.startswith("/"):  # a path of this machine
+                print(max(1, round(10 * seconds)), output)
         return
     for folder in options.folders:
         if not (folder / ".ninja_log").exists():
