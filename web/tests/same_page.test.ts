@@ -28,7 +28,7 @@ function noRenderer(): WebGLRenderer {
   const nothing = (): void => {};
   return {
     setClearColor: nothing, setPixelRatio: nothing, setSize: nothing, render: nothing, clear: nothing, dispose: nothing, compile: nothing, copyFramebufferToTexture: nothing,
-    getContext: () => undefined, initTexture: nothing, getDrawingBufferSize: <Size extends { set(x: number, y: number): Size }>(size: Size) => size.set(4, 4),
+    getDrawingBufferSize: <Size extends { set(x: number, y: number): Size }>(size: Size) => size.set(4, 4),
     compileAsync: () => Promise.resolve(), extensions: { has: () => true }, shadowMap: {}, info: { programs: [], memory: {}, render: {} },
   } as unknown as WebGLRenderer;
 }

@@ -63,7 +63,7 @@ export class PacedView {
     if (!atOnce && now_ms - this.drawn_ms < 1000 / PICTURES_HZ[this.quality] - 2) return;
     this.drawn_ms = now_ms;
     this.scene.setState(state);
-    this.scene.render(now_ms, atOnce);
+    this.scene.render(now_ms);
     if (atOnce) return;
     // Only frames that are slower than this view's own pace indicate a slow machine.
     const late_ms = this.scene.stats().frame_ms - 1000 / PICTURES_HZ[this.quality];

@@ -14,7 +14,7 @@ import { Backdrop } from './backdrop';
 import { zoomedText_px } from './zoomed_text';
 import { DEFAULT_PLACE, placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './camera';
 import { ContactGlow } from './contacts';
-import { compiled, PendingCommands } from './compile';
+import { compiled } from './compile';
 import { ForceArrows } from './force_arrows';
 import { FrameClock } from './frame_clock';
 import { programFrame, toThree, type Triple } from './frames';
@@ -56,7 +56,6 @@ const EMPTY_RAIL_M = 0.381;
 
 export class SceneView {
   private readonly renderer: WebGLRenderer;
-  private readonly pending: PendingCommands;
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera();
   private readonly clock = new FrameClock();
@@ -74,7 +73,6 @@ export class SceneView {
   private backdrop: Backdrop | undefined;
   private hand: HandView | undefined;
   private handBegun = false;
-  private compiles = 0;         // number of preparations; an earlier one is not waited for
   private builds = 0;           // number of builds; results of an earlier one are dropped
   private compiled = false;     // nothing is drawn before: the page would wait for the shader programs
   private bodies: (Group | undefined)[] = [];
@@ -92,7 +90,6 @@ export class SceneView {
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone };
     this.renderer = options.renderer ?? rendererOf(canvas, options.quality);
     this.renderer.setClearColor(ROOM);
-    this.pending = new PendingCommands(this.renderer.getContext() as WebGL2RenderingContext | undefined);
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
     canvas.addEventListener('webglcontextrestored', () => this.resize());
@@ -115,10 +112,7 @@ export class SceneView {
     this.fresh = true;
     this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
     if (state.links.length > 0) void this.makeHand();
-    if (first) {
-      this.placeRow();
-      void this.compile();   // an exercise may make things where its bodies are
-    }
+    if (first) this.placeRow();
     this.contacts.take(state.contacts);
     this.forces?.take(state.contacts);
     this.stateScript_ms += performance.now() - start;
@@ -161,16 +155,15 @@ export class SceneView {
   /** Whether the picture is complete. Room, objects and hand are made in the background. */
   get whole(): boolean { return this.compiled && (this.hand !== undefined || !this.handBegun); }
 
-  /** A picture that the card has no room for is left out. @param now_ms time of requestAnimationFrame @param atOnce waits for the card */
-  render(now_ms: number, atOnce = false): void {
+  /** @param now_ms time of requestAnimationFrame */
+  render(now_ms: number): void {
     if (!this.stage) this.build();   // no scene has come: only the room
-    if (!this.compiled || (this.pending.tooMany && !atOnce)) return;
+    if (!this.compiled) return;
     const start = performance.now();
     const dt_s = this.last_ms === undefined ? 0 : Math.min(0.25, Math.max(0, (now_ms - this.last_ms) / 1000));
     this.last_ms = now_ms;
     if (this.state) this.update(this.state, dt_s);
     this.renderer.render(this.scene, this.camera);
-    this.pending.add();
     this.clock.add(now_ms, performance.now() - start + this.stateScript_ms);
     this.stateScript_ms = 0;
   }
@@ -268,10 +261,9 @@ export class SceneView {
   }
 
   private async compile(): Promise<void> {
-    const { builds } = this, compiles = this.compiles += 1;
-    this.compiled = false;
+    const { builds } = this;
     await compiled(this.renderer, this.scene, this.camera, this.scene);
-    if (builds !== this.builds || compiles !== this.compiles) return;
+    if (builds !== this.builds) return;
     this.compiled = true;
     this.takeBackdrop();
   }

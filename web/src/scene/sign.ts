@@ -1,5 +1,5 @@
-// A small sign, highlighted when it names the current task.
-import { Mesh, PlaneGeometry, Texture } from 'three';
+// A small sign with text, highlighted when it names the current task.
+import { Mesh, PlaneGeometry, type Texture } from 'three';
 import { flat } from './materials';
 import { picture } from './textures';
 
@@ -33,10 +33,8 @@ export class Sign {
   readonly root: Mesh;
   private shown = '';
 
-  constructor(width_m: number, height_m: number, private readonly paint: (words: string, lit: boolean) => Texture) {
-    // An empty picture: without one, the first text would need another program.
-    this.root = new Mesh(new PlaneGeometry(width_m, height_m), flat('#ffffff', { transparent: true, map: new Texture() }));
-    this.root.visible = false;
+  constructor(width_m: number) {
+    this.root = new Mesh(new PlaneGeometry(width_m, width_m * HEIGHT_PX / WIDTH_PX), flat('#ffffff', { transparent: true }));
   }
 
   /** Redraws only when something changed. @param words empty: no sign */
@@ -47,9 +45,7 @@ export class Sign {
     this.shown = key;
     const material = this.root.material as ReturnType<typeof flat>;
     material.map?.dispose();
-    material.map = this.paint(words, lit);
+    material.map = draw(words, lit);
+    material.needsUpdate = true;
   }
 }
-
-/** A sign with text only. */
-export const textSign = (width_m: number): Sign => new Sign(width_m, width_m * HEIGHT_PX / WIDTH_PX, draw);

@@ -10,8 +10,7 @@ import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { barOf, Stage, type Bar } from './bar';
 import { BubblesView } from './bubbles';
-import type { Sign } from '../../scene/sign';
-import { makeDispenser, signOf, type Shell } from './dispenser';
+import { Sign, makeDispenser, type Shell } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';
 import { nameOf } from './i18n';
@@ -75,7 +74,7 @@ export class BarView implements ExerciseView {
     });
     this.hung = bar.dispensers.map((d) => {
       const { root, shell } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
-      const sign = signOf(d.liquid);
+      const sign = new Sign(d.liquid);
       this.root.add(root, sign.root);
       return { body: bodyIndex(d.body), root, shell, sign, pressed_l: 0, keeps: 0 };
     });

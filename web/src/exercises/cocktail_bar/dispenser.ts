@@ -1,14 +1,13 @@
 // A squeeze bottle that hangs from the rail, nozzle down, and the sign over it.
 
 import {
-  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, Vector2, type Material, type Texture,
+  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type Material, type Texture,
 } from 'three';
 import { liquidLook } from './liquids';
 import type { BarDispenser } from './bar';
 import type { SkinUniforms } from '../../hand/skin_shader';
 import { Dent, pressingOn } from '../../scene/dent';
-import { surface } from '../../scene/materials';
-import { Sign } from '../../scene/sign';
+import { flat, surface } from '../../scene/materials';
 import { picture } from '../../scene/textures';
 import { drawSymbol, patternTexture } from './liquid_textures';
 import type { Quality } from '../../scene/quality';
@@ -139,4 +138,23 @@ function signTexture(liquid: string, name: string, lit: boolean): Texture {
 }
 
 /** The sign on the rail: symbol and word, highlighted for the current dispenser. */
-export const signOf = (liquid: string): Sign => new Sign(SIGN_WIDTH_M, SIGN_HEIGHT_M, (name, lit) => signTexture(liquid, name, lit));
+export class Sign {
+  readonly root: Mesh;
+  private shown = '';
+
+  constructor(private readonly liquid: string) {
+    this.root = new Mesh(new PlaneGeometry(SIGN_WIDTH_M, SIGN_HEIGHT_M), flat('#ffffff', { transparent: true }));
+  }
+
+  /** Redraws only when something changed. @param name empty: no sign */
+  show(name: string, lit: boolean): void {
+    const key = `${name} ${lit}`;
+    this.root.visible = name !== '';
+    if (key === this.shown || name === '') return;
+    this.shown = key;
+    const material = this.root.material as ReturnType<typeof flat>;
+    material.map?.dispose();
+    material.map = signTexture(this.liquid, name, lit);
+    material.needsUpdate = true;
+  }
+}

@@ -2,7 +2,7 @@
 // the page covers the face.
 
 import {
-  BufferAttribute, BufferGeometry, Color, Group, Mesh, MeshBasicMaterial, Plane, Ray, Vector3, type Material, type PerspectiveCamera,
+  BufferGeometry, Color, Group, Mesh, MeshBasicMaterial, Plane, Ray, Vector3, type BufferAttribute, type Material, type PerspectiveCamera,
 } from 'three';
 import { turnOf, type CameraPlace } from '../../scene/camera';
 import { surface, type Finish } from '../../scene/materials';
@@ -46,10 +46,7 @@ class Layer {
   constructor(quality: Quality, finish: Finish) {
     const material = surface(quality, { ...finish, color: new Color().setScalar(SHARE_OF_LIGHT[quality]), transparent: true });
     material.vertexColors = true;
-    // Nobody yet, of the kind that guests are: what is drawn later needs no program of its own.
-    const nobody = new BufferGeometry();
-    for (const name of ['position', 'normal', 'color']) nobody.setAttribute(name, new BufferAttribute(new Float32Array(0), 3));
-    this.mesh = new Mesh(nobody, material);
+    this.mesh = new Mesh(new BufferGeometry(), material);
     this.mesh.castShadow = this.mesh.receiveShadow = true;
     this.veil = new Mesh(this.mesh.geometry, new MeshBasicMaterial({ colorWrite: false }));
     this.veil.renderOrder = -1;

@@ -6,7 +6,7 @@ import { programFrame, toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { outlineOfScene } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
-import { textSign } from '../../scene/sign';
+import { Sign } from '../../scene/sign';
 import type { Setting } from '../../scene/stage';
 import type { Marks } from '../exercise';
 import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
@@ -35,7 +35,7 @@ export class CabinView implements ExerciseView {
   private readonly models: Group[];
   private readonly window = new Group();   // turned like the room
   private readonly stars: Stars;
-  private readonly sign = textSign(SIGN.wide_m);
+  private readonly sign = new Sign(SIGN.wide_m);
   private readonly ring = new Group();
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private shown: Marks = { proposed: -1, held: [] };

@@ -6,7 +6,7 @@ import { DEFAULT_PLACE, turnOf, type CameraPlace } from '../../scene/camera';
 import { quaternionToThree, toThree } from '../../scene/frames';
 import { outlineOfScene } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
-import { textSign } from '../../scene/sign';
+import { Sign } from '../../scene/sign';
 import type { Setting } from '../../scene/stage';
 import { Dent, pressingOn } from '../../scene/dent';
 import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
@@ -46,7 +46,7 @@ export class HutView implements ExerciseView {
   private readonly course = new Course();
   private readonly fleet: Fleet;
   private readonly lanterns: Lantern[] = [];
-  private readonly sign = textSign(SIGN.wide_m);
+  private readonly sign = new Sign(SIGN.wide_m);
   private readonly side: 1 | -1;
   private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private height = 0;
