@@ -110,9 +110,9 @@ class JointRows {
   void takeFrom(const ConeNewton& newton) noexcept;
   /// The same for one body of an island that the hand does not touch.
   void takeFrom(const IslandNewton& newton, int body) noexcept;
-  /// True when an end of a range bore a row of this impulse on the coordinates in the last step, as
+  /// True when an end of a range bore a row along these coordinates in the last step, as
   /// long as this one is not solved.
-  [[nodiscard]] bool endBears(const SolverJoint& on, const btVector3& row) const noexcept;
+  [[nodiscard]] bool endBears(const SolverJoint& on, const btVector3& along) const noexcept;
   /// Marks all rows as outside of the hand's island, after no solution was found.
   void release() noexcept;
 
