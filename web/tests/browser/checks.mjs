@@ -227,40 +227,6 @@ export async function pagesAreAccessible(t) {
   return `${views.length} views, no serious or critical fault; ${texts} texts grow with the zoom`;
 }
 
-/** A pad that the test moves. Browsers show one only after its first press. */
-const PAD = () => {
-  window.pad = null;
-  navigator.getGamepads = () => [window.pad];
-  window.plugPad = () => {
-    window.pad = { index: 0, mapping: 'standard', connected: true, axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ value: 0, pressed: false })) };
-    dispatchEvent(new Event('gamepadconnected'));
-  };
-};
-
-/** A pad that is plugged in beside the first card is offered there; its stick moves the hand, its button closes it. */
-export async function padMovesAndSqueezes(t) {
-  const watcher = await t.watcher();
-  const page = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }), { init: [PAD, GOES_ON] });
-  await page.waitForSelector('[data-testid=start]:enabled');
-  expect(await page.locator('[data-way=gamepad]').count() === 0, 'a pad is offered that nobody has');
-  await page.evaluate(() => window.plugPad());
-  await page.click('[data-way=gamepad]');
-  await page.click('[data-help=some]');
-  await page.click('[data-testid=start]');
-  await watcher.steered();
-  const stick = (x, y) => page.evaluate((to) => { window.pad.axes = [...to, 0, 0]; }, [x, y]);
-  await stick(0, 1);
-  await watcher.until('the hand drawn back', (now) => axis(now, 'x') < DRAWN_BACK_M);
-  const before = axis(await watcher.now(), 'y'), to = before > 0 ? 1 : -1;   // positive y is left
-  await stick(to, 0);
-  await watcher.until('the hand following the stick', (now) => (before - axis(now, 'y')) * to > 0.03);
-  await stick(0, 0);
-  const fingers = axis(await watcher.now(), 'finger_flexion');
-  await page.evaluate(() => { window.pad.buttons[0] = { value: 1, pressed: true }; });
-  await watcher.until('the hand closing', (now) => axis(now, 'finger_flexion') > fingers + 0.3);
-  return 'offered when it was plugged in; the stick moved the hand, the button closed it';
-}
-
 /** One finger drags the hand, the large button squeezes. */
 export async function touchMovesAndSqueezes(t) {
   const watcher = await t.watcher();

@@ -53,7 +53,6 @@ const TESTS = [
   ['unrecorded session is reported', recorded.unrecordedSessionIsReported],
   ['keys fill a glass without help_slow', checks.keysFillAGlassAlone, PACED],
   ['touch moves and squeezes', checks.touchMovesAndSqueezes, PACED],
-  ['a game pad moves and squeezes', checks.padMovesAndSqueezes, PACED],
   ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, FIRST_PACED],
   ['reconnects after a restart', checks.reconnects, PACED],
   ['pages are accessible', checks.pagesAreAccessible],
