@@ -302,6 +302,11 @@ void Reader::checkColumns() {
               exampleOfMap(unmapped_, time_place_.has_value()));
     return;
   }
+  if (time_place_ && map_.rate_hz > 0.0) {
+    fault("# columns", fmt::format("rate_hz = {:g}", map_.rate_hz),
+          "stands beside a time: the column " + shown(header_[*time_place_]),
+          "take the rate out, or name the column otherwise");
+  }
   if (!time_place_ && map_.rate_hz == 0.0) {
     fault("time_s", "",
           other == header_.end()

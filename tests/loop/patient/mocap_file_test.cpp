@@ -120,6 +120,7 @@ TEST_F(Motions, WrongMaps_AreNamed) {
       {"up = x, RWRI X = x", "is no axis that may point up"},
       {"rate_hz = -1.0, RWRI X = x", "is no rate; must be in (0, 100000] Hz"},
       {"rate_hz = 120 Hz, RWRI X = x", "is no rate"},
+      {"rate_hz = 50, RWRI X = x", "stands beside a time: the column Frame"},
       {"RWRI X = elbow", "no known axis"},
       {"RWRI X = finger_flexion", "is a rotation: use _rad"},
       {"RWRI X = x, RFIN X = x", "stands there twice"},

@@ -25,25 +25,14 @@ class ChainRows {
   void add(btRigidBody& lead, JointChain& chain);
   [[nodiscard]] bool any() const noexcept { return !trees_.empty(); }
 
-  /// Begins a step with the impulses of the last step. @param touched per body of the solver: set
-  /// to true for trees
+  // Each as the function of this name of JointRows, for the trees.
   void begin(std::vector<bool>& touched) noexcept;
-  /// Solves the rows of every tree that is not in an island. @return the largest change of an
-  /// impulse
   double solve(Bodies& bodies) noexcept;
-  /// Adds the rows of a solver body to an island's system, if the body is a tree. @param unknown
-  /// index of the x of the body's angular velocity @return false: no room
   [[nodiscard]] bool addTo(ConeNewton& newton, int body, int unknown) noexcept;
-  /// The same for an island that the hand does not touch. @param slot the body's index in it
   [[nodiscard]] bool addTo(IslandNewton& newton, int body, int slot) noexcept;
-  /// Takes the impulses of an island's rows.
   void takeFrom(const ConeNewton& newton) noexcept;
-  /// The same for one body of an island that the hand does not touch.
   void takeFrom(const IslandNewton& newton, int body) noexcept;
-  /// True when an end of a range bore a row of this impulse on the coordinates in the last step, as
-  /// long as this one is not solved.
   [[nodiscard]] bool endBears(const JointChain& chain, const btVector3& row) const noexcept;
-  /// Marks all rows as outside of the hand's island, after no solution was found.
   void release() noexcept;
 
  private:
