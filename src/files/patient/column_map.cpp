@@ -24,7 +24,8 @@ std::string withoutUnit(const std::string& text) {
 bool isPosition(const std::string& text, char axis) {
   const ColumnName name = nameOf(text);
   const bool turns = name.unit != nullptr && name.unit->of == ColumnUnit::Of::kAngle;
-  return !turns && name.stem.ends_with(axis);
+  const char last = name.stem.empty() ? ' ' : name.stem.back();  // of "Wrist X", too
+  return !turns && (last == axis || last == axis - 'a' + 'A');
 }
 
 }  // namespace

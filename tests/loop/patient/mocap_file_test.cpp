@@ -107,6 +107,11 @@ TEST_F(Motions, OfEveryKind_ArePlayedWithTheLineOfTheRefusal) {
     const std::string why = refusal(content), mark = "# columns: ";
     const auto begin = why.find(mark);
     ASSERT_NE(begin, std::string::npos) << why;
+    const bool is_place = std::string(content).find("theta") == std::string::npos;
+    EXPECT_EQ(contains(why, " = finger_flexion"), !is_place) << why;
+    for (const char* axis : {" = x", " = y", " = z"}) {
+      EXPECT_EQ(contains(why, axis), is_place) << why;
+    }
     const auto motion = read(content, why.substr(begin + mark.size()));
     EXPECT_TRUE(motion) << format(motion.errors()) << "\nwith " << why;
   }
