@@ -41,6 +41,7 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
         if (!more && config_.interrupts != nullptr) --config_.interrupts->loops;
         return more;
       });
+  has_thread_.store(true, std::memory_order_release);
   if (config_.interrupts != nullptr) {
     config_.interrupts->ticked_ns.store(monotonicNow_ns());
     ++config_.interrupts->loops;
@@ -54,7 +55,7 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
 }
 
 bool Session::running() const {
-  return thread_ != nullptr && thread_->running();
+  return has_thread_.load(std::memory_order_acquire) && thread_->running();
 }
 
 void Session::join() {

@@ -92,7 +92,7 @@ class Session {
 
   /// Starts a real-time run: ticks on its own thread at the renderer's period until the end.
   [[nodiscard]] Expected<SetupReport> start(const PeriodicThreadConfig& thread);
-  /// True until the last record is in the queue.
+  /// True until the last record is in the queue. Any thread, also while start() runs.
   [[nodiscard]] bool running() const;
   void join();
   /// Takes the next record, in order. One consumer.
@@ -171,6 +171,7 @@ class Session {
   std::atomic<bool> at_neutral_{false}, over_{false};
   bool interrupted_ = false, reported_alive_ = true;  ///< ticking thread only
   SessionCounters counters_;
+  std::atomic<bool> has_thread_{false};     ///< thread_ is set and stays; for other threads
   std::unique_ptr<PeriodicThread> thread_;  ///< last member: joined before the data it writes is
                                             ///< destroyed
 };
