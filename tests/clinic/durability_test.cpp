@@ -35,7 +35,7 @@ TEST(Durability, KilledAtRandomMoments_LosesNoAnsweredNote) {
   b.clinic.reset();
   std::mt19937 random(40);  // the seed does not matter: the moments vary with the machine
   int answered = 0;
-  for (int round = 0; round < 20; ++round) {
+  for (int round = 0; round < (test::kSanitized ? 4 : 20); ++round) {
     int ends[2];
     ASSERT_EQ(::pipe(ends), 0);
     const pid_t child = ::fork();
