@@ -68,8 +68,7 @@ Handle creationProperties(const ColumnShape& column, std::uint64_t chunk_rows) {
   H5Pset_deflate(properties.get(), kDeflateLevel);
   if (column.name == "tick" || column.name == "row") {
     // The fill value marks rows that never reached the disk; 0 would be confused with tick 0.
-    const std::uint64_t never = UINT64_MAX;
-    H5Pset_fill_value(properties.get(), H5T_NATIVE_UINT64, &never);
+    H5Pset_fill_value(properties.get(), hdf5::fileType(column.type), &kNeverWritten);
   }
   return properties;
 }

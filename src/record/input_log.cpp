@@ -257,7 +257,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'W', 'H', 'I', 'N', 'P', 'U', 'T', '2'};
+constexpr std::array<char, 8> kMagic = {'W', 'H', 'I', 'N', 'P', 'U', 'T', '3'};
 constexpr auto kSyncAfter = std::chrono::seconds(1);
 
 /// Head of the description and of each block of inputs.

@@ -42,8 +42,8 @@ void clear(TickRecord& record) noexcept {
 RecordedTables::RecordedTables(const RecordingMeta& meta, const LeftOut& left_out)
     : meta_(meta),
       ticks_(tickColumns(meta)),
-      contacts_(contactColumns()),
-      events_(eventColumns()),
+      contacts_(contactColumns(meta)),
+      events_(eventColumns(meta)),
       commands_(commandColumns(meta)),
       block_(chunkRows(meta.period_s)) {
   ticks_.leaveOut(left_out.of_ticks);
@@ -99,7 +99,7 @@ void RecordedTables::findRows() {
   std::vector<std::uint64_t> numbers;
   std::vector<std::int32_t> contacts, events, commands;
   // Reads tick numbers and counts; unreadable ones get marker values.
-  const std::uint64_t unread = ticks_.readSound("tick", block_, UINT64_MAX, numbers);
+  const std::uint64_t unread = ticks_.readSound("tick", block_, kNeverWritten, numbers);
   if (unread > 0) {
     outline_.flaw = "/ticks has " + std::to_string(unread) + " rows of 'tick' that cannot be read";
   }
@@ -112,7 +112,7 @@ void RecordedTables::findRows() {
   commands_.findBlocks(rows, block_);
   TickRecord counts;  // large, so it is constructed once
   for (std::uint64_t i = 0; i < rows; ++i) {
-    if (numbers[i] == UINT64_MAX) continue;
+    if (numbers[i] == kNeverWritten) continue;
     counts.contact_count = contacts[i];
     counts.exercise.event_count = events[i];
     counts.command_count = commands[i];
@@ -217,6 +217,7 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   }
   record.body_count =
       std::clamp(record.body_count, 0, static_cast<std::int32_t>(meta_.body_names.size()));
+  record.body_joint_count = static_cast<std::int32_t>(meta_.body_joint_names.size());
   record.contact_count = contacts_.count(i);
   for (std::int32_t c = 0; c < record.contact_count; ++c) {
     record.contacts[c] = contacts_.row(i, c).contact;

@@ -11,13 +11,14 @@
 
 namespace wholehand {
 
-/// Schema version of recordings; files of another version are refused.
-inline constexpr std::uint64_t kRecordingSchema = 9;
+/// Schema version of recordings, and the oldest one that is read; files of others are refused.
+inline constexpr std::uint64_t kRecordingSchema = 10, kOldestSchema = 9;
 
 /// Everything needed to understand a recording and to repeat the run; written once into its /meta.
 struct RecordingMeta {
-  std::string created_utc;  ///< ISO 8601
-  std::string git_version;  ///< version of the program
+  std::uint64_t schema = kRecordingSchema;  ///< of the file that was read
+  std::string created_utc;                  ///< ISO 8601
+  std::string git_version;                  ///< version of the program
   std::uint64_t seed = 0;
   double period_s = 1e-3;
   std::string engine;  ///< name of the physics engine
@@ -42,6 +43,8 @@ struct RecordingMeta {
   std::vector<double> encoder_step;                 ///< per axis [m or rad]; 0: none
   std::vector<double> armed_position;               ///< device position at arming
   std::vector<std::string> joint_names, body_names, capsule_names;
+  std::vector<std::string> body_joint_names;  ///< recorded bodies on joints, ascending
+  std::vector<std::string> body_joint_units;  ///< one each: "m" or "rad"
   /// Number of slots for the bodies of a game; they are the last entries of body_names. With 0 the
   /// commands have no numbers.
   std::uint64_t game_slots = 0;

@@ -127,13 +127,14 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
   return c;
 }
 
-/// One unit for all elements, or one per axis.
+/// One unit for all elements, or one per axis or joint.
 template <class Path>
 Texts unitsOf(const RecordingMeta& meta, const Field<Path>& field) {
   const FieldUnit& unit = field.unit;
   if (std::strcmp(unit.per_m, unit.per_rad) == 0) return {unit.per_m};
   Texts out;
-  for (const std::string& of : meta.axis_units) {
+  const bool of_bodies = field.labels == FieldLabels::kBodyJoints;
+  for (const std::string& of : of_bodies ? meta.body_joint_units : meta.axis_units) {
     out.emplace_back(of == "rad" ? unit.per_rad : unit.per_m);
   }
   return out;
@@ -181,6 +182,15 @@ Column<TickRecord> named(const char* name, int count, At at) {
   return c;
 }
 
+/// Column of a number that names a row, or the tick of one; kNeverWritten where nothing was
+/// written.
+template <class Row, class At>
+Column<Row> rowNumber(const RecordingMeta& meta, const char* name, At at) {
+  Column<Row> c = number<Row>(name, "1", at);
+  if (meta.schema >= 10) c.type = NumberType::kInt64;  // the same bits
+  return c;
+}
+
 /// Adds the column of a field, if the recording has such elements.
 template <class Row, class Path>
 void addColumn(std::vector<Column<Row>>& out, const RecordingMeta& meta, const Field<Path>& field) {
@@ -209,6 +219,9 @@ void addColumn(std::vector<Column<Row>>& out, const RecordingMeta& meta, const F
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     add(block<Row, float>(name, 3, units, {"x", "y", "z"}, [of](auto& row) { return &of(row).x; }));
   } else if constexpr (std::is_enum_v<Value> || std::is_arithmetic_v<Value>) {
+    if constexpr (std::is_same_v<Value, std::uint64_t>) {
+      if (exact) return add(rowNumber<Row>(meta, name, of));
+    }
     if (field.below > 0) {
       if constexpr (std::is_same_v<Row, TickRecord>) add(named(name, field.below, of));
     } else if (exact) {
@@ -223,14 +236,31 @@ void addColumn(std::vector<Column<Row>>& out, const RecordingMeta& meta, const F
   }
 }
 
+constexpr int kNumbersOfSchema9 = 16;
+
+/// Replaces the spin of a spawn order in a file of schema 9, where the last number holds the three
+/// components: 17 bits each, the x component in the lowest, in steps of 1/256 rad/s.
+void unpackSpin(Command& command) {
+  constexpr std::int64_t kHalf = 1 << 16;
+  double& packed = command.numbers[kNumbersOfSchema9 - 1];
+  if (command.type != CommandType::kSpawn || !(packed >= 0.0 && packed < 0x1p51)) return;
+  auto all = static_cast<std::int64_t>(packed);
+  for (int i = 0; i < 3; ++i, all /= 2 * kHalf) {
+    const std::int64_t steps = all % (2 * kHalf);
+    command.numbers[kNumbersOfSchema9 - 1 + i] =
+        static_cast<double>(steps < kHalf ? steps : steps - 2 * kHalf) / 256.0;
+  }
+}
+
 /// Adds the columns of an item's fields, and before them its row of /ticks.
 template <class Row, class Item, class... Fields>
-std::vector<Column<Row>> itemColumns(Item Row::*item, const std::tuple<Fields...>& table) {
+std::vector<Column<Row>> itemColumns(const RecordingMeta& meta, Item Row::*item,
+                                     const std::tuple<Fields...>& table) {
   std::vector<Column<Row>> out;
-  out.push_back(number<Row>("row", "1", fieldPath(&Row::row)));
+  out.push_back(rowNumber<Row>(meta, "row", fieldPath(&Row::row)));
   visitFields(table, [&](const auto& field) {
     const auto in_row = fieldPath(item, field.of.member);
-    addColumn(out, {},
+    addColumn(out, meta,
               Field<std::remove_const_t<decltype(in_row)>>{field.name, field.unit, field.role,
                                                            field.storage, in_row});
   });
@@ -246,19 +276,19 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
   return out;
 }
 
-std::vector<Column<EventRow>> eventColumns() {
-  return itemColumns(&EventRow::event, kEventFields);
+std::vector<Column<EventRow>> eventColumns(const RecordingMeta& meta) {
+  return itemColumns(meta, &EventRow::event, kEventFields);
 }
 
-std::vector<Column<ContactRow>> contactColumns() {
-  return itemColumns(&ContactRow::contact, kContactFields);
+std::vector<Column<ContactRow>> contactColumns(const RecordingMeta& meta) {
+  return itemColumns(meta, &ContactRow::contact, kContactFields);
 }
 
 std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
   using R = CommandRow;
   std::vector<Column<R>> out;
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
-  add(number<R>("row", "1", fieldPath(&R::row)));
+  add(rowNumber<R>(meta, "row", fieldPath(&R::row)));
   add(number<R>("type", "1", fieldPath(&R::command, &Command::type)));
   add(number<R>("index", "1", fieldPath(&R::command, &Command::index)));
   add(number<R>("value", "see type", fieldPath(&R::command, &Command::value)));
@@ -267,8 +297,16 @@ std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
     position.emplace_back(unit == "rad" ? "rad" : "m");
   add(perAxis<R, double>("aim", fieldPath(&R::command, &Command::aim), position, meta.axis_names));
   if (meta.game_slots > 0) {
-    add(block<R, double>("numbers", kOrderNumbers, {"see type"}, {},
-                         [](auto& row) { return row.command.numbers.data(); }));
+    auto numbers =
+        block<R, double>("numbers", meta.schema < 10 ? kNumbersOfSchema9 : kOrderNumbers,
+                         {"see type"}, {}, [](auto& row) { return row.command.numbers.data(); });
+    if (meta.schema < 10) {
+      numbers.load = [load = numbers.load](const std::byte* in, R& row) {
+        load(in, row);
+        unpackSpin(row.command);
+      };
+    }
+    add(std::move(numbers));
   }
   return out;
 }

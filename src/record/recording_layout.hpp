@@ -37,6 +37,10 @@ struct Column : ColumnShape {
   std::function<void(const std::byte*, Row&)> load;
 };
 
+/// Value of a number of a row that never reached the disk: −1 in the file (before schema 10:
+/// 2^64 − 1).
+inline constexpr std::uint64_t kNeverWritten = UINT64_MAX;
+
 /// One contact and its row of /ticks.
 struct ContactRow {
   std::uint64_t row = 0;
@@ -60,9 +64,9 @@ struct CommandRow {
 /// The column of digests (loop/core/tick_digest.hpp).
 inline constexpr const char* kDigest = "digest";
 /// The datasets of /contacts.
-[[nodiscard]] std::vector<Column<ContactRow>> contactColumns();
+[[nodiscard]] std::vector<Column<ContactRow>> contactColumns(const RecordingMeta& meta);
 /// The datasets of /events.
-[[nodiscard]] std::vector<Column<EventRow>> eventColumns();
+[[nodiscard]] std::vector<Column<EventRow>> eventColumns(const RecordingMeta& meta);
 /// The datasets of /commands.
 [[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
 

@@ -32,8 +32,10 @@ bool visitMeta(Archive&& a, Meta& m) {
          a("effort_limits", m.effort_limits) && a("lever_arms_m", m.lever_arms_m) &&
          a("encoder_step", m.encoder_step) && a("armed_position", m.armed_position) &&
          a("joint_names", m.joint_names) && a("body_names", m.body_names) &&
-         a("capsule_names", m.capsule_names) && a("game_slots", m.game_slots) &&
-         a("exercise", m.exercise) && a("level", m.level) &&
+         a("capsule_names", m.capsule_names) &&
+         (m.schema < 10 || (a("body_joint_names", m.body_joint_names) &&
+                            a("body_joint_units", m.body_joint_units))) &&
+         a("game_slots", m.game_slots) && a("exercise", m.exercise) && a("level", m.level) &&
          a("parameter_names", m.parameter_names) && a("parameter_values", m.parameter_values) &&
          a("value_names", m.value_names) && a("event_names", m.event_names) &&
          a("result_names", m.result_names) && a("result_labels", m.result_labels) &&
@@ -168,8 +170,9 @@ std::string unusable(const RecordingMeta& meta) {
   }
   for (const std::vector<std::string>* texts :
        {&meta.axis_names, &meta.axis_units, &meta.joint_names, &meta.body_names,
-        &meta.capsule_names, &meta.parameter_names, &meta.value_names, &meta.event_names,
-        &meta.result_names, &meta.result_labels, &meta.result_units}) {
+        &meta.body_joint_names, &meta.body_joint_units, &meta.capsule_names, &meta.parameter_names,
+        &meta.value_names, &meta.event_names, &meta.result_names, &meta.result_labels,
+        &meta.result_units}) {
     if (!std::all_of(texts->begin(), texts->end(), [](const auto& t) { return isPrintable(t); })) {
       return "holds names that cannot be shown";
     }
@@ -180,6 +183,10 @@ std::string unusable(const RecordingMeta& meta) {
   }
   if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
   if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
+  if (meta.body_joint_names.size() > meta.body_names.size() ||
+      meta.body_joint_units.size() != meta.body_joint_names.size()) {
+    return "has more bodies on joints than bodies, or not one unit for each";
+  }
   if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
   if (meta.parameter_values.size() != meta.parameter_names.size()) {
     return "has not one value for each parameter";
@@ -218,6 +225,8 @@ const std::vector<std::string>& labelsOf(const RecordingMeta& meta, FieldLabels 
       return meta.joint_names;
     case FieldLabels::kBodies:
       return meta.body_names;
+    case FieldLabels::kBodyJoints:
+      return meta.body_joint_names;
     case FieldLabels::kParameters:
       return meta.parameter_names;
     case FieldLabels::kValues:

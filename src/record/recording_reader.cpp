@@ -54,7 +54,7 @@ Expected<bool> leftOpen(const std::string& path) {
 
 /// Reads the description in a child process; returns none if that process fails. HDF5 1.10 reads
 /// beyond its memory in damaged texts of variable length, which only other programs write.
-std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
+std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group, std::uint64_t schema) {
   constexpr unsigned kPatience_s = 10;
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return std::nullopt;
@@ -62,6 +62,7 @@ std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
   if (child == 0) {
     ::alarm(kPatience_s);
     RecordingMeta meta;
+    meta.schema = schema;
     std::string kind;
     const bool read = readAttribute(meta_group, "format", kind) && kind == recording::kFormat &&
                       recording::readMeta(file, meta_group, meta).empty();
@@ -87,6 +88,7 @@ std::optional<RecordingMeta> readMetaApart(hid_t file, hid_t meta_group) {
   while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   RecordingMeta meta;
+  meta.schema = schema;
   if (child <= 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0 ||
       !black_box::unpackMeta(packed.data(), packed.size(), meta)) {
     return std::nullopt;
@@ -153,14 +155,16 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
       (!apart && !(readAttribute(group.get(), "format", kind) && kind == recording::kFormat))) {
     return fileFault(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
-  if (version != kRecordingSchema) {
+  meta_.schema = version;
+  if (version < kOldestSchema || version > kRecordingSchema) {
     const bool newer = version > kRecordingSchema;
     std::string by;
     const bool said =
         !apart && readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
     auto d =
         fileFault(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
-                  "this program reads schema version " + std::to_string(kRecordingSchema) +
+                  "this program reads schema versions " + std::to_string(kOldestSchema) + " and " +
+                      std::to_string(kRecordingSchema) +
                       (newer ? "; update it"
                              : "; record anew, or read it with a program of its time" +
                                    (said ? ": " + by : "")));
@@ -169,7 +173,7 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
     return d;
   }
   if (apart) {
-    auto meta = readMetaApart(file_.get(), group.get());
+    auto meta = readMetaApart(file_.get(), group.get(), version);
     if (!meta) return fileFault(path, "is damaged: its texts cannot be read", kBrokenCopy);
     meta_ = std::move(*meta);
   } else if (const std::string unread = recording::readMeta(file_.get(), group.get(), meta_);

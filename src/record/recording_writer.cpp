@@ -223,8 +223,8 @@ void removeParts(const std::string& path) {
 
 RecordingFile::RecordingFile(const RecordingMeta& meta)
     : ticks_(tickColumns(meta), chunkRows(meta.period_s)),
-      contacts_(contactColumns(), kContactChunkRows),
-      events_(eventColumns(), kRareChunkRows),
+      contacts_(contactColumns(meta), kContactChunkRows),
+      events_(eventColumns(meta), kRareChunkRows),
       commands_(commandColumns(meta), kRareChunkRows) {
   contacts_.beginChunks();
 }

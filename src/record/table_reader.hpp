@@ -214,7 +214,7 @@ class SideTable {
   /// valid until the next load(). Unreadable rows belong to no tick.
   void findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
     std::vector<std::uint64_t> owners;
-    table.readSound("row", kContactChunkRows, UINT64_MAX, owners);
+    table.readSound("row", kContactChunkRows, kNeverWritten, owners);
     assign(owners, 0, 0, ticks);
     for (std::uint64_t tick = 0; tick < ticks; tick += block_rows) {
       blocks_.push_back(rowsOf(tick, std::min(ticks, tick + block_rows)));
@@ -261,7 +261,7 @@ class SideTable {
     [[nodiscard]] std::uint64_t end() const noexcept { return first + count; }
   };
 
-  /// Assigns rows to ticks. Rows that never reached the disk hold UINT64_MAX and belong to no tick;
+  /// Assigns rows to ticks. Rows that never reached the disk hold kNeverWritten and belong to none;
   /// rows of an earlier tick than their predecessor belong to no tick either.
   void assign(const std::vector<std::uint64_t>& owners, std::uint64_t first_row,
               std::uint64_t first_tick, std::uint64_t end_tick) {

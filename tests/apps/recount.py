@@ -36,7 +36,7 @@ class Recount:
     def __init__(self, path):
         with read_recording(path) as f:
             tick = f["ticks/tick"][:]
-            rows = numpy.flatnonzero(tick < 2**63)  # docs/recording.md: the other ticks were lost
+            rows = numpy.flatnonzero(tick >= 0)  # docs/recording.md: the other ticks were lost
             self.lost = len(rows) < len(tick)
             new = numpy.full(len(tick), -1)
             new[rows] = numpy.arange(len(rows))
@@ -50,17 +50,18 @@ class Recount:
             self.values = f["ticks/exercise_values"][:][rows].astype(float) if self.value_names else numpy.zeros((len(rows), 0))
             self.events = [(int(new[row]), self.event_names[kind], int(index), float(value)) for row, kind, index, value in
                            zip(*(f[f"events/{name}"][:] for name in ("row", "type", "index", "value")))
-                           if row < len(tick) and new[int(row)] >= 0]
+                           if 0 <= row < len(tick) and new[int(row)] >= 0]
             self.axes, self.units = texts(meta["axis_names"]), texts(meta["axis_units"])
             self.q_m, self.intention = (f[f"ticks/{name}"][:][rows].astype(float) for name in ("q_m", "intention"))
             self.silent = f["ticks/faults"][:][rows] & HOLDER_SILENT != 0
             aims = f["commands/row"][:][f["commands/type"][:] == AIM]
             self.aimed = numpy.zeros(len(rows), bool)
-            self.aimed[[new[int(row)] for row in aims if row < len(tick) and new[int(row)] >= 0]] = True
+            self.aimed[[new[int(row)] for row in aims if 0 <= row < len(tick) and new[int(row)] >= 0]] = True
             self.bodies = texts(f["ticks/bodies"].attrs["labels"]) if "bodies" in f["ticks"] else []
-            # Keeps as many contacts of each row as the row counts; contacts that were never written name row 2^64 - 1.
-            written = numpy.flatnonzero(f["contacts/row"][:] < len(tick))
-            of_row = f["contacts/row"][:][written].astype(numpy.int64)
+            # Keeps as many contacts of each row as the row counts; contacts that were never written have row -1.
+            of_row = f["contacts/row"][:]
+            written = numpy.flatnonzero((of_row >= 0) & (of_row < len(tick)))
+            of_row = of_row[written]
             by_row = numpy.argsort(of_row, kind="stable")
             first = numpy.searchsorted(of_row[by_row], of_row[by_row])
             kept = numpy.zeros(len(of_row), bool)

@@ -8,7 +8,7 @@ import time
 import h5py
 import numpy
 
-from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, INTERRUPTED, AppTest, loop_sleeps, main, read_recording
+from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, HANG_S, INTERRUPTED, SOURCE, AppTest, loop_sleeps, main, read_recording
 
 
 def flip_last_bit(path, dataset, row, column=None):
@@ -304,6 +304,14 @@ class Foreign(AppTest):
         self.expect_all_refuse(path, "schema_version = 8", "of an earlier version", written_by)
         with self.assertRaisesRegex(ValueError, "run.h5: schema_version = 8: .* of its time"):
             read_recording(path)
+
+    def test_schema_before_is_replayed_but_not_run_again(self):
+        path = self.folder / "nine.h5"
+        shutil.copy(SOURCE / "tests/record/data/schema_9.h5", path)
+        self.expect(self.run_app("replay", path), DONE, "12 ticks")
+        self.expect_refused(self.run_app("replay", path, "--resimulate"), "schema version 9", "9893d4ac", lines=1)
+        with read_recording(path) as f:
+            numpy.testing.assert_array_equal(f["ticks/sent"][:, 0], numpy.arange(12) + 1.0)
 
     def test_embedded_file_names_outside_the_folder_are_refused(self):
         path = self.record(duration=0.2)

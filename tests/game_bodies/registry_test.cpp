@@ -234,7 +234,7 @@ TEST(BodyRegistry, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
   state.position_m = {3.1, 0.25, -0.125};
   state.orientation_xyzw = {0.5, -0.5, 0.5, 0.5};
   state.velocity_m_s = {1.5, -0.25, 0.5};
-  state.angular_velocity_rad_s = {-30.0, 0.5, 100.0};
+  state.angular_velocity_rad_s = {-30.0, 1.0 / 3.0, 100.0};
   loop.tick(500);
   const RegisteredBody away = loop.body(kFirstNumber);
   ASSERT_EQ(away.whereabouts, Whereabouts::kOutOfReach);
@@ -255,7 +255,7 @@ TEST(BodyRegistry, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
   EXPECT_EQ(loop.last_spawn.velocity_m_s.x, 1.5);
   EXPECT_EQ(loop.last_spawn.velocity_m_s.y, -0.25);
   EXPECT_EQ(loop.last_spawn.spin_rad_s.x, -30.0);
-  EXPECT_EQ(loop.last_spawn.spin_rad_s.y, 0.5);
+  EXPECT_EQ(loop.last_spawn.spin_rad_s.y, 1.0 / 3.0);
   EXPECT_EQ(loop.last_spawn.spin_rad_s.z, 100.0);
 }
 

@@ -36,6 +36,8 @@ inline RecordingMeta meta() {
   for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
   m.body_names = {"cube", "sphere", "cylinder", "disk"};
   m.capsule_names = {"palm", "index_proximal"};
+  m.body_joint_names = {"cube", "disk"};
+  m.body_joint_units = {"rad", "m"};
   m.exercise = "cocktail-bar";
   m.level = 3;
   m.parameter_names = {"effort_limit_arm_n", "wall_stiffness_ratio"};
@@ -90,6 +92,11 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
     r.bodies[b].orientation_xyzw = {n(random), n(random), n(random), n(random)};
     r.bodies[b].velocity_m_s = {n(random), n(random), n(random)};
     r.bodies[b].angular_velocity_rad_s = {n(random), n(random), n(random)};
+  }
+  r.body_joint_count = 2;
+  for (std::size_t j = 0; j < 2; ++j) {
+    r.body_q[j] = n(random);
+    r.body_qd[j] = n(random);
   }
   r.f_s = randomArray<AxisEffort>(6, random);
   r.coupling = randomArray<AxisEffort>(6, random);

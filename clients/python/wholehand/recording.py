@@ -17,7 +17,7 @@ if typing.TYPE_CHECKING:
     import pandas
     import xarray
 
-SCHEMA = 9
+SCHEMAS = (9, 10)
 
 
 class Recording(h5py.File):  # type: ignore[misc]
@@ -27,10 +27,11 @@ class Recording(h5py.File):  # type: ignore[misc]
         super().__init__(path, "r", libver="latest", swmr=True)
         self.meta = self["meta"].attrs
         version = self.meta["schema_version"]
-        if version != SCHEMA:
+        if version not in SCHEMAS:
             self.close()
-            remedy = "update it" if version > SCHEMA else "read it with a package of its time"
-            raise ValueError(f"{path}: schema_version = {version}: this package reads version {SCHEMA}: {remedy}")
+            remedy = "update it" if version > SCHEMAS[-1] else "read it with a package of its time"
+            raise ValueError(f"{path}: schema_version = {version}: this package reads versions "
+                             f"{SCHEMAS[0]} to {SCHEMAS[-1]}: {remedy}")
         self.ticks = self["ticks"]
 
     def rows(self) -> int:

@@ -8,10 +8,8 @@ namespace {
 
 // Indices into Command::numbers.
 constexpr int kPose = 0;  // 7 numbers: position, quaternion xyzw
-constexpr int kVelocity = 7, kShapes = 10, kOwnerAt = 11, kMass = 12, kFriction = 13, kRefuse = 14;
-constexpr int kSpin = 15;  // three integers packed in one number, each with kSpinWrap values
-constexpr std::int64_t kSpinHalf = 1 << 16, kSpinWrap = 2 * kSpinHalf;
-constexpr double kSpinSteps_s_rad = 256.0;  // resolution: steps per rad/s
+constexpr int kVelocity = 7, kShapes = 10, kOwnerAt = 11, kMass = 12, kFriction = 13, kRefuse = 14,
+              kSpin = 15;
 
 Command order(CommandType type, int slot, int generation) noexcept {
   Command command;
@@ -32,29 +30,14 @@ int whole(double value) noexcept {
   return value >= 0.0 && value < 1e9 && value == std::floor(value) ? static_cast<int>(value) : -1;
 }
 
-/// Packs an angular velocity into one number: below 2^51, so that a double holds it exactly; 0 for
-/// no spin.
-double packed(const Vec3& spin_rad_s) noexcept {
-  constexpr double kMost = static_cast<double>(kSpinHalf - 1);
-  std::int64_t all = 0;
-  for (const double speed : {spin_rad_s.z, spin_rad_s.y, spin_rad_s.x}) {
-    const double steps = std::isfinite(speed) ? std::round(speed * kSpinSteps_s_rad) : 0.0;
-    const auto whole_steps = static_cast<std::int64_t>(std::clamp(steps, -kMost, kMost));
-    all = all * kSpinWrap + (whole_steps + kSpinWrap) % kSpinWrap;
-  }
-  return static_cast<double>(all);
+void put(const Vec3& v, int at, Command& command) noexcept {
+  command.numbers[at] = v.x;
+  command.numbers[at + 1] = v.y;
+  command.numbers[at + 2] = v.z;
 }
 
-Vec3 unpacked(double number) noexcept {
-  if (!(number >= 0.0 && number < 0x1p51)) return {};
-  auto all = static_cast<std::int64_t>(number);
-  std::array<double, 3> speed{};
-  for (double& s : speed) {
-    const std::int64_t steps = all % kSpinWrap;
-    s = static_cast<double>(steps < kSpinHalf ? steps : steps - kSpinWrap) / kSpinSteps_s_rad;
-    all /= kSpinWrap;
-  }
-  return {speed[0], speed[1], speed[2]};
+Vec3 vectorAt(int at, const Command& command) noexcept {
+  return {command.numbers[at], command.numbers[at + 1], command.numbers[at + 2]};
 }
 
 }  // namespace
@@ -62,15 +45,13 @@ Vec3 unpacked(double number) noexcept {
 Command spawnCommand(const SpawnOrder& spawn) noexcept {
   Command command = order(CommandType::kSpawn, spawn.slot, spawn.generation);
   put(spawn.pose, command);
-  command.numbers[kVelocity] = spawn.velocity_m_s.x;
-  command.numbers[kVelocity + 1] = spawn.velocity_m_s.y;
-  command.numbers[kVelocity + 2] = spawn.velocity_m_s.z;
+  put(spawn.velocity_m_s, kVelocity, command);
+  put(spawn.spin_rad_s, kSpin, command);
   command.numbers[kShapes] = spawn.shape_set;
   command.numbers[kOwnerAt] = static_cast<double>(spawn.owner);
   command.numbers[kMass] = spawn.mass_kg;
   command.numbers[kFriction] = spawn.friction;
   command.numbers[kRefuse] = spawn.refuse_overlap ? 1.0 : 0.0;
-  command.numbers[kSpin] = packed(spawn.spin_rad_s);
   return command;
 }
 
@@ -101,14 +82,13 @@ SpawnOrder spawnOrderOf(const Command& command) noexcept {
   out.slot = command.index;
   out.generation = whole(command.value);
   out.pose = poseOf(command);
-  out.velocity_m_s = {command.numbers[kVelocity], command.numbers[kVelocity + 1],
-                      command.numbers[kVelocity + 2]};
+  out.velocity_m_s = vectorAt(kVelocity, command);
   out.shape_set = whole(command.numbers[kShapes]);
   out.owner = static_cast<BodyOwner>(whole(command.numbers[kOwnerAt]));
   out.mass_kg = command.numbers[kMass];
   out.friction = command.numbers[kFriction];
   out.refuse_overlap = command.numbers[kRefuse] != 0.0;
-  out.spin_rad_s = unpacked(command.numbers[kSpin]);
+  out.spin_rad_s = vectorAt(kSpin, command);
   return out;
 }
 

@@ -68,8 +68,7 @@ struct SpawnOrder {
   double friction = 0.8;  ///< Coulomb coefficient against the hand
   BodyPose pose;
   Vec3 velocity_m_s;  ///< velocity at the instant when it becomes solid; owner kLoop only
-  Vec3 spin_rad_s;    ///< angular velocity then; resolution 1/256 rad/s, below 256 rad/s about each
-                      ///< axis
+  Vec3 spin_rad_s;    ///< angular velocity then
   /// true: an overlap refuses the order; false: the body then appears as a ghost
   bool refuse_overlap = false;
 };
@@ -91,8 +90,9 @@ struct SpawnOrder {
 /// Largest distance from the origin; a body beyond it has left the world.
 inline constexpr double kFarthest_m = 5.0;
 inline constexpr double kMostNormFault = 1e-3;  ///< largest deviation of a quaternion's norm from 1
-inline constexpr double kMostSpawnSpeed_m_s = 2.0;  ///< largest initial speed of a spawned body
-inline constexpr double kMostBodyFriction = 2.0;    ///< largest Coulomb coefficient of a body
+inline constexpr double kMostSpawnSpeed_m_s = 2.0;     ///< largest initial speed of a spawned body
+inline constexpr double kMostSpawnSpin_rad_s = 250.0;  ///< largest initial spin of a spawned body
+inline constexpr double kMostBodyFriction = 2.0;       ///< largest Coulomb coefficient of a body
 
 /// True for a finite pose inside the world whose quaternion is a rotation. Real-time safe.
 [[nodiscard]] inline bool isBodyPose(const BodyPose& pose) noexcept {

@@ -34,7 +34,7 @@ enum class CommandType : std::int32_t {
 }
 
 /// Size of Command::numbers.
-inline constexpr int kOrderNumbers = 16;
+inline constexpr int kOrderNumbers = 18;
 
 /// An action that only the program itself sends, never a client. Command::value is the place in the
 /// level from which the exercise resumes.

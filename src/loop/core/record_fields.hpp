@@ -33,6 +33,7 @@ enum class FieldLabels : std::uint8_t {
   kAxes,
   kJoints,
   kBodies,
+  kBodyJoints,
   kParameters,
   kValues
 };
@@ -178,6 +179,11 @@ inline constexpr auto kRecordFields = [] {
       field("body_count", kOne, kComputed, kExact, path(&R::body_count)),
       items("bodies", kSeeName, kComputed, kSingle, path(&R::bodies), path(&R::body_count),
             FieldLabels::kBodies),
+      field("body_joint_count", kOne, kLength, kNot, path(&R::body_joint_count)),
+      items("body_q", kPosition, kComputed, kSingle, path(&R::body_q), path(&R::body_joint_count),
+            FieldLabels::kBodyJoints),
+      items("body_qd", kVelocity, kComputed, kSingle, path(&R::body_qd), path(&R::body_joint_count),
+            FieldLabels::kBodyJoints),
       axes("f_s", kEffort, kComputed, &R::f_s),
       axes("coupling", kEffort, kComputed, &R::coupling),
       axes("exercise_effort", kEffort, kComputed, &R::exercise, &X::effort),

@@ -27,8 +27,8 @@ constexpr std::size_t coveredBytes() {
   });
   return bytes;
 }
-// The count of placements is followed by an unused number, the fault axis by 4 bytes of padding.
-static_assert(sizeof(TickRecord) == coveredBytes() + sizeof(BodyPlacements::reserved) + 4,
+// The count of placements is followed by an unused number, two others by 4 bytes of padding.
+static_assert(sizeof(TickRecord) == coveredBytes() + sizeof(BodyPlacements::reserved) + 2 * 4,
               "a field of TickRecord is missing in kRecordFields");
 static_assert(kMaxJoints <= 255, "a size is kept in one byte");
 

@@ -156,6 +156,9 @@ struct TickRecord {
   std::int32_t body_count = 0;
   std::int32_t palm_body = -1;  ///< nearest target of the exercise; -1: none
   std::array<BodyState, kMaxBodies> bodies{};
+  std::int32_t body_joint_count = 0;         ///< recorded bodies on joints, by ascending body
+  std::array<double, kMaxBodies> body_q{};   ///< position of the joint [m or rad]
+  std::array<double, kMaxBodies> body_qd{};  ///< its rate [m/s or rad/s]
 
   // written by: bilateral_coupling
   AxisEffort f_s;       ///< drives the avatar, Eq. (2)

@@ -194,6 +194,14 @@ std::vector<std::string> SceneModel::recordedBodies() const {
   return names;
 }
 
+std::vector<int> SceneModel::recordedJoints() const {
+  std::vector<int> on_joints;
+  for (std::size_t i = 0; i < std::min<std::size_t>(bodies.size(), kMaxBodies); ++i) {
+    if (bodies[i].joint) on_joints.push_back(static_cast<int>(i));
+  }
+  return on_joints;
+}
+
 Shape coreOf(const SceneBody& body, const Shape& shape) {
   Shape core = shape;
   if (shape.type == ShapeType::kCylinder) core.radius_m -= body.soft_m;

@@ -138,6 +138,8 @@ struct SceneModel {
   /// Names of the bodies in a record: the scene's bodies, then a game's slots ("slot 0" ..); at
   /// most kMaxBodies.
   [[nodiscard]] std::vector<std::string> recordedBodies() const;
+  /// Indices of the recorded bodies on joints, ascending.
+  [[nodiscard]] std::vector<int> recordedJoints() const;
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };
 

@@ -31,6 +31,13 @@ class JointChain {
   [[nodiscard]] int links() const noexcept { return static_cast<int>(links_.size()); }
   [[nodiscard]] const Eigen::Vector3d& position() const noexcept { return q_; }
   [[nodiscard]] const Eigen::Vector3d& rate() const noexcept { return rate_; }
+  /// Position of a link's joint, and its rate.
+  [[nodiscard]] double jointPosition(int link) const noexcept {
+    return links_[link].ratio * q_[links_[link].coordinate];
+  }
+  [[nodiscard]] double jointRate(int link) const noexcept {
+    return links_[link].ratio * rate_[links_[link].coordinate];
+  }
   /// Pose of the frame of a link's body in the world.
   [[nodiscard]] const Pose& pose(int link) const noexcept { return now_.places[link].pose; }
   /// Velocity of a link's centre of mass, and its angular velocity. Real-time safe.

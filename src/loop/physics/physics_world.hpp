@@ -83,6 +83,9 @@ struct PhysicsState {
   double coupling_error_rad = 0.0;  ///< |θ - (θ₀ + G q_s)| after the last step, before correction
   int body_count = 0;               ///< bodies of the scene and slots of a game, at most kMaxBodies
   std::array<BodyState, kMaxBodies> bodies{};
+  int body_joint_count = 0;                  ///< of these bodies, those on joints, ascending
+  std::array<double, kMaxBodies> body_q{};   ///< positions of their joints [m or rad]
+  std::array<double, kMaxBodies> body_qd{};  ///< their rates [m/s or rad/s]
 };
 
 /// Input that drives the hand through a step, computed for the state that observe() returned.

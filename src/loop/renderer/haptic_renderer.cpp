@@ -10,6 +10,7 @@
 #include <climits>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -44,7 +45,12 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       axis_names_(hand.axis_names),
       dynamics_(hand, config.gains.armature),
       probe_(std::make_unique<HandProbe>(hand, scene)),
-      avatar_damping_(config.gains.axes) {}
+      avatar_damping_(config.gains.axes) {
+  // An engine that does not report the joints of bodies leaves them unknown.
+  state_.body_joint_count = static_cast<int>(scene.recordedJoints().size());
+  state_.body_q.fill(std::numeric_limits<double>::quiet_NaN());
+  state_.body_qd = state_.body_q;
+}
 
 HapticRenderer::~HapticRenderer() = default;
 
@@ -148,6 +154,9 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
   record.coupling_error_rad = state_.coupling_error_rad;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
+  record.body_joint_count = state_.body_joint_count;
+  std::copy_n(state_.body_q.begin(), state_.body_joint_count, record.body_q.begin());
+  std::copy_n(state_.body_qd.begin(), state_.body_joint_count, record.body_qd.begin());
   PoolEnergy pool;
   if (pool_ != nullptr) {
     pool_->report(pool_report_);

@@ -366,6 +366,12 @@ Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::st
                      "changed in memory, or the files after they were read",
                      "write the change into the files and record again");
   }
+  if (meta.schema < kRecordingSchema) {
+    return cannotRun(
+        path,
+        fmt::format("it has schema version {}, and what a tick records has changed", meta.schema),
+        "run it again with the program that recorded it: " + meta.git_version);
+  }
   auto models = recordedModels(meta, path);
   if (!models) return models.errors();
   RigOptions options;

@@ -296,6 +296,11 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
   meta.joint_names = rig.models.hand.joint_names;
   meta.body_names = rig.models.scene.recordedBodies();
+  for (const int body : rig.models.scene.recordedJoints()) {
+    const SceneBody& on = rig.models.scene.bodies[body];
+    meta.body_joint_names.push_back(on.name);
+    meta.body_joint_units.emplace_back(on.joint->isHinge() ? "rad" : "m");
+  }
   meta.game_slots = static_cast<std::uint64_t>(rig.models.scene.game.slots);
   for (const Capsule& capsule : rig.models.hand.capsules)
     meta.capsule_names.push_back(capsule.name);

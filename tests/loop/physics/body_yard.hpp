@@ -110,6 +110,12 @@ class Yard {
                            Vec3::from(Eigen::Vector3d(frame_.rotation * velocity_m_s))};
     world_->placeBodies(placements);
   }
+  /// Position and rate of the i-th body on a joint, as a recording has them.
+  [[nodiscard]] std::pair<double, double> joint(int i) {
+    const PhysicsState now = look(*world_);
+    EXPECT_LT(i, now.body_joint_count);
+    return {now.body_q[i], now.body_qd[i]};
+  }
   void run(double seconds) {
     for (int k = 0; k < static_cast<int>(std::lround(seconds / period_s_)); ++k) step();
   }

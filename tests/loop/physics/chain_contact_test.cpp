@@ -247,6 +247,9 @@ TEST(JointChain, BallOnTheJawThatFollows_MovesBothByItsImpulse) {
   EXPECT_NEAR(yard.spin(0).z(), rate, 0.01 * rate);
   EXPECT_NEAR(yard.spin(1).z(), -0.5 * yard.spin(0).z(), 1e-12);
   EXPECT_LT(yard.spin(1).z(), -0.1);
+  EXPECT_NEAR(yard.joint(0).second, yard.spin(0).z(), 1e-12);
+  EXPECT_NEAR(yard.joint(1).second, yard.spin(1).z(), 1e-12);
+  EXPECT_NEAR(yard.joint(1).first, -0.5 * yard.joint(0).first, 1e-15);
 }
 
 // A chain that its friction holds comes to rest as a whole, and wakes as a whole.

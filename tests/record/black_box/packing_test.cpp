@@ -23,9 +23,12 @@ using Buffer = std::array<std::byte, kMostPackedBytes>;
 /// A record whose padding is zero, so that whole records can be compared byte by byte.
 TickRecord withoutPadding(const TickRecord& record) {
   TickRecord copy = record;
-  constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
-  std::memset(reinterpret_cast<char*>(&copy) + kPadding, 0,
-              offsetof(TickRecord, commands) - kPadding);
+  const auto clear = [&copy](std::size_t last, std::size_t next) {
+    last += sizeof(std::int32_t);
+    std::memset(reinterpret_cast<char*>(&copy) + last, 0, next - last);
+  };
+  clear(offsetof(TickRecord, fault_axis), offsetof(TickRecord, commands));
+  clear(offsetof(TickRecord, body_joint_count), offsetof(TickRecord, body_q));
   return copy;
 }
 
@@ -48,6 +51,7 @@ TEST(PackedRecord, LargestTick_Fits) {
   full.command_count = kMaxCommands;
   full.parameter_count = kMaxLiveParameters;
   full.body_count = kMaxBodies;
+  full.body_joint_count = kMaxBodies;
   full.contact_count = kMaxContacts;
   full.exercise.value_count = kMaxExerciseValues;
   full.exercise.event_count = kMaxExerciseEvents;

@@ -37,6 +37,13 @@ class BulletBody {
   void joinChain(JointChain& chain, int link, int lead);
   /// The tree of joints that moves the body; null: none.
   [[nodiscard]] JointChain* chain() { return chain_; }
+  /// Position and rate of its joint. Real-time safe. @pre joint() or chain()
+  [[nodiscard]] double jointPosition() const noexcept {
+    return joint_ ? joint_->position() : chain_->jointPosition(link_);
+  }
+  [[nodiscard]] double jointRate() const noexcept {
+    return joint_ ? joint_->rate() : chain_->jointRate(link_);
+  }
   /// True for a link of a tree other than its first one, which stands for it in the solver.
   [[nodiscard]] bool isLed() const noexcept { return link_ > 0; }
   /// A body that rests and wakes with this one: the first link of its tree, or itself.

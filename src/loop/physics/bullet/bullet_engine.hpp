@@ -59,6 +59,7 @@ struct BulletEngine {
   ReducedContactSolver solver;
   BulletHand hand;
   std::vector<BulletBody> bodies;
+  std::vector<int> on_joints;  ///< recorded bodies on joints
   RestingBodies resting;
   BulletChains chains;
   ColliderPairs pairs;

@@ -70,6 +70,12 @@ Fault BulletWorld::observe(PhysicsState& state) noexcept {
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   const std::vector<BodyState>& bodies = e.bodyStates();
   std::copy(bodies.begin(), bodies.end(), state.bodies.begin());
+  state.body_joint_count = 0;
+  for (const int body : e.on_joints) {
+    const int joint = state.body_joint_count++;
+    state.body_q[joint] = e.bodies[body].jointPosition();
+    state.body_qd[joint] = e.bodies[body].jointRate();
+  }
   for (const int body : e.resting.awakeBodies()) {
     finite = finite && allFinite(body < state.body_count ? bodies[body] : e.bodies[body].state());
   }

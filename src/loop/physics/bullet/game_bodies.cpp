@@ -53,6 +53,7 @@ constexpr double kTargetLives_s = 0.1, kSilentFade_s = 0.2, kLeaves_s = 5.0;
 
 // Largest speeds of a body. A faster body is slowed down and removed.
 constexpr double kMostSpeed_m_s = 4.9, kMostSpin_rad_s = 200.0;
+static_assert(kMostSpin_rad_s < kMostSpawnSpin_rad_s, "a body may return to its slot");
 
 }  // namespace
 
@@ -117,7 +118,8 @@ void GameBodies::spawn(const SpawnOrder& order) noexcept {
   const ShapeSets::Set* set = sets_.find(order.shape_set);
   if (set == nullptr) return refuse_slot(BodyRefusal::kNoSuchShapes);
   if (!isBodyPose(order.pose) || !isBodyOwner(order.owner) ||
-      !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
+      !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s) ||
+      !(order.spin_rad_s.eigen().norm() <= kMostSpawnSpin_rad_s)) {
     return refuse_slot(BodyRefusal::kBadPose);
   }
   if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
