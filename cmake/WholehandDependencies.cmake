@@ -71,7 +71,7 @@ option(WHOLEHAND_FUZZ "For libFuzzer, under AddressSanitizer: count which branch
 # - under a sanitizer only these modules and the targets of wholehand_computes() are optimised;
 # - with WHOLEHAND_QUICK, as ./start and ./check build, the targets of wholehand_cold() are not.
 option(WHOLEHAND_QUICK "Compile without optimisation what is not hot: programs' commands, the clinic, unit tests" OFF)
-set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/exercise loop/safety
+set(computing_modules loop/core loop/model loop/dynamics loop/control loop/patient loop/psychometrics loop/exercise loop/safety
     loop/physics loop/physics/analytic loop/device/simulated loop/renderer ${engine_modules} files certify
     exercises rig/registry record devices/commissioning devices/commissioning/identification station/server)
 set(cold_modules "^(clinic|devices/conformance|station/server)(/|$)")

@@ -70,6 +70,23 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   addFiles(*liquids, l.files);
   liquids->footer("On the simulated clock; opens no port.");
   liquids->callback([&] { code = liquidsCommand(options.liquids); });
+
+  CLI::App* thresholds = experiment.add_subcommand(
+      "thresholds", "Thresholds of feeling: how well they are found, or that of a file of answers");
+  ThresholdsOptions& t = options.thresholds;
+  thresholds->add_option("--answers", t.answers, "Answers of each block")
+      ->check(finiteBetween(10, 80, ""))
+      ->capture_default_str();
+  thresholds->add_option("--blocks", t.blocks, "Blocks of each virtual observer")
+      ->check(finiteBetween(1, 1e6, ""))
+      ->capture_default_str();
+  thresholds->add_option("--seed", t.seed, "Seed of the observers")
+      ->check(wholeNumber())
+      ->capture_default_str();
+  thresholds->add_option("--fit", t.fit,
+                         "Fit this CSV file: x,other,said_second,is_catch; x = ln(second / first)");
+  thresholds->add_option("--json", t.json, "Write the results to this file");
+  thresholds->callback([&] { code = thresholdsCommand(options.thresholds); });
 }
 
 void addComplexity(CLI::App& larger, ExperimentOptions& o) {

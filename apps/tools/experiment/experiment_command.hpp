@@ -68,10 +68,18 @@ struct LiquidsOptions {
   std::string folder = "out/experiment", json;
 };
 
+struct ThresholdsOptions {
+  std::string fit;  ///< CSV of answers whose threshold is fitted; empty: virtual observers
+  int answers = 50, blocks = 200;
+  std::uint64_t seed = 1;
+  std::string json;
+};
+
 struct BarExperimentOptions {
   CocktailOptions cocktail;
   ExerciseOptions exercise;
   LiquidsOptions liquids;
+  ThresholdsOptions thresholds;
 };
 
 /// Plays the levels of the cocktail bar with many virtual patients. Returns the exit code.
@@ -81,6 +89,10 @@ int exerciseCommand(const ExerciseOptions& options);
 
 /// Measures the felt impedance of every liquid. Returns the exit code.
 int liquidsCommand(const LiquidsOptions& options);
+
+/// Fits thresholds of feeling: of virtual observers, or of a file of answers. Returns the exit
+/// code.
+int thresholdsCommand(const ThresholdsOptions& options);
 
 /// Adds `wholehand experiment` with all experiments. @pre options outlive the parsing
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
