@@ -3,6 +3,7 @@ import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { ROUND } from './posture';
 import { Push } from './push';
 import { Trigger } from './trigger';
+import { dot, length, minus, plus, times } from './triple';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
 /** The input of the pilot at one moment. Grips are device coordinates. */
@@ -167,7 +168,7 @@ export class Pilot {
     this.push = undefined;
     if (help === 'none') return { wish, leaving: false };
     const away = this.meant === undefined ? undefined : sight.awayFromUse?.[this.meant], takes = help === 'full' && away !== undefined && sight.closed && asksToSqueeze(wish.squeeze);
-    if (takes && sight.onJoint) return this.lead(wish, away);
+    if (takes && sight.onJoint && this.meant !== undefined) return this.lead(wish, away, sight, this.meant);
     if (takes && this.meant !== undefined) {
       this.carry = { target: this.meant, carry: new CarryControl() };
     }
@@ -182,10 +183,11 @@ export class Pilot {
     return { wish: { ...wish, place: {}, velocity, squeeze: false }, goal, leaving: false, pushes: true };
   }
 
-  /** Moves a held target along its joint. */
-  private lead(wish: Wish, { x, y, z }: Triple): Course {
-    const speed = Math.min(SLOWS_PER_S, LED_M_S / Math.max(Math.hypot(x, y, z), 1e-6));
-    return { wish: { ...wish, place: {}, velocity: { x: speed * x, y: speed * y, z: speed * z } }, goal: this.meant, leaving: false, carries: true };
+  /** Moves a held target along its joint. Across the path the aim returns to the grip: an aim that leaves a turning handle sideways would pull it out of the hand. */
+  private lead(wish: Wish, away: Triple, { aim, grips }: PilotInput, goal: number): Course {
+    const far_m = Math.max(length(away), 1e-6), off = minus(grips[goal]!, aim), across = minus(off, times(away, dot(off, away) / far_m ** 2));
+    const velocity = plus(times(away, Math.min(SLOWS_PER_S, LED_M_S / far_m)), times(across, SLOWS_PER_S));
+    return { wish: { ...wish, place: {}, velocity }, goal, leaving: false, carries: true };
   }
 
   /** Puts a carried target back before the hand lets go of it. Undefined: it is no longer carried. */

@@ -1,3 +1,4 @@
+import { dot, length, minus, plus, times } from './triple';
 import type { Triple } from './wish';
 
 /** Speeds of the hand towards the object, and while pushing [m/s]; rate at which it slows down near its goal [1/s]. */
@@ -23,12 +24,6 @@ export interface PushInput {
 }
 
 type Phase = 'align' | 'enter' | 'push';
-
-const minus = (a: Triple, b: Triple): Triple => ({ x: a.x - b.x, y: a.y - b.y, z: a.z - b.z });
-const times = (a: Triple, by: number): Triple => ({ x: by * a.x, y: by * a.y, z: by * a.z });
-const plus = (a: Triple, b: Triple): Triple => minus(a, times(b, -1));
-const dot = (a: Triple, b: Triple): number => a.x * b.x + a.y * b.y + a.z * b.z;
-const length = (a: Triple): number => Math.sqrt(dot(a, a));
 
 /** Pushes an object with straight fingers: moves beside it while drawn back, then clear in front of it, and pushes it to its goal. */
 export class Push {
