@@ -237,7 +237,9 @@ struct TakeControls {
   std::string token;
 };
 struct ReleaseControls {};
-struct Heartbeat {};
+struct Heartbeat {
+  bool busy = false;  ///< the page draws and does not answer, says another of its threads
+};
 struct Rest {};  ///< a pause requested by the player, who may also end it; cancels an arming
 struct SaveProfile {
   std::string name;

@@ -159,7 +159,7 @@ describe('a connection with its own heartbeat', () => {
   it('sends heartbeats only while this page has the controls', async () => {
     const held: boolean[] = [];
     class HeartbeatConnection extends TestConnection implements SocketConnection {
-      keepAlive(beat: Uint8Array | null): void { held.push(beat !== null); }
+      keepAlive(beats: unknown): void { held.push(beats !== null); }
     }
     const beating = new HeartbeatConnection();
     const other = new Connection({ url: 'ws://nowhere/ws', open: () => beating });
@@ -177,11 +177,12 @@ describe('a connection with its own heartbeat', () => {
 });
 
 describe('the connection worker', () => {
-  const sent: unknown[] = [];
+  const sent: unknown[] = [], alive = new Uint8Array([7]), busy = new Uint8Array([8]);
+  const count = (beat: unknown): number => sent.filter((each) => each === beat).length;
   const reported: WorkerMessage[] = [];
   let deliver: (order: WorkerRequest) => void = () => {};
 
-  it('sends a heartbeat every 50 ms while the page answers, and is silent for a page that hangs for 3 s', async () => {
+  it('sends a heartbeat every 50 ms while the page answers, and says that a page is busy that has not answered for 3 s', async () => {
     class Socket { static readonly OPEN = 1; readyState = 1; send(bytes: unknown): void { sent.push(bytes); } close(): void {} }
     vi.stubGlobal('WebSocket', Socket);
     vi.stubGlobal('postMessage', (message: WorkerMessage) => reported.push(message));
@@ -190,17 +191,20 @@ describe('the connection worker', () => {
     deliver({ is: 'open', url: 'ws://nowhere/ws' });
     await vi.advanceTimersByTimeAsync(500);
     expect(sent).toHaveLength(0);
-    deliver({ is: 'hold', heartbeat: new Uint8Array([7]) });
+    deliver({ is: 'hold', heartbeats: { alive, busy } });
     for (let i = 0; i < 20; i += 1) {
       await vi.advanceTimersByTimeAsync(50);
       deliver({ is: 'answer' });
     }
     expect([sent.length, reported.filter(({ is }) => is === 'ask').length]).toEqual([20, 20]);
-    await vi.advanceTimersByTimeAsync(5000);  // the page does not answer: heartbeats at 50 to 2950 ms
-    expect(sent).toHaveLength(79);
-    deliver({ is: 'hold', heartbeat: null });
+    await vi.advanceTimersByTimeAsync(5000);  // the page does not answer: alive at 50 to 2950 ms
+    expect([count(alive), count(busy)]).toEqual([79, 41]);
+    deliver({ is: 'answer' });
     await vi.advanceTimersByTimeAsync(500);
-    expect(sent).toHaveLength(79);
+    expect([count(alive), count(busy)]).toEqual([89, 41]);
+    deliver({ is: 'hold', heartbeats: null });
+    await vi.advanceTimersByTimeAsync(500);
+    expect(sent).toHaveLength(130);
     vi.unstubAllGlobals();
   });
 });

@@ -85,6 +85,12 @@ const char* counterOf(const Diagnostics& errors) {
   return "malformed";
 }
 
+/// A page that says so by another thread was not heard itself.
+bool saysBusy(const Order& order) {
+  const auto* beat = order.as<orders::Heartbeat>();
+  return beat != nullptr && beat->busy;
+}
+
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.basis == b.basis &&
          a.run_state == b.run_state && a.steering == b.steering && a.latched == b.latched &&
@@ -280,9 +286,9 @@ void Clients::receive(std::uint32_t client, std::span<const std::uint8_t> messag
                       std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  entry->second.requester->heard_ns = now_ns;
   const bool within_rate = withinRate(entry, message.size(), now_ns);
   const auto decoded = text ? Expected<Order>(Diagnostic{}) : wire::decode(message);
+  if (!decoded || !saysBusy(*decoded)) entry->second.requester->heard_ns = now_ns;
   // Stops are exempt from the rate limit and from the order of command numbers.
   const bool stops = decoded && decoded->stops();
   // Heartbeats are exempt from the order of numbers: a page sends them from another thread than its
@@ -348,6 +354,7 @@ void Clients::refuseOversized(std::uint32_t client, std::int64_t now_ns) {
 
 void Clients::apply(Entry entry, const Order& order, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
+  if (saysBusy(order)) return timeouts_.noteBusy(client, now_ns);
   timeouts_.noteMessage(client, now_ns);
   if (order.is<orders::Heartbeat>()) return;
   if (order.row().thread != orders::Thread::kServer) return applyOrder(entry, order, now_ns);
@@ -641,7 +648,7 @@ void Clients::joinStandalone() {
 void Clients::receiveDatagram(std::uint32_t client, const Order& order, std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  entry->second.requester->heard_ns = now_ns;
+  if (!saysBusy(order)) entry->second.requester->heard_ns = now_ns;
   if (order.is<orders::Aim>()) {
     timeouts_.noteMessage(client, now_ns);
     aim(entry, order, now_ns);

@@ -27,7 +27,7 @@ void ControlTimeouts::holdsNow(Client client, const ControlHolder::TakeResult& r
   abandoned_ = false;
   own_holder_ = client;
   claim_ = own_claim_ = result.claim;
-  message_ns_ = steady_ns_ = now_ns;
+  message_ns_ = kept_ns_ = steady_ns_ = now_ns;
   excused_ = suspended_ = false;
   resumed_ns_.reset();
 }
@@ -44,11 +44,15 @@ std::string ControlTimeouts::release(Client client) {
 void ControlTimeouts::noteMessage(Client client, std::int64_t now_ns) {
   if (!holds(client)) return;
   if (now_ns - message_ns_ > kSilent_ns) steady_ns_ = now_ns;
-  message_ns_ = now_ns;
+  message_ns_ = kept_ns_ = now_ns;
   excused_ = false;
   if (!suspended_ || (often_silent_ && !steadyAgain(now_ns))) return;
   suspended_ = false;
   resumed_ns_ = now_ns;
+}
+
+void ControlTimeouts::noteBusy(Client client, std::int64_t now_ns) {
+  if (holds(client) && now_ns - message_ns_ <= kBusy_ns) kept_ns_ = now_ns;
 }
 
 bool ControlTimeouts::steadyAgain(std::int64_t now_ns) const {
@@ -88,10 +92,9 @@ void ControlTimeouts::followOthers(std::int64_t now_ns) {
 void ControlTimeouts::checkSilence(std::int64_t now_ns, Advice& advice) {
   const bool late = now_ns - std::exchange(looked_ns_, now_ns) > kLate_ns;
   if (own_holder_ == 0) return;
-  if (late && !std::exchange(excused_, true)) message_ns_ = now_ns;
-  const std::int64_t silent_ns = now_ns - message_ns_;
-  if (silent_ns <= kSilent_ns) return;
-  if (silent_ns > kGone_ns) {
+  if (late && !std::exchange(excused_, true)) message_ns_ = kept_ns_ = now_ns;
+  if (now_ns - message_ns_ <= kSilent_ns) return;
+  if (now_ns - kept_ns_ > kGone_ns) {
     advice.silent_client = own_holder_;
     left(own_holder_, now_ns);
   } else if (!std::exchange(suspended_, true)) {

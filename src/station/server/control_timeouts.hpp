@@ -17,6 +17,8 @@ namespace wholehand {
 ///     a second time          the effort stays out until 10 s after its last return, and until the
 ///     within 10 s            holder has not been silent for 2 s
 ///     silent for 2 s         it loses the controls, as if its connection were lost
+///   holder says it is busy   as if it were silent, but it keeps the controls for 30 s after its
+///                            last other message
 ///   connection lost          the exercise's effort fades out and stays out until somebody takes
 ///                            the controls; after 5 s without a new holder the virtual patient
 ///                            steers
@@ -34,6 +36,7 @@ class ControlTimeouts {
  public:
   static constexpr std::int64_t kSilent_ns = 200'000'000;
   static constexpr std::int64_t kGone_ns = 2'000'000'000;
+  static constexpr std::int64_t kBusy_ns = 30'000'000'000;
   static constexpr std::int64_t kOnceIn_ns = 10'000'000'000;
   static constexpr std::int64_t kSteady_ns = 2'000'000'000;
   /// A longer time between two calls of advance() means that the program stood still [ns].
@@ -66,6 +69,8 @@ class ControlTimeouts {
   [[nodiscard]] std::string release(Client client);
   /// Records that a message of the client arrived.
   void noteMessage(Client client, std::int64_t now_ns);
+  /// Records that the client said it is busy: it keeps the controls, and is silent otherwise.
+  void noteBusy(Client client, std::int64_t now_ns);
   /// Records an obeyed order of any client: somebody attends to the session.
   void attend(std::int64_t now_ns) { free_ns_ = now_ns; }
   /// Records that the client's connection ended.
@@ -94,7 +99,8 @@ class ControlTimeouts {
   std::uint32_t own_claim_ = 0;  ///< claim of the newest holder among this server's clients
   Client reported_ = 0;          ///< holder in the last advice
   bool other_holds_ = false;     ///< another server's client held them at the last advice
-  std::int64_t message_ns_ = 0;  ///< time of the last message of own_holder_
+  std::int64_t message_ns_ = 0;  ///< time of the last message of own_holder_ but that it is busy
+  std::int64_t kept_ns_ = 0;     ///< time until which own_holder_ has been busy or heard
   std::int64_t looked_ns_ = 0;   ///< time of the last advice
   bool excused_ = false;         ///< the present silence was restarted after a late wake-up
   bool suspended_ = false;       ///< own_holder_ is silent, or was silent too often and is not

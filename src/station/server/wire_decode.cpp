@@ -100,8 +100,8 @@ orders::TakeControls read(const fb::TakeControls& in) {
 orders::ReleaseControls read(const fb::ReleaseControls&) {
   return {};
 }
-orders::Heartbeat read(const fb::Heartbeat&) {
-  return {};
+orders::Heartbeat read(const fb::Heartbeat& in) {
+  return {in.busy()};
 }
 orders::Rest read(const fb::Rest&) {
   return {};

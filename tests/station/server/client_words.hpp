@@ -79,8 +79,8 @@ inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
 inline wire::Bytes releaseControls(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateReleaseControls(b); });
 }
-inline wire::Bytes heartbeat(std::uint32_t id) {
-  return command(id, [](Builder& b) { return fb::CreateHeartbeat(b); });
+inline wire::Bytes heartbeat(std::uint32_t id, bool busy = false) {
+  return command(id, [&](Builder& b) { return fb::CreateHeartbeat(b, busy); });
 }
 
 // Orders of a game to its bodies.

@@ -215,6 +215,66 @@ TEST_F(ControlTimeoutsTest, HeartbeatsAtRandom_ReturnTheEffortOnceIn10sAtMost) {
   }
 }
 
+// A page that draws says from another thread that it is busy, now and then not in time. The effort
+// is out all the time, nobody else gets the controls, and after its next message it goes on without
+// a press.
+TEST_F(ControlTimeoutsTest, BusyHolder_IsSuspendedAndKeepsTheControlsFor30s) {
+  auto random = test::seededRandom(1704);
+  for (int i = 0; i < test::cases(300); ++i) {
+    annaTakes();
+    const auto busy_ms = 1000 + static_cast<std::int64_t>(random() % 29'000);
+    bool alive = true;
+    for (std::int64_t t = 0, beat = 0; t < busy_ms; t += 10) {
+      if (t >= beat) {
+        timeouts.noteBusy(anna, now);
+        beat = t + 50 + static_cast<std::int64_t>(random() % 1900);
+      }
+      const auto advice = after(10);
+      if (advice.holder_alive) alive = *advice.holder_alive;
+      ASSERT_EQ(alive, t + 10 <= 200) << t;
+      ASSERT_TRUE(timeouts.holds(anna)) << t;
+    }
+    ASSERT_EQ(timeouts.take(ben, now), "another client holds the controls");
+    timeouts.noteMessage(anna, now);
+    EXPECT_TRUE(after(0).holder_alive.value_or(false)) << "after " << busy_ms << " ms";
+    ASSERT_EQ(timeouts.release(anna), "");
+    (void)after(0);
+  }
+}
+
+TEST_F(ControlTimeoutsTest, HolderBusyForGood_LosesTheControls2sAfter30s) {
+  annaTakes();
+  ControlTimeouts::Advice all;
+  std::int64_t lost_ms = 0;
+  for (std::int64_t t = 0; t < 120'000; t += 10) {
+    timeouts.noteBusy(anna, now);
+    const auto advice = after(10);
+    if (advice.silent_client != 0) lost_ms = t + 10;
+    add(advice, all);
+  }
+  EXPECT_NEAR(static_cast<double>(lost_ms), 32'000.0, 20.0);
+  EXPECT_EQ(timeouts.take(ben, now), "");
+  timeouts.noteBusy(anna, now);
+  EXPECT_TRUE(timeouts.holds(ben));
+}
+
+// The effort returns once in 10 s at most, too, when busy times and others alternate.
+TEST_F(ControlTimeoutsTest, BusyAndHeardInTurn_ReturnTheEffortOnceIn10sAtMost) {
+  annaTakes();
+  std::int64_t returned_ms = -10'000;
+  for (std::int64_t t = 0; t < 120'000; t += 10) {
+    if (t / 400 % 2 == 0)
+      timeouts.noteBusy(anna, now);
+    else if (t % 50 == 0)
+      timeouts.noteMessage(anna, now);
+    const auto advice = after(10);
+    if (!advice.holder_alive || !*advice.holder_alive) continue;
+    EXPECT_GE(t - returned_ms, 10'000);
+    returned_ms = t;
+  }
+  EXPECT_TRUE(timeouts.holds(anna));
+}
+
 TEST_F(ControlTimeoutsTest, HolderSilentFor5s_IsReplacedByTheVirtualPatientWithoutEffort) {
   annaTakes();
   (void)after(2001);

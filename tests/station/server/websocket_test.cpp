@@ -454,6 +454,28 @@ TEST_F(WebSocketTest, VanishedHolder_FadesTheEffortAtOnce) {
   EXPECT_TRUE(logged("left while it held the controls"));
 }
 
+// A busy page is as silent as one that says nothing: its effort fades, and nothing is armed for it.
+TEST_F(WebSocketTest, BusyHolder_FadesTheEffortAndIsNotHeard) {
+  open();
+  const auto client = holder();
+  client->send(setParameter(2, "lead_in_m", 0.25));
+  const auto order = program.askedFor<orders::SetParameter>(1).at(0).order;
+  const std::int64_t heard_ns = order.requester->heard_ns;
+  std::vector<ReceivedOrder> alive;
+  for (int i = 0; i < 200 && alive.empty(); ++i) {
+    client->send(heartbeat(0, true));
+    alive = program.askedFor<orders::HolderAlive>(1, 20ms);
+  }
+  ASSERT_FALSE(alive.empty());
+  EXPECT_FALSE(alive[0].order.as<orders::HolderAlive>()->alive);
+  EXPECT_EQ(order.requester->heard_ns, heard_ns);
+  client->send(heartbeat(0));
+  alive = program.askedFor<orders::HolderAlive>(2);
+  ASSERT_GE(alive.size(), 2U);
+  EXPECT_TRUE(alive[1].order.as<orders::HolderAlive>()->alive);
+  EXPECT_GT(order.requester->heard_ns, heard_ns);
+}
+
 TEST_F(WebSocketTest, ProgramThatThrows_LosesNoClient) {
   open();
   const auto client = holder();

@@ -54,8 +54,8 @@ const SLOW_ANSWER_WITHIN_MS = 20_000;
 // An open connection that is silent for this long is lost: the program sends 60 states a second.
 const SILENCE_MS = 3000;
 
-/** The heartbeat that the connection's own thread sends between the page's orders; its number does not count. */
-const HEARTBEAT = encodeCommand(0, new HeartbeatT());
+/** The heartbeats that the connection's own thread sends between the page's orders; their number does not count. */
+const HEARTBEATS = { alive: encodeCommand(0, new HeartbeatT()), busy: encodeCommand(0, new HeartbeatT(true)) };
 
 type Listeners = { [Name in keyof ConnectionEvents]: Set<(value: ConnectionEvents[Name]) => void> };
 
@@ -95,7 +95,7 @@ export class Connection extends Orders {
   private lastHeartbeat_ms = 0;
   private excused = false;  // a turn was late since the program's last message
   private closed = false;
-  private readonly controlHolding = new ControlHolding((beats) => this.socket?.keepAlive?.(beats ? HEARTBEAT : null));
+  private readonly controlHolding = new ControlHolding((beats) => this.socket?.keepAlive?.(beats ? HEARTBEATS : null));
   private readonly pendingStop = new PendingStop((id) => this.sendAs(id, new EmergencyStopT()), () => this.notify('status', this.status));
 
   constructor(private readonly options: ConnectionOptions) {

@@ -1,14 +1,14 @@
 // Runs the connection to the program in a worker, and sends the heartbeat that shows that the page is alive (see worker_connection.ts).
 // Browsers slow the timers of hidden pages down to 1 Hz and less, but not those of workers. Heartbeats also continue while the
-// page draws for 300 ms.
-import type { WorkerMessage, WorkerRequest } from './worker_connection';
+// page draws for 300 ms; for a page that draws longer they say that it is busy (docs/adr/0017).
+import type { Heartbeats, WorkerMessage, WorkerRequest } from './worker_connection';
 
 const HEARTBEAT_MS = 50;
-/** The heartbeat ends when the page has not answered for this long [ms]. Building a picture takes less. */
-const HANGS_MS = 3000;
+/** A page that has not answered for this long is busy [ms]. Building a picture takes less. */
+const BUSY_MS = 3000;
 
 let socket: WebSocket | undefined;
-let heartbeat: Uint8Array<ArrayBuffer> | null = null;
+let heartbeats: Heartbeats | null = null;
 let answered_ms = 0;
 
 const post = (message: WorkerMessage, transfer: Transferable[] = []): void => { postMessage(message, { transfer }); };
@@ -35,7 +35,7 @@ addEventListener('message', ({ data: order }: MessageEvent<WorkerRequest>) => {
   switch (order.is) {
     case 'open': return open(order.url);
     case 'send': return send(order.bytes);
-    case 'hold': heartbeat = order.heartbeat; return;
+    case 'hold': heartbeats = order.heartbeats; return;
     case 'answer': return;
     case 'close':
       socket?.close();
@@ -44,7 +44,7 @@ addEventListener('message', ({ data: order }: MessageEvent<WorkerRequest>) => {
 });
 
 setInterval(() => {
-  if (!heartbeat) return;
+  if (!heartbeats) return;
   post({ is: 'ask' });
-  if (performance.now() - answered_ms < HANGS_MS) send(heartbeat);
+  send(performance.now() - answered_ms < BUSY_MS ? heartbeats.alive : heartbeats.busy);
 }, HEARTBEAT_MS);

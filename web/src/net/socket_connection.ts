@@ -1,3 +1,5 @@
+import type { Heartbeats } from './worker_connection';
+
 /** The used part of a WebSocket; fake/fake_program.ts makes another implementation. */
 export interface SocketConnection {
   binaryType: string;
@@ -5,7 +7,7 @@ export interface SocketConnection {
   onmessage: ((event: MessageEvent) => void) | null;
   onclose: ((event: CloseEvent) => void) | null;
   send(data: Uint8Array<ArrayBuffer>): void;
-  /** Sends a heartbeat by itself while the page answers; null ends it. Without `keepAlive`, the page sends the heartbeats. */
-  keepAlive?(heartbeat: Uint8Array<ArrayBuffer> | null): void;
+  /** Sends heartbeats by itself, which say whether the page answers; null ends them. Without `keepAlive`, the page sends them. */
+  keepAlive?(heartbeats: Heartbeats | null): void;
   close(): void;
 }

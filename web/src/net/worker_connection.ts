@@ -1,11 +1,14 @@
 // The connection to the program in a worker: slow timers of a hidden page and long drawing do not interrupt its heartbeats.
 import type { SocketConnection } from './socket_connection';
 
+/** Messages to the program: the page is alive, or busy with drawing. */
+export interface Heartbeats { readonly alive: Uint8Array<ArrayBuffer>; readonly busy: Uint8Array<ArrayBuffer> }
+
 /** Messages from the page to connection_worker.ts, and back. */
 export type WorkerRequest =
   | { readonly is: 'open'; readonly url: string }
   | { readonly is: 'send'; readonly bytes: Uint8Array<ArrayBuffer> }
-  | { readonly is: 'hold'; readonly heartbeat: Uint8Array<ArrayBuffer> | null }
+  | { readonly is: 'hold'; readonly heartbeats: Heartbeats | null }
   | { readonly is: 'answer' } | { readonly is: 'close' };
 export type WorkerMessage =
   | { readonly is: 'open' } | { readonly is: 'message'; readonly data: unknown }
@@ -28,7 +31,7 @@ export class WorkerConnection implements SocketConnection {
   }
 
   send(bytes: Uint8Array<ArrayBuffer>): void { this.post({ is: 'send', bytes }); }
-  keepAlive(heartbeat: Uint8Array<ArrayBuffer> | null): void { this.post({ is: 'hold', heartbeat }); }
+  keepAlive(heartbeats: Heartbeats | null): void { this.post({ is: 'hold', heartbeats }); }
   /** Closes the connection after sending what was queued before. */
   close(): void { this.post({ is: 'close' }); }
 
