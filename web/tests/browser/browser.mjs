@@ -158,6 +158,22 @@ async function accessibilityFaults(page, all) {
     .map(({ id, help, nodes }) => `${id}: ${help} (${nodes.map(({ html }) => html.slice(0, 100)).join(' | ')})`);
 }
 
+/** A person presses again so many times at most what a busy machine refused. */
+const MOST_PRESSES = 5;
+/** After this time a page has taken away the words of the press before. */
+const TAKES_A_PRESS_MS = 300;
+
+/** Presses until it acts. A refusal is read, and its button pressed again; one that comes every time fails at once, by its words. */
+export async function pressUntil(what, page, { press, acted, refusal }) {
+  for (let presses = 1; ; presses += 1) {
+    await press();
+    await new Promise((resolve) => setTimeout(resolve, TAKES_A_PRESS_MS));
+    const words = await until(what, async () => (await acted() ? 'acted' : (await page.locator(refusal).filter({ visible: true }).allInnerTexts()).join(' ').trim()));
+    if (words === 'acted') return;
+    if (presses === MOST_PRESSES) throw new Error(`${what}: refused ${presses} times: ${words.replace(/\s+/g, ' ')}`);
+  }
+}
+
 /** Calls `look` until it returns something true, and returns that. */
 export async function until(what, look, { within_ms = HANGS_MS, every_ms = 100 } = {}) {
   const end_ms = Date.now() + within_ms;

@@ -1,5 +1,5 @@
 // A person's basic actions at the pages, one function each.
-import { expect, expectAccessible, expectNothingScrollsSideways, openPage, pageUrl, until } from './browser.mjs';
+import { expect, expectAccessible, expectNothingScrollsSideways, openPage, pageUrl, pressUntil, until } from './browser.mjs';
 import { playOneDrink } from './key_player.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
@@ -16,14 +16,18 @@ export const GOES_ON = () => {
   }, 500);
 };
 
+/** Presses Start of the first card. Arming includes a rehearsal: until it is done, no input moves anything. */
+export async function pressStart(page, { hasTouch = false } = {}) {
+  await pressUntil('the play', page, {
+    press: () => page[hasTouch ? 'tap' : 'click']('[data-testid=start]:enabled'),
+    acted: () => page.locator('body:not([data-state=welcome]):not([data-state=loading])').count(), refusal: '.welcome .notice',
+  }).catch(async (error) => { throw new Error(`${error.message}; the page says: ${await innerText(page)}`); });
+}
+
 /** Opens the game and passes its first card. */
 export async function openGame(browser, programUrl, query = {}, options = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }), options);
-  await page.waitForSelector('[data-testid=start]:enabled');
-  await page[options.hasTouch ? 'tap' : 'click']('[data-testid=start]');
-  // Arming includes a rehearsal: until it is done, no input moves anything.
-  await page.waitForSelector('body:not([data-state=welcome]):not([data-state=loading])')
-    .catch(async (error) => { throw new Error(`${error.message}; the page says: ${await innerText(page)}`); });
+  await pressStart(page, options);
   return page;
 }
 
@@ -225,6 +229,49 @@ export async function pagesAreAccessible(t) {
     await page.context().close();
   }
   return `${views.length} views, no serious or critical fault; ${texts} texts grow with the zoom`;
+}
+
+/** A pad that the test moves. Browsers show one only after its first press. */
+const PAD = () => {
+  window.pad = null;
+  navigator.getGamepads = () => [window.pad];
+  window.plugPad = () => {
+    window.pad = { index: 0, mapping: 'standard', connected: true, axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ value: 0, pressed: false })) };
+    dispatchEvent(new Event('gamepadconnected'));
+  };
+};
+
+/** A pad that is plugged in beside the first card is offered there; its stick moves the hand, its button closes it. */
+export async function padMovesAndSqueezes(t) {
+  const watcher = await t.watcher();
+  const page = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }), { init: [PAD, GOES_ON] });
+  await page.waitForSelector('[data-testid=start]:enabled');
+  expect(await page.locator('[data-way=gamepad]').count() === 0, 'a pad is offered that nobody has');
+  await page.evaluate(() => window.plugPad());
+  await page.click('[data-way=gamepad]');
+  await page.click('[data-help=some]');
+  await pressStart(page);
+  await watcher.steered();
+  // A pad counts after it was at rest: on a page that lost the controls meanwhile, the person lets go and moves it again.
+  const hold = async (what, axes, pressed, reached) => {
+    let due_tick = 0;
+    await watcher.until(what, async (now) => {
+      if (reached(now)) return true;
+      if (now.tick >= due_tick) {
+        due_tick = now.tick + 4000;
+        await page.evaluate(() => { window.pad.axes = [0, 0, 0, 0]; window.pad.buttons[0] = { value: 0, pressed: false }; });
+        await page.evaluate(() => new Promise((done) => setTimeout(done, 200)));
+        await page.evaluate(([to, down]) => { window.pad.axes = [...to, 0, 0]; window.pad.buttons[0] = { value: Number(down), pressed: down }; }, [axes, pressed]);
+      }
+      return false;
+    });
+  };
+  await hold('the hand drawn back', [0, 1], false, (now) => axis(now, 'x') < DRAWN_BACK_M);
+  const before = axis(await watcher.now(), 'y'), to = before > 0 ? 1 : -1;   // positive y is left
+  await hold('the hand following the stick', [to, 0], false, (now) => (before - axis(now, 'y')) * to > 0.03);
+  const fingers = axis(await watcher.now(), 'finger_flexion');
+  await hold('the hand closing', [0, 0], true, (now) => axis(now, 'finger_flexion') > fingers + 0.3);
+  return 'offered when it was plugged in; the stick moved the hand, the button closed it';
 }
 
 /** One finger drags the hand, the large button squeezes. */

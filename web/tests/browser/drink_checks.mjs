@@ -3,7 +3,7 @@ import { build } from 'esbuild';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { expect, openPage, pageUrl } from './browser.mjs';
-import { GOES_ON } from './checks.mjs';
+import { GOES_ON, pressStart } from './checks.mjs';
 import { startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
@@ -96,8 +96,7 @@ async function firstDrink(browser, programUrl, watcher, { press, wrong, lang, le
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang, quality: 'low', level: String(level) }), { width, height, hasTouch: true, smooth: true, init: GOES_ON });
   // Pointing needs the picture, which is loaded separately from the texts.
   await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null);
-  await page.waitForSelector('[data-testid=start]:enabled');
-  await page.click('[data-testid=start]');
+  await pressStart(page);
   await page.waitForSelector('body[data-state=reach]');
   const bottle = await bottleIn({ width, height }, await watcher.now());
   const { tick: began, dispensers, values: { target_dispenser } } = await watcher.now();

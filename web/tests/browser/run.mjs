@@ -53,6 +53,7 @@ const TESTS = [
   ['unrecorded session is reported', recorded.unrecordedSessionIsReported],
   ['keys fill a glass without help_slow', checks.keysFillAGlassAlone, PACED],
   ['touch moves and squeezes', checks.touchMovesAndSqueezes, PACED],
+  ['a game pad moves and squeezes', checks.padMovesAndSqueezes, PACED],
   ['emergency stop ends all effort', checks.emergencyStopEndsAllEffort, FIRST_PACED],
   ['reconnects after a restart', checks.reconnects, PACED],
   ['pages are accessible', checks.pagesAreAccessible],
@@ -64,6 +65,7 @@ const TESTS = [
   // The server's own tests cover an hour in simulated time; this one uses the browser's time.
   ['a hidden page loses the controls once', (t) => presence.hiddenPageLetsGoOnce(t, FULL ? 600 : 6), PACED],
   ['a page hidden for a moment goes on', presence.shortlyHiddenPageGoesOn, PACED],
+  ['a page that draws for seconds goes on', presence.busyPageGoesOn, PACED],
   ['watching lets the program play again', presence.watchingBringsThePlayBack, PACED],
   ['Start waits for the connection', presence.startWaitsForTheConnection, PACED],
   ['an unconfirmed stop is reported', presence.unconfirmedStopIsReported, PACED],

@@ -1,17 +1,12 @@
 // Unexpected actions of a person, a page or a machine: play and Stop continue, and every refusal is explained.
 import { loadavg } from 'node:os';
 import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mjs';
-import { GOES_ON, openGame } from './checks.mjs';
+import { GOES_ON, openGame, pressStart } from './checks.mjs';
 import { playOneDrink } from './key_player.mjs';
 import { start, startProgram } from './program.mjs';
 import { openWatcher } from './watcher.mjs';
 
 const instruction = (page) => page.locator('.say').first().innerText();
-/** The first card again or the play: what a reloaded page shows. */
-const begin = async (page) => {
-  await page.waitForSelector('[data-testid=start]:enabled');
-  await page.click('[data-testid=start]');
-};
 
 /** The page is reloaded repeatedly in play: a press continues the play, and Stop stops. */
 export async function reloadedPagePlaysOn(t) {
@@ -21,7 +16,7 @@ export async function reloadedPagePlaysOn(t) {
     await watcher.steered();
     await watcher.pass(2000);
     await game.reload({ waitUntil: 'commit' });
-    await begin(game);
+    await pressStart(game);
   }
   await watcher.steered();
   await game.click('[data-testid=stop]');
@@ -36,7 +31,7 @@ export async function twoPlayersDoNotFight(t) {
   const first = await openGame(t.plain, watcher.url, {}, { init: GOES_ON });
   await watcher.steered();
   const second = await openPage(t.plain, pageUrl(watcher.url, '/', { lang: 'en', quality: 'low' }));
-  await begin(second);
+  await pressStart(second);
   for (let k = 0; k < 5; k += 1) {
     await second.waitForSelector('body[data-state=watching]');
     await until('the second player told', async () => /Another screen has the controls/.test(await instruction(second)));
@@ -156,7 +151,7 @@ export async function narrowWindowPlays(t) {
   };
   await game.waitForSelector('[data-testid=start]:enabled');
   await fits('the first card');
-  await begin(game);
+  await pressStart(game);
   await watcher.steered();
   await fits('the play');
   await game.click('[data-testid=help]');

@@ -1,5 +1,5 @@
 // Reads the program's messages through the console's page: the same messages that a therapist's page gets.
-import { openPage, pageUrl, until } from './browser.mjs';
+import { openPage, pageUrl, pressUntil, until } from './browser.mjs';
 
 export const RENDERING = 1;
 export const STOPPED = 3;
@@ -54,8 +54,14 @@ export async function openWatcher(browser, programUrl, query = {}) {
     steered: () => watcher.until('the person steering', (now) => now.steering === 1 && now.runState === RENDERING),
     /** Nobody holds the controls. A page that has closed holds them until the program notices. */
     free: () => page.waitForSelector('[data-testid=holder]:has-text("free")'),
-    /** Starts as a therapist does. */
-    arm: () => page.click('[data-testid=arm]:enabled'),
+    /** Starts as a therapist does, to the end of the rehearsal. */
+    arm: () => pressUntil('rendering', page, {
+      async press() {
+        for (const close of await page.locator('[data-testid=refused] button:visible').all()) await close.click();
+        await page.click('[data-testid=arm]:enabled');
+      },
+      acted: async () => (await watcher.now())?.runState === RENDERING, refusal: '[data-testid=refused]',
+    }),
     /** This much of the program's own time; one that does not render has none, and is given as many milliseconds. */
     async pass(ticks) {
       const { tick, runState } = await watcher.now();
