@@ -81,7 +81,7 @@ export class VisitPrint extends Sheet {
     const notes = (visit.notes?.length ?? 0) > 0 ? visit.notes! : patient.notes.filter((note) => note.visit === visit.id);
     return [...this.head(`${t.visit} ${visitDay(visit)}, ${visitClock(visit)}`, patient),
       h('p', {}, `${sideWords(visit.side)} · ${activeWords(visit)} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
-      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, fill(texts().end.of, { done: isCounting(visit) ? texts().patient.counting : minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, isCounting(visit) ? texts().patient.counting : fill(texts().end.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
         ...visit.trials.filter((trial) => trial.item === i).map((trial) => resultTable(trial, last)))))),
       h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.context))];
   }

@@ -84,6 +84,7 @@ const TESTS = [
   ['a level is changed while it pours', trouble.levelChangedWhileItPours, PACED],
   ['a drink by screen reader', trouble.screenReaderHearsADrink, PACED],
   ['nothing covers the watched play', trouble.watchedPlayIsUncovered],
+  ['the first card fits its window', trouble.firstCardFits],
   ['a window of 320 px can be played', trouble.narrowWindowPlays, PACED],
   ['long and foreign names of profiles', trouble.namesOfAnyKind],
   ['any exercise shows its panel', panels.anyExerciseShowsItsPanel],

@@ -140,6 +140,27 @@ export async function watchedPlayIsUncovered(t) {
   return `nothing lies over "Play yourself" in ${SIZES.length} windows`;
 }
 
+/** On a laptop, a tablet and a telephone nothing of the first card lies below its buttons or beyond its edge, in any language. */
+export async function firstCardFits(t) {
+  const { url } = await t.watcher();
+  const game = await openPage(t.plain, pageUrl(url, '/', { lang: 'en', quality: 'low' }));
+  await game.waitForSelector('[data-testid=start]:enabled');
+  for (const [width, height] of [[1280, 720], [1280, 800], [820, 1180], [390, 844]]) {
+    await game.setViewportSize({ width, height });
+    for (const language of ['de', 'fr', 'en']) {
+      await game.click(`[data-lang=${language}]`);
+      const beyond = await game.evaluate(() => {
+        const card = document.querySelector('.welcome');
+        const { left, right } = card.getBoundingClientRect();
+        const wide = [...card.querySelectorAll('button, h1, p, b')].filter((one) => one.getBoundingClientRect().right > right || one.getBoundingClientRect().left < left || (one.matches('button') && one.scrollWidth > one.clientWidth + 1));
+        return [...wide.map((one) => one.textContent), ...(card.scrollHeight > card.clientHeight + 2 ? [`${card.scrollHeight - card.clientHeight} px below the buttons`] : [])];
+      });
+      expect(beyond.length === 0, `${width} × ${height}, ${language}: ${beyond.join('; ')}`);
+    }
+  }
+  return 'three languages in four windows';
+}
+
 /** In a window of 320 px: every card and the play have all their buttons inside, and Stop is pressed there. */
 export async function narrowWindowPlays(t) {
   const watcher = await t.watcher();
