@@ -89,6 +89,35 @@ test('TakeOver_ControlsLostBySilence_AreTakenAgainByTheSamePress_ThreeTimesAtMos
   expect(never.is).toBe('refused');
 });
 
+/** A program that refuses `times` starts, since the page drew and was not heard in time. A stop of somebody else may come with the first one. */
+async function armUnheard(times: number, stopped = false): Promise<{ asked: string[]; is: string }> {
+  const { asked, connection, asConnection } = waitingProgram();
+  connection.scene.level = wishes.level;
+  Object.assign(connection, {
+    arm: async () => {
+      asked.push('arm');
+      if (stopped) connection.endings += 1;
+      if (times-- > 0) return { accepted: false, reason: 'not heard', unheard: true };
+      connection.latestState.runState = RunState.Rendering;
+      return YES;
+    },
+  });
+  vi.useFakeTimers();
+  try {
+    const outcome = takeOver(asConnection, () => ({ play: { phase: () => 'reach' } as unknown as PlayContext['play'], hardware: false }), new Press(asConnection, connection.endings, 6), wishes);
+    await vi.advanceTimersByTimeAsync(20_000);
+    return { asked, is: (await outcome).is };
+  } finally {
+    vi.useRealTimers();
+  }
+}
+
+test('TakeOver_PageNotHeardWhenItWasToBegin_AsksAgainByTheSamePress_ThreeTimesAtMost', async () => {
+  expect(await armUnheard(2)).toEqual({ asked: ['take', 'arm', 'take', 'arm', 'take', 'arm', 'steer', 'aim', 'act'], is: 'playing' });
+  expect(await armUnheard(99)).toEqual({ asked: ['take', 'arm', 'take', 'arm', 'take', 'arm', 'release'], is: 'refused' });
+  expect(await armUnheard(99, true), 'a stop voids the press').toEqual({ asked: ['take', 'arm', 'release'], is: 'stopped' });
+});
+
 test('Press_OnAScreenFromBeforeAStop_NoLongerHolds', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   const press = new Press(asConnection, connection.endings - 1, 6);

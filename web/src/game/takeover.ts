@@ -20,7 +20,7 @@ export interface Wishes {
 /** Facts that are read again after every order, because orders change them. */
 export interface PlayContext { readonly play: Play | null; readonly hardware: boolean }
 
-export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string };
+export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string; readonly unheard?: boolean };
 
 const EVERY_MS = 25;
 const TRIES = 80;
@@ -59,6 +59,8 @@ async function matchLoaded(connection: Connection, known: () => PlayContext, { l
   if (answer.accepted) await until(fits);
   return answer;
 }
+
+const refusedBy = ({ reason, unheard }: Answer): Outcome => ({ is: 'refused', reason, unheard });
 
 /** Lets the person at this screen move the hand. On a real device that is the person's own hand. */
 async function steer(connection: Connection, known: () => PlayContext): Promise<Answer> {
@@ -109,8 +111,8 @@ export async function takeOver(connection: Connection, known: () => PlayContext,
     const had = connection.controls.heldByYou;
     outcome = await takeHand(connection, known, press, wishes);
     if (press.holds && outcome.is === 'playing') return outcome;
-    // On a busy machine the program may lose the page while it draws its first pictures. Then the controls are taken again.
-    unheard = had && !connection.controls.heldByYou && !connection.controls.held;
+    // On a busy machine the program may not hear the page while it draws its first pictures. Then it asks again.
+    unheard = (outcome.is === 'refused' && outcome.unheard === true) || (had && !connection.controls.heldByYou && !connection.controls.held);
   } while (unheard && outcome.is === 'refused' && press.holds && ++takes < TAKES);
   // A page that does not play must not block another one.
   await connection.releaseControls();
@@ -120,7 +122,7 @@ export async function takeOver(connection: Connection, known: () => PlayContext,
 /** Loads, starts and steers while holding the controls, each only while the press holds. */
 async function takeHand(connection: Connection, known: () => PlayContext, press: Press, wishes: Wishes): Promise<Outcome> {
   const loaded = connection.controls.led ? { accepted: true, reason: '' } : await matchLoaded(connection, known, wishes);
-  if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
+  if (!loaded.accepted) return refusedBy(loaded);
   if (!press.holds) return { is: 'stopped' };
   if (connection.latestState?.runState === RunState.Disarmed || restsNow(connection)) {
     const armed = await connection.arm(press.seen, press.basis);
@@ -128,10 +130,10 @@ async function takeHand(connection: Connection, known: () => PlayContext, press:
     const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
     await until(() => rendering() || !press.holds, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
     if (!press.holds) return { is: 'stopped' };
-    if (!armed.accepted && !rendering()) return { is: 'refused', reason: armed.reason };
+    if (!armed.accepted && !rendering()) return refusedBy(armed);
   }
   const steered = await steer(connection, known);
-  if (!steered.accepted) return { is: 'refused', reason: steered.reason };
+  if (!steered.accepted) return refusedBy(steered);
   if (!press.holds) return { is: 'stopped' };
   await begin(connection, known, wishes);
   return { is: 'playing' };

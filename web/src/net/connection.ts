@@ -1,6 +1,6 @@
 // The page's only connection to the program. It receives messages, sends orders, and reconnects by itself after a loss.
 import {
-  ArmT, EmergencyStopT, HeartbeatT, LoadExerciseT, LoadProfileT, ReleaseControlsT, RestT, RunState, SCHEMA_VERSION, StopT, TakeControlsT,
+  ArmT, EmergencyStopT, HeartbeatT, LoadExerciseT, LoadProfileT, Refusal, ReleaseControlsT, RestT, RunState, SCHEMA_VERSION, StopT, TakeControlsT,
   type CommissioningT, type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { text } from '../shared/i18n';
@@ -296,7 +296,8 @@ export class Connection extends Orders {
         return this.notify('bodies', this.bodies);
       case 'reply': {
         const { command, accepted, refusal, reason } = message.value;
-        return this.pending.settle(command, { accepted, reason: accepted ? '' : refusalText(refusal, String(reason ?? '')) });
+        const unheard = !accepted && refusal === Refusal.NotHeard ? { unheard: true } : {};
+        return this.pending.settle(command, { accepted, reason: accepted ? '' : refusalText(refusal, String(reason ?? '')), ...unheard });
       }
       case 'foreign':
         this.problem = { theirs: message.version, ours: SCHEMA_VERSION };

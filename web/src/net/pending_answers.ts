@@ -1,5 +1,5 @@
-/** `reason` is for the person, in the page's language; empty when accepted. */
-export interface Answer { readonly accepted: boolean; readonly reason: string }
+/** `reason` is for the person, in the page's language; empty when accepted. `unheard`: refused, since the page drew and was not heard in time. */
+export interface Answer { readonly accepted: boolean; readonly reason: string; readonly unheard?: boolean }
 
 interface PendingAnswer { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
 

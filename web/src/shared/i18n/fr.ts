@@ -185,7 +185,7 @@ export const fr: Texts = {
   'refusal.NoBodies': 'Cet exercice n’accepte pas de corps d’un jeu.',
   'refusal.WaitedTooLong': 'L’ordre a attendu trop longtemps derrière d’autres. Voyez où en sont les choses, puis réessayez.',
   'refusal.RefusedBefore': 'Ce que vous aviez demandé avant a été refusé. Voyez pourquoi, puis réessayez.',
-  'refusal.VisitOpen': 'Une visite est ouverte dans les dossiers. Terminez-la d’abord là.',
+  'refusal.VisitOpen': 'Une séance est ouverte dans les dossiers. Terminez-la d’abord là.',
   'refusal.NotHeard': 'Vous n’étiez plus entendu au moment du démarrage : rien n’a démarré. Vérifiez la liaison, puis démarrez à nouveau.',
   'refusal.BasisChanged': 'Ce qui était affiché a changé : {reason}. Regardez, puis démarrez à nouveau.',
   'line.none': 'Il n’y a pas de connexion.',
