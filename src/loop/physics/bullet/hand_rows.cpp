@@ -204,7 +204,7 @@ void HandRows::coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
   for (int m = 0; m < count; ++m) shares[bearing[m]] = borne[m];
 }
 
-void HandRows::start(double* change) noexcept {
+void HandRows::start(const EndShares& lead, double* change) noexcept {
   const double share = settings_.self_warm_start;
   for (int i = 0; i < touch_count_; ++i) {
     SelfTouch& touch = touches_[i];
@@ -216,12 +216,14 @@ void HandRows::start(double* change) noexcept {
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
     // The contacts coupled to this end have already applied their starting impulses, with the end's
-    // shares of them. Only what the end bears beside them is reduced: less under a contact would
-    // throw the light digit against it.
-    if (end.coupled_index >= 0) end.row.impulse = coupled_impulse_[end.coupled_index];
+    // shares of them. Only what the end bore beside them in the last step is reduced: less under a
+    // contact would throw the light digit against it.
+    const int coupled = end.coupled_index;
+    if (coupled >= 0) end.row.impulse = coupled_impulse_[coupled];
     const double borne = end.row.impulse;
-    apply<kMaxAxes>(end.row, borne + share * (end.kept_impulse - borne), change);
-    if (end.coupled_index >= 0) coupled_impulse_[end.coupled_index] = end.row.impulse;
+    const double beside = end.kept_impulse - (coupled >= 0 ? borne - lead[coupled] : borne);
+    apply<kMaxAxes>(end.row, borne + share * beside, change);
+    if (coupled >= 0) coupled_impulse_[coupled] = end.row.impulse;
   }
 }
 

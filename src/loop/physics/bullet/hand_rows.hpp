@@ -69,9 +69,10 @@ class HandRows {
   void coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
                     std::array<double, kMaxAxes>& response, EndShares& shares,
                     bool one_sided) const noexcept;
-  /// Applies the impulses of the last step; call after the contacts have started. `change` is
-  /// Δq̇_s.
-  void start(double* change) noexcept;
+  /// Applies the impulses of the last step; call after the contacts have started. @param lead of the
+  /// coupled ends: by how much their contacts' starting impulses exceed those of the last step
+  /// @param change Δq̇_s
+  void start(const EndShares& lead, double* change) noexcept;
   /// True when contacts are coupled to a joint end.
   [[nodiscard]] bool couplesEnds() const noexcept { return coupled_count_ > 0; }
   /// Impulses of the coupled ends; each contact row adds its share.

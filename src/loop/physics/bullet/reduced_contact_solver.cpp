@@ -236,6 +236,7 @@ void ReducedContactSolver::startFromLast(HandContact& contact, double step_s) co
   const double kept = settings_.wall_warm_start;
   contact.normal_row.impulse = wall ? kept * point.m_appliedImpulse + (1.0 - kept) * at_rest
                                     : share * point.m_appliedImpulse;
+  contact.lead = wall ? contact.normal_row.impulse - point.m_appliedImpulse : 0.0;
   contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
   contact.tangent2_row.impulse = share * old.dot(contact.tangent2);
   contact.spin_row.impulse = share * point.m_prevRHS;
@@ -243,6 +244,7 @@ void ReducedContactSolver::startFromLast(HandContact& contact, double step_s) co
 
 void ReducedContactSolver::prepareSweeps() {
   for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
+  EndShares lead{};
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
@@ -250,9 +252,12 @@ void ReducedContactSolver::prepareSweeps() {
     contact.yielding = softness_ * contact.normal_row.effective_mass;
     contact.rests_on_ends = couples_ends_;
     finishFriction(contact, couples_ends_ ? Ends::kHeld : Ends::kFree);
+    for (int k = 0; couples_ends_ && k < kMaxCoupledEnds; ++k) {
+      lead[k] += contact.normal_row.end_shares[k] * contact.lead;
+    }
     start(contact);
   }
-  rows_.start(change_.data());
+  rows_.start(lead, change_.data());
 }
 
 void ReducedContactSolver::finishFriction(HandContact& contact, Ends ends) const {

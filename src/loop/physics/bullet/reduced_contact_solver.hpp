@@ -55,6 +55,7 @@ struct HandContact {
   /// rows undo a share of it in each step. Rolling leaves no drift.
   double drift1_m = 0.0, drift2_m = 0.0;
   FrictionDisc<double> disc;  ///< friction of both tangents; its limit is that of the last sweep
+  double lead = 0.0;  ///< against a wall: starting impulse of the normal less the last one [N·s]
   double yielding = 0.0;  ///< R / (R + inverse mass) of the normal row, R as SolverSettings says
   bool rests_on_ends = false;  ///< joint ends bear a share of its friction
 };
