@@ -931,23 +931,6 @@ TEST(ForeignUrdf, DensityOfALink_GivesTheMassOfItsColliders) {
       contains(format(dense("0").errors()), "link[a].inertial.density.value = 0: gives no mass"));
 }
 
-TEST(ForeignUrdf, MasslessLinkOnAJoint_IsReportedWithARemedy) {
-  const Folder folder;
-  const std::string link =
-      R"(<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>)";
-  const std::string door = folder.write(
-      "door.urdf", R"(<robot name="r"><link name="a">)" + link + R"(</link><link name="b">)" +
-                       link +
-                       R"(<inertial><mass value="0"/><inertia ixx="0" iyy="0" izz="0"/></inertial>
-</link><joint name="j" type="prismatic"><parent link="a"/><child link="b"/><limit lower="0"
-upper="1"/></joint></robot>)");
-  MeshLoadTime time;
-  EXPECT_TRUE(
-      contains(format(loadUrdf(door, time, {.fixed = true}).errors()),
-               "link[b].inertial.mass.value = 0: is not positive; must be > 0: a joint moves "
-               "this link"));
-}
-
 TEST(ForeignUrdf, MeshNamesOfEveryForm_AreResolved) {
   const Folder folder;
   folder.write("my cups/meshes/a cup.obj", kBoxObj);

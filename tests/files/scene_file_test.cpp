@@ -132,10 +132,33 @@ TEST(SceneFile, FixedUrdf_MayHaveAnyInertial) {
     <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
   EXPECT_TRUE(
       loadSceneFile(folder.write("fixed.toml", kSceneHead + kUrdfBody + "fixed = true\n")).ok());
-  const auto moving = loadSceneFile(folder.write("moving.toml", kSceneHead + kUrdfBody));
-  ASSERT_FALSE(moving.ok());
-  EXPECT_TRUE(
-      contains(format(moving.errors()), "link[a].inertial.mass.value = 0: is not positive"));
+  const SceneModel stands =
+      orThrow(loadSceneFile(folder.write("stands.toml", kSceneHead + kUrdfBody)));
+  EXPECT_TRUE(stands.bodies[0].fixed);
+  EXPECT_TRUE(contains(format(stands.notices), "has a mass of 0: the body stands, as in Bullet"));
+  const SceneModel moves = orThrow(
+      loadSceneFile(folder.write("moves.toml", kSceneHead + kUrdfBody + "mass_kg = 0.2\n")));
+  EXPECT_FALSE(moves.bodies[0].fixed);
+  EXPECT_NEAR(moves.bodies[0].inertia_kg_m2(0, 0), 0.4 * 0.2 * 4e-4, 1e-12);
+}
+
+TEST(SceneFile, UrdfWithoutMass_IsWeighedByItsColliders) {
+  const Folder folder;
+  const auto write = [&](const std::string& inertial) {
+    folder.write("thing.urdf", "<robot name=\"r\"><link name=\"a\">" + inertial +
+                                   "<collision><geometry><box size=\"0.1 0.1 0.05\"/></geometry>"
+                                   "</collision></link></robot>");
+    return loadSceneFile(folder.write(
+        "s.toml", kSceneHead + kUrdfBody + (inertial.empty() ? "" : "fixed = false\n")));
+  };
+  for (const char* inertial : {"", "<inertial><mass value=\"0\"/></inertial>"}) {
+    const SceneModel scene = orThrow(write(inertial));
+    EXPECT_FALSE(scene.bodies[0].fixed);
+    EXPECT_NEAR(scene.bodies[0].mass_kg, 0.3, 1e-12);  // 500 cm³ at 600 kg/m³
+    EXPECT_TRUE(contains(format(scene.notices), "the URDF has no mass: 0.3 kg, at 600 kg/m³"));
+  }
+  EXPECT_TRUE(contains(format(write("<inertial><mass value=\"-1\"/></inertial>").errors()),
+                       "link[a].inertial.mass.value = -1: is negative"));
 }
 
 TEST(SceneFile, FrictionOfAUrdf_IsAppliedUnlessTheSceneGivesOne) {
@@ -303,7 +326,8 @@ TEST(SceneFile, FaultyFiles_AreReportedWithLineKeyAndFault) {
   folder.write("lid.urdf", R"(<robot name="r">
 <link name="a"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
 <link name="b"/>
-<joint name="lid" type="revolute"><parent link="a"/><child link="b"/></joint></robot>)");
+<joint name="lid" type="revolute"><limit lower="1" upper="0.5"/><parent link="a"/><child link="b"/>
+</joint></robot>)");
   const struct {
     std::string text, place, problem;
   } cases[] = {
@@ -325,7 +349,7 @@ TEST(SceneFile, FaultyFiles_AreReportedWithLineKeyAndFault) {
       {body + "shape = \"mesh\"\nfile = \"flat.obj\"\n", ":10: ", "is flat"},
       {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
       {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].limit",
-       "is missing"},
+       "is reversed"},
       {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
        "mass_kg", "is missing"},
   };

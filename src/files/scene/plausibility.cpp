@@ -81,7 +81,8 @@ std::optional<Diagnostic> densityNotice(const SceneBody& body) {
 }
 
 std::string inertialProblem(const std::vector<Shape>& shapes,
-                            const std::vector<Vector3d>& ballast_m, const MassProperties& m) {
+                            const std::vector<Vector3d>& ballast_m, const MassProperties& m,
+                            const std::vector<Vector3d>& seen_m) {
   AlignedBox3d box = boxOf(shapes);
   if (std::string problem = ballastProblem(box, ballast_m); !problem.empty()) return problem;
   std::vector<Vector3d> reach_m = ballast_m;
@@ -89,7 +90,9 @@ std::string inertialProblem(const std::vector<Shape>& shapes,
     const std::vector<Vector3d> points = boundingPoints(shape);
     reach_m.insert(reach_m.end(), points.begin(), points.end());
   }
+  reach_m.insert(reach_m.end(), seen_m.begin(), seen_m.end());
   for (const Vector3d& p : ballast_m) box.extend(p);
+  for (const Vector3d& p : seen_m) box.extend(p);
   if (const double aside_m = box.exteriorDistance(m.com_m); aside_m > 0.0) {
     return fmt::format("centre of mass is {:.3g} m outside of its colliders", aside_m);
   }

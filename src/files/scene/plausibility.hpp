@@ -25,13 +25,15 @@ struct FarPlace {
 /// Notice of a body lighter than air or heavier than any matter; empty: plausible.
 [[nodiscard]] std::optional<Diagnostic> densityNotice(const SceneBody& body);
 
-/// Reason why no body of this mass within these colliders and points of ballast can have these mass
-/// properties; empty: possible. Along a principal axis, mass between -a and b of its centre has a
-/// second moment of at most m·a·b (Bhatia and Davis, 2000); 10 % more is allowed, since colliders
-/// simplify. The mean of the moments is at least that of a ball of the densest matter.
-/// @param shapes, ballast_m, m in one frame
+/// Reason why no body of this mass within these colliders, points of ballast and points that it
+/// shows can have these mass properties; empty: possible. Along a principal axis, mass between -a
+/// and b of its centre has a second moment of at most m·a·b (Bhatia and Davis, 2000); 10 % more is
+/// allowed, since colliders simplify. The mean of the moments is at least that of a ball of the
+/// densest matter.
+/// @param shapes, ballast_m, m, seen_m in one frame
 [[nodiscard]] std::string inertialProblem(const std::vector<Shape>& shapes,
                                           const std::vector<Eigen::Vector3d>& ballast_m,
-                                          const MassProperties& m);
+                                          const MassProperties& m,
+                                          const std::vector<Eigen::Vector3d>& seen_m = {});
 
 }  // namespace wholehand

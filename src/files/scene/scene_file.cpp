@@ -34,7 +34,7 @@ using std::numbers::pi;
 
 constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: rounding in files
 
-/// Density of a body that moves on a joint and has no <inertial>.
+/// Density of a URDF's body that has no <inertial>.
 constexpr double kWood_kg_m3 = 600.0;
 
 constexpr std::size_t kMostName = 200;    ///< maximum characters of a name in a recording
@@ -229,6 +229,14 @@ class BodyReader {
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
     ballast_m_ = urdf->ballast_m;
+    visuals_ = urdf->visuals;
+    urdf_read_ = true;
+    if (urdf->massless && !urdf->inertial && urdf->movers.empty() && !t_.has("fixed") &&
+        !t_.has("mass_kg")) {
+      body.fixed = true;
+      note(fileFault("", "the URDF has a mass of 0: the body stands, as in Bullet",
+                     "give mass_kg, or set fixed = false, if it shall move"));
+    }
     // A URDF with moving joints has a fixed root.
     if (!urdf->movers.empty()) {
       if (!body.fixed && t_.has("fixed")) {
@@ -314,7 +322,7 @@ class BodyReader {
     if (body.shapes.empty()) {
       m = bareMass(mover, note);
     } else if (mover.inertial) {
-      m = inertialOf(body.shapes, {}, *mover.inertial, note);
+      m = inertialOf(body.shapes, {}, mover.visuals, *mover.inertial, note);
     } else {
       m = uniformDensity(body.shapes, kWood_kg_m3 * moments(body.shapes).volume_m3);
       note(fmt::format("has no <inertial>: {:.3g} kg, at {} kg/m³", m.mass_kg, kWood_kg_m3),
@@ -452,12 +460,20 @@ class BodyReader {
       return;
     }
     const bool from_urdf = inertial_.has_value() || urdf_wrong_;
-    body.mass_kg = from_urdf
-                       ? t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->sum.mass_kg : 1.0)
-                       : t_.number("mass_kg", bodyMass());
+    if (from_urdf) {
+      body.mass_kg = t_.number("mass_kg", bodyMass(), inertial_ ? inertial_->sum.mass_kg : 1.0);
+    } else if (urdf_read_ && !t_.has("mass_kg")) {
+      body.mass_kg = kWood_kg_m3 * moments(body.shapes).volume_m3;
+      note(fileFault(
+          "",
+          fmt::format("the URDF has no mass: {:.3g} kg, at {} kg/m³", body.mass_kg, kWood_kg_m3),
+          "give mass_kg, or the URDF an <inertial>"));
+    } else {
+      body.mass_kg = t_.number("mass_kg", bodyMass());
+    }
     if (body.shapes.empty()) return;
     MassProperties m =
-        inertial_ ? inertialOf(body.shapes, ballast_m_, *inertial_,
+        inertial_ ? inertialOf(body.shapes, ballast_m_, visuals_, *inertial_,
                                [&](const std::string& problem, std::string remedy) {
                                  note(fileFault("", "the URDF " + problem, std::move(remedy)));
                                })
@@ -482,13 +498,18 @@ class BodyReader {
   /// @param note adds a notice with a problem and a remedy
   template <class Note>
   MassProperties inertialOf(const std::vector<Shape>& shapes,
-                            const std::vector<Vector3d>& ballast_m, const UrdfInertial& urdf,
+                            const std::vector<Vector3d>& ballast_m,
+                            const std::vector<UrdfVisual>& visuals, const UrdfInertial& urdf,
                             Note note) {
     const MassProperties& m = urdf.sum;
     MassProperties own = uniformDensity(shapes, m.mass_kg);
     if (inertia_ == InertiaRule::kColliders || !urdf.complete) return own;
     if (inertia_ == InertiaRule::kFile) return m;
-    const std::string problem = inertialProblem(shapes, ballast_m, m);
+    std::string problem = inertialProblem(shapes, ballast_m, m);
+    if (!problem.empty() && !visuals.empty()) {
+      // Colliders simplify: the mass may lie where the body is only seen.
+      problem = inertialProblem(shapes, ballast_m, m, pointsOf(visuals, *time_, assets_));
+    }
     if (problem.empty()) return m;
     if (inertia_ == InertiaRule::kRefuse) {
       t_.fail("file", "the URDF's " + problem,
@@ -510,7 +531,9 @@ class BodyReader {
   InertiaRule inertia_ = InertiaRule::kIfPossible;
   std::optional<UrdfInertial> inertial_;
   std::vector<Vector3d> ballast_m_;
+  std::vector<UrdfVisual> visuals_;
   Diagnostics urdf_faults_;
+  bool urdf_read_ = false;   ///< a URDF was read without faults
   bool urdf_wrong_ = false;  ///< the URDF has faults, so that the mass is unknown
   std::vector<std::string> assets_;
   Diagnostics notices_;

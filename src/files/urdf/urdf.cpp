@@ -6,7 +6,10 @@
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh/mesh_readers.hpp"
 #include "files/toml/toml_file.hpp"
+#include "files/urdf/joint_range.hpp"
 #include "files/urdf/urdf_chains.hpp"
+#include "files/urdf/urdf_text.hpp"
+#include "files/urdf/urdf_visuals.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/core/geometry.hpp"
 #include "loop/model/scene_model.hpp"
@@ -59,9 +62,8 @@ class UrdfFaults {
   /// Exactly `count` finite numbers separated by blanks. Anything else is a fault and gives zeros.
   std::vector<double> numbers(const XMLElement& e, const char* attribute, const std::string& key,
                               std::size_t count);
-  /// A mass > 0 [kg]. Any other value is a fault and gives 1. @param moves true for a link moved by
-  /// a joint
-  double mass_kg(const XMLElement& e, const std::string& key, bool moves);
+  /// A mass > 0 [kg]. Any other value is a fault and gives 1.
+  double mass_kg(const XMLElement& e, const std::string& key);
   /// A dimension in [0.001, 10] m.
   double length_m(const XMLElement& e, const char* attribute, const std::string& key);
   /// Pose of an element's `<origin xyz rpy>` or `<origin xyz quat_xyzw>`; identity without one.
@@ -89,56 +91,16 @@ struct UrdfMeshes {
   std::vector<Flat> flat;  ///< colliders without volume: left out if the body has others
 };
 
-// Bounds of a URDF. A complete robot description has some 2,000 attributes; an element has two '<'.
-constexpr std::ptrdiff_t kMostAttributes = 8'000, kMostTags = 32'000;
-constexpr std::streamsize kLargestUrdf_bytes = std::streamsize{4} << 20U;
-
-/// The bound that an XML file exceeds, as a problem; empty: none, or the file cannot be read. It is
-/// checked before parsing, because tinyxml2 compares each attribute with all others of its element
-/// and this reader compares each link with all others.
-std::string beyondUrdfBounds(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::array<char, 16384> block;
-  std::streamsize bytes = 0;
-  std::ptrdiff_t attributes = 0, tags = 0;
-  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
-    const auto end = block.begin() + in.gcount();
-    bytes += in.gcount();
-    attributes += std::count(block.begin(), end, '=');
-    tags += std::count(block.begin(), end, '<');
-    if (bytes > kLargestUrdf_bytes) return "is larger than 4 MB";
-    if (attributes > kMostAttributes) return "has more than 8000 attributes";
-    if (tags > kMostTags) return "has more than 16000 elements";
-  }
-  return {};
-}
-
 constexpr double kMostFriction = 2.0;
 constexpr double kMostPlace_m = 10.0;  ///< the limit for a body of a scene
 constexpr double kMostTurn_rad = 4.0 * std::numbers::pi;
 constexpr const char* kBeyondTurns = "is beyond two turns (4π rad)";
 constexpr const char* kInRad = "must be in rad: multiply degrees by π / 180";
 
-constexpr const char* kBlanks = " \t\r\n";
 constexpr const char *kMacro = "is a macro of xacro", *kExpand = "run xacro first";
 
 bool isMacro(std::string_view text) {
   return text.find("$(") != text.npos || text.find("${") != text.npos;
-}
-
-/// Parses numbers independently of the locale, unlike tinyxml2's queries; empty when a word is not
-/// a number.
-std::optional<std::vector<double>> parseNumbers(const std::string& text) {
-  std::vector<double> numbers;
-  std::size_t begin = text.find_first_not_of(kBlanks);
-  while (begin != std::string::npos) {
-    const std::size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
-    const auto value = meshNumber(std::string_view(text).substr(begin, end - begin));
-    if (!value || !std::isfinite(*value)) return std::nullopt;
-    numbers.push_back(*value);
-    begin = text.find_first_not_of(kBlanks, end);
-  }
-  return numbers;
 }
 
 void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, std::string problem,
@@ -202,14 +164,12 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
   return zeros;
 }
 
-double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key, bool moves) {
+double UrdfFaults::mass_kg(const XMLElement& e, const std::string& key) {
   const std::size_t before = all_.size();
   const double value = numbers(e, "value", key, 1).front();
   if (all_.size() > before) return 1.0;
   if (value > 0.0) return value;
-  add(&e, key + ".value", e.Attribute("value"), "is not positive",
-      moves ? "must be > 0: a joint moves this link; or make that joint fixed"
-            : "must be > 0; of a body that never moves, set fixed = true in the scene");
+  add(&e, key + ".value", e.Attribute("value"), "is negative", "must be >= 0");
   return 1.0;
 }
 
@@ -314,96 +274,6 @@ void UrdfFaults::checkNames(const XMLElement& e, const std::string& key) {
     }
     checkNames(*c, child);
   }
-}
-
-/// Text of a URI with percent escapes such as "%20" decoded.
-std::string unescaped(std::string_view uri) {
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    int code = 0;
-    const char* const digits = uri.data() + i + 1;
-    if (uri[i] == '%' && i + 2 < uri.size() &&
-        std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
-      text += static_cast<char>(code);
-      i += 2;
-    } else {
-      text += uri[i];
-    }
-  }
-  return text;
-}
-
-constexpr int kMostFoldersBeside =
-    200;  ///< folders in which a package is looked for, at each level
-
-/// Name of the package in a folder by its package.xml (ROS); empty: none.
-std::string packageIn(const fs::path& folder) {
-  const fs::path path = folder / "package.xml";
-  std::error_code error;
-  if (!fs::is_regular_file(path, error) || !beyondUrdfBounds(path.string()).empty()) return {};
-  tinyxml2::XMLDocument document;
-  if (document.LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) return {};
-  const XMLElement* const package = document.FirstChildElement("package");
-  const XMLElement* const name = package != nullptr ? package->FirstChildElement("name") : nullptr;
-  if (name == nullptr || name->GetText() == nullptr) return {};
-  const std::string_view text = name->GetText();
-  const std::size_t from = text.find_first_not_of(kBlanks);
-  if (from == text.npos) return {};
-  return std::string(text.substr(from, text.find_last_not_of(kBlanks) + 1 - from));
-}
-
-/// Path of an unescaped mesh name in any of the accepted forms; empty if no file is found.
-fs::path foundMesh(std::string_view name, const fs::path& folder, fs::path& tried) {
-  std::error_code error;
-  const auto known = [&](const fs::path& path) { return fs::is_regular_file(path, error); };
-  constexpr std::string_view kFile = "file://";
-  for (const std::string_view scheme : {"package://", "model://"}) {
-    if (!name.starts_with(scheme)) continue;
-    name.remove_prefix(scheme.size());
-    const std::size_t slash = std::min(name.find('/'), name.size());
-    // "package://cup.stl", as onshape-to-robot writes it, names no package.
-    const fs::path package(slash < name.size() ? name.substr(0, slash) : "");
-    const fs::path rest(slash < name.size() ? name.substr(slash + 1) : name);
-    tried = folder / package / rest;
-    for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
-      if (up.filename() == package && known(up / rest)) return up / rest;
-      if (known(up / package / rest)) return up / package / rest;
-    }
-    // A folder may have another name than the package that it holds (ROS).
-    for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
-      if (packageIn(up) == package.string() && known(up / rest)) return up / rest;
-      int looked_at = 0;
-      for (const auto& beside : fs::directory_iterator(up, error)) {
-        if (++looked_at > kMostFoldersBeside) break;
-        if (packageIn(beside.path()) == package.string() && known(beside.path() / rest)) {
-          return beside.path() / rest;
-        }
-      }
-    }
-    return {};
-  }
-  if (name.starts_with(kFile)) name.remove_prefix(kFile.size());
-  tried = folder / fs::path(name);
-  // Some programs give mesh names relative to the folder that holds all their objects.
-  const bool climbs = name.find("..") != name.npos;
-  for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
-    if (known(up / name)) return up / name;
-    if (climbs) break;
-  }
-  return {};
-}
-
-/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
-/// message names it.
-fs::path meshPath(const std::string& name, const fs::path& urdf) {
-  const fs::path folder = fs::absolute(urdf).parent_path();
-  std::string slashes = name;
-  std::replace(slashes.begin(), slashes.end(), '\\', '/');
-  fs::path tried;
-  for (const std::string& form : {name, unescaped(name), slashes, unescaped(slashes)}) {
-    if (fs::path found = foundMesh(form, folder, tried); !found.empty()) return found;
-  }
-  return tried;
 }
 
 /// A collider smaller than 1 mm in each direction: other engines use it as a point of contact or as
@@ -512,6 +382,7 @@ struct Link {
   const XMLElement* element = nullptr;
   std::string name;
   std::vector<Shape> shapes;             ///< in the link's frame
+  std::vector<UrdfVisual> visuals;       ///< in the link's frame
   std::optional<UrdfInertial> inertial;  ///< in the link's frame
   int parent = -1;                       ///< index of the parent link; -1 for the root
   Pose in_parent;
@@ -710,6 +581,7 @@ class Reader {
         readContact(*c, key + ".contact");
       }
     }
+    link.visuals = readVisuals(e, faults_.file());
     const XMLElement* i = e.FirstChildElement("inertial");
     const bool frame = number == 0 && i != nullptr && isMassless(*i) &&
                        i->NextSiblingElement("inertial") == nullptr;
@@ -836,7 +708,7 @@ class Reader {
     return std::nullopt;
   }
 
-  std::optional<UrdfInertial> readInertial(const XMLElement& e, const Link& link, bool moves) {
+  std::optional<UrdfInertial> readInertial(const XMLElement& e, const Link& link) {
     const std::string key = fmt::format("link[{}].inertial", link.name);
     const std::size_t before = faults_.all().size();
     (void)faults_.only(*link.element, "inertial", fmt::format("link[{}]", link.name));
@@ -850,7 +722,7 @@ class Reader {
       return std::nullopt;
     }
     UrdfInertial m;
-    m.sum.mass_kg = faults_.mass_kg(*mass, key + ".mass", moves);
+    m.sum.mass_kg = faults_.mass_kg(*mass, key + ".mass");
     m.complete = use_.inertia != InertiaRule::kColliders && inertia != nullptr;
     if (m.complete) m.sum.inertia_kg_m2 = readInertia(*inertia, key);
     const Pose frame = faults_.origin(e, key);
@@ -926,9 +798,9 @@ class Reader {
   }
 
   /// Reads a revolute, continuous or prismatic joint. A joint whose range does not contain 0 starts
-  /// at the end of the range nearest to 0.
-  SceneJoint readMovable(const XMLElement& e, const std::string& key, const std::string& name,
-                         const std::string& type) {
+  /// at the end of the range nearest to 0. Empty: its range is one place, so that it is fixed.
+  std::optional<SceneJoint> readMovable(const XMLElement& e, const std::string& key,
+                                        const std::string& name, const std::string& type) {
     SceneJoint joint;
     if (type != "revolute" && type != "continuous" && type != "prismatic") {
       faults_.add(&e, key + ".type", type,
@@ -951,7 +823,7 @@ class Reader {
     // A joint that follows another one needs no range of its own.
     const bool free = type == "continuous" || (e.FirstChildElement("mimic") != nullptr &&
                                                e.FirstChildElement("limit") == nullptr);
-    if (!free) readLimit(e, key, joint);
+    if (!free && !readLimit(e, key, joint)) return std::nullopt;
     noteUnused(e, key, type);
     if (const XMLElement* dynamics = faults_.only(e, "dynamics", key)) {
       joint.viscous_friction = notNegative(*dynamics, "damping", key + ".dynamics");
@@ -983,32 +855,46 @@ class Reader {
          "give the body of a scene a [bodies.joint] with its spring");
   }
 
-  void readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
-    const XMLElement* limit = faults_.only(e, "limit", key);
-    if (limit == nullptr) {
-      faults_.add(&e, key + ".limit", "", "is missing",
-                  "give <limit lower=\"...\" upper=\"...\"/>");
-      return;
+  /// The <limit> of a joint that has ends; the first one if none has. Others may give an effort or
+  /// a speed, which are not used. Two with ends are a fault.
+  const XMLElement* limitOf(const XMLElement& joint, const std::string& key) {
+    const XMLElement* found = nullptr;
+    for (const XMLElement* e = joint.FirstChildElement("limit"); e != nullptr;
+         e = e->NextSiblingElement("limit")) {
+      if (e->Attribute("lower") == nullptr && e->Attribute("upper") == nullptr) continue;
+      if (found != nullptr) return faults_.only(joint, "limit", key);
+      found = e;
     }
-    const bool slides = joint.type == SceneJoint::Type::kSlide;
-    const auto end = [&](const char* name) {
-      if (limit->Attribute(name) == nullptr) return 0.0;  // the default of URDF
-      const double value = faults_.numbers(*limit, name, key + ".limit", 1).front();
-      if (std::abs(value) > (slides ? kMostPlace_m : kMostTurn_rad)) {
-        faults_.add(
-            limit, fmt::format("{}.limit.{}", key, name), limit->Attribute(name),
-            slides ? "is out of range" : kBeyondTurns,
-            slides ? "must be in [-10, 10] m: divide millimetres by 1000"
-                   : std::string(kInRad) + "; if it turns without end, make the joint continuous");
-      }
-      return value;
+    return found != nullptr ? found : joint.FirstChildElement("limit");
+  }
+
+  /// Reads the range of a revolute or prismatic joint. @return false: it does not move
+  bool readLimit(const XMLElement& e, const std::string& key, SceneJoint& joint) {
+    const std::size_t before = faults_.all().size();
+    const XMLElement* const limit = limitOf(e, key);
+    const auto end = [&](const char* name) -> std::optional<double> {
+      const char* const text = limit != nullptr ? limit->Attribute(name) : nullptr;
+      if (text == nullptr) return std::nullopt;
+      if (const auto value = limitEnd(text)) return value;
+      return faults_.numbers(*limit, name, key + ".limit", 1).front();
     };
-    joint.least = end("lower"), joint.most = end("upper");
-    if (joint.least < joint.most) return;
-    const bool empty = joint.least == joint.most;
-    faults_.add(limit, key + ".limit", fmt::format("{} .. {}", joint.least, joint.most),
-                empty ? "is empty" : "is reversed",
-                empty ? "give lower < upper, or make the joint fixed" : "give lower < upper");
+    const std::optional<double> lower = end("lower"), upper = end("upper");
+    if (faults_.all().size() > before) return true;
+    JointRange range = jointRange(joint.type == SceneJoint::Type::kSlide, lower, upper);
+    joint.least = range.least, joint.most = range.most;
+    if (range.problem.empty()) return true;
+    const XMLElement* const at = limit != nullptr ? limit : &e;
+    const std::string given =
+        lower || upper ? fmt::format("{} .. {}", lower.value_or(0.0), upper.value_or(0.0)) : "";
+    if (range.refused) {
+      const std::string of_end = range.end != nullptr ? std::string(".") + range.end : "";
+      faults_.add(at, key + ".limit" + of_end,
+                  range.end != nullptr ? limit->Attribute(range.end) : given, range.problem,
+                  range.remedy);
+    } else {
+      faults_.note(at, key + ".limit", given, fileFault("", range.problem, range.remedy));
+    }
+    return range.moves;
   }
 
   /// An optional attribute >= 0; 0 when it is missing or faulty.
@@ -1084,13 +970,25 @@ class Reader {
                         });
     for (Link& link : links_) {
       const bool moves = carrierOf(linkIndex(link.name)) >= 0;
-      if (link.inertial_element != nullptr && (moves || !stands)) {
-        link.inertial = readInertial(*link.inertial_element, link, moves);
+      if (link.inertial_element == nullptr || !(moves || !stands)) continue;
+      if (isMassless(*link.inertial_element)) {
+        massless_.push_back(&link);
+        continue;
       }
+      link.inertial = readInertial(*link.inertial_element, link);
+    }
+    // A body without any mass is the scene's matter.
+    const bool any = std::any_of(links_.begin(), links_.end(),
+                                 [](const Link& l) { return l.inertial || l.joint; });
+    for (const Link* link : massless_) {
+      if (!any) continue;
+      faults_.note(link->inertial_element, fmt::format("link[{}].inertial.mass.value", link->name),
+                   "0", fileFault("", "is no mass: it is not used", "give the link its mass"));
     }
   }
 
   /// Index of the link that a joint's <parent> or <child> names; -1 with a fault if there is none.
+  /// The link "world" need not be in the file (Drake): it is a frame that holds others.
   int joined(const XMLElement& joint, const char* role, const std::string& key) {
     const XMLElement* e = faults_.only(joint, role, key);
     if (e == nullptr) {
@@ -1099,6 +997,12 @@ class Reader {
       return -1;
     }
     const std::string name = faults_.text(*e, "link", key + "." + role);
+    if (name == "world" && std::string_view(role) == "parent" && linkIndex(name) < 0) {
+      Link world;
+      world.element = e;
+      world.name = name;
+      links_.push_back(std::move(world));
+    }
     const int index = linkIndex(name);
     if (index < 0 && !name.empty()) {
       faults_.add(e, key + "." + role, name, "there is no link of that name",
@@ -1132,6 +1036,7 @@ class Reader {
     body.mesh_files = meshes_.files;
     body.notices = faults_.notices();
     body.friction = friction_;
+    body.massless = !massless_.empty();
     std::vector<int> mover_of(links_.size(), -1);
     const std::vector<int> movables = movablesInOrder();
     for (const int i : movables) {
@@ -1157,6 +1062,10 @@ class Reader {
       for (Shape shape : link.shapes) {
         shape.in_body = in_body * shape.in_body;
         (mover != nullptr ? mover->shapes : body.shapes).push_back(std::move(shape));
+      }
+      for (UrdfVisual visual : link.visuals) {
+        visual.in_body = in_body * visual.in_body;
+        (mover != nullptr ? mover->visuals : body.visuals).push_back(std::move(visual));
       }
       if (!link.inertial) continue;
       const MassProperties m = moved(link.inertial->sum, in_body);
@@ -1198,6 +1107,7 @@ class Reader {
   const XMLElement* robot_ = nullptr;
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
+  std::vector<const Link*> massless_;  ///< links with a collider and a mass of 0
   std::optional<double> friction_;
   std::vector<const XMLElement*> frictions_;  ///< elements whose friction was read or noted
   UrdfUse use_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "files/urdf/urdf_visuals.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/model/scene_model.hpp"
 
@@ -44,6 +45,7 @@ struct UrdfMover {
   int follows = -1;  ///< mover whose joint its own follows: its q is ratio · the other q + offset
   double ratio = 1.0, offset = 0.0;
   std::vector<Shape> shapes;             ///< in the frame of its link
+  std::vector<UrdfVisual> visuals;       ///< in the frame of its link
   std::optional<UrdfInertial> inertial;  ///< in the frame of its link
 };
 
@@ -53,9 +55,11 @@ struct UrdfBody {
   std::vector<UrdfMover>
       movers;  ///< bodies on movable joints; if there are any, the root is fixed in the world
   std::vector<Shape> shapes;            ///< every collision element of every link
-  std::vector<std::string> mesh_files;  ///< paths of the meshes it names
+  std::vector<UrdfVisual> visuals;      ///< every visual of every link
+  std::vector<std::string> mesh_files;  ///< paths of the meshes of its colliders
   Diagnostics notices;  ///< differences from the file, and content that is not applied
   std::optional<UrdfInertial> inertial;    ///< empty when no link has one
+  bool massless = false;                   ///< links with a collider have a mass of 0
   std::vector<Eigen::Vector3d> ballast_m;  ///< centres of inertials of links without a collider
   std::optional<double> friction;          ///< from extensions of Bullet or Gazebo, 0 .. 2
 };

@@ -55,7 +55,8 @@ JointRemark findLeader(std::vector<LinkedJoint>& joints, int index) {
   return wrong;
 }
 
-/// Narrows the leader's range to that of a follower.
+/// Narrows the leader's range to that of a follower, unless they have no place in common: then the
+/// multiplier's sign is not that of the follower's range, and other programs do not apply it.
 void narrow(std::vector<LinkedJoint>& joints, int index, JointRemarks& remarks) {
   const LinkedJoint& of = joints[index];
   SceneJoint& leader = *joints[of.follows].joint;
@@ -69,10 +70,11 @@ void narrow(std::vector<LinkedJoint>& joints, int index, JointRemarks& remarks) 
   least = std::max(least, leader.least) + 0.0, most = std::min(most, leader.most) + 0.0;
   const std::string range = fmt::format("{:g} .. {:g}", of.joint->least, of.joint->most);
   if (!(least < most)) {
-    remarks.faults.push_back({index, false, range,
-                              fmt::format("has no place in common with '{}', which it follows",
-                                          printable(joints[of.follows].name)),
-                              "correct the two <limit>s, or the <mimic>"});
+    remarks.notices.push_back({index, false, range,
+                               fmt::format("is not applied: it has no place in common with '{}', "
+                                           "which the joint follows",
+                                           printable(joints[of.follows].name)),
+                               "correct the two <limit>s, or the <mimic>"});
     return;
   }
   remarks.notices.push_back({index, false, range,
