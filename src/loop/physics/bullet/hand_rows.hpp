@@ -69,8 +69,8 @@ class HandRows {
   void coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
                     std::array<double, kMaxAxes>& response, EndShares& shares,
                     bool one_sided) const noexcept;
-  /// Applies the impulses of the last step; call after the contacts have started. @param lead of the
-  /// coupled ends: by how much their contacts' starting impulses exceed those of the last step
+  /// Applies the impulses of the last step; call after the contacts have started. @param lead of
+  /// the coupled ends: by how much their contacts' starting impulses exceed those of the last step
   /// @param change Δq̇_s
   void start(const EndShares& lead, double* change) noexcept;
   /// True when contacts are coupled to a joint end.
