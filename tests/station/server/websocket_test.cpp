@@ -461,7 +461,7 @@ TEST_F(WebSocketTest, BusyHolder_FadesTheEffortAndIsNotHeard) {
   client->send(setParameter(2, "lead_in_m", 0.25));
   const auto order = program.askedFor<orders::SetParameter>(1).at(0).order;
   const std::int64_t heard_ns = order.requester->heard_ns;
-  std::vector<ReceivedOrder> alive;
+  std::vector<FakeProgram::ReceivedOrder> alive;
   for (int i = 0; i < 200 && alive.empty(); ++i) {
     client->send(heartbeat(0, true));
     alive = program.askedFor<orders::HolderAlive>(1, 20ms);
