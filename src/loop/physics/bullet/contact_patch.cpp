@@ -350,10 +350,14 @@ class NearestPoints {
   /// Nearest points with a displaced by `away_m`, so that the shapes do not overlap; exact when
   /// both shapes have corners.
   [[nodiscard]] Nearest apart(const btVector3& away_m) const {
+    return from(at_a_.getOrigin() + away_m - at_b_.getOrigin(), away_m);
+  }
+  /// Nearest points, searched for from a guess of their difference, in the frame of a.
+  [[nodiscard]] Nearest from(const btVector3& towards,
+                             const btVector3& away_m = {0.0, 0.0, 0.0}) const {
     btTransform held = at_a_;
     held.getOrigin() += away_m;
     btGjkEpaSolver2::sResults is;
-    const btVector3 towards = held.getOrigin() - at_b_.getOrigin();
     if (!btGjkEpaSolver2::Distance(&shape_a_, held, &shape_b_, at_b_, towards, is)) return {};
     if (is.distance < kCoreGap_m) return {};
     // The solver's own normal is in the frame of a, so the normal is computed from the witness
@@ -375,13 +379,23 @@ class NearestPoints {
 Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& object_b,
                 const Convex& a, const Convex& b, const btVector3* before) {
   const NearestPoints points(object_a, object_b);
+  const auto sure = [&](const Nearest& is) {
+    return is.found && gapAlong(a, b, is.point.normal) > is.point.gap_m - kSure_m;
+  };
   const Nearest as_they_are = points.apart({0.0, 0.0, 0.0});
   // Points that nearly coincide give no reliable direction: the shapes would not be apart along it.
-  if (as_they_are.found &&
-      gapAlong(a, b, as_they_are.point.normal) > as_they_are.point.gap_m - kSure_m) {
-    return as_they_are;
-  }
+  if (sure(as_they_are)) return as_they_are;
   btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
+  // For meshes the search may have ended at a simplex that is nearly flat, with points that are not
+  // the nearest ones. From another guess it ends elsewhere.
+  if (as_they_are.found && (a.point_count > 0 || b.point_count > 0)) {
+    const btMatrix3x3& basis = object_b.getWorldTransform().getBasis();
+    const btVector3 x = basis.getColumn(0), y = basis.getColumn(1), z = basis.getColumn(2);
+    for (const btVector3& guess : {along, as_they_are.point.normal, x, y, z, -x, -y, -z}) {
+      const Nearest again = points.from(guess * object_a.getWorldTransform().getBasis());
+      if (sure(again)) return again;
+    }
+  }
   double gap_m = gapAlong(a, b, along);
   Nearest out;
   for (int i = 0; i < kMostTurns; ++i) {
