@@ -109,6 +109,7 @@ class Yard {
     placements.items[0] = {body, 0, now.position_m, now.orientation_xyzw,
                            Vec3::from(Eigen::Vector3d(frame_.rotation * velocity_m_s))};
     world_->placeBodies(placements);
+    looked_ = false;
   }
   /// Position and rate of the i-th body on a joint, as a recording has them.
   [[nodiscard]] std::pair<double, double> joint(int i) {
@@ -121,6 +122,7 @@ class Yard {
   }
   void step() {
     const Fault fault = world_->step(drive_, period_s_);
+    looked_ = false;
     ASSERT_EQ(fault & kStoppingFaults, Fault::kNone);
     unsettled_ += any(fault & Fault::kContactsUnsettled) ? 1 : 0;
   }
@@ -152,10 +154,19 @@ class Yard {
     return 0.5 * m * velocity(body).squaredNorm() + 0.5 * spin(body).dot(angularMomentum(body)) -
            m * scene_.gravity_m_s2.dot(state(body).position_m.eigen());
   }
-  [[nodiscard]] PhysicsWorld& world() { return *world_; }
+  /// The state of the world, in its own frame.
+  [[nodiscard]] const PhysicsState& seen() const {
+    if (!looked_) seen_ = look(*world_);
+    looked_ = true;
+    return seen_;
+  }
+  [[nodiscard]] PhysicsWorld& world() {
+    looked_ = false;
+    return *world_;
+  }
 
  private:
-  [[nodiscard]] BodyState state(int body) const { return look(*world_).bodies[body]; }
+  [[nodiscard]] const BodyState& state(int body) const { return seen().bodies[body]; }
 
   Models models_;
   Pose frame_;
@@ -165,6 +176,8 @@ class Yard {
   AxisMatrix inverse_;
   HandDrive drive_;
   int unsettled_ = 0;
+  mutable PhysicsState seen_;    ///< valid if looked_
+  mutable bool looked_ = false;  ///< since the last step
 };
 
 }  // namespace wholehand::test

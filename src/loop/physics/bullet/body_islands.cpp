@@ -142,14 +142,25 @@ void BodyRows::writeRow(const Row& row, const Place& at, int r,
   out.goal[r] = row.effective_mass[k] > 0.0 ? row.target[k] / row.effective_mass[k] : 0.0;
 }
 
-bool BodyRows::solveIsland(int island, const Bodies& bodies, JointRows& joints,
-                           int& work) noexcept {
+// The velocities that the hand's impulses give belong to the present ones.
+void BodyRows::subtractHand(const Place& at, IslandNewton::Contact& contact) const noexcept {
+  const Group& group = *at.group;
+  const Motion &a = hand_[group.a[at.place] - motions_.data()],
+               &b = hand_[group.b[at.place] - motions_.data()];
+  int r = 0;
+  for (const Row* row : {&group.normal, &group.tangent1, &group.tangent2}) {
+    for (int i = 0; i < 3; ++i) {
+      contact.goal[r] -= row->along[i][at.place] * (a.linear[i] - b.linear[i]) +
+                         row->about_a[i][at.place] * a.angular[i] +
+                         row->about_b[i][at.place] * b.angular[i];
+    }
+    ++r;
+  }
+}
+
+void BodyRows::beginIsland(int island, const Bodies& bodies, int further) noexcept {
   const int first_body = first_body_[island], first_place = first_place_[island];
   const int body_count = first_body_[island + 1] - first_body;
-  const int place_count = first_place_[island + 1] - first_place;
-  if (body_count > IslandNewton::kMostBodies || place_count > IslandNewton::kMostContacts) {
-    return false;
-  }
   for (int i = 0; i < body_count; ++i) {
     const int body = members_[first_body + i];
     slot_[body] = i;
@@ -157,34 +168,83 @@ bool BodyRows::solveIsland(int island, const Bodies& bodies, JointRows& joints,
     roots_[i].linear = std::sqrt(mobility.linear);
     roots_[i].angular.factorize([&](int r, int c) { return mobility.angular[r][c]; }, 3);
   }
-  newton_.begin(body_count);
-  const double share = start_[island].share;
-  for (int i = 0; i < place_count; ++i) {
-    const Place& at = places_[first_place + i];
+  newton_.begin(body_count + further);
+  for (int i = first_place; i < first_place_[island + 1]; ++i) {
+    const Place& at = places_[i];
     const auto slot_of = [&](const Motion* motion) {
       const auto body = motion - motions_.data();
       return bodies[static_cast<int>(body)].m_originalBody != nullptr ? slot_[body] : -1;
     };
-    const btManifoldPoint& point = *at.group->point[at.place];
     IslandNewton::Contact& contact =
         *newton_.add(slot_of(at.group->a[at.place]), slot_of(at.group->b[at.place]));
     contact.friction = at.group->friction[at.place];
     writeRow(at.group->normal, at, 0, contact);
     writeRow(at.group->tangent1, at, 1, contact);
     writeRow(at.group->tangent2, at, 2, contact);
-    // Starts from the impulses of the last step, reduced if they came from an impact
-    // (shortenStart()).
-    contact.start = {share * point.m_appliedImpulse, share * point.m_appliedImpulseLateral1,
-                     share * point.m_appliedImpulseLateral2};
   }
-  for (int i = 0; i < body_count; ++i) {
-    if (!joints.addTo(newton_, members_[first_body + i], i)) return false;
-  }
+}
+
+bool BodyRows::fits(int island, int further) const noexcept {
+  return first_body_[island + 1] - first_body_[island] + further <= IslandNewton::kMostBodies &&
+         first_place_[island + 1] - first_place_[island] <= IslandNewton::kMostContacts;
+}
+
+bool BodyRows::solveBegun() noexcept {
   const int of_a_step = newton_.order();
   if (of_a_step == 0) return false;
-  const bool found = newton_.solve(std::min(kMostSteps, work / of_a_step));
-  work -= of_a_step * newton_.steps();
+  const bool found = newton_.solve(std::min(kMostSteps, work_ / of_a_step));
+  work_ -= of_a_step * newton_.steps();
   return found;
+}
+
+// Starts from the impulses of the last step, reduced if they came from an impact (shortenStart()).
+bool BodyRows::solveIsland(int island, const Bodies& bodies, JointRows& joints) noexcept {
+  if (!fits(island, 0)) return false;
+  beginIsland(island, bodies, 0);
+  const double share = start_[island].share;
+  for (int i = 0; i < newton_.contactCount(); ++i) {
+    const Place& at = places_[first_place_[island] + i];
+    const btManifoldPoint& point = *at.group->point[at.place];
+    newton_.contact(i).start = {share * point.m_appliedImpulse,
+                                share * point.m_appliedImpulseLateral1,
+                                share * point.m_appliedImpulseLateral2};
+  }
+  for (int i = first_body_[island]; i < first_body_[island + 1]; ++i) {
+    if (!joints.addTo(newton_, members_[i], i - first_body_[island])) return false;
+  }
+  return solveBegun();
+}
+
+// Starts from the impulses of the sweeps.
+void BodyRows::beginTouched(int island, const Bodies& bodies, int further) noexcept {
+  beginIsland(island, bodies, further);
+  for (int i = 0; i < newton_.contactCount(); ++i) {
+    const Place& at = places_[first_place_[island] + i];
+    newton_.contact(i).start = {at.group->normal.impulse[at.place],
+                                at.group->tangent1.impulse[at.place],
+                                at.group->tangent2.impulse[at.place]};
+  }
+}
+
+int BodyRows::beginWithHand(int island, const Bodies& bodies) noexcept {
+  if (!fits(island, 1)) return -1;
+  beginTouched(island, bodies, 1);
+  return first_body_[island + 1] - first_body_[island];
+}
+
+int BodyRows::slotIn(int island, int body) noexcept {
+  return islandOf(body) == island ? slot_[body] : -1;
+}
+
+void BodyRows::writeHandRow(int slot, const btVector3& linear, const btVector3& angular,
+                            IslandNewton::Six& along) const noexcept {
+  for (int i = 0; i < 3; ++i) along[i] = roots_[slot].linear * linear[i];
+  roots_[slot].angular.transpose(angular.m_floats, along.data() + 3);
+}
+
+void BodyRows::takeWithHand(int island, Bodies& bodies, JointRows& joints) noexcept {
+  takeImpulses(island, bodies, joints);
+  putMotions(island, bodies);
 }
 
 // Takes a contact out of the sweeps.
@@ -224,20 +284,73 @@ void BodyRows::takeImpulses(int island, Bodies& bodies, JointRows& joints) noexc
   }
 }
 
+void BodyRows::noteTouched(int island, const Bodies& bodies) noexcept {
+  const auto first = members_.begin() + first_body_[island],
+             last = members_.begin() + first_body_[island + 1];
+  if (last - first < 2) return;
+  if (std::any_of(first, last, [&](int body) { return jointOf(bodies[body]) != nullptr; })) return;
+  touched_islands_.push_back(island);
+}
+
+void BodyRows::addHand(int body, const btVector3& linear, const btVector3& angular) noexcept {
+  Motion& of = hand_[body];
+  for (int i = 0; i < 3; ++i) {
+    of.linear[i] += linear[i];
+    of.angular[i] += angular[i];
+  }
+}
+
+void BodyRows::putMotions(int island, Bodies& bodies) noexcept {
+  for (int i = first_body_[island]; i < first_body_[island + 1]; ++i) {
+    const int body = members_[i];
+    const Motion& motion = motions_[body];
+    bodies[body].m_deltaLinearVelocity.setValue(motion.linear[0], motion.linear[1],
+                                                motion.linear[2]);
+    bodies[body].m_deltaAngularVelocity.setValue(motion.angular[0], motion.angular[1],
+                                                 motion.angular[2]);
+  }
+}
+
+void BodyRows::solveTouched(Bodies& bodies, JointRows& joints) noexcept {
+  for (const int island : touched_islands_) {
+    if (!fits(island, 0)) continue;
+    beginTouched(island, bodies, 0);
+    for (int i = 0; i < newton_.contactCount(); ++i) {
+      subtractHand(places_[first_place_[island] + i], newton_.contact(i));
+    }
+    if (!solveBegun()) continue;
+    takeImpulses(island, bodies, joints);
+    for (int i = first_body_[island]; i < first_body_[island + 1]; ++i) {
+      Motion& motion = motions_[members_[i]];
+      const Motion& by_hand = hand_[members_[i]];
+      for (int k = 0; k < 3; ++k) {
+        motion.linear[k] += by_hand.linear[k];
+        motion.angular[k] += by_hand.angular[k];
+      }
+    }
+    putMotions(island, bodies);
+  }
+}
+
 void BodyRows::solveIslands(Bodies& bodies, const std::vector<bool>& by_hand,
                             JointRows& joints) noexcept {
   if (!any()) return;
   sortByIsland(bodies, by_hand);
-  int work = kMostWork;
+  work_ = kMostWork;
   for (int body = 0; body < bodies.size(); ++body) {
-    if (!moves(bodies[body]) || islandOf(body) != body || swept_[body] != 0) continue;
+    if (!moves(bodies[body]) || islandOf(body) != body) continue;
     if (first_place_[body + 1] == first_place_[body]) continue;
-    if (solveIsland(body, bodies, joints, work)) {
+    if (swept_[body] != 0) {
+      noteTouched(body, bodies);
+      continue;
+    }
+    if (solveIsland(body, bodies, joints)) {
       takeImpulses(body, bodies, joints);
     } else {
       swept_[body] = 1;
     }
   }
+  if (!touched_islands_.empty()) std::fill_n(hand_.begin(), bodies.size(), Motion{});
   const auto is_solved = [](const Group* group) {
     return std::all_of(group->point.begin(), group->point.end(),
                        [](const btManifoldPoint* point) { return point == nullptr; });

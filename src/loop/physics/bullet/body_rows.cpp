@@ -223,7 +223,9 @@ BodyRows::BodyRows(int contacts, int bodies)
       first_body_(bodies + 1),
       first_place_(bodies + 1),
       members_(bodies),
-      places_(contacts) {
+      places_(contacts),
+      hand_(bodies + 1) {
+  touched_islands_.reserve(bodies);
   all_.reserve(contacts);
   near_.reserve(contacts);
   touched_.reserve(bodies);
@@ -235,6 +237,7 @@ void BodyRows::clear() noexcept {
   near_.clear();
   touched_.clear();
   free_.clear();
+  touched_islands_.clear();
   if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
   near_uneven_ = false;

@@ -68,6 +68,31 @@ class BodyRows {
   /// (IslandNewton), with the rows of their joints. Their contacts are not swept. Call after
   /// begin() and before the first sweep. @param by_hand per body: true when the hand touches it
   void solveIslands(Bodies& bodies, const std::vector<bool>& by_hand, JointRows& joints) noexcept;
+  /// True when the hand touches an island of several bodies, none of them on a joint.
+  [[nodiscard]] bool anyTouchedIsland() const noexcept { return !touched_islands_.empty(); }
+  /// Adds what an impulse of the hand changes of a body's velocity in this step.
+  void addHand(int body, const btVector3& linear, const btVector3& angular) noexcept;
+  /// Solves the islands of several bodies that the hand touches once more, directly, for the
+  /// impulses of the hand that the sweeps found: what they leave of the errors between bodies would
+  /// give energy. Call after the last sweep and the last addHand().
+  void solveTouched(Bodies& bodies, JointRows& joints) noexcept;
+  /// The only such island; -1: there are none or several.
+  [[nodiscard]] int onlyTouchedIsland() const noexcept {
+    return touched_islands_.size() == 1 ? touched_islands_.front() : -1;
+  }
+  /// Begins to solve an island with the hand as one more body; islandNewton() then takes the hand's
+  /// rows. @return the hand's slot; -1: no room
+  [[nodiscard]] int beginWithHand(int island, const Bodies& bodies) noexcept;
+  [[nodiscard]] IslandNewton& islandNewton() noexcept { return newton_; }
+  /// Slot of a body in the island that was begun, or -1.
+  [[nodiscard]] int slotIn(int island, int body) noexcept;
+  /// Writes a row of the hand on the body in a slot.
+  void writeHandRow(int slot, const btVector3& linear, const btVector3& angular,
+                    IslandNewton::Six& along) const noexcept;
+  /// Finds the impulses of the island that was begun. @return false: none were found
+  [[nodiscard]] bool solveBegun() noexcept;
+  /// Takes them after beginWithHand().
+  void takeWithHand(int island, Bodies& bodies, JointRows& joints) noexcept;
   /// True when contacts are left to sweep.
   [[nodiscard]] bool anyToSweep() const noexcept { return !all_.empty(); }
   /// Writes the impulses to their contact points, and the velocities of the bodies that are not
@@ -137,9 +162,14 @@ class BodyRows {
   void findIslands(const Bodies& bodies) noexcept;
   void shortenStart(const Bodies& bodies) noexcept;
   void sortByIsland(const Bodies& bodies, const std::vector<bool>& by_hand) noexcept;
-  [[nodiscard]] bool solveIsland(int island, const Bodies& bodies, JointRows& joints,
-                                 int& work) noexcept;
+  [[nodiscard]] bool fits(int island, int further) const noexcept;
+  void beginIsland(int island, const Bodies& bodies, int further) noexcept;
+  void beginTouched(int island, const Bodies& bodies, int further) noexcept;
+  [[nodiscard]] bool solveIsland(int island, const Bodies& bodies, JointRows& joints) noexcept;
+  void putMotions(int island, Bodies& bodies) noexcept;
   void writeRow(const Row& row, const Place& at, int r, IslandNewton::Contact& out) const noexcept;
+  void noteTouched(int island, const Bodies& bodies) noexcept;
+  void subtractHand(const Place& at, IslandNewton::Contact& contact) const noexcept;
   void takeImpulses(int island, Bodies& bodies, JointRows& joints) noexcept;
   static void silence(Group& group, int place) noexcept;
 
@@ -177,7 +207,10 @@ class BodyRows {
   std::vector<int> first_body_;   ///< per island: index of its first body in members_
   std::vector<int> first_place_;  ///< per island: index of its first contact in places_
   std::vector<int> members_;
+  std::vector<int> touched_islands_;  ///< of several bodies, none of them on a joint
+  int work_ = 0;  ///< left for factorisations in this step, in products of blocks
   std::vector<Place> places_;
+  std::vector<Motion> hand_;  ///< per body: changes by the hand; the last element is "no body"
   std::array<IslandBody, IslandNewton::kMostBodies> roots_;
   IslandNewton newton_;
   int contacts_ = 0, group_count_ = 0, runs_ = 0;

@@ -342,4 +342,23 @@ void HandRows::takeEndsFrom(const ConeNewton& newton, int row) noexcept {
   }
 }
 
+bool HandRows::addEndsTo(IslandNewton& newton, int slot, const AxisRoot& root) const noexcept {
+  for (int i = 0; i < near_end_count_; ++i) {
+    const AxisRow& end = ends_[near_end_[i]].row;
+    IslandNewton::Contact* to = newton.add(slot, -1);
+    if (to == nullptr) return false;
+    to->of_joint = true;
+    root.transpose(end.jacobian.data(), to->along_a[0].data());
+    to->goal[0] = end.lacking;
+    to->start[0] = end.impulse;
+  }
+  return true;
+}
+
+void HandRows::takeEndsFrom(const IslandNewton& newton, int contact) noexcept {
+  for (int i = 0; i < near_end_count_; ++i) {
+    ends_[near_end_[i]].row.impulse = newton.contact(contact++).impulse[0];
+  }
+}
+
 }  // namespace wholehand::bullet

@@ -3,6 +3,7 @@
 #include "loop/dynamics/articulated_body.hpp"
 #include "loop/model/capsule_gap.hpp"
 #include "loop/physics/bullet/cone_newton.hpp"
+#include "loop/physics/bullet/island_newton.hpp"
 #include "loop/physics/bullet/row_arithmetic.hpp"
 #include "loop/physics/bullet/solver_settings.hpp"
 #include "loop/physics/self_contact_search.hpp"
@@ -86,6 +87,9 @@ class HandRows {
   [[nodiscard]] bool addEndsTo(ConeNewton& newton, const AxisRoot& root) const noexcept;
   /// Takes the impulses of the cones that addEndsTo() added. @param row the first of their rows
   void takeEndsFrom(const ConeNewton& newton, int row) noexcept;
+  /// The same for IslandNewton, in which the hand is a body of at most six unknowns.
+  [[nodiscard]] bool addEndsTo(IslandNewton& newton, int slot, const AxisRoot& root) const noexcept;
+  void takeEndsFrom(const IslandNewton& newton, int contact) noexcept;
   /// Stores the impulses for the next step.
   void finish() noexcept;
 

@@ -15,6 +15,7 @@ constexpr int kMostUpdates = 16;         // of x₀
 constexpr int kMostChords = 40;          // Newton steps in one solution
 constexpr double kExact = 1e-8;          // tolerance of w, relative to the largest impulse
 constexpr double kExactImpulse = 1e-5;   // tolerance of an impulse, relative to the largest one
+constexpr double kExactCone = 1e-7;      // of a limit of the hand's friction
 constexpr double kExactVelocity = 1e-6;  // of a row, relative to the largest goal
 constexpr double kLeastGain = 0.3;       // a step that reuses a matrix must gain this much
 
@@ -42,7 +43,8 @@ IslandNewton::Contact* IslandNewton::add(int a, int b) noexcept {
   contact.a = a;
   contact.b = b;
   contact.of_joint = false;
-  contact.friction = contact.box = 0.0;
+  contact.friction = contact.box = contact.yields = 0.0;
+  contact.spins = -1;
   contact.goal = contact.start = {};
   for (Six& six : contact.along_a) six.fill(0.0);
   for (Six& six : contact.along_b) six.fill(0.0);
@@ -90,7 +92,7 @@ void IslandNewton::soften(double softness) noexcept {
       if (!(c.mobility[r] > kLeastMobility)) {
         c.mobility[r] = c.start[r] = c.inverse_softness[r] = 0.0;
       } else {
-        c.inverse_softness[r] = 1.0 / (softness * c.mobility[r]);
+        c.inverse_softness[r] = 1.0 / (softness * c.mobility[r] + (r == 0 ? c.yields : 0.0));
       }
     }
     double &one = c.inverse_softness[1], &two = c.inverse_softness[2];
@@ -411,6 +413,8 @@ bool IslandNewton::solve(int most_steps) noexcept {
     Contact& c = contacts_[i];
     c.start[0] = std::max(0.0, c.start[0]);
     c.limit = limitOf(c, c.start[0]);
+    // With this goal an impulse x that no longer changes satisfies j w + yields x = goal.
+    c.goal[0] -= c.yields * c.start[0];
     for (int r = 0; r < 3; ++r) {
       if (!c.of_joint) fastest = std::max(fastest, std::abs(c.goal[r]));
       if (c.a >= 0) addScaled(change_[c.a], c.start[r], c.along_a[r]);
@@ -429,8 +433,12 @@ bool IslandNewton::solve(int most_steps) noexcept {
     for (int i = 0; i < contact_count_; ++i) {
       Contact& c = contacts_[i];
       largest = std::max(largest, c.impulse[0]);
+      if (c.spins >= 0) c.box = c.spin_m * contacts_[c.spins].impulse[0];
+      c.goal[0] -= c.yields * (c.impulse[0] - c.start[0]);
       const double limit = limitOf(c, c.impulse[0]);
-      changed = std::max(changed, std::abs(limit - c.limit));
+      // The hand feels its friction: it stays within its cone.
+      const double exact = c.yields > 0.0 ? kExactImpulse / kExactCone : 1.0;
+      changed = std::max(changed, exact * std::abs(limit - c.limit));
       c.limit = limit;
       for (int r = 0; r < 3; ++r) {
         if (c.inverse_softness[r] > 0.0) {

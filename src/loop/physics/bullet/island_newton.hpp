@@ -16,7 +16,7 @@ namespace wholehand::bullet {
 /// decrease it. x then replaces x₀ until nothing changes (method of multipliers): the softness R
 /// vanishes from the result. Bodies are eliminated in the order of fewest neighbours, equal ones in
 /// their own order. A body on a joint uses one of its six unknowns; a cone of one body stands for
-/// its dry friction or an end of its range. Real-time safe.
+/// its dry friction or an end of its range. The hand may be one of the bodies. Real-time safe.
 class IslandNewton {
  public:
   static constexpr int kMostBodies = 32, kMostContacts = 160, kMostBlocks = 320;
@@ -28,7 +28,11 @@ class IslandNewton {
     int a = -1, b = -1;  ///< its bodies; -1: one that cannot move
     double friction = 0.0;
     bool of_joint = false;  ///< its rows are those of a joint, not of a contact
-    double box = 0.0;  ///< of a joint: largest impulse of dry friction, along the first tangent
+    double box = 0.0;     ///< of a joint: largest impulse of dry friction, along the first tangent
+    double yields = 0.0;  ///< softness of the normal that stays in the result [1/kg]
+    /// A contact whose normal impulse sets the box: spin_m of it; -1: none.
+    int spins = -1;
+    double spin_m = 0.0;
     std::array<Six, 3> along_a{}, along_b{};
     std::array<double, 3> goal{};     ///< wanted velocity along a row minus the present one
     std::array<double, 3> start{};    ///< x₀
@@ -53,6 +57,7 @@ class IslandNewton {
 
   [[nodiscard]] int contactCount() const noexcept { return contact_count_; }
   [[nodiscard]] const Contact& contact(int i) const noexcept { return contacts_[i]; }
+  [[nodiscard]] Contact& contact(int i) noexcept { return contacts_[i]; }
   /// Change of a body's unknowns: w = Σ j x.
   [[nodiscard]] const Six& change(int body) const noexcept { return change_[body]; }
   /// Factorisations that solve() made.

@@ -319,9 +319,93 @@ void ReducedContactSolver::respond(ReducedRow& row) const {
   Eigen::Map<Axes>(row.response.data()) = response;
 }
 
+// Adds the hand's contacts and joint ends: per contact a cone, and a box for its spin.
+bool ReducedContactSolver::addHandTo(IslandNewton& newton, int island, int slot) {
+  for (int i = 0; i < contact_count_; ++i) {
+    const HandContact& contact = contacts_[i];
+    const bool moves = m_tmpSolverBodyPool[contact.solver_body].m_originalBody != nullptr;
+    const int of = moves ? body_rows_.slotIn(island, contact.solver_body) : -1;
+    if (moves && of < 0) return false;
+    const auto write = [&](const ReducedRow& row, int r, IslandNewton::Contact& to) {
+      root_.transpose(row.jacobian.data(), to.along_b[r].data());
+      if (of >= 0) body_rows_.writeHandRow(of, row.linear, row.angular, to.along_a[r]);
+      to.goal[r] = row.lacking;
+      to.start[r] = row.impulse;
+    };
+    const int index = newton.contactCount();
+    IslandNewton::Contact* cone = newton.add(of, slot);
+    IslandNewton::Contact* spin = cone != nullptr ? newton.add(of, slot) : nullptr;
+    if (spin == nullptr) return false;
+    cone->friction = contact.friction;
+    cone->yields = softness_;
+    write(contact.normal_row, 0, *cone);
+    write(contact.tangent1_row, 1, *cone);
+    write(contact.tangent2_row, 2, *cone);
+    write(contact.spin_row, 1, *spin);
+    spin->of_joint = true;
+    spin->spins = index;
+    spin->spin_m = settings_.spinning_friction_m;
+    spin->box = spin->spin_m * contact.normal_row.impulse;
+  }
+  return rows_.addEndsTo(newton, slot, root_);
+}
+
+void ReducedContactSolver::takeHandFrom(const IslandNewton& newton, int first, int slot) {
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    const IslandNewton::Contact &cone = newton.contact(first + 2 * i),
+                                &spin = newton.contact(first + 2 * i + 1);
+    const double normal = cone.impulse[0];
+    // The limit of the last but one normal impulse may exceed this one's by its tolerance.
+    const double rubs = std::hypot(cone.impulse[1], cone.impulse[2]);
+    const double share = std::min(1.0, contact.friction * normal / std::max(rubs, 1e-300));
+    const double most_spin = settings_.spinning_friction_m * normal;
+    contact.normal_row.impulse = normal;
+    contact.tangent1_row.impulse = share * cone.impulse[1];
+    contact.tangent2_row.impulse = share * cone.impulse[2];
+    contact.spin_row.impulse = std::clamp(spin.impulse[1], -most_spin, most_spin);
+  }
+  rows_.takeEndsFrom(newton, first + 2 * contact_count_);
+  root_.apply(newton.change(slot).data(), change_.data());
+}
+
+// Solves the only island of several bodies that the hand touches, together with the hand. Returns
+// false where the hand has rows that this solution does not know, or none was found.
+bool ReducedContactSolver::solveWithHand(int island) {
+  if (island < 0 || axes_ > IslandNewton::kSize || rows_.touchCount() > 0) return false;
+  for (int i = 0; i < contact_count_; ++i) {
+    if (contacts_[i].bound != nullptr) return false;
+  }
+  const int slot = body_rows_.beginWithHand(island, m_tmpSolverBodyPool);
+  if (slot < 0) return false;
+  IslandNewton& newton = body_rows_.islandNewton();
+  const int first = newton.contactCount();
+  root_.factorize(inverse_, axes_);
+  if (!addHandTo(newton, island, slot) || !body_rows_.solveBegun()) return false;
+  takeHandFrom(newton, first, slot);
+  body_rows_.takeWithHand(island, m_tmpSolverBodyPool, joints_);
+  return true;
+}
+
+// A light body between the hand and others yields by its own mobility in a sweep, not by theirs:
+// the hand's force would follow its depth too late.
+void ReducedContactSolver::solveTouched() {
+  if (solveWithHand(body_rows_.onlyTouchedIsland())) return;
+  for (int i = 0; i < contact_count_; ++i) {
+    const HandContact& contact = contacts_[i];
+    for (const ReducedRow* row :
+         {&contact.normal_row, &contact.tangent1_row, &contact.tangent2_row, &contact.spin_row}) {
+      body_rows_.addHand(contact.solver_body, row->impulse * row->linear_response,
+                         row->impulse * row->angular_response);
+    }
+  }
+  body_rows_.solveTouched(m_tmpSolverBodyPool, joints_);
+}
+
 btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
+  if (body_rows_.anyTouchedIsland()) solveTouched();
   rows_.finish();
   body_rows_.write(m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {

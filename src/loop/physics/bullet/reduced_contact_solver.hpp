@@ -168,6 +168,10 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   template <int Width>
   [[gnu::always_inline, nodiscard]] inline double change(const ReducedRow& row,
                                                          const btSolverBody& body) const;
+  void solveTouched();
+  [[nodiscard]] bool solveWithHand(int island);
+  [[nodiscard]] bool addHandTo(IslandNewton& newton, int island, int slot);
+  void takeHandFrom(const IslandNewton& newton, int first, int slot);
   void keepDrift(HandContact& contact, double step_s) const;
 
   const int axes_;
