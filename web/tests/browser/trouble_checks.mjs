@@ -142,7 +142,7 @@ export async function watchedPlayIsUncovered(t) {
 
 /** On a laptop, a tablet and a telephone nothing of the first card lies below its buttons or beyond its edge, in any language. */
 export async function firstCardFits(t) {
-  const { url } = await t.watcher();
+  const { url } = await t.program();
   const game = await openPage(t.plain, pageUrl(url, '/', { lang: 'en', quality: 'low' }));
   await game.waitForSelector('[data-testid=start]:enabled');
   for (const [width, height] of [[1280, 720], [1280, 800], [820, 1180], [390, 844]]) {
