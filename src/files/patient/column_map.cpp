@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cstddef>
 #include <utility>
@@ -20,12 +23,43 @@ std::string withoutUnit(const std::string& text) {
   return text.substr(0, text.rfind(" ("));
 }
 
-/// True for "Wrist X" as x, if it is no angle.
+/// A text in lower case.
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// True for the name of a quantity that is no place: a map that reads it as one would play.
+bool isOtherQuantity(const std::string& text, const ColumnName& name) {
+  constexpr std::array<std::string_view, 18> kWords = {
+      "gyro", "acc",    "mag",   "quat",  "rot",  "orient", "euler", "angle", "angular",
+      "vel",  "torque", "force", "pixel", "roll", "pitch",  "yaw",   "phi",   "speed"};
+  const bool has_unit = text.find_first_of("([") != text.npos;
+  if (has_unit && name.unit == nullptr) return true;
+  const std::string stem = lower(name.stem);
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [&](std::string_view word) { return stem.find(word) != stem.npos; });
+}
+
+/// True for "Wrist X" as x, if it may be a place.
 bool isPosition(const std::string& text, char axis) {
   const ColumnName name = nameOf(text);
-  const bool turns = name.unit != nullptr && name.unit->of == ColumnUnit::Of::kAngle;
-  const char last = name.stem.empty() ? ' ' : name.stem.back();  // of "Wrist X", too
-  return !turns && (last == axis || last == axis - 'a' + 'A');
+  if (name.unit != nullptr && name.unit->of != ColumnUnit::Of::kLength) return false;
+  const bool of_axis = !name.stem.empty() && lower(name.stem).back() == axis;  // "Wrist X", too
+  return of_axis && !isOtherQuantity(text, name);
+}
+
+/// True for a name that may be the angle of a finger.
+bool isAngle(const std::string& text) {
+  const ColumnName name = nameOf(text);
+  if (name.unit != nullptr) return name.unit->of == ColumnUnit::Of::kAngle;
+  if (text.find_first_of("([") != text.npos) return false;
+  constexpr std::array<std::string_view, 8> kWords = {"theta",  "flex",  "angle", "bend",
+                                                      "finger", "thumb", "pip",   "mcp"};
+  const std::string stem = lower(name.stem);
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [&](std::string_view word) { return stem.find(word) != stem.npos; });
 }
 
 }  // namespace
@@ -79,12 +113,19 @@ std::string exampleOfMap(const std::vector<std::string>& names, bool has_time) {
   constexpr std::string_view kAxes = "xyz";
   std::size_t first = 0;
   const auto is_place = [&](std::size_t i) {
-    return isPosition(names[i], 'x') && isPosition(names[i + 1], 'y') &&
+    // Beside a w they are parts of a quaternion.
+    const bool turns = (i > 0 && isPosition(names[i - 1], 'w')) ||
+                       (i + 3 < names.size() && isPosition(names[i + 3], 'w'));
+    return !turns && isPosition(names[i], 'x') && isPosition(names[i + 1], 'y') &&
            isPosition(names[i + 2], 'z');
   };
   while (first + 2 < names.size() && !is_place(first)) ++first;
   const bool place = first + 2 < names.size();
-  if (!place) first = names.size() - 1;
+  if (!place) {
+    const auto angle = std::find_if(names.rbegin(), names.rend(), isAngle);
+    if (angle == names.rend()) return {};
+    first = static_cast<std::size_t>(names.rend() - angle) - 1;
+  }
   std::string line = std::string(kBegin);
   for (std::size_t i = 0; i < (place ? kAxes.size() : 1); ++i) {
     const std::string name = withoutUnit(names[first + i]);

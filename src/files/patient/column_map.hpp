@@ -33,8 +33,9 @@ struct ColumnMap {
 [[nodiscard]] std::string takeName(ColumnMap& map, const std::string& text);
 
 /// The line that names columns which are no axis, so that they are read: the first three that end
-/// in x, y, z, else the last one.
-/// @param names of the columns, at least one
+/// in x, y, z and may be a place, else the last one that may be the angle of a finger; empty: none
+/// may be either. Rates, accelerations and quaternions are no places.
+/// @param names of the columns
 [[nodiscard]] std::string exampleOfMap(const std::vector<std::string>& names, bool has_time);
 
 }  // namespace wholehand

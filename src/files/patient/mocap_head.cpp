@@ -91,9 +91,10 @@ std::vector<std::string> MocapHead::columns() const {
       continue;
     }
     // Above each axis stand rows such as Type, Name, ID and Position.
-    std::string name, kind;
+    std::string name, kind, type;
     for (std::size_t line = 1; line + 1 < lines_.size(); ++line) {
       if (textAt(lines_[line], 1) == "Name") name = textAt(lines_[line], i);
+      if (textAt(lines_[line], 1) == "Type") type = textAt(lines_[line], i);
       if (line + 2 == lines_.size()) kind = textAt(lines_[line], i);
     }
     if (name.empty()) {
@@ -104,7 +105,10 @@ std::vector<std::string> MocapHead::columns() const {
     const bool angles = valueOf(lines_[0], "Rotation Type") != "Quaternion";
     const std::string unit =
         turns ? (angles ? " (deg)" : "") : lengthUnit(valueOf(lines_[0], "Length Units"));
-    names.push_back(name + " " + kind + " " + axis + unit);
+    const std::string of = kind + " " + axis + unit;
+    // A bone and a marker on it may have one name.
+    const bool again = std::find(names.begin(), names.end(), name + " " + of) != names.end();
+    names.push_back(again ? name + " " + type + " " + of : name + " " + of);
   }
   return names;
 }

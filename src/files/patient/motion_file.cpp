@@ -294,12 +294,15 @@ void Reader::checkColumns() {
     return isTime(nameOf(text).stem);
   });
   if (none && faults_.empty() && unmapped_.size() > 1) {
+    const std::string line = exampleOfMap(unmapped_, time_place_.has_value());
     fault("", "",
           fmt::format("names {} and no known axis: \"{}\", \"{}\"{}",
                       counted(unmapped_.size(), "column"), shown(unmapped_[0]), shown(unmapped_[1]),
                       unmapped_.size() > 2 ? ", ..." : ""),
-          "write before its first line, with your names, units and rate: " +
-              exampleOfMap(unmapped_, time_place_.has_value()));
+          line.empty()
+              ? "none is named as a place or an angle of a finger; if one is, write before "
+                "its first line, with its name and unit: # columns: NAME = x_mm"
+              : "write before its first line, with your names, units and rate: " + line);
     return;
   }
   if (time_place_ && map_.rate_hz > 0.0) {

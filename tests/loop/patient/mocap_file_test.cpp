@@ -117,6 +117,41 @@ TEST_F(Motions, OfEveryKind_ArePlayedWithTheLineOfTheRefusal) {
   }
 }
 
+// A line that reads a rate of turn or a part of a quaternion as a place would play, wrongly.
+TEST_F(Motions, OtherQuantities_AreNotProposedAsPlaces) {
+  for (const char* head :
+       {"Time (s),Gyroscope X (deg/s),Gyroscope Y (deg/s),Gyroscope Z (deg/s)",
+        "Time (s),Accelerometer X (g),Accelerometer Y (g),Accelerometer Z (g)",
+        "Time (s),W,Hand X,Hand Y,Hand Z", "Time (s),Hand X,Hand Y,Hand Z,Hand W",
+        "Time (s),quat_x,quat_y,quat_z", "frame,Wrist Rotation X,Wrist Rotation Y,Wrist Rotation Z",
+        "Time (s),Roll | X (degrees),Pitch | Y (degrees),Yaw | Z (degrees)",
+        "Time (s),Battery (V),Thermometer (degrees C)"}) {
+    std::string content = std::string(head) + "\n0,1,2,3,4\n1,1,2,3,4\n";
+    EXPECT_TRUE(contains(refusal(content), "none is named as a place or an angle")) << head;
+  }
+  // Beside them, the place and the angle are found.
+  EXPECT_TRUE(contains(refusal("Time (s),acc_x,acc_y,acc_z,Tip X,Tip Y,Tip Z\n0,1,2,3,4,5,6\n"),
+                       "# columns: Tip X = x_mm, Tip Y = y_mm, Tip Z = z_mm, up = y"));
+  EXPECT_TRUE(contains(refusal("Time (s),gyro_x,flexion,Light (lx)\n0,1,2,3\n1,1,2,3\n"),
+                       "# columns: flexion = finger_flexion_deg"));
+}
+
+// Motive writes the bones and the markers of a skeleton, some by one name.
+TEST_F(Motions, OfMotiveWithABoneAndAMarkerOfOneName_AreRead) {
+  const std::string content =
+      "Format Version,1.25,Length Units,Millimeters,Rotation Type,Quaternion\n\n"
+      ",Type,Bone,Bone,Bone,Bone Marker,Bone Marker,Bone Marker\n"
+      ",Name,A:Arm,A:Arm,A:Arm,A:Arm,A:Arm,A:Arm\n,ID,1,1,1,2,2,2\n"
+      ",,Position,Position,Position,Position,Position,Position\n"
+      "Frame,Time (Seconds),X,Y,Z,X,Y,Z\n0,0,1,2,3,11,12,13\n1,0.01,1,2,3,11,12,13\n";
+  const auto bone = read(content, "A:Arm Position X = x");
+  ASSERT_TRUE(bone) << format(bone.errors());
+  EXPECT_EQ(bone->samples[0], (std::vector<double>{1e-3}));
+  const auto marker = read(content, "A:Arm Bone Marker Position X = x");
+  ASSERT_TRUE(marker) << format(marker.errors());
+  EXPECT_EQ(marker->samples[0], (std::vector<double>{11e-3}));
+}
+
 TEST_F(Motions, WrongMaps_AreNamed) {
   const struct {
     const char *columns, *words;
