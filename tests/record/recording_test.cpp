@@ -122,7 +122,9 @@ TEST(Recording, Description_ComesBackWithIdenticalFiles) {
 TEST(Recording, SceneWithoutBodiesOrJoints_IsReadBack) {
   const Folder folder;
   RecordingMeta meta = synthetic::meta();
-  meta.body_names.clear();
+  for (auto* names : {&meta.body_names, &meta.body_joint_names, &meta.body_joint_units}) {
+    names->clear();
+  }
   meta.joint_names.clear();
   meta.axis_names = {"x"};
   meta.armed_position = {0.0};
