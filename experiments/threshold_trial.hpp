@@ -13,7 +13,7 @@ namespace wholehand {
 struct VirtualObserver {
   enum class Compares { kX, kOther, kNothing, kFirstAlways };
   Compares compares = Compares::kX;
-  Observer observer;  ///< with kX
+  Observer observer{};  ///< with kX
   /// The first stimulus is remembered with this share more variance.
   double memory_decay = 0.0;
   double other_noise = 0.3;  ///< kOther: noise, in standard deviations of the other difference
