@@ -1,7 +1,8 @@
 // Runs the connection to the program in a worker, and sends the heartbeat that shows that the page is alive (see worker_connection.ts).
 // Browsers slow the timers of hidden pages down to 1 Hz and less, but not those of workers. Heartbeats also continue while the
 // page draws for 300 ms; for a page that draws longer they say that it is busy (docs/adr/0017).
-import type { Heartbeats, WorkerMessage, WorkerRequest } from './worker_connection';
+import type { Heartbeats } from './socket_connection';
+import type { WorkerMessage, WorkerRequest } from './worker_connection';
 
 const HEARTBEAT_MS = 50;
 /** A page that has not answered for this long is busy [ms]. Building a picture takes less. */

@@ -1,4 +1,5 @@
-import type { Heartbeats } from './worker_connection';
+/** Messages to the program: the page is alive, or busy with drawing. */
+export interface Heartbeats { readonly alive: Uint8Array<ArrayBuffer>; readonly busy: Uint8Array<ArrayBuffer> }
 
 /** The used part of a WebSocket; fake/fake_program.ts makes another implementation. */
 export interface SocketConnection {

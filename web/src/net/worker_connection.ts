@@ -1,8 +1,5 @@
 // The connection to the program in a worker: slow timers of a hidden page and long drawing do not interrupt its heartbeats.
-import type { SocketConnection } from './socket_connection';
-
-/** Messages to the program: the page is alive, or busy with drawing. */
-export interface Heartbeats { readonly alive: Uint8Array<ArrayBuffer>; readonly busy: Uint8Array<ArrayBuffer> }
+import type { Heartbeats, SocketConnection } from './socket_connection';
 
 /** Messages from the page to connection_worker.ts, and back. */
 export type WorkerRequest =
