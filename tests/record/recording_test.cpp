@@ -370,12 +370,13 @@ TEST(RecordingReader, OtherHdf5AndOtherSchemas_AreRefused) {
   writer(path)->close();
   ASSERT_EQ(withH5py(other, "f['x'] = 1", "w"), "");
   expectRefused(other, "no Wholehand recording");
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 10"), "");
-  expectRefused(path, "schema_version = 10: was written by a newer Wholehand");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 11"), "");
+  expectRefused(path, "schema_version = 11: was written by a newer Wholehand");
   ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 8"), "");
-  expectRefused(path,
-                "this program reads schema version 9; record anew, or read it with a program "
-                "of its time: 7c1e90a");
+  expectRefused(
+      path,
+      "this program reads schema versions 9 and 10; record anew, or read it with a program "
+      "of its time: 7c1e90a");
 }
 
 TEST(RecordingReader, TextsWrittenByH5py_AreRead) {
