@@ -45,9 +45,9 @@ JointRange jointRange(bool slides, std::optional<double> lower, std::optional<do
   const double no_end = slides ? kNoEnd_m : kNoEnd_rad;
   // A slide is never given in millimetres to both sides of 10 m.
   const bool both = slides && least < -allowed && most > allowed;
-  const auto isNone = [&](double end) { return std::abs(end) >= no_end || both; };
+  const auto is_none = [&](double end) { return std::abs(end) >= no_end || both; };
   for (const auto& [name, end] : {std::pair{"lower", least}, std::pair{"upper", most}}) {
-    if (std::abs(end) <= allowed || isNone(end)) continue;
+    if (std::abs(end) <= allowed || is_none(end)) continue;
     if (!slides) {
       return refused(name, "is beyond two turns (4π rad)",
                      "must be in rad: multiply degrees by π / 180; if it turns without end, make "
@@ -69,10 +69,10 @@ JointRange jointRange(bool slides, std::optional<double> lower, std::optional<do
     return range;
   }
   range.least = least, range.most = most;
-  if (!isNone(least) && !isNone(most)) return range;
+  if (!is_none(least) && !is_none(most)) return range;
   const double end = slides ? allowed : std::numeric_limits<double>::infinity();
-  if (isNone(least)) range.least = -end;
-  if (isNone(most)) range.most = end;
+  if (is_none(least)) range.least = -end;
+  if (is_none(most)) range.most = end;
   range.problem =
       slides ? fmt::format("is no limit where it is beyond {:g} m: it ends there", end)
              : fmt::format("is no limit where it is beyond {:g} rad: it turns on", kNoEnd_rad);
