@@ -127,6 +127,10 @@ class _State(Generic[_R, _I]):
     @property
     def bodies(self) -> numpy.typing.NDArray[numpy.void]: ...  # structured: position_m, orientation_xyzw, velocities
     @property
+    def body_q(self) -> _Reals: ...  # positions of the joints of bodies, by ascending body [m or rad]
+    @property
+    def body_qd(self) -> _Reals: ...
+    @property
     def contacts(self) -> numpy.typing.NDArray[numpy.void]: ...  # of the last step; VectorRig: valid up to contact_count
 
 class Rig(_State[float, int]):
