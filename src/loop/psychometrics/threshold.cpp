@@ -13,7 +13,7 @@ using std::numbers::pi, std::numbers::sqrt2;
 constexpr double kPriorSigma = 0.2, kPriorSpread = 2.0, kBiasSpread = 0.5, kMeanLapse = 0.08;
 constexpr double kLeastSigma = 0.005, kMostSigma = 5.0, kMostBias = 1.5;
 /// Drop of the profile to the ends of a 95 % interval. Half the quantile of χ², 1.92, is that of
-/// many answers; with fifty it covers 90 to 95 % (`experiment thresholds`).
+/// many answers; with fifty it covers too little.
 constexpr double kDrop = 2.15;
 
 double normal(double z) noexcept {
