@@ -2,6 +2,7 @@
 
 #include "loop/core/geometry.hpp"
 #include "loop/device/haptic_device.hpp"
+#include "loop/psychometrics/threshold.hpp"
 
 #include <Eigen/Dense>
 #include <nlohmann/json.hpp>
@@ -272,8 +273,7 @@ double impedanceChange(const LiquidFelt& thinner, const LiquidFelt& thicker) {
 }
 
 double distinguishedShare(double ratio) {
-  constexpr double kSigma = 0.222;  // Weber fraction of viscosity, Jones 1997
-  return 0.5 * std::erfc(-std::log(ratio) / (2.0 * kSigma));
+  return Observer{0.222}.right(std::log(ratio));  // Weber fraction of viscosity, Jones 1997
 }
 
 }  // namespace wholehand

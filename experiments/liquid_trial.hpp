@@ -33,8 +33,8 @@ inline constexpr double kSqueeze_m_s = 0.006;
 /// |ΔZ|/|Z| of two liquids at kLiquidHz.
 [[nodiscard]] double impedanceChange(const LiquidFelt& thinner, const LiquidFelt& thicker);
 
-/// Share of correct answers of an observer who compares both liquids once, with Jones's σ of 0.222
-/// for the logarithm of viscosity: Φ(ln(ratio)/(√2 σ)).
+/// Share of correct answers of an Observer who compares both liquids once, with Jones's σ of 0.222
+/// for the logarithm of viscosity.
 [[nodiscard]] double distinguishedShare(double ratio);
 
 }  // namespace wholehand

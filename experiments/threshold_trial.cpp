@@ -2,6 +2,7 @@
 
 #include "loop/psychometrics/comparison_block.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace wholehand {

@@ -40,7 +40,7 @@ class Fit:
             self.counts[x, second] = self.counts.get((x, second), 0) + 1
 
     def posterior(self, u, bias, lapse):
-        total = -0.5 * ((u - math.log(0.2)) / 2) ** 2 - 0.5 * (bias / 0.5) ** 2 - lapse / 0.08
+        total = -0.5 * ((u - math.log(0.2)) / 2) ** 2 - 0.5 * (bias / 0.5) ** 2
         for (x, second), count in self.counts.items():
             z = (x + bias) / (math.sqrt(2) * math.exp(u))
             total += count * math.log(lapse / 2 + (1 - lapse) * normal(z if second else -z))

@@ -1,16 +1,16 @@
 #include "loop/psychometrics/threshold.hpp"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace wholehand {
 namespace {
 
 using std::numbers::pi, std::numbers::sqrt2;
 
-constexpr double kPriorSigma = 0.2, kPriorSpread = 2.0, kBiasSpread = 0.5, kMeanLapse = 0.08;
+constexpr double kPriorSigma = 0.2, kPriorSpread = 2.0, kBiasSpread = 0.5;
 constexpr double kLeastSigma = 0.005, kMostSigma = 5.0, kMostBias = 1.5;
 /// Drop of the profile to the ends of a 95 % interval. Half the quantile of χ², 1.92, is that of
 /// many answers; with fifty it covers too little.
@@ -41,7 +41,7 @@ double differenceOf(const Comparison& answer, Compared what) noexcept {
 
 double priorOf(const Observer& o) noexcept {
   const double s = std::log(o.sigma / kPriorSigma) / kPriorSpread, b = o.bias / kBiasSpread;
-  return -0.5 * (s * s + b * b) - o.lapse / kMeanLapse;
+  return -0.5 * (s * s + b * b);
 }
 
 double likelihood(const Observer& o, std::span<const Comparison> answers, Compared what) {
@@ -77,20 +77,19 @@ Slope slopeOf(const Observer& o, std::span<const Comparison> answers, Compared w
   }
   out.bias -= o.bias / (kBiasSpread * kBiasSpread);
   out.bias2 += 1.0 / (kBiasSpread * kBiasSpread);
-  out.lapse -= 1.0 / kMeanLapse;
   return out;
 }
 
 /// Tries a step of bias and lapse, halved until the posterior rises. Returns whether it rose.
 bool step(double bias, double lapse, std::span<const Comparison> answers, Compared what,
           Observer& o, double& best) {
-  for (double share = 1.0; share > 1e-7; share *= 0.5) {
+  for (double share = 1.0; share > 1e-4; share *= 0.5) {
     Observer tried = o;
     tried.bias = std::clamp(o.bias + share * bias, -kMostBias, kMostBias);
     tried.lapse = std::clamp(o.lapse + share * lapse, 0.0, kMostLapse);
     const double value = likelihood(tried, answers, what) + priorOf(tried);
     if (!(value > best)) continue;
-    const bool rose = value - best > 1e-12;
+    const bool rose = value - best > 1e-10;
     best = value;
     o = tried;
     return rose;
@@ -101,17 +100,22 @@ bool step(double bias, double lapse, std::span<const Comparison> answers, Compar
 /// Raises the posterior over bias and lapse at the observer's σ, by scoring: both at once, or one
 /// of them where that does not rise, at a bound of the lapse for instance. Returns the top.
 double climb(Observer& o, std::span<const Comparison> answers, Compared what) {
+  constexpr double kNothing = 1e-11;  // a gain that ends the climb
   double best = likelihood(o, answers, what) + priorOf(o);
   for (int round = 0; round < 200; ++round) {
     const Slope s = slopeOf(o, answers, what);
     const double determinant = s.bias2 * s.lapse2 - s.both * s.both;
-    if (determinant > 1e-12 * s.bias2 * s.lapse2 &&
-        step((s.lapse2 * s.bias - s.both * s.lapse) / determinant,
-             (s.bias2 * s.lapse - s.both * s.bias) / determinant, answers, what, o, best)) {
-      continue;
+    const bool held = (o.lapse <= 0.0 && s.lapse < 0.0) || (o.lapse >= kMostLapse && s.lapse > 0.0);
+    if (!held && determinant > 1e-12 * s.bias2 * s.lapse2) {
+      const double bias = (s.lapse2 * s.bias - s.both * s.lapse) / determinant;
+      const double lapse = (s.bias2 * s.lapse - s.both * s.bias) / determinant;
+      if (s.bias * bias + s.lapse * lapse < kNothing) return best;
+      if (step(bias, lapse, answers, what, o, best)) continue;
     }
-    const bool bias_rose = step(s.bias / s.bias2, 0.0, answers, what, o, best);
-    const bool lapse_rose = s.lapse2 > 0.0 && step(0.0, s.lapse / s.lapse2, answers, what, o, best);
+    const bool bias_rose =
+        s.bias * s.bias / s.bias2 > kNothing && step(s.bias / s.bias2, 0.0, answers, what, o, best);
+    const bool lapse_rose = !held && s.lapse * s.lapse > kNothing * s.lapse2 &&
+                            step(0.0, s.lapse / s.lapse2, answers, what, o, best);
     if (!bias_rose && !lapse_rose) return best;
   }
   return best;

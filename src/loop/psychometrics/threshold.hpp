@@ -3,8 +3,6 @@
 #include "loop/psychometrics/comparison.hpp"
 
 #include <span>
-#include <string>
-#include <vector>
 
 namespace wholehand {
 
@@ -28,7 +26,7 @@ inline constexpr double kMostLapse = 0.06;
 /// Natural logarithm of the likelihood of all answers. Not real-time safe, as all below.
 [[nodiscard]] double logLikelihood(const Observer& observer, std::span<const Comparison> answers);
 /// The same plus that of the prior: ln σ is normal about ln 0.2 with a standard deviation of 2, the
-/// bias about 0 with 0.5; the lapse is exponential with a mean of 0.08.
+/// bias about 0 with 0.5.
 [[nodiscard]] double logPosterior(const Observer& observer, std::span<const Comparison> answers);
 
 /// The threshold of a block of comparisons.
