@@ -398,6 +398,7 @@ void Station::Core::refreshStatus() {
     status_.cpu_p999_us = summary.cpu.p999_ns * 1e-3;
     status_.cpu_max_us = summary.cpu.max_ns * 1e-3;
     status_.fault_ticks = summary.faults;
+    status_.work_j = summary.work_j;
     showRehearsal();
     status_.recording_bytes = bytes;
     state = state_.run_state;

@@ -164,6 +164,7 @@ struct LoopStatus {
   std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
   std::uint32_t rehearsed_ticks = 0;  ///< ticks done by a rehearsal under way; 0: none under way
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
+  double work_j = 0.0;  ///< TickSummary::work_j of this session
   std::uint64_t recording_bytes = 0;
   std::optional<DeviceStatus> device;  ///< empty: the device is simulated
   double loop_age_s = -1.0;  ///< since the loop's newest tick; below 0: no loop ticks in real time

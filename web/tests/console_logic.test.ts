@@ -298,9 +298,9 @@ describe('the status of a real device', () => {
   });
 
   it('has its state, its temperature and the ages of its sample and its host', () => {
-    expect(deviceLines(device, en)).toEqual({ state: 'Enabled, homed', figures: 'Temperature 41 °C · sample 1 ms · host 2.3 s', letGo: '' });
+    expect(deviceLines(device, en, false, -0.128)).toEqual({ state: 'Enabled, homed', figures: 'Temperature 41 °C · sample 1 ms · host 2.3 s · work −0.13 J', letGo: '' });
     const plain = { ...device, enabled: false, homed: false, temperatureKnown: false, sampleAgeS: -1, hosted: false };
-    expect(deviceLines(plain, en)).toEqual({ state: 'Not enabled, not homed', figures: 'Temperature not known · sample none yet', letGo: '' });
+    expect(deviceLines(plain, en)).toEqual({ state: 'Not enabled, not homed', figures: 'Temperature not known · sample none yet · work 0.00 J', letGo: '' });
   });
 
   it('has a release reason in every language, for every reason of the schema', () => {

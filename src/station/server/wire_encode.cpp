@@ -245,6 +245,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_active_s(static_cast<float>(arrays.active_s));
   out.add_helped_s(static_cast<float>(arrays.helped_s));
   out.add_led_s(static_cast<float>(arrays.led_s));
+  if (detail == Detail::kFull) out.add_work_j(static_cast<float>(status.work_j));
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));

@@ -107,7 +107,8 @@ export class SafetyPanel implements Panel {
 
   /** Lines of a real device. */
   private refreshDevice(): void {
-    const lines = deviceLines(this.model.state?.device, this.t, this.model.state?.silent);
+    const { state } = this.model;
+    const lines = deviceLines(state?.device, this.t, state?.silent, state?.workJ);
     this.device.hidden = lines === undefined;
     setText(this.deviceState, lines?.state ?? '');
     setText(this.deviceFigures, lines?.figures ?? '');

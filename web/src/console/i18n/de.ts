@@ -103,7 +103,7 @@ export const de: ConsoleTexts = {
   },
   device: {
     title: 'Gerät', silent: 'Es antwortet nicht: Das Folgende ist von vorher', enabled: 'Freigegeben', notEnabled: 'Nicht freigegeben', homed: 'referenziert', notHomed: 'nicht referenziert', silenced: 'von seiner Überwachung losgelassen',
-    temperature: 'Temperatur {value}', notKnown: 'nicht bekannt', sample: 'Messwert {age}', host: 'Host {age}', nothingYet: 'noch keiner',
+    temperature: 'Temperatur {value}', notKnown: 'nicht bekannt', sample: 'Messwert {age}', host: 'Host {age}', work: 'Arbeit {value} J', nothingYet: 'noch keiner',
     letGo: 'Der Host hat losgelassen: {why}',
     reasons: {
       loopSilent: '20 ms lang kein neuer Befehl', silentAtNeutral: '20 ms lang kein neuer Befehl, die Kraft war neutral',

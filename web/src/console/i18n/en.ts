@@ -102,7 +102,7 @@ export const en = {
   },
   device: {
     title: 'Device', silent: 'It does not answer: what follows is from before', enabled: 'Enabled', notEnabled: 'Not enabled', homed: 'homed', notHomed: 'not homed', silenced: 'let go by its watchdog',
-    temperature: 'Temperature {value}', notKnown: 'not known', sample: 'sample {age}', host: 'host {age}', nothingYet: 'none yet',
+    temperature: 'Temperature {value}', notKnown: 'not known', sample: 'sample {age}', host: 'host {age}', work: 'work {value} J', nothingYet: 'none yet',
     letGo: 'The host let go: {why}',
     reasons: {
       loopSilent: 'no new command for 20 ms', silentAtNeutral: 'no new command for 20 ms, the effort was neutral',

@@ -103,7 +103,7 @@ export const fr: ConsoleTexts = {
   },
   device: {
     title: 'Appareil', silent: 'Il ne répond pas : ce qui suit date d’avant', enabled: 'Activé', notEnabled: 'Non activé', homed: 'référencé', notHomed: 'non référencé', silenced: 'relâché par sa surveillance',
-    temperature: 'Température {value}', notKnown: 'inconnue', sample: 'mesure {age}', host: 'hôte {age}', nothingYet: 'encore aucune',
+    temperature: 'Température {value}', notKnown: 'inconnue', sample: 'mesure {age}', host: 'hôte {age}', work: 'travail {value} J', nothingYet: 'encore aucune',
     letGo: 'L’hôte a relâché : {why}',
     reasons: {
       loopSilent: 'aucune nouvelle commande pendant 20 ms', silentAtNeutral: 'aucune nouvelle commande pendant 20 ms, la force était au neutre',
