@@ -118,7 +118,9 @@ void Decider::adopt() {
   s_.live = true;
   s_.began = false;
   s_.latched = Fault::kNone;
-  const bool steered = s_.renewing && s_.steering == Steering::kPerson;
+  // Nobody plays in a person's visit but that person.
+  const bool steered =
+      s_.visit.number != 0 || (s_.renewing && s_.steering == Steering::kPerson);
   s_.steering = Steering::kVirtualPatient;
   s_.unattended = false;
   s_.began_at = now_;
