@@ -234,7 +234,6 @@ OrderReply Decider::push(const Command& command) {
 
 // Whatever but a pause lets efforts of the exercise rise.
 OrderReply Decider::act(const orders::Action& action, std::uint32_t client) {
-  if (!s_.live) return nothingArmed();
   if (action.act != Act::kPause) {
     OrderReply may = s_.basis.refuseOutdated(action.basis_seen, client);
     if (!may.accepted) return may;
