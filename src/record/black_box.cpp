@@ -33,8 +33,10 @@ using black_box::Entry;
 using black_box::Header;
 using black_box::Part;
 
-/// Memory whose pages are mapped in advance, so that writing to it in the tick causes no page
-/// fault.
+/// Memory for inputs that is mapped ahead of the tick: over a minute of six axes.
+constexpr std::size_t kAhead_bytes = std::size_t{4} << 20U;
+
+/// Memory whose pages are mapped before the tick writes to them, so that it causes no page fault.
 class PrefaultedMemory {
  public:
   PrefaultedMemory() = default;
@@ -42,9 +44,13 @@ class PrefaultedMemory {
   PrefaultedMemory(const PrefaultedMemory&) = delete;
   PrefaultedMemory& operator=(const PrefaultedMemory&) = delete;
 
-  /// Allocates the memory. Returns false and sets errno on failure. @pre not allocated yet; bytes >
-  /// 0
-  [[nodiscard]] bool take(std::size_t bytes) noexcept;
+  /// Allocates the memory and maps its first pages. Returns false and sets errno on failure.
+  /// @pre not allocated yet; bytes > 0
+  [[nodiscard]] bool take(std::size_t bytes, std::size_t mapped) noexcept;
+  [[nodiscard]] bool take(std::size_t bytes) noexcept { return take(bytes, bytes); }
+  /// Maps the pages below `end`. False if the kernel cannot, or has no memory; then the writer's
+  /// page faults map them. One thread at a time; another one may write.
+  bool mapUntil(std::size_t end) noexcept;
   [[nodiscard]] std::byte* data() const noexcept { return data_; }
   /// The memory as an array; initially zero.
   template <class T>
@@ -54,7 +60,9 @@ class PrefaultedMemory {
 
  private:
   std::byte* data_ = nullptr;
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0, mapped_ = 0;
+  static constexpr std::size_t kPage_bytes = 4096, kStep_bytes = std::size_t{1} << 20U;
+  static constexpr int kPopulateWrite = 23;  ///< MADV_POPULATE_WRITE of Linux 5.14
 };
 
 /// Writes a file through a temporary file in the same folder, with a CRC-32 of the data written
@@ -95,6 +103,9 @@ class MappedBox final : public BlackBox, public CrashHandler {
   /// Allocates all memory. Returns the error, or an empty text.
   std::string takeMemory();
 
+  void provideMemory() noexcept override {
+    (void)inputs_.mapUntil(input_bytes_.load(std::memory_order_relaxed) + kAhead_bytes);
+  }
   void beforeTick(const TickRecord& record) noexcept override;
   void afterTick(const TickRecord& record) noexcept override;
   void crashed(int signal) noexcept override;
@@ -156,6 +167,9 @@ class MappedBox final : public BlackBox, public CrashHandler {
 constexpr Fault kWanting = kStoppingFaults | Fault::kEmergencyStop;
 /// Time after a run's end for the ramp to neutral, with a margin.
 constexpr double kRamp_s = 1.0;
+/// Contacts of a tick that the memory is made for: a firm grasp has about twenty. With more, fewer
+/// ticks are kept.
+constexpr int kUsualContacts = 24;
 /// Factor on the requested time. The additional ticks may be overwritten while a crash is being
 /// written.
 constexpr double kMargin = 1.1;
@@ -174,12 +188,23 @@ constexpr long kNeutralWithin_ns = 130'000'000;
 
 }  // namespace
 
-bool PrefaultedMemory::take(std::size_t bytes) noexcept {
-  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
-                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+bool PrefaultedMemory::take(std::size_t bytes, std::size_t mapped) noexcept {
+  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) return false;
   data_ = static_cast<std::byte*>(memory);
   bytes_ = bytes;
+  if (mapUntil(mapped)) return true;
+  // A kernel before 5.14 maps everything now.
+  for (std::size_t at = 0; at < bytes; at += kPage_bytes) data_[at] = std::byte{0};
+  mapped_ = bytes;
+  return true;
+}
+
+bool PrefaultedMemory::mapUntil(std::size_t end) noexcept {
+  end = std::min(bytes_, (end + kStep_bytes - 1) / kStep_bytes * kStep_bytes);
+  if (end <= mapped_) return true;
+  if (::madvise(data_ + mapped_, end - mapped_, kPopulateWrite) != 0) return false;
+  mapped_ = end;
   return true;
 }
 
@@ -248,7 +273,7 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
   const int values = count(meta.value_names) + count(meta.parameter_names);
   const auto tick_bytes =
       static_cast<double>(packedBytes(count(meta.axis_names), count(meta.joint_names),
-                                      count(meta.body_names), values, kMaxContacts));
+                                      count(meta.body_names), values, kUsualContacts));
   Sizes sizes;
   sizes.entries = static_cast<std::size_t>(kept) + kSpareEntries;
   // Adds one tick, because the last tick before the ring wraps may not fit, and room for commands.
@@ -285,7 +310,8 @@ MappedBox::MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan)
 
 std::string MappedBox::takeMemory() {
   const bool taken = entries_.take(sizes_.entries * sizeof(Entry)) && data_.take(sizes_.data) &&
-                     inputs_.take(sizes_.inputs) && arming_stack_.take(kSignalStackBytes) &&
+                     inputs_.take(sizes_.inputs, kAhead_bytes) &&
+                     arming_stack_.take(kSignalStackBytes) &&
                      ticking_stack_.take(kSignalStackBytes);
   if (!taken) return std::string("has no memory: ") + std::strerror(errno);
   useSignalStack(arming_stack_.data());

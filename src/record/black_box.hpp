@@ -21,7 +21,7 @@ struct BlackBoxPlan {
   void (*stop)(void*) noexcept = nullptr;
   void* stop_whom = nullptr;
   double keep_s = 5.0;                                    ///< duration of complete ticks
-  std::size_t input_bytes = std::size_t{64} << 20U;       ///< memory for the inputs since arming
+  std::size_t input_bytes = std::size_t{64} << 20U;       ///< most memory for inputs since arming
   std::size_t most_tick_bytes = std::size_t{256} << 20U;  ///< memory limit for complete ticks
 };
 
@@ -39,6 +39,9 @@ class BlackBox : public TickListener {
   [[nodiscard]] static Expected<std::unique_ptr<BlackBox>> arm(const RecordingMeta& meta,
                                                                const BlackBoxPlan& plan);
 
+  /// Brings memory for the next inputs, so that the tick need not. Called about once a tick by one
+  /// thread other than the loop's; late, the tick takes a page fault every 4 KiB.
+  virtual void provideMemory() noexcept = 0;
   /// True after a stopping fault or an emergency stop. Call it after the run.
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
   /// Writes the file atomically. Does nothing if a crash handler writes it. Not real-time safe.

@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cinttypes>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 
@@ -36,6 +38,29 @@ SetupLine keepHeap() {
   return {"heap", kept,
           kept ? "Freed memory is kept for later use."
                : "The allocator may give memory back: expect page faults after large releases."};
+}
+
+/// Reads the program and its libraries into memory. False when the kernel cannot (before 5.14).
+bool populateProgram() {
+#ifdef MADV_POPULATE_READ
+  std::ifstream maps("/proc/self/maps");
+  bool all = maps.is_open();
+  for (std::string line; std::getline(maps, line);) {
+    std::uintptr_t begin = 0, end = 0;
+    char readable = '-';
+    int path_at = 0;
+    // Format: begin-end perms offset device inode path.
+    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %c%*s %*s %*s %*s %n", &begin, &end,
+                    &readable, &path_at) < 3 ||
+        readable != 'r' || path_at == 0 || line[static_cast<std::size_t>(path_at)] != '/') {
+      continue;
+    }
+    all &= madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_READ) == 0;
+  }
+  return all;
+#else
+  return false;
+#endif
 }
 
 SetupLine touchedStack(std::size_t bytes) {
@@ -74,13 +99,16 @@ SetupLine requestFifoPriority(int priority) {
 SetupLine requestLockedMemory() {
   rlimit limit{};
   const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
-  if (unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
-    return {"locked memory", true, "All memory is locked, and what is allocated later too."};
-  }
-  if (mlockall(MCL_CURRENT) == 0) {
-    return {
-        "locked memory", true,
-        "All memory in use is locked; memory allocated later is not, since memlock is limited."};
+  const int later = unlimited ? MCL_FUTURE : 0;
+  // Locks what is in memory, and every other page when it comes. Stacks of other threads and rings
+  // that are not full take no memory. The program itself is read whole: a stop must not wait for
+  // the disk. An older kernel knows neither; there all memory is read.
+  if ((mlockall(MCL_CURRENT | MCL_ONFAULT | later) == 0 && populateProgram()) ||
+      mlockall(MCL_CURRENT | later) == 0) {
+    return {"locked memory", true,
+            unlimited ? "All memory is locked, and what is allocated later too."
+                      : "All memory in use is locked; memory allocated later is not, since memlock "
+                        "is limited."};
   }
   return {"locked memory", false,
           "Memory is not locked (" + reason(errno) + "): a page fault may delay a tick. Remedy: " +

@@ -38,9 +38,9 @@ class TickTimer final : public StageListener {
 struct SessionConfig {
   /// Number of periods until the ramp to neutral begins.
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();
-  /// Size of the record queue [bytes]. At 1 kHz it holds 13 s of free motion, or 5 s with 10 bodies
-  /// and 20 contacts.
-  std::size_t queue_bytes = std::size_t{24} << 20U;
+  /// Size of the record queue [bytes]. At 1 kHz it holds 4 s of free motion, or 1.7 s with 10
+  /// bodies and 20 contacts. Whoever empties it does not wait for the disk.
+  std::size_t queue_bytes = std::size_t{8} << 20U;
   std::size_t queue_commands = 512;   ///< size of the command queue; further commands are refused
   TickListener* listener = nullptr;   ///< outlives the session; may be null
   TickListener* black_box = nullptr;  ///< called last in every tick, when its times are known; may

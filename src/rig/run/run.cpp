@@ -113,6 +113,7 @@ void Run::startSession() {
   if (writer_) hub_->record(*writer_);
   hub_->count(statistics_);
   for (const auto& sink : plan_.sinks) hub_->add(sink);
+  if (black_box_) hub_->add([box = black_box_.get()](const TickRecord&) { box->provideMemory(); });
 }
 
 Expected<Done> Run::begin() {
@@ -151,11 +152,11 @@ void Run::finish() {
   const WaitingFor disk("the disk: " +
                         (plan_.record.empty() ? "black box" : "recording " + plan_.record));
   if (black_box_) black_box_said_ = writeBlackBoxIfNeeded(*black_box_);
-  black_box_.reset();  // releases its memory and its crash handler
   if (hub_) {
     hub_->stop();
     failures_ = hub_->failures();
   }
+  black_box_.reset();  // releases its memory and its crash handler
   if (writer_) closeRecording();
 }
 

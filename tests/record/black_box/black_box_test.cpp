@@ -152,6 +152,30 @@ TEST(BlackBox, FullInputMemory_KeepsTicksAndReportsIncompleteInputs) {
   EXPECT_EQ(read->size(), 3000U);
 }
 
+// Expected: no tick takes a page fault, however long the session, while another thread provides.
+TEST(BlackBox, InputsBeyondTheFirstMemory_CauseNoPageFault) {
+  const Folder folder;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.most_ticks = 10'000'000;
+  const auto box = armed(plan);
+  std::vector<TickRecord> records;
+  for (std::uint64_t i = 0; i < 20; ++i) records.push_back(tickNumber(i));
+  giveTick(*box, records[0]);
+  constexpr std::uint64_t kEnough_bytes = std::uint64_t{6} << 20U;
+  rusage before{}, after{};
+  for (std::uint64_t i = 1; i < 400'000 && box->inputBytes() < kEnough_bytes; ++i) {
+    TickRecord& record = records[i % records.size()];
+    record.tick = i;
+    box->provideMemory();
+    ::getrusage(RUSAGE_THREAD, &before);
+    giveTick(*box, record);
+    ::getrusage(RUSAGE_THREAD, &after);
+    ASSERT_EQ(after.ru_minflt, before.ru_minflt) << "tick " << i;
+  }
+  EXPECT_GE(box->inputBytes(), kEnough_bytes);
+  EXPECT_TRUE(box->inputsWhole());
+}
+
 TEST(BlackBox, TickMemoryTooSmall_KeepsTheLastTicks) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
