@@ -79,7 +79,7 @@ Json tryAll(const ThresholdsOptions& options) {
   return out;
 }
 
-/// Reads answers, a line each: x,other,said_second,is_catch.
+/// Reads answers, a line each: x,other,said_second,is_catch; further columns are skipped.
 Expected<std::vector<Comparison>> readAnswers(const std::string& path) {
   std::ifstream in(path);
   if (!in) return fileFault(path, "cannot be read", "give a CSV file of answers");
@@ -90,10 +90,11 @@ Expected<std::vector<Comparison>> readAnswers(const std::string& path) {
     Comparison answer;
     int said_second = -1, is_catch = -1;
     char rest = 0;
-    const int read = std::sscanf(line.c_str(), "%lf,%lf,%d,%d %c", &answer.x, &answer.other,
+    const int read = std::sscanf(line.c_str(), "%lf,%lf,%d,%d%c", &answer.x, &answer.other,
                                  &said_second, &is_catch, &rest);
     const auto is_flag = [](int value) { return value == 0 || value == 1; };
-    if (read != 4 || !std::isfinite(answer.x) || answer.x == 0.0 || !std::isfinite(answer.other) ||
+    const bool ends = read == 4 || (read == 5 && (rest == ',' || rest == '\r'));
+    if (!ends || !std::isfinite(answer.x) || answer.x == 0.0 || !std::isfinite(answer.other) ||
         !is_flag(said_second) || !is_flag(is_catch)) {
       Diagnostic fault = fileFault(path, "is no answer",
                                    "write x,other,said_second,is_catch: x = ln(second / first), "

@@ -22,6 +22,18 @@ struct Comparison {
   [[nodiscard]] bool right() const noexcept { return said_second == (x > 0.0); }
 };
 
+/// Who said an answer. kEarlier: it was said before a rest; the recording before it knows.
+enum class SaidBy : std::int32_t { kEarlier = -1, kSqueeze, kPlayer, kTherapist };
+inline constexpr int kSayers = 3;
+
+/// SplitMix64 (Steele, Lea, Flood 2014): the number that follows a state. Real-time safe.
+[[nodiscard]] constexpr std::uint64_t splitMix64(std::uint64_t state) noexcept {
+  state += 0x9E37'79B9'7F4A'7C15ULL;
+  state = (state ^ state >> 30) * 0xBF58'476D'1CE4'E5B9ULL;
+  state = (state ^ state >> 27) * 0x94D0'49BB'1331'11EBULL;
+  return state ^ state >> 31;
+}
+
 /// The levels of |x| that are offered, geometric from least to most.
 struct LevelScale {
   double least = 0.02;
@@ -43,19 +55,20 @@ struct LevelScale {
 /// right. The step that follows an answer is that answer's.
 class UpDown {
  public:
-  /// @param most the largest level that may be offered
-  UpDown(int start, int most) noexcept : level_(std::min(start, most)), most_(most) {}
+  /// @param most, least the levels that may be offered
+  UpDown(int start, int most, int least = 0) noexcept
+      : level_(std::clamp(start, least, most)), least_(least), most_(most) {}
 
   /// Level of the next comparison.
   [[nodiscard]] int level() const noexcept { return level_; }
   WHOLEHAND_RT void answer(bool right) noexcept {
-    level_ = right ? std::max(level_ - kDown, 0) : std::min(level_ + kUp, most_);
+    level_ = right ? std::max(level_ - kDown, least_) : std::min(level_ + kUp, most_);
   }
 
  private:
   static constexpr int kDown = 1, kUp = 3;
   int level_;
-  int most_;
+  int least_, most_;
 };
 
 }  // namespace wholehand

@@ -4,10 +4,10 @@
 
 namespace wholehand {
 
-ComparisonBlock::ComparisonBlock(const LevelScale& scale, int answers, int most,
-                                 std::uint64_t seed) noexcept
+ComparisonBlock::ComparisonBlock(const LevelScale& scale, int answers, int most, std::uint64_t seed,
+                                 int least) noexcept
     : scale_(scale),
-      up_down_(scale.nearest(kStart), most),
+      up_down_(scale.nearest(kStart), most, least),
       wanted_(std::clamp(answers, 0, kMostAnswers)),
       most_(most),
       state_(seed) {
@@ -22,12 +22,10 @@ void ComparisonBlock::answer(bool said_second) noexcept {
   prepare();
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014).
 std::uint64_t ComparisonBlock::draw() noexcept {
-  std::uint64_t x = state_ += 0x9E37'79B9'7F4A'7C15ULL;
-  x = (x ^ x >> 30) * 0xBF58'476D'1CE4'E5B9ULL;
-  x = (x ^ x >> 27) * 0x94D0'49BB'1331'11EBULL;
-  return x ^ x >> 31;
+  const std::uint64_t drawn = splitMix64(state_);
+  state_ += 0x9E37'79B9'7F4A'7C15ULL;
+  return drawn;
 }
 
 /// In (0, 1).

@@ -17,7 +17,9 @@ class ComparisonBlock {
 
   /// @param answers number of comparisons, at most kMostAnswers
   /// @param most largest level that may be offered, < scale.count
-  ComparisonBlock(const LevelScale& scale, int answers, int most, std::uint64_t seed) noexcept;
+  /// @param least smallest one, <= most
+  ComparisonBlock(const LevelScale& scale, int answers, int most, std::uint64_t seed,
+                  int least = 0) noexcept;
 
   /// True when every comparison is answered.
   [[nodiscard]] bool over() const noexcept { return answered_ == wanted_; }

@@ -272,4 +272,21 @@ ThresholdDoubts doubtsAbout(std::span<const Comparison> answers) {
   return out;
 }
 
+double ratioAtThreeOfFour(double sigma) noexcept {
+  return std::exp(sqrt2 * sigma * quantile(0.75));
+}
+
+ThresholdFinding findThreshold(std::span<const Comparison> answers, const OfferedRange& offered) {
+  constexpr double kSigmasInRange = 1.8;
+  ThresholdFinding out;
+  out.missing = std::max(0, kLeastAnswers - static_cast<int>(answers.size()));
+  if (answers.empty()) return out;
+  out.threshold = fitThreshold(answers);
+  out.doubts = doubtsAbout(answers);
+  const double sigma = out.threshold.observer.sigma;
+  out.beyond_range = sigma > offered.most / kSigmasInRange;
+  out.at_device_limit = std::log(ratioAtThreeOfFour(sigma)) < offered.least;
+  return out;
+}
+
 }  // namespace wholehand

@@ -61,4 +61,26 @@ struct ThresholdDoubts {
 /// Number of answers below which no threshold is stated.
 inline constexpr int kLeastAnswers = 30;
 
+/// second / first of which a person with this σ tells three of four: e^(√2 σ z(3/4)).
+[[nodiscard]] double ratioAtThreeOfFour(double sigma) noexcept;
+
+/// Range of |x| that was offered.
+struct OfferedRange {
+  double least = 0.0, most = 0.0;
+};
+
+/// What a block says of a threshold: the threshold, or what is missing.
+struct ThresholdFinding {
+  Threshold threshold;  ///< without a meaning where there is no answer
+  ThresholdDoubts doubts;
+  int missing = 0;               ///< number of answers that are missing
+  bool beyond_range = false;     ///< σ > most / 1.8: the differences were too small for it
+  bool at_device_limit = false;  ///< three of four right needs less than the least difference
+  [[nodiscard]] bool enough() const noexcept {
+    return missing == 0 && !doubts.any() && !beyond_range;
+  }
+};
+[[nodiscard]] ThresholdFinding findThreshold(std::span<const Comparison> answers,
+                                             const OfferedRange& offered);
+
 }  // namespace wholehand
