@@ -82,7 +82,12 @@ void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o
   });
 }
 
-void addOthers(CLI::App& app, ReportOptions& report, std::string& measured, int& code) {
+/// Recording to be measured, and the CSV file for its answers.
+struct Measured {
+  std::string recording, answers;
+};
+
+void addOthers(CLI::App& app, ReportOptions& report, Measured& measured, int& code) {
   CLI::App* p =
       app.add_subcommand("report", "Make the report of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
@@ -95,8 +100,10 @@ void addOthers(CLI::App& app, ReportOptions& report, std::string& measured, int&
 
   CLI::App* m = app.add_subcommand(
       "measures", "Print what a recording says of the person, as one line of JSON");
-  m->add_option("recording", measured, "HDF5 file")->required();
-  m->callback([&] { code = measuresCommand(measured); });
+  m->add_option("recording", measured.recording, "HDF5 file")->required();
+  m->add_option("--answers", measured.answers,
+                "Write the answers of an exercise that compares to this CSV file");
+  m->callback([&] { code = measuresCommand(measured.recording, measured.answers); });
 
   CLI::App* d = app.add_subcommand("doctor", "Check whether this machine may drive a device");
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
@@ -129,7 +136,7 @@ int runProgram(int argc, char** argv) {
   admit.hand = shippedFile("config/hands/adult-median-right.toml");
   admit.device = shippedFile("config/devices/lambda-pride.toml");
   addValidate(app, files, admit, code);
-  std::string measured;
+  Measured measured;
   addOthers(app, report, measured, code);
   // Copies the arguments before hideSecrets() overwrites the tokens.
   return parseCommandLine(app, argc, argv, code);

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <utility>
+#include <string>
 #include <vector>
 
 namespace wholehand {
@@ -24,26 +24,26 @@ const char* nameOf(SaidBy by) {
   return by == SaidBy::kEarlier ? "earlier" : kSayerNames[static_cast<std::size_t>(by)];
 }
 
-ThresholdFinding findingOf(const AnswerLog& log, const std::vector<Comparison>& answers) {
-  return findThreshold(answers, {log.least_x(), log.most_x()});
-}
+/// What may be missing for a threshold, as pages know it and in English.
+const std::map<std::string, std::string> kMissing = {
+    {"answers", fmt::format("at least {} are needed", kLeastAnswers)},
+    {"guesses", "they do not depend on the difference"},
+    {"one_answer", "nearly all are the same"},
+    {"compares_other", "the depth of the squeeze explains them better"},
+    {"misses_catches", "differences that everybody feels were missed"},
+    {"beyond_range", "the differences were too small"}};
 
-/// What is missing for a threshold, as keys that pages know and as English.
-std::vector<std::pair<const char*, std::string>> missingOf(const ThresholdFinding& finding) {
-  std::vector<std::pair<const char*, std::string>> out;
-  const ThresholdDoubts& doubts = finding.doubts;
-  if (finding.missing > 0) {
-    out.emplace_back("answers", fmt::format("{} more answers", finding.missing));
-  }
-  if (doubts.guesses) out.emplace_back("guesses", "answers that depend on the difference");
-  if (doubts.one_answer) out.emplace_back("one_answer", "both answers: nearly all are the same");
-  if (doubts.compares_other) {
-    out.emplace_back("compares_other", "answers by feel: the depth of the squeeze explains them");
-  }
-  if (doubts.misses_catches) {
-    out.emplace_back("misses_catches", "right answers to differences that everybody feels");
-  }
-  if (finding.beyond_range) out.emplace_back("beyond_range", "larger differences");
+Json missingOf(const ThresholdFinding& finding) {
+  Json out = Json::array();
+  const auto add = [&out](bool is_missing, const char* key) {
+    if (is_missing) out.push_back(key);
+  };
+  add(finding.missing > 0, "answers");
+  add(finding.doubts.guesses, "guesses");
+  add(finding.doubts.one_answer, "one_answer");
+  add(finding.doubts.compares_other, "compares_other");
+  add(finding.doubts.misses_catches, "misses_catches");
+  add(finding.beyond_range, "beyond_range");
   return out;
 }
 
@@ -76,8 +76,10 @@ Json comparedJson(const AnswerLog& log) {
   std::array<int, kSayers> said{};
   int earlier = 0;
   Json list = Json::array();
+  bool persons = !answers.empty();
   for (const RecordedAnswer& answer : log.answers()) {
     const Comparison& c = answer.comparison;
+    persons = persons && answer.moved_by == Mover::kPerson;
     ++(answer.by == SaidBy::kEarlier ? earlier : said[static_cast<std::size_t>(answer.by)]);
     list.push_back(
         {c.x, c.other, c.said_second, c.is_catch, static_cast<int>(answer.by), answer.time_s});
@@ -87,10 +89,9 @@ Json comparedJson(const AnswerLog& log) {
   Json out = {{"version", kThresholdVersion}, {"answers", answers.size()}, {"said_by", by},
               {"least_x", log.least_x()},     {"most_x", log.most_x()},    {"list", list},
               {"points", pointsOf(answers)}};
-  const ThresholdFinding finding = findingOf(log, answers);
-  Json missing = Json::array();
-  for (const auto& [key, _] : missingOf(finding)) missing.push_back(key);
-  out["missing"] = missing;
+  out["persons"] = persons;
+  const ThresholdFinding finding = findThreshold(answers, {log.least_x(), log.most_x()});
+  out["missing"] = missingOf(finding);
   out["missing_answers"] = finding.missing;
   out["enough"] = finding.enough();
   if (answers.empty()) return out;
@@ -111,31 +112,40 @@ Json comparedJson(const AnswerLog& log) {
   return out;
 }
 
-std::string comparedText(const AnswerLog& log) {
-  if (!log.compares()) return {};
-  const std::vector<Comparison> answers = log.comparisons();
-  const ThresholdFinding finding = findingOf(log, answers);
-  std::string missing;
-  for (const auto& [_, text] : missingOf(finding)) missing += (missing.empty() ? "" : "; ") + text;
-  if (!finding.enough()) {
-    return fmt::format("not enough for a threshold ({} answers); missing: {}", answers.size(),
-                       missing);
+std::vector<ComparedFigure> comparedFigures(const Json& compared) {
+  if (!compared.is_object() || !compared.value("enough", false)) return {};
+  const auto percent = [&](const char* key) { return 100.0 * (compared[key].get<double>() - 1.0); };
+  return {{"threshold_percent", "%", percent("ratio")},
+          {"threshold_low_percent", "%", percent("ratio_low")},
+          {"threshold_high_percent", "%", percent("ratio_high")}};
+}
+
+std::string comparedText(const Json& compared) {
+  if (!compared.is_object()) return {};
+  const auto answers = compared["answers"].get<std::size_t>();
+  const std::vector<ComparedFigure> figures = comparedFigures(compared);
+  if (figures.empty()) {
+    std::string missing;
+    for (const Json& key : compared["missing"]) {
+      missing += (missing.empty() ? "" : "; ") + kMissing.at(key.get<std::string>());
+    }
+    return fmt::format("not enough for a threshold ({} answers): {}", answers, missing);
   }
-  const auto percent = [](double sigma) { return 100.0 * (ratioAtThreeOfFour(sigma) - 1.0); };
-  const Threshold& t = finding.threshold;
   return fmt::format(
       "threshold {:.0f} % (95 %: {:.0f} to {:.0f} %) from {} answers{}; who compares only the "
       "depth of the squeeze is right in {:.0f} %",
-      percent(t.observer.sigma), percent(t.low), percent(t.high), answers.size(),
-      finding.at_device_limit ? ", at the device's limit" : "", 100.0 * finding.doubts.other_right);
+      figures[0].value, figures[1].value, figures[2].value, answers,
+      compared["at_device_limit"] ? ", at the device's limit" : "",
+      100.0 * compared["other_right"].get<double>());
 }
 
-std::string comparedCsv(const AnswerLog& log) {
+std::string comparedCsv(const Json& compared) {
   std::string out = "x,other,said_second,is_catch,said_by,time_s\n";
-  for (const RecordedAnswer& answer : log.answers()) {
-    const Comparison& c = answer.comparison;
-    out += fmt::format("{:.17g},{:.17g},{:d},{:d},{},{:.3f}\n", c.x, c.other, c.said_second,
-                       c.is_catch, nameOf(answer.by), answer.time_s);
+  if (!compared.is_object()) return out;
+  for (const Json& answer : compared["list"]) {
+    out += fmt::format("{:.17g},{:.17g},{:d},{:d},{},{:.3f}\n", answer[0].get<double>(),
+                       answer[1].get<double>(), answer[2].get<bool>(), answer[3].get<bool>(),
+                       nameOf(static_cast<SaidBy>(answer[4].get<int>())), answer[5].get<double>());
   }
   return out;
 }

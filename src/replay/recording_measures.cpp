@@ -2,6 +2,7 @@
 
 #include "loop/core/sha256.hpp"
 #include "record/recording.hpp"
+#include "replay/compared_answers.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/therapy_facts.hpp"
 
@@ -80,6 +81,13 @@ Expected<Json> recordingMeasures(const std::string& path) {
     results.push_back(
         {{"name", result["name"]}, {"value", result["value"]}, {"unit", result["unit"]}});
   }
+  // A demonstration measures nobody.
+  Json compared = told["compared"];
+  if (compared.is_object() && compared["persons"].get<bool>()) {
+    for (const ComparedFigure& figure : comparedFigures(compared)) {
+      results.push_back({{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}});
+    }
+  }
   const auto count = reaches["count"].get<double>();
   const std::string ended_by = ticks > 0 ? endedBy(*record) : "";
   return Json{
@@ -98,6 +106,7 @@ Expected<Json> recordingMeasures(const std::string& path) {
       {"exercise", meta.exercise},
       {"level", meta.level},
       {"results", std::move(results)},
+      {"compared", std::move(compared)},
       {"active_s", seconds(active.active)},
       {"helped_s", seconds(active.helped)},
       {"led_s", seconds(active.led)},

@@ -1,5 +1,7 @@
 #include "replay/therapy_facts.hpp"
 
+#include "replay/compared_answers.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -417,6 +419,7 @@ TherapyFacts::TherapyFacts(const RecordingMeta& meta)
     : meta_(meta),
       active_(meta.axis_units, meta.value_names),
       parts_(meta),
+      answers_(meta.value_names, meta.event_names),
       limits_(meta.axis_names.size()) {
   for (std::size_t b = 0; b < meta.body_names.size(); ++b) {
     bodies_.emplace_back(static_cast<int>(b), meta.body_names[b]);
@@ -438,6 +441,7 @@ void TherapyFacts::add(const TickRecord& record, bool follows, std::uint64_t row
   const double grip_n = has_grip ? record.exercise.values[squeeze_value_] : 0.0;
   addMover(record);
   active_.add(record);
+  answers_.add(record);
   parts_.add(record, before_, now_, active_.interrupted(record));
   // An exercise's wall may keep the fingers off the body; the grip force then counts as contact.
   addContacts(record, grip_n >= kLeastGrip_n, row);
@@ -641,6 +645,7 @@ Json TherapyFacts::json() {
                 {"time_s", strongest().time_s},
                 {"row", strongest().row},
                 {"by", static_cast<int>(strongest().by)}}}};
+  out["compared"] = comparedJson(answers_);
   parts_.write(out);
   writeTouches(out);
   writeLimits(out);

@@ -2,6 +2,7 @@
 
 #include "loop/core/active_time.hpp"
 #include "loop/core/tick_record.hpp"
+#include "loop/psychometrics/answer_log.hpp"
 #include "record/recording.hpp"
 
 #include <Eigen/Core>
@@ -301,6 +302,7 @@ class TherapyFacts {
   std::vector<Run> runs_;
   std::uint64_t runs_left_out_ = 0;
   ExerciseParts parts_;
+  AnswerLog answers_;
   std::vector<BodyContacts> bodies_;
   std::vector<int> grip_sides_;  ///< side of each capsule: fingers, thumb or palm
   int squeeze_value_ = -1;       ///< index of the grip force among the exercise's values; -1: none

@@ -12,9 +12,11 @@
 #include "files/text/text_file.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/patient/motion.hpp"
+#include "loop/psychometrics/answer_log.hpp"
 #include "loop/runtime/interrupt_scope.hpp"
 #include "loop/safety/supervisor.hpp"
 #include "record/disk_reserve.hpp"
+#include "replay/compared_answers.hpp"
 #include "rig/models.hpp"
 #include "rig/rig.hpp"
 #include "rig/run/run.hpp"
@@ -30,6 +32,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
@@ -223,6 +226,25 @@ void printDiskRoom(const std::string& recording, double period_s, double length_
   if (!room.empty()) std::printf("  disk     %s\n", printable(room, 1000).c_str());
 }
 
+// The answers of the exercise, if it compares.
+AnswerLog answerLogOf(const Models& models) {
+  if (!models.exercise) return {{}, {}};
+  const ExerciseDescription& exercise = models.exercise->description();
+  return {exercise.value_names, exercise.event_names};
+}
+
+// Adds the threshold, or what is missing for it, to the results of the exercise.
+void addThreshold(const nlohmann::json& compared, std::vector<ResultValue>& results) {
+  if (!compared.is_object()) return;
+  std::string text = comparedText(compared);
+  for (const ComparedFigure& figure : comparedFigures(compared)) {
+    results.push_back({figure.name, figure.value, std::exchange(text, "")});
+  }
+  if (!text.empty()) {
+    results.push_back({"answers_missing", compared["missing_answers"], std::move(text)});
+  }
+}
+
 }  // namespace
 
 RunOptions shippedRun() {
@@ -377,6 +399,8 @@ int runCommand(RunOptions options) {
   SafetyLog log(watched, rig_options.period_s,
                 [&async_log](const SafetyTransition& t) { async_log.write(describe(t)); });
   plan.sinks.emplace_back([&log](const TickRecord& record) { log.add(record); });
+  AnswerLog answers = answerLogOf(*models);
+  plan.sinks.emplace_back([&answers](const TickRecord& record) { answers.add(record); });
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
   async_log.flush(kLogWithin);
   terminal.end();
@@ -386,6 +410,7 @@ int runCommand(RunOptions options) {
     return refuse(outcome.errors());
   }
   printSetup(outcome->setup);
+  addThreshold(comparedJson(answers), outcome->results);
 
   // Writes the results.
   if (!options.json.empty()) {

@@ -98,7 +98,9 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
               plural(s.contacts_max));
   std::printf("  work     %.3g J of the device\n", s.work_j);
   std::string results;
-  for (const ResultValue& r : outcome.results) results += (results.empty() ? "" : "; ") + r.shown;
+  for (const ResultValue& r : outcome.results) {
+    if (!r.shown.empty()) results += (results.empty() ? "" : "; ") + r.shown;
+  }
   if (!results.empty()) std::printf("  result   %s\n", printable(results, 1000).c_str());
   const std::vector<DeviceAxis>& axes = models.device.axes;
   std::printf("  faults   %s\n", faultText(s, axes).c_str());

@@ -13,6 +13,7 @@ struct RecordedAnswer {
   Comparison comparison;
   SaidBy by = SaidBy::kSqueeze;
   double time_s = 0.0;
+  Mover moved_by = Mover::kNobody;  ///< who moved the hand when it was said
 };
 
 /// Collects the answers of an exercise that compares, by the names of its values and events: the
