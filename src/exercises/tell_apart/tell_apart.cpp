@@ -73,7 +73,8 @@ class TellApart final : public Exercise {
     travel_ = offset_ = AxisPosition{};
     felt_ = feltOf(0);
     at_ = near_ = -1;
-    depth_m_ = squeeze_n_ = pressing_s_ = 0.0;
+    depth_m_ = depth_before_m_ = -1.0;
+    squeeze_n_ = pressing_s_ = 0.0;
     retold_ = to_retell_ = 0;
     paused_ = begun_ = fresh_ = swapped_ = false;
     said_second_ = 0.0;
@@ -159,7 +160,8 @@ class TellApart final : public Exercise {
     if (!(transition_.u > 0.0) && at_ != nearest) {
       at_ = nearest;
       travel_ = offset_ = AxisPosition{};
-      pressing_s_ = depth_m_ = 0.0;
+      pressing_s_ = 0.0;
+      depth_m_ = -1.0;
       // The first reach begins the block; its instant decides the order of the comparisons.
       if (at_ >= 0 && !begun_) comparing_.begin(seen.tick), begun_ = true;
       if (at_ >= 0) felt_ = feltOf(at_);
@@ -200,13 +202,16 @@ class TellApart final : public Exercise {
             std::min(walls.effort_cap[a], felt_.stimulus.most_n * walls.lever_arm_m[a]);
       }
     }
-    const bool opens = pressing_s_ >= felt_.stimulus.opens_s;
+    pressing_s_ = depth_m_ > 0.0 ? pressing_s_ + sincePressed(elapsed_s) : 0.0;
+    // In the tick in which the nozzle opens, it is open for the rest of the tick.
+    const double slit = std::clamp((pressing_s_ - felt_.stimulus.opens_s) / elapsed_s, 0.0, 1.0);
     const BottlePress press =
         pressBottle(travel_,
                     {.walls = started,
                      .q_m = seen.q_m,
                      .alpha = out.alpha,
-                     .open = opens ? palmar : 0U,
+                     .open = slit > 0.0 ? palmar : 0U,
+                     .slit = slit > 0.0 ? slit : 1.0,
                      .ratios = {felt_.stimulus.stiffness, felt_.stimulus.viscosity},
                      .elapsed_s = elapsed_s},
                     cushions_);
@@ -216,12 +221,18 @@ class TellApart final : public Exercise {
     out.wall = started.position;
   }
 
+  /// The part of a tick in which the bottle was pressed: the rest after its start was crossed.
+  [[nodiscard]] double sincePressed(double elapsed_s) const noexcept {
+    const bool crossed = depth_before_m_ <= 0.0 && depth_before_m_ > -1.0;
+    return crossed ? elapsed_s * depth_m_ / (depth_m_ - depth_before_m_) : elapsed_s;
+  }
+
   /// The walls, moved into the shell by the start. A wall never begins behind the finger: where the
   /// finger is past the start, it begins at the finger, and follows it to the start.
   [[nodiscard]] FingerWallState startWalls(const TickRecord& seen) noexcept {
     FingerWallState out = walls_;
     if (offset_.size() != out.position.size()) offset_ = AxisPosition(out.position.size());
-    depth_m_ = 0.0;
+    depth_before_m_ = std::exchange(depth_m_, -1.0);
     starts_late_m_ = 0.0;
     for (int a = 0; a < out.position.size(); ++a) {
       const double lever_m = task_.wall.walls.lever_arm_m[a];
@@ -251,7 +262,6 @@ class TellApart final : public Exercise {
     }
     squeeze_n_ += (now_n - squeeze_n_) *
                   (1.0 - std::exp(-2.0 * std::numbers::pi * task_.filter_hz * elapsed_s));
-    pressing_s_ = depth_m_ > 0.0 ? pressing_s_ + elapsed_s : 0.0;
     // A squeeze that began before the bottle was felt completely does not count.
     if (!(transition_.u >= 1.0)) {
       fresh_ = false;
@@ -300,7 +310,7 @@ class TellApart final : public Exercise {
   }
 
   [[nodiscard]] double pressed() const noexcept {
-    return fresh_ && felt_.depth_m > 0.0 ? depth_m_ / felt_.depth_m : 0.0;
+    return fresh_ && felt_.depth_m > 0.0 ? std::max(0.0, depth_m_ / felt_.depth_m) : 0.0;
   }
 
   void show(const Comparison& asked, ExerciseRecord& out) noexcept {
@@ -355,9 +365,10 @@ class TellApart final : public Exercise {
   AxisPosition travel_;  ///< travel of the cushions
   AxisPosition offset_;  ///< start of each wall, from the first touch on
   SoftTouches touches_{};
-  Felt felt_;             ///< the bottle at the hand
-  bool swapped_ = false;  ///< felt_ is new
-  double depth_m_ = 0.0, starts_late_m_ = 0.0;
+  Felt felt_;                                      ///< the bottle at the hand
+  bool swapped_ = false;                           ///< felt_ is new
+  double depth_m_ = -1.0, depth_before_m_ = -1.0;  ///< behind the start; -1: without a wall
+  double starts_late_m_ = 0.0;
   double squeeze_n_ = 0.0, pressing_s_ = 0.0, said_second_ = 0.0;
   int at_ = -1;                     ///< bottle with the walls; changes only at α = 0
   int near_ = -1;                   ///< bottle for the next closure query
