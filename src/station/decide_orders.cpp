@@ -241,6 +241,9 @@ OrderReply Decider::act(const orders::Action& action, std::uint32_t client) {
   Command command;
   command.type = CommandType::kAction;
   command.index = static_cast<std::int32_t>(action.act);
+  if (action.chosen != Choice::kNone) {
+    command.value = choiceValue(action.chosen, action.by_therapist);
+  }
   return push(command);
 }
 

@@ -232,7 +232,9 @@ struct Steer {
 };
 struct Action {
   Act act = Act::kNext;
-  std::uint32_t basis_seen = 0;  ///< as in Arm; a pause needs none
+  std::uint32_t basis_seen = 0;   ///< as in Arm; a pause needs none
+  Choice chosen = Choice::kNone;  ///< answer in an exercise that compares
+  bool by_therapist = false;      ///< the server says so, never the client
 };
 struct TakeControls {
   std::string token;

@@ -98,10 +98,11 @@ namespace Wholehand
         }
 
         /// <summary>Sends an action to the exercise: next, restart, pause, resume. <paramref name="basisSeen"/> is
-        /// HandState.Basis as it was shown to the person; a pause needs none.</summary>
-        public Task<CommandReply> Action(Act act, uint basisSeen = 0)
+        /// HandState.Basis as it was shown to the person; a pause needs none. <paramref name="chosen"/> with Next,
+        /// where the exercise compares: 1 the first was more, 2 the second.</summary>
+        public Task<CommandReply> Action(Act act, uint basisSeen = 0, byte chosen = 0)
         {
-            return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act, basisSeen).Value);
+            return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act, basisSeen, chosen).Value);
         }
 
         /// <summary>The person's intended position of the hand, per axis; sent once and at once, since the next

@@ -40,6 +40,14 @@ inline constexpr int kOrderNumbers = 18;
 /// level from which the exercise resumes.
 inline constexpr Act kBeginAt{kActs};
 
+/// Answer in an exercise that compares, as Command::value of Act::kNext.
+enum class Choice : std::int32_t { kNone, kFirst, kSecond };
+inline constexpr int kChoices = 3;
+/// @return choice, plus kChoices when a therapist answered for the person
+[[nodiscard]] constexpr double choiceValue(Choice choice, bool by_therapist) noexcept {
+  return static_cast<double>(choice) + (by_therapist ? kChoices : 0);
+}
+
 /// A request from another thread to the loop. The session takes at most kMaxCommands before a tick
 /// and stores them in the tick's record, so that a re-simulation repeats them.
 struct Command {

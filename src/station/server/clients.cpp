@@ -568,6 +568,9 @@ void Clients::applyOrder(Entry entry, Order order, std::int64_t now_ns) {
   if (order.is<orders::Rest>() && !timeouts_.holds(client) && !status.rested) {
     order.what = orders::Stop{};
   }
+  if (auto* action = std::get_if<orders::Action>(&order.what)) {
+    action->by_therapist = entry->second.role == Role::kTherapist;
+  }
   noteOrder(entry, order, status, now_ns);
   const bool emergency = order.is<orders::EmergencyStop>();
   forward(entry, std::move(order));

@@ -92,7 +92,11 @@ Expected<orders::Steer> read(const fb::Steer& in) {
 }
 Expected<orders::Action> read(const fb::Action& in) {
   if (!isKnown(in.act())) return unknown("action", in.act());
-  return orders::Action{static_cast<Act>(in.act()), in.basis_seen()};
+  if (in.chosen() >= kChoices) {
+    return refusal("chosen", std::to_string(in.chosen()), "is not known", "");
+  }
+  return orders::Action{static_cast<Act>(in.act()), in.basis_seen(),
+                        static_cast<Choice>(in.chosen())};
 }
 orders::TakeControls read(const fb::TakeControls& in) {
   return {text(in.token())};

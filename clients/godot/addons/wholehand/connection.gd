@@ -147,10 +147,11 @@ func steer(by: int) -> int:
 
 
 # Sends an action to the exercise, Protocol.Act: next, restart, pause, resume. `basis_shown` is state.basis as it was
-# shown to the person; a pause needs none.
-func act(act: int, basis_shown: int = 0) -> int:
+# shown to the person; a pause needs none. `chosen` with next, where the exercise compares: 1 the first was more, 2 the
+# second.
+func act(act: int, basis_shown: int = 0, chosen: int = 0) -> int:
 	var f = Protocol.Action
-	return _order("Action", [[f.act, "u8", act], [f.basis_seen, "u32", basis_shown]])
+	return _order("Action", [[f.act, "u8", act], [f.basis_seen, "u32", basis_shown], [f.chosen, "u8", chosen]])
 
 
 # The person's intended position of the hand, per axis of scene.axes. Protocol.Help: the share of it that the game does
