@@ -36,6 +36,18 @@ export interface MovementRuns {
 /** A value that holds from a time until the next change. */
 export type Change = readonly [time_s: number, value: number];
 
+/** What the answers of an exercise that compares say about a threshold (src/replay/compared_answers.hpp). */
+export interface Compared {
+  readonly answers: number; readonly saidBy: Readonly<Record<string, number>>; readonly persons: boolean;
+  readonly enough: boolean; readonly missing: readonly string[]; readonly missingAnswers: number;
+  /** second / first of which three of four are told apart, and its 95 % interval. */
+  readonly ratio: number; readonly low: number; readonly high: number; readonly openBelow: boolean; readonly openAbove: boolean;
+  readonly atDeviceLimit: boolean; readonly otherRight: number; readonly mostX: number;
+  /** x = ln(second / first): number of answers there, and of those "the second". */
+  readonly points: readonly (readonly [x: number, answers: number, second: number])[];
+  readonly curve: readonly (readonly [x: number, share: number])[];
+}
+
 /** Figures of the person, unless stated otherwise. */
 export interface Therapy {
   readonly moved: MovementRuns;
@@ -49,6 +61,8 @@ export interface Therapy {
   /** Limits of each axis, in its own unit. Changes that are closer than `limits_between_s` are merged. */
   readonly limits: readonly (readonly Change[])[]; readonly limits_between_s: number;
   readonly largest_force_n: number;
+  /** undefined: the exercise does not compare. */
+  readonly compared: Compared | undefined;
   /** The strongest contact of the person, else of anybody. Its state is among those of the page. */
   readonly strongest: { readonly force_n: number; readonly time_s: number; readonly by: Mover };
 }
@@ -128,6 +142,16 @@ function readMoved(json: Json): MovementRuns {
   };
 }
 
+function readCompared(json: Json): Compared {
+  return {
+    answers: number(json.answers), persons: json.persons === true, enough: json.enough === true, missingAnswers: number(json.missing_answers),
+    saidBy: Object.fromEntries(Object.entries(asJson(json.said_by)).map(([by, count]) => [by, number(count)])), missing: (Array.isArray(json.missing) ? json.missing : []).map(text),
+    ratio: number(json.ratio), low: number(json.ratio_low), high: number(json.ratio_high), openBelow: json.open_below === true, openAbove: json.open_above === true,
+    atDeviceLimit: json.at_device_limit === true, otherRight: number(json.other_right), mostX: number(json.most_x),
+    points: pairs(json.points).map(([x, answers, second]) => [number(x), number(answers), number(second)]), curve: pairs(json.curve).map(([x, share]) => [number(x), number(share)]),
+  };
+}
+
 function readTherapy(json: Json): Therapy {
   const [grips, reaches, strongest] = [asJson(json.grips), asJson(json.reaches), asJson(json.strongest)];
   const sums = Object.entries(asJson(json.sums)).map(([event, value]): [string, PartSums] => {
@@ -145,7 +169,7 @@ function readTherapy(json: Json): Therapy {
     touches: objects(json.touches).map((t) => ({ body: text(t.body), from_s: number(t.from_s), to_s: number(t.to_s), held_s: number(t.held_s), largest_force_n: number(t.largest_force_n) })),
     touches_left_out: number(json.touches_left_out), touches_not_persons: number(json.touches_not_persons),
     grips: { ...counted(grips), mean_n: number(grips.mean_n), variation: number(grips.variation) },
-    has_grip_force: json.has_grip_force === true,
+    has_grip_force: json.has_grip_force === true, compared: asJson(json.compared).answers === undefined ? undefined : readCompared(asJson(json.compared)),
     limits: Array.isArray(json.limits) ? json.limits.map((axis) => (Array.isArray(axis) ? axis.map((change): Change => [number(numbers(change)[0]), number(numbers(change)[1])]) : [])) : [],
     limits_between_s: number(json.limits_between_s),
     largest_force_n: number(json.largest_force_n),

@@ -9,6 +9,7 @@ import { faultWord, fill, language } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from '../charts/chart';
+import { comparedSection } from './compared';
 import { compareWithBefore, type FigureComparison, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
@@ -24,7 +25,7 @@ export function therapySheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
   const comparison = compareWithBefore(data);
-  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), whoMoved(context), sessionBefore(context, comparison),
+  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), whoMoved(context), sessionBefore(context, comparison), comparedSection(data),
     h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), ...partTables(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),

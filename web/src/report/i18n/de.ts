@@ -32,6 +32,13 @@ export const de: ReportTexts = {
     grip: 'Griffkraft', goal: 'verlangt', contact: 'Kontaktkraft', limits: 'Geltende Kraftgrenzen', effortHand: 'Kraft, Hand', effortArm: 'Kraft, Arm', phi: 'Adaptive Dämpfung φ', alpha: 'Wand der Übung α',
     handPosition: 'Stellung, Hand', armPosition: 'Stellung, Arm', palm: 'Handfläche zum nächsten Gegenstand', count: 'Kontaktpunkte', times: 'Zeit je Takt', timesCpu: 'Rechenzeit je Takt', ticks: 'Takte', click: 'Klick in ein Diagramm: diesen Augenblick ansehen.', missing: 'Blassrot: fehlt.', touchesLeftOut: 'Nicht schattiert: {n} weitere Berührungen; die Zahlen enthalten sie.', limitsThinned: 'Änderungen einer Grenze innerhalb von {s} s sind als eine gezeichnet.', touches: 'Getönt: Die Hand berührt etwas.',
   },
+  compared: {
+    title: 'Unterschiede gespürt', threshold: 'Drei von vier Unterschieden von {n} % werden gespürt ({interval}).', between: '95 %: {a} bis {b} %', below: '95 %: unter {n} %', above: '95 %: über {n} %', atLimit: 'Das ist die Grenze des Geräts.',
+    notEnough: 'Nicht genug für eine Schwelle: {why}.', answers: 'Antworten: {n}{by}.', other: 'Wer nur die Tiefe des Drucks vergleicht, hat in {n} % recht.', notPersons: 'Nicht von einer Person: jemand anderes bewegte die Hand.',
+    why: { answers: 'es fehlen {n} Antworten', guesses: 'die Antworten folgen den Unterschieden nicht', one_answer: 'fast alle Antworten sind gleich', compares_other: 'die Tiefe des Drucks erklärt die Antworten besser', misses_catches: 'grosse Unterschiede wurden verpasst', beyond_range: 'es bräuchte grössere Unterschiede' } as Record<string, string>,
+    by: { squeeze: '{n} durch Drücken', player: '{n} mit Taste oder Berührung', therapist: '{n} vom Therapeuten gesagt', earlier: '{n} vor einer Pause' } as Record<string, string>,
+    chart: '«Die zweite war mehr», je nach Unterschied', fitted: 'angepasst', points: 'Antworten',
+  },
   stages: {
     title: 'Rechenzeit eines Takts, µs', stage: 'Stufe', max: 'max.', whole: 'ganzer Takt',
     names: { device_read: 'Gerät lesen', observe: 'beobachten', dynamics: 'Dynamik', control: 'Regelung', exercise: 'Übung', safety: 'Sicherheit', device_write: 'Gerät schreiben', physics_step: 'Physikschritt', contacts: 'Kontakte' },

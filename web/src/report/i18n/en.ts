@@ -31,6 +31,13 @@ export const en = {
     grip: 'Grip force', goal: 'asked for', contact: 'Contact force', limits: 'Effort limits in force', effortHand: 'Effort, hand', effortArm: 'Effort, arm', phi: 'Adaptive damping φ', alpha: 'Wall of the exercise α',
     handPosition: 'Position, hand', armPosition: 'Position, arm', palm: 'Palm to the nearest object', count: 'Contact points', times: 'Time per tick', timesCpu: 'CPU time per tick', ticks: 'ticks', click: 'Click a chart: look at that moment.', missing: 'Pale red: missing.', touchesLeftOut: 'Not shaded: {n} more touches; they are in the figures.', limitsThinned: 'Changes of a limit within {s} s are drawn as one.', touches: 'Shaded: the hand touches something.',
   },
+  compared: {
+    title: 'Told apart', threshold: 'Three of four differences of {n} % are felt ({interval}).', between: '95 %: {a} to {b} %', below: '95 %: below {n} %', above: '95 %: above {n} %', atLimit: 'This is at the device’s limit.',
+    notEnough: 'Not enough for a threshold: {why}.', answers: 'Answers: {n}{by}.', other: 'Who compares only the depth of the squeeze is right in {n} %.', notPersons: 'Not a person’s: somebody else moved the hand.',
+    why: { answers: '{n} more answers are needed', guesses: 'the answers do not follow the differences', one_answer: 'nearly all answers are the same', compares_other: 'the depth of the squeeze explains the answers better', misses_catches: 'large differences were missed', beyond_range: 'larger differences would be needed' } as Record<string, string>,
+    by: { squeeze: '{n} by squeezing', player: '{n} by key or touch', therapist: '{n} said by the therapist', earlier: '{n} before a rest' } as Record<string, string>,
+    chart: '“The second was more”, by how much it was', fitted: 'fitted', points: 'answers',
+  },
   stages: {
     title: 'CPU time of a tick, µs', stage: 'Stage', max: 'max', whole: 'whole tick',
     names: { device_read: 'device read', observe: 'observe', dynamics: 'dynamics', control: 'control', exercise: 'exercise', safety: 'safety', device_write: 'device write', physics_step: 'physics step', contacts: 'contacts' } as Record<string, string>,

@@ -32,6 +32,13 @@ export const fr: ReportTexts = {
     grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',
     handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', missing: 'Rouge pâle : manque.', touchesLeftOut: 'Non grisés : {n} autres contacts ; les chiffres les comptent.', limitsThinned: 'Les changements d’une limite en moins de {s} s sont tracés comme un seul.', touches: 'Ombré : la main touche quelque chose.',
   },
+  compared: {
+    title: 'Différences senties', threshold: 'Trois différences de {n} % sur quatre sont senties ({interval}).', between: '95 % : {a} à {b} %', below: '95 % : moins de {n} %', above: '95 % : plus de {n} %', atLimit: 'C’est la limite de l’appareil.',
+    notEnough: 'Pas assez pour un seuil : {why}.', answers: 'Réponses : {n}{by}.', other: 'Qui ne compare que la profondeur de la pression a raison dans {n} %.', notPersons: 'Pas celles d’une personne : quelqu’un d’autre bougeait la main.',
+    why: { answers: 'il manque {n} réponses', guesses: 'les réponses ne suivent pas les différences', one_answer: 'presque toutes les réponses sont les mêmes', compares_other: 'la profondeur de la pression explique mieux les réponses', misses_catches: 'de grandes différences ont échappé', beyond_range: 'il faudrait de plus grandes différences' } as Record<string, string>,
+    by: { squeeze: '{n} en pressant', player: '{n} par touche', therapist: '{n} dites par le thérapeute', earlier: '{n} avant un repos' } as Record<string, string>,
+    chart: '« La deuxième était plus », selon la différence', fitted: 'ajustée', points: 'réponses',
+  },
   stages: {
     title: 'Temps de calcul d’un cycle, µs', stage: 'Étape', max: 'max.', whole: 'cycle entier',
     names: { device_read: 'lecture', observe: 'observation', dynamics: 'dynamique', control: 'commande', exercise: 'exercice', safety: 'sécurité', device_write: 'écriture', physics_step: 'pas physique', contacts: 'contacts' },
