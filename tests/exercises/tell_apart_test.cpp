@@ -2,6 +2,9 @@
 #include "loop/psychometrics/answer_log.hpp"
 #include "loop/psychometrics/threshold.hpp"
 #include "rig/run/run.hpp"
+#include "support/contains.hpp"
+#include "support/file_bytes.hpp"
+#include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 
@@ -264,6 +267,151 @@ TEST(TellApart, PlayedByItsVirtualPatient_ComparesInEveryQuantity) {
     const Played played = play(quantity, "adult-median-right", 30);
     EXPECT_GE(played.answers.size(), 3U);
     std::printf("figure: %s, %zu answers in 30 s\n", quantity.c_str(), played.answers.size());
+  }
+}
+
+/// A session of the virtual patient, with commands before a tick.
+struct TellApartSession {
+  std::unique_ptr<Rig> rig;
+  std::vector<std::string> values, events;
+  std::unique_ptr<TickRecord> record = std::make_unique<TickRecord>();
+  std::unique_ptr<AnswerLog> log;
+
+  explicit TellApartSession(const std::string& quantity = "firmer") {
+    Models models = load(exerciseFiles("tell-apart-" + quantity));
+    values = models.exercise->description().value_names;
+    events = models.exercise->description().event_names;
+    log = std::make_unique<AnswerLog>(values, events);
+    std::unique_ptr<Player> player = models.exercise->makePlayer({7});
+    rig = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
+    orThrow(rig->renderer->arm());
+    record->tick = ~std::uint64_t{0};
+  }
+  void tick(Act act, double value, bool sends = true) {
+    ++record->tick;
+    record->time_s = 1e-3 * static_cast<double>(record->tick);
+    record->command_count = sends ? 1 : 0;
+    record->commands[0] = {};
+    record->commands[0].type = CommandType::kAction;
+    record->commands[0].index = static_cast<std::int32_t>(act);
+    record->commands[0].value = value;
+    rig->renderer->tick(1, *record);
+    rig->listener->afterTick(*record);
+    log->add(*record);
+  }
+  void run(int ticks) {
+    for (int k = 0; k < ticks; ++k) tick(Act::kNext, 0.0, false);
+  }
+  void runUntil(const std::string& name, double value) {
+    for (int k = 0; k < 60'000 && this->value(name) != value; ++k) run(1);
+    ASSERT_EQ(this->value(name), value) << name;
+  }
+  [[nodiscard]] double value(const std::string& name) const {
+    const auto at = std::find(values.begin(), values.end(), name) - values.begin();
+    return record->exercise.values[at];
+  }
+  [[nodiscard]] bool told(const std::string& event) const {
+    for (int i = 0; i < record->exercise.event_count; ++i) {
+      if (events[record->exercise.events[i].type] == event) return true;
+    }
+    return false;
+  }
+};
+
+TEST(TellApart, AnswerByOrder_CountsOnlyAfterBothSqueezesAndSaysByWhom) {
+  TellApartSession session;
+  session.run(100);
+  session.tick(Act::kNext, choiceValue(Choice::kFirst, false));
+  EXPECT_TRUE(session.told("too_early"));
+  EXPECT_TRUE(session.log->answers().empty());
+  session.runUntil("answering", 1.0);
+  session.tick(Act::kNext, choiceValue(Choice::kSecond, true));
+  ASSERT_EQ(session.log->answers().size(), 1U);
+  EXPECT_EQ(session.log->answers()[0].by, SaidBy::kTherapist);
+  EXPECT_TRUE(session.log->answers()[0].comparison.said_second);
+  session.runUntil("answering", 0.0);
+  session.runUntil("answering", 1.0);
+  session.tick(Act::kNext, choiceValue(Choice::kFirst, false));
+  ASSERT_EQ(session.log->answers().size(), 2U);
+  EXPECT_EQ(session.log->answers()[1].by, SaidBy::kPlayer);
+  EXPECT_FALSE(session.log->answers()[1].comparison.said_second);
+}
+
+/// The session after a rest goes on at the trial, and its record holds the answers before it.
+TEST(TellApart, SessionAfterARest_GoesOnAtTheTrial) {
+  TellApartSession before;
+  before.runUntil("answers", 3.0);
+  const double place = before.value("place");
+  TellApartSession after;
+  after.tick(kBeginAt, place);
+  after.run(10);
+  EXPECT_EQ(after.value("answers"), 3.0);
+  ASSERT_EQ(after.log->answers().size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(after.log->answers()[i].by, SaidBy::kEarlier);
+    EXPECT_EQ(after.log->comparisons()[i].x, before.log->comparisons()[i].x);
+    EXPECT_EQ(after.log->comparisons()[i].said_second, before.log->comparisons()[i].said_second);
+  }
+  after.runUntil("answers", 4.0);
+  EXPECT_EQ(after.log->answers().size(), 4U);
+  EXPECT_EQ(after.log->answers()[3].by, SaidBy::kSqueeze);
+}
+
+/// No stimulus begins or ends with a jump of the effort: at most 0.05 N a tick at the tip, as every
+/// exercise (docs/exercises.md), while the effort falls.
+TEST(TellApart, FallOfTheEffort_IsGentle) {
+  for (const char* quantity : {"firmer", "later"}) {
+    TellApartSession session(quantity);
+    double before_n = 0.0, most_n = 0.0;
+    for (int k = 0; k < 20'000; ++k) {
+      session.run(1);
+      const double now_n = -session.record->exercise.effort[3] / 0.08;
+      most_n = std::max(most_n, before_n - now_n);
+      before_n = now_n;
+    }
+    std::printf("figure: %s, fastest fall %.4f N a tick\n", quantity, most_n);
+    EXPECT_LT(most_n, 0.05);
+  }
+}
+
+/// The shipped file and its scene, with one change.
+std::string refusalOf(const std::string& quantity, const std::string& find,
+                      const std::string& with) {
+  const Folder folder;
+  std::string text = bytesOfFile(exerciseFiles("tell-apart-" + quantity).exercise);
+  const std::size_t at = text.find(find);
+  EXPECT_NE(at, std::string::npos) << find;
+  text.replace(at, find.size(), with);
+  folder.write("scenes/tell-apart.toml",
+               bytesOfFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/scenes/tell-apart.toml"));
+  ModelFiles files = exerciseFiles("tell-apart-" + quantity);
+  files.exercise = folder.write("exercises/changed.toml", text);
+  auto models = loadModels(files);
+  if (!models) return format(models.errors());
+  std::unique_ptr<Player> player = models->exercise->makePlayer({7});
+  const auto rig = buildRig(std::move(*models), std::move(player), RigOptions{});
+  return rig ? "" : format(rig.errors());
+}
+
+TEST(TellApart, FaultyFiles_AreRefusedWithTheRemedy) {
+  EXPECT_EQ(refusalOf("firmer", "seed = 1", "seed = 2"), "");
+  struct Case {
+    const char *quantity, *find, *with, *expected;
+  };
+  for (const Case& c : std::initializer_list<Case>{
+           // A level outside the certificate: 600 N/m times 3.
+           {"firmer", "stiffness_tip_n_m = 120.0", "stiffness_tip_n_m = 600.0", "finger_flexion"},
+           {"firmer", "quantity = \"firmer\"", "quantity = \"softer\"", "heavier"},
+           {"firmer", "quantity = \"firmer\"", "quantity = \"heavier\"", "heavier most_n"},
+           {"firmer", "quantity = \"firmer\"", "quantity = \"thicker\"", "opens_s"},
+           {"farther", "depth_m = 0.004", "depth_m = 0.012", "of soft shell"},
+           {"firmer", "most_ratio = 3.0", "most_ratio = 4.0", "3]"},
+           {"firmer", "answers = 50", "answers = 80", "50"},
+           {"firmer", "first = \"lower_bottle\"", "first = \"nothing\"", "has no such body"},
+           {"firmer", "first = \"lower_bottle\"", "first = \"counter\"", "cylinder"},
+       }) {
+    const std::string said = refusalOf(c.quantity, c.find, c.with);
+    EXPECT_TRUE(contains(said, c.expected)) << c.with << "\n" << said;
   }
 }
 

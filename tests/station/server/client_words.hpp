@@ -68,8 +68,9 @@ inline wire::Bytes steer(std::uint32_t id, fb::Steering by) {
 inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
   return command(id, [&](Builder& b) { return fb::CreateSetHelp(b, help); });
 }
-inline wire::Bytes action(std::uint32_t id, fb::Act act, std::uint32_t basis_seen) {
-  return command(id, [&](Builder& b) { return fb::CreateAction(b, act, basis_seen); });
+inline wire::Bytes action(std::uint32_t id, fb::Act act, std::uint32_t basis_seen,
+                          std::uint8_t chosen = 0) {
+  return command(id, [&](Builder& b) { return fb::CreateAction(b, act, basis_seen, chosen); });
 }
 /// Takes the controls. The holder must send a sign of life every 200 ms.
 inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {

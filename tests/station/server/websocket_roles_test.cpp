@@ -132,6 +132,21 @@ TEST_F(RolesTest, PauseOfTheTherapist_LastsUntilTheTherapistEndsIt) {
       << "the next session is not paused";
 }
 
+TEST_F(RolesTest, AnswerOfAnExercise_SaysWhetherATherapistGaveIt) {
+  open();
+  const auto leads = client("therapist");
+  const auto plays = player();
+  EXPECT_TRUE(ask(*plays, action(2, fb::Act::Next, 1, 1)).accepted);
+  EXPECT_TRUE(ask(*leads, action(1, fb::Act::Next, 1, 2)).accepted);
+  EXPECT_EQ(ask(*leads, action(2, fb::Act::Next, 1, 3)).refusal, fb::Refusal::Unreadable);
+  const auto asked = program.askedFor<orders::Action>(2);
+  ASSERT_EQ(asked.size(), 2U);
+  EXPECT_EQ(asked[0].chosen, Choice::kFirst);
+  EXPECT_FALSE(asked[0].by_therapist);
+  EXPECT_EQ(asked[1].chosen, Choice::kSecond);
+  EXPECT_TRUE(asked[1].by_therapist);
+}
+
 TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
   program.setRecord(busyRecord());
   open();
