@@ -16,7 +16,7 @@ declare global { interface Window { measureWords(language: Language, titles: rea
 const TITLES = ['reach', 'squeeze', 'breathe', 'putDown', 'letGo', 'drawBack', 'wrong', 'offGlass', 'tooFar'] as const;
 const keysOf = <Key extends string>(texts: Readonly<Record<Key, string>>, begins: RegExp): Key[] => (Object.keys(texts) as Key[]).filter((key) => begins.test(key));
 
-const hud = new Hud(document.body, { help: () => {}, rest: () => {}, stop: () => {}, play: () => {} });
+const hud = new Hud(document.body, { help: () => {}, rest: () => {}, stop: () => {}, play: () => {}, answer: () => {} });
 const frame = (): Promise<unknown> => new Promise((go) => { requestAnimationFrame(go); });
 
 window.measureWords = async (language, ofFiles) => {

@@ -1,3 +1,4 @@
+import { AnswerButtons } from '../exercises/answer_buttons';
 import { ExercisePanel, type PanelValueView } from '../exercises/panel';
 import type { EventT } from '../protocol';
 import { h, setText, setAttribute } from './dom';
@@ -15,13 +16,18 @@ export class ExercisePanelView implements Panel {
   private readonly instruction = h('h2', { 'data-testid': 'exercise-instruction' });
   private readonly event = h('span', { class: 'aside', 'data-testid': 'exercise-event' });
 
-  constructor(private readonly model: Pick<ConsoleModel, 'scene' | 'state'>) {
+  /** None in a replay. */
+  private readonly answers: AnswerButtons | undefined;
+
+  constructor(private readonly model: Pick<ConsoleModel, 'scene' | 'state'> & Partial<Pick<ConsoleModel, 'command' | 'connection'>>) {
     this.panel = ExercisePanel.of(model.scene);
     const { panel, t } = this;
     const values = panel && model.state ? panel.values(model.state) : [];
     this.rows = values.map((value) => makeRow(value));
+    const { command, connection } = model;
+    this.answers = command && connection && new AnswerButtons((chosen) => void command.call(model, t.exercise.answer, () => connection.choose(chosen)));
     this.element = h('section', { class: 'panel exercise', 'aria-label': panel?.title || t.exercise.title, hidden: panel === null },
-      h('div', { class: 'hd' }, this.instruction, this.event), ...this.rows.map(({ element }) => element));
+      h('div', { class: 'hd' }, this.instruction, this.event), this.answers?.element ?? null, ...this.rows.map(({ element }) => element));
     this.refresh();
   }
 
@@ -30,6 +36,7 @@ export class ExercisePanelView implements Panel {
     if (!panel) return;
     setText(this.instruction, (state && panel.instruction(state)) || panel.title);
     if (!state) return;
+    this.answers?.show(panel, state);
     const values = panel.values(state);
     if (this.rows.length === 0) this.grow(values);
     values.forEach((value, i) => update(this.rows[i], value));

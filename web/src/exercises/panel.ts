@@ -51,6 +51,9 @@ export class ExercisePanel {
   /** Whether the exercise is finished. */
   done(state: WorldStateT): boolean { return this.figures.get(state, 'done') > 0.5; }
 
+  /** Whether the exercise waits for the answer which of two was more. */
+  answering(state: WorldStateT): boolean { return this.figures.get(state, 'answering') > 0.5; }
+
   values(state: WorldStateT): PanelValueView[] {
     const done = this.done(state);
     return (this.scene.panel?.values ?? []).map((reported) => {

@@ -3,10 +3,11 @@ import type { GoalWords, Meter, TaskCard, TaskStep } from '../exercises/exercise
 import { h, setAttribute, setText } from '../shared/dom';
 import { text } from '../shared/i18n';
 import { fitWords } from './fit_words';
+import type { Chosen } from '../exercises/answer_buttons';
 import { PanelCard } from './panel_card';
 import { helpPicture, restPicture, stopPicture, tickPicture } from './pictures';
 
-export interface HudActions { help(): void; rest(): void; stop(): void; play(): void }
+export interface HudActions { help(): void; rest(): void; stop(): void; play(): void; answer(chosen: Chosen): void }
 export interface Point { readonly x_px: number; readonly y_px: number }
 
 /** Moves an element's anchor to a point of the screen. */
@@ -106,7 +107,7 @@ export class Hud {
   readonly play: HTMLButtonElement;
   private readonly task = new StepsCard();
   private readonly meter = new SqueezeMeter();
-  readonly panel = new PanelCard();
+  readonly panel: PanelCard;
   private readonly title = h('b', { class: 't-l', 'data-testid': 'instruction' });
   private readonly more = h('span', { class: 't-read' });
   private readonly unconfirmed = h('div', { class: 'say alarm', role: 'alert', 'data-testid': 'stop-unconfirmed' });
@@ -122,6 +123,7 @@ export class Hud {
   private readonly chevrons = h('div', { class: 'chevrons', hidden: true, 'aria-hidden': 'true' });
 
   constructor(root: HTMLElement, actions: HudActions) {
+    this.panel = new PanelCard((chosen) => actions.answer(chosen));
     this.help = h('button', { class: 'button quiet', type: 'button', 'data-testid': 'help', onclick: () => actions.help() }, helpPicture());
     this.rest = h('button', { class: 'button rest t-read', type: 'button', 'data-testid': 'rest-now', onclick: () => actions.rest() }, restPicture(), this.restWord);
     this.stop = h('button', { class: 'button stop t-read', type: 'button', 'data-testid': 'stop', onclick: () => actions.stop() }, stopPicture(), this.stopWord);

@@ -1,4 +1,5 @@
 // The card of an exercise without its own view: its values, each with its range and goal band.
+import { AnswerButtons, type Chosen } from '../exercises/answer_buttons';
 import { h, setAttribute, setText } from '../shared/dom';
 import type { ExercisePanel, PanelValueView } from '../exercises/panel';
 import type { WorldStateT } from '../protocol';
@@ -24,12 +25,18 @@ export class PanelCard {
   private readonly rows = new Map<string, Row>();
   private shown_ms = -Infinity;
 
-  constructor() { this.element.append(this.title, this.list, this.event); }
+  private readonly answers: AnswerButtons;
+
+  constructor(answer: (chosen: Chosen) => void) {
+    this.answers = new AnswerButtons(answer);
+    this.element.append(this.title, this.list, this.answers.element, this.event);
+  }
 
   show(panel: ExercisePanel | null, state: WorldStateT, now_ms: number): void {
     this.element.hidden = panel === null;
     if (!panel) return;
     setText(this.title, panel.title);
+    this.answers.show(panel, state);
     const values = panel.values(state);
     if (values.map(({ name }) => name).join() !== [...this.rows.keys()].join()) this.build(values);
     for (const value of values) this.update(this.rows.get(value.name)!, value);

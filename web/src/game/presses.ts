@@ -41,6 +41,7 @@ export class Presses {
   /** Pauses the exercise while the person reads the praise. */
   hold(): void { void this.connection.act(Act.Pause); }
   again(): void { void this.connection.act(Act.Restart); }
+  answer(chosen: 1 | 2): void { void this.connection.choose(chosen); }
 
   /** Rests between two parts of the exercise; finished parts are kept. */
   async restBetween(): Promise<void> {

@@ -40,7 +40,7 @@ export class Screen {
   constructor(root: HTMLElement, play: HTMLElement, private readonly behind: CardContext) {
     const { presses } = behind;
     this.hud = new Hud(root, {
-      help: () => presses.help(), rest: () => this.rest(), stop: () => presses.stop(), play: () => presses.start(),
+      help: () => presses.help(), rest: () => this.rest(), stop: () => presses.stop(), play: () => presses.start(), answer: (chosen) => presses.answer(chosen),
     });
     this.cameraView = new CameraView({ again: () => presses.cameraAgain(), otherWay: () => presses.otherWay() });
     this.cards = new Cards(root, play, this.hud, this.cameraView, behind, { rest: () => this.rest(), tone: (wanted) => this.picture?.setLook({ tone: wanted }) });

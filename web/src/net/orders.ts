@@ -1,7 +1,7 @@
 // The orders of a page, as methods and as bytes.
 import * as flatbuffers from 'flatbuffers';
 import {
-  type Act, ActionT, AimT, AnswerT, ArmT, CommandT, EmergencyStopT, HeartbeatT, Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, MessageT, Order,
+  Act, ActionT, AimT, AnswerT, ArmT, CommandT, EmergencyStopT, HeartbeatT, Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, MessageT, Order,
   Payload, ReleaseControlsT, RestT, SaveProfileT, SCHEMA_VERSION, SetHelpT, SetParameterT, type Steering, SteerT, StopT, TakeControlsT,
 } from '../protocol';
 import type { Answer } from './pending_answers';
@@ -56,6 +56,8 @@ export abstract class Orders {
   aim(q: number[], by = Help.Unspecified): Promise<Answer> { return this.order(new AimT(q, by)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act, this.basis)); }
+  /** Answers an exercise that compares: the first or the second was more. */
+  choose(chosen: 1 | 2): Promise<Answer> { return this.order(new ActionT(Act.Next, this.basis, chosen)); }
   /** Answers a question of a commissioning, by its number. */
   answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
   /** Reports whether the hold button is held; a commissioning moves nothing without it. */

@@ -82,7 +82,7 @@ export const de: ConsoleTexts = {
     loading: 'Die 3D-Ansicht wird aufgebaut …',
   },
 
-  exercise: { title: 'Übung' },
+  exercise: { answer: 'Für die Person antworten', title: 'Übung' },
 
   safety: {
     title: 'Sicherheit', peaks: 'Spitzen der letzten 10 s', state: 'Zustand',

@@ -81,7 +81,7 @@ export const en = {
     loading: 'The 3D view is being built …',
   },
 
-  exercise: { title: 'Exercise' },
+  exercise: { answer: 'Answer for the person', title: 'Exercise' },
 
   safety: {
     title: 'Safety', peaks: 'peaks of the last 10 s', state: 'State',

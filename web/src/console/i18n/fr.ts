@@ -82,7 +82,7 @@ export const fr: ConsoleTexts = {
     loading: 'La vue 3D se prépare …',
   },
 
-  exercise: { title: 'Exercice' },
+  exercise: { answer: 'Répondre pour la personne', title: 'Exercice' },
 
   safety: {
     title: 'Sécurité', peaks: 'pics des 10 dernières s', state: 'État',

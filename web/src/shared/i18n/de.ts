@@ -33,6 +33,8 @@ export const de: Texts = {
   'game.zone.high': 'zu viel',
   'game.help': 'Hilfe und Einstellungen',
   'game.stop': 'Stopp',
+  'answer.first': 'Die untere',
+  'answer.second': 'Die obere',
   'game.rest': 'Ausruhen',
   'game.back': 'Weiter',
   'game.recorded': '● Aufnahme läuft',

@@ -33,6 +33,8 @@ export const en = {
   'game.zone.high': 'too much',
   'game.help': 'Help and settings',
   'game.stop': 'Stop',
+  'answer.first': 'The lower one',
+  'answer.second': 'The upper one',
   'game.rest': 'Rest',
   'game.back': 'Go on',
   'game.recorded': '● Recording',

@@ -33,6 +33,8 @@ export const fr: Texts = {
   'game.zone.high': 'trop',
   'game.help': 'Aide et réglages',
   'game.stop': 'Stop',
+  'answer.first': 'Celle du bas',
+  'answer.second': 'Celle du haut',
   'game.rest': 'Repos',
   'game.back': 'Continuer',
   'game.recorded': '● Enregistrement',
