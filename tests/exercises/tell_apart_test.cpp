@@ -19,8 +19,8 @@ using tell_apart::ComparingChange;
 using tell_apart::ComparingRules;
 using tell_apart::HandNow;
 using Asks = tell_apart::Instruction;
+using tell_apart::GivenAnswer;
 using tell_apart::kBottles;
-using tell_apart::Said;
 
 constexpr double kStep_s = 0.01;
 
@@ -39,7 +39,7 @@ struct ComparingBench {
 
   explicit ComparingBench(ComparingRules of = comparingRules()) : rules(of) { comparing.begin(0); }
 
-  void run(const HandNow& hand, double time_s, const Said& said = {}) {
+  void run(const HandNow& hand, double time_s, const GivenAnswer& said = {}) {
     for (double t = 0.0; t < time_s; t += kStep_s) {
       const ComparingChange news = comparing.tick(hand, said, kStep_s);
       answered += news.answered;

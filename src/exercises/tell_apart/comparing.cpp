@@ -68,7 +68,8 @@ void Comparing::rewind() noexcept {
   held_s_ = waited_s_ = 0.0;
 }
 
-ComparingChange Comparing::tick(const HandNow& hand, const Said& said, double elapsed_s) noexcept {
+ComparingChange Comparing::tick(const HandNow& hand, const GivenAnswer& said,
+                                double elapsed_s) noexcept {
   ComparingChange news;
   if (done()) return news;
   time_s_ += elapsed_s;
@@ -117,7 +118,7 @@ void Comparing::squeeze(const HandNow& hand, double elapsed_s, ComparingChange& 
 }
 
 // Waits for the answer. After a minute the person does not remember the squeezes well.
-void Comparing::listen(const HandNow& hand, const Said&, double elapsed_s,
+void Comparing::listen(const HandNow& hand, const GivenAnswer&, double elapsed_s,
                        ComparingChange& news) noexcept {
   waited_s_ += elapsed_s;
   const int pressed = hand.pressed >= kChooses ? hand.at : -1;

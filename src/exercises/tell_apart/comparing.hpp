@@ -36,7 +36,7 @@ struct HandNow {
 };
 
 /// An answer that was said, not squeezed.
-struct Said {
+struct GivenAnswer {
   int bottle = -1;  ///< -1: none
   SaidBy by = SaidBy::kPlayer;
 };
@@ -69,7 +69,7 @@ class Comparing {
   /// Begins after the answers of a place; something else begins a new block.
   WHOLEHAND_RT void beginAt(double place) noexcept;
 
-  WHOLEHAND_RT ComparingChange tick(const HandNow& hand, const Said& said,
+  WHOLEHAND_RT ComparingChange tick(const HandNow& hand, const GivenAnswer& said,
                                     double elapsed_s) noexcept;
 
   [[nodiscard]] Instruction instruction() const noexcept { return instruction_; }
@@ -100,7 +100,7 @@ class Comparing {
   [[nodiscard]] bool resting() const noexcept { return rest_left_s_ > 0.0; }
   void rewind() noexcept;
   void squeeze(const HandNow& hand, double elapsed_s, ComparingChange& news) noexcept;
-  void listen(const HandNow& hand, const Said& said, double elapsed_s,
+  void listen(const HandNow& hand, const GivenAnswer& said, double elapsed_s,
               ComparingChange& news) noexcept;
   void answer(int bottle, SaidBy by, ComparingChange& news) noexcept;
   void instruct(const HandNow& hand) noexcept;

@@ -44,7 +44,7 @@ constexpr double kLetGo = 0.2;
 constexpr double kStartsWrong_m = 0.0003;
 
 /// The answer of an order (choiceValue()).
-Said saidBy(double value) noexcept {
+GivenAnswer givenAnswer(double value) noexcept {
   const bool by_therapist = value > kChoices;
   const double bottle = value - (by_therapist ? kChoices : 0) - 1.0;
   if (bottle != 0.0 && bottle != 1.0) return {};
@@ -84,7 +84,7 @@ class TellApart final : public Exercise {
     depth_m_ = depth_before_m_ = -1.0;
     squeeze_n_ = pressing_s_ = 0.0;
     retold_ = to_retell_ = 0;
-    said_ = Said{};
+    said_ = GivenAnswer{};
     paused_ = begun_ = fresh_ = swapped_ = false;
     said_second_ = 0.0;
   }
@@ -144,7 +144,7 @@ class TellApart final : public Exercise {
       if (c.type != CommandType::kAction) continue;
       const auto action = static_cast<Act>(c.index);
       if (action == Act::kNext && c.value > 0.0 && !comparing_.done()) {
-        said_ = saidBy(c.value);
+        said_ = givenAnswer(c.value);
         continue;
       }
       if (action == kBeginAt) {
@@ -305,7 +305,8 @@ class TellApart final : public Exercise {
     hand.pressed = pressed();
     hand.released = released();
     hand.both = squeezesOther(seen);
-    const ComparingChange news = comparing_.tick(hand, std::exchange(said_, Said{}), elapsed_s);
+    const ComparingChange news =
+        comparing_.tick(hand, std::exchange(said_, GivenAnswer{}), elapsed_s);
     if (news.answered) {
       const Comparison& answer = comparing_.block().answers().back();
       said_second_ = answer.said_second ? 1.0 : 0.0;
@@ -383,7 +384,7 @@ class TellApart final : public Exercise {
   double depth_m_ = -1.0, depth_before_m_ = -1.0;  ///< behind the start; -1: without a wall
   double starts_late_m_ = 0.0;
   double squeeze_n_ = 0.0, pressing_s_ = 0.0, said_second_ = 0.0;
-  Said said_;                       ///< answer by an order, until the comparison takes it
+  GivenAnswer said_;                ///< answer by an order, until the comparison takes it
   int at_ = -1;                     ///< bottle with the walls; changes only at α = 0
   int near_ = -1;                   ///< bottle for the next closure query
   int closed_on_to_ = -1;           ///< bottle of the present closure
