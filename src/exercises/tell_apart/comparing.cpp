@@ -95,7 +95,7 @@ ComparingChange Comparing::tick(const HandNow& hand, const GivenAnswer& said,
   } else if (!answering()) {
     squeeze(hand, elapsed_s, news);
   } else {
-    listen(hand, said, elapsed_s, news);
+    listen(hand, elapsed_s, news);
   }
   instruct(hand);
   return news;
@@ -118,8 +118,7 @@ void Comparing::squeeze(const HandNow& hand, double elapsed_s, ComparingChange& 
 }
 
 // Waits for the answer. After a minute the person does not remember the squeezes well.
-void Comparing::listen(const HandNow& hand, const GivenAnswer&, double elapsed_s,
-                       ComparingChange& news) noexcept {
+void Comparing::listen(const HandNow& hand, double elapsed_s, ComparingChange& news) noexcept {
   waited_s_ += elapsed_s;
   const int pressed = hand.pressed >= kChooses ? hand.at : -1;
   held_s_ = pressed >= 0 && pressed == chosen_ ? held_s_ + elapsed_s : 0.0;

@@ -100,8 +100,7 @@ class Comparing {
   [[nodiscard]] bool resting() const noexcept { return rest_left_s_ > 0.0; }
   void rewind() noexcept;
   void squeeze(const HandNow& hand, double elapsed_s, ComparingChange& news) noexcept;
-  void listen(const HandNow& hand, const GivenAnswer& said, double elapsed_s,
-              ComparingChange& news) noexcept;
+  void listen(const HandNow& hand, double elapsed_s, ComparingChange& news) noexcept;
   void answer(int bottle, SaidBy by, ComparingChange& news) noexcept;
   void instruct(const HandNow& hand) noexcept;
 

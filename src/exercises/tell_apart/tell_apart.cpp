@@ -44,7 +44,7 @@ constexpr double kLetGo = 0.2;
 constexpr double kStartsWrong_m = 0.0003;
 
 /// The answer of an order (choiceValue()).
-GivenAnswer givenAnswer(double value) noexcept {
+GivenAnswer readAnswer(double value) noexcept {
   const bool by_therapist = value > kChoices;
   const double bottle = value - (by_therapist ? kChoices : 0) - 1.0;
   if (bottle != 0.0 && bottle != 1.0) return {};
@@ -144,7 +144,7 @@ class TellApart final : public Exercise {
       if (c.type != CommandType::kAction) continue;
       const auto action = static_cast<Act>(c.index);
       if (action == Act::kNext && c.value > 0.0 && !comparing_.done()) {
-        said_ = givenAnswer(c.value);
+        said_ = readAnswer(c.value);
         continue;
       }
       if (action == kBeginAt) {
