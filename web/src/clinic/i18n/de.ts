@@ -27,7 +27,7 @@ export const de: ClinicTexts = {
   helps: { full: 'Viel', some: 'Etwas', none: 'Keine' }, helpOf: 'Hilfe: {help}', min: '{n} min',
   presets: { usual: 'Üblich', gentle: 'Sanft', strong: 'Kräftig', first: 'Erste Sitzung', short: 'Kurz', long: 'Lang' },
   results: {
-    poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', bands_done: 'Stufen geschafft', time_s: 'Zeit',
+    poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', answers: 'Antworten', threshold_percent: 'Kleinster gespürter Unterschied', threshold_low_percent: 'Kleinster gespürter Unterschied, mindestens', threshold_high_percent: 'Kleinster gespürter Unterschied, höchstens', bands_done: 'Stufen geschafft', time_s: 'Zeit',
     active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg, in geraden Wegen', helped_share: 'Geholfen',
   },
   curves: { one: 'Bisher eine Sitzung. Kurven stehen hier nach zweien.', short: 'unter einer Minute', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },

@@ -25,7 +25,7 @@ export const en = {
   helps: { full: 'Full', some: 'Some', none: 'None' }, helpOf: 'Help: {help}', min: '{n} min',
   presets: { usual: 'Usual', gentle: 'Gentle', strong: 'Strong', first: 'First visit', short: 'Short', long: 'Long' } as Record<string, string>,
   results: {
-    poured_total_l: 'Poured', spilt_l: 'Spilt', bands_done: 'Levels done', time_s: 'Time',
+    poured_total_l: 'Poured', spilt_l: 'Spilt', answers: 'Answers', threshold_percent: 'Smallest difference felt', threshold_low_percent: 'Smallest difference felt, at least', threshold_high_percent: 'Smallest difference felt, at most', bands_done: 'Levels done', time_s: 'Time',
     active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Way, in straight ways', helped_share: 'Helped',
   } as Record<string, string>,
   curves: { one: 'One visit so far. Curves stand here after two.', short: 'under a minute', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },

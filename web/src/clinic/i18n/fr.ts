@@ -27,7 +27,7 @@ export const fr: ClinicTexts = {
   helps: { full: 'Beaucoup', some: 'Un peu', none: 'Aucune' }, helpOf: 'Aide : {help}', min: '{n} min',
   presets: { usual: 'Habituel', gentle: 'Doux', strong: 'Fort', first: 'Première séance', short: 'Court', long: 'Long' },
   results: {
-    poured_total_l: 'Versé', spilt_l: 'Renversé', bands_done: 'Niveaux faits', time_s: 'Temps',
+    poured_total_l: 'Versé', spilt_l: 'Renversé', answers: 'Réponses', threshold_percent: 'Plus petite différence sentie', threshold_low_percent: 'Plus petite différence sentie, au moins', threshold_high_percent: 'Plus petite différence sentie, au plus', bands_done: 'Niveaux faits', time_s: 'Temps',
     active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet, en trajets droits', helped_share: 'Aidé',
   },
   curves: { one: 'Une seule séance jusqu’ici. Les courbes viennent après deux.', short: 'moins d’une minute', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
