@@ -25,7 +25,7 @@ export class ExercisePanelView implements Panel {
     const values = panel && model.state ? panel.values(model.state) : [];
     this.rows = values.map((value) => makeRow(value));
     const { command, connection } = model;
-    this.answers = command && connection && new AnswerButtons((chosen) => void command.call(model, t.exercise.answer, () => connection.choose(chosen)));
+    this.answers = command && connection && new AnswerButtons('b', (chosen) => void command.call(model, t.exercise.answer, () => connection.choose(chosen)));
     this.element = h('section', { class: 'panel exercise', 'aria-label': panel?.title || t.exercise.title, hidden: panel === null },
       h('div', { class: 'hd' }, this.instruction, this.event), this.answers?.element ?? null, ...this.rows.map(({ element }) => element));
     this.refresh();
@@ -36,7 +36,7 @@ export class ExercisePanelView implements Panel {
     if (!panel) return;
     setText(this.instruction, (state && panel.instruction(state)) || panel.title);
     if (!state) return;
-    this.answers?.show(panel, state);
+    this.answers?.show(panel, state, true);
     const values = panel.values(state);
     if (this.rows.length === 0) this.grow(values);
     values.forEach((value, i) => update(this.rows[i], value));

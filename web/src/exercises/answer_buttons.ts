@@ -11,13 +11,15 @@ export class AnswerButtons {
   readonly element: HTMLElement;
   private readonly buttons: readonly HTMLButtonElement[];
 
-  constructor(answer: (chosen: Chosen) => void) {
-    this.buttons = ([1, 2] as const).map((chosen) => h('button', { class: 'button', type: 'button', 'data-testid': `answer-${chosen}`, onclick: () => answer(chosen) }));
+  /** @param look class of a button */
+  constructor(look: string, answer: (chosen: Chosen) => void) {
+    this.buttons = ([1, 2] as const).map((chosen) => h('button', { class: look, type: 'button', 'data-testid': `answer-${chosen}`, onclick: () => answer(chosen) }));
     this.element = h('div', { class: 'answers', hidden: true }, ...this.buttons);
   }
 
-  show(panel: ExercisePanel, state: WorldStateT): void {
-    this.element.hidden = !panel.answering(state);
+  /** @param may whether an answer is accepted from here */
+  show(panel: ExercisePanel, state: WorldStateT, may: boolean): void {
+    this.element.hidden = !may || !panel.answering(state);
     setText(this.buttons[0]!, text('answer.first'));
     setText(this.buttons[1]!, text('answer.second'));
   }

@@ -2,7 +2,8 @@
 import { AnswerButtons, type Chosen } from '../exercises/answer_buttons';
 import { h, setAttribute, setText } from '../shared/dom';
 import type { ExercisePanel, PanelValueView } from '../exercises/panel';
-import type { WorldStateT } from '../protocol';
+import { Steering, type WorldStateT } from '../protocol';
+import { hasHardware } from '../shared/hardware';
 
 /** Time for which the last event is shown [ms]. */
 const EVENT_MS = 4000;
@@ -28,7 +29,7 @@ export class PanelCard {
   private readonly answers: AnswerButtons;
 
   constructor(answer: (chosen: Chosen) => void) {
-    this.answers = new AnswerButtons(answer);
+    this.answers = new AnswerButtons('button plain t-s', answer);
     this.element.append(this.title, this.list, this.answers.element, this.event);
   }
 
@@ -36,7 +37,7 @@ export class PanelCard {
     this.element.hidden = panel === null;
     if (!panel) return;
     setText(this.title, panel.title);
-    this.answers.show(panel, state);
+    this.answers.show(panel, state, state.steering === Steering.Person || hasHardware(state));
     const values = panel.values(state);
     if (values.map(({ name }) => name).join() !== [...this.rows.keys()].join()) this.build(values);
     for (const value of values) this.update(this.rows.get(value.name)!, value);
