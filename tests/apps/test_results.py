@@ -31,6 +31,31 @@ class Results(AppTest):
         reported = json.loads((self.folder / "b.json").read_text())["exercise"]
         self.assertEqual(reported["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})
 
+    def test_answers_of_a_comparison_give_one_threshold_everywhere(self):
+        result = self.run_app("run", "--exercise", "tell-apart-firmer", "--simulated-clock", "--duration", 300,
+                              "--record", "t.h5", "--json", "t.json")
+        self.expect(result, DONE, "tell-apart-firmer, level 1", "result   Answers ", "threshold", "faults   none")
+        results = json.loads((self.folder / "t.json").read_text())["exercise"]["results"]
+        measured = json.loads(self.expect(self.run_app("measures", "t.h5", "--answers", "t.csv"), DONE).out)
+        compared = measured["compared"]
+        self.assertEqual((compared["version"], compared["answers"]), (1, results["answers"]))
+        self.assertGreaterEqual(compared["answers"], 30)
+        self.assertEqual(compared["said_by"], {"squeeze": results["answers"], "player": 0, "therapist": 0, "earlier": 0})
+        # A virtual patient measures nobody.
+        self.assertFalse(compared["persons"])
+        self.assertNotIn("threshold_percent", [r["name"] for r in measured["results"]])
+        # The answers as CSV are fitted alike; x is recorded as float.
+        self.expect(self.run_app("experiment", "thresholds", "--fit", "t.csv", "--json", "fit.json"), DONE)
+        fitted = json.loads((self.folder / "fit.json").read_text())
+        self.assertAlmostEqual(fitted["sigma"], compared["sigma"], delta=1e-4)
+        if compared["enough"]:
+            self.assertAlmostEqual(results["threshold_percent"], 100 * (compared["ratio"] - 1), delta=0.01)
+
+    def test_few_answers_say_what_is_missing(self):
+        result = self.run_app("run", "--exercise", "tell-apart-later", "--simulated-clock", "--duration", 20, "--json", "f.json")
+        self.expect(result, DONE, "not enough for a threshold", "at least 30 are needed")
+        self.assertGreater(json.loads((self.folder / "f.json").read_text())["exercise"]["results"]["answers_missing"], 25)
+
     def test_run_without_an_exercise_has_no_results(self):
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", 0.5, "--json", "m.json")
         self.expect(result, DONE)

@@ -79,7 +79,7 @@ Json tryAll(const ThresholdsOptions& options) {
   return out;
 }
 
-/// Reads answers, a line each: x,other,said_second,is_catch; further columns are skipped.
+/// Reads answers, a line each: x,other,said_second,is_catch, and perhaps said_by,time_s.
 Expected<std::vector<Comparison>> readAnswers(const std::string& path) {
   std::ifstream in(path);
   if (!in) return fileFault(path, "cannot be read", "give a CSV file of answers");
@@ -89,12 +89,16 @@ Expected<std::vector<Comparison>> readAnswers(const std::string& path) {
     if (line.empty() || line[0] == '#' || line.starts_with("x,")) continue;
     Comparison answer;
     int said_second = -1, is_catch = -1;
-    char rest = 0;
-    const int read = std::sscanf(line.c_str(), "%lf,%lf,%d,%d%c", &answer.x, &answer.other,
-                                 &said_second, &is_catch, &rest);
+    char said_by[16] = "";
+    double time_s = 0.0;
+    int four = 0, six = 0;  // lengths of the line with so many columns
+    const int read =
+        std::sscanf(line.c_str(), "%lf,%lf,%d,%d %n,%15[a-z],%lf %n", &answer.x, &answer.other,
+                    &said_second, &is_catch, &four, said_by, &time_s, &six);
     const auto is_flag = [](int value) { return value == 0 || value == 1; };
-    const bool ends = read == 4 || (read == 5 && (rest == ',' || rest == '\r'));
-    if (!ends || !std::isfinite(answer.x) || answer.x == 0.0 || !std::isfinite(answer.other) ||
+    const auto length = static_cast<int>(line.size());
+    const bool whole = (read == 4 && four == length) || (read == 6 && six == length);
+    if (!whole || !std::isfinite(answer.x) || answer.x == 0.0 || !std::isfinite(answer.other) ||
         !is_flag(said_second) || !is_flag(is_catch)) {
       Diagnostic fault = fileFault(path, "is no answer",
                                    "write x,other,said_second,is_catch: x = ln(second / first), "
