@@ -141,10 +141,10 @@ TEST_F(RolesTest, AnswerOfAnExercise_SaysWhetherATherapistGaveIt) {
   EXPECT_EQ(ask(*leads, action(2, fb::Act::Next, 1, 3)).refusal, fb::Refusal::Unreadable);
   const auto asked = program.askedFor<orders::Action>(2);
   ASSERT_EQ(asked.size(), 2U);
-  EXPECT_EQ(asked[0].chosen, Choice::kFirst);
-  EXPECT_FALSE(asked[0].by_therapist);
-  EXPECT_EQ(asked[1].chosen, Choice::kSecond);
-  EXPECT_TRUE(asked[1].by_therapist);
+  EXPECT_EQ(asked[0].order.as<orders::Action>()->chosen, Choice::kFirst);
+  EXPECT_FALSE(asked[0].order.as<orders::Action>()->by_therapist);
+  EXPECT_EQ(asked[1].order.as<orders::Action>()->chosen, Choice::kSecond);
+  EXPECT_TRUE(asked[1].order.as<orders::Action>()->by_therapist);
 }
 
 TEST_F(RolesTest, Watcher_SeesEverythingAndMayOnlyStop) {
