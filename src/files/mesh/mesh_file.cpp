@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -80,10 +81,11 @@ std::optional<Diagnostic> nameFault(const std::string& path) {
                    kExport);
 }
 
-/// @param longest time limit for reading the file
+/// @param longest, spent as readMesh()
 Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector3d& scale,
-                                    std::chrono::milliseconds longest) {
-  Expected<MeshFile> file = readMesh(path, longest);
+                                    std::chrono::milliseconds longest,
+                                    std::chrono::milliseconds* spent) {
+  Expected<MeshFile> file = readMesh(path, longest, spent);
   if (!file) return file.errors();
   for (Eigen::Vector3d& p : file->surface.points) p = scale.cwiseProduct(p);
   const std::string mesh = "the mesh " + printable(path) + " ";
@@ -184,11 +186,14 @@ Expected<MeshFile> decodeSurface(const Head& head, std::string_view body) {
 }
 
 /// Describes why a reader process ended without a result.
-std::string ending(const ChildResult& child, std::chrono::milliseconds longest) {
+std::string ending(const ChildResult& child, const ChildLimits& limits) {
   switch (child.ending) {
     case ChildEnding::kLate:
-      return fmt::format("takes longer than {:g} s to read",
-                         std::chrono::duration<double>(longest).count());
+      if (child.processor_time <= limits.processor_time) {
+        return fmt::format("was not read within {:g} s", seconds(limits.time));
+      }
+      return fmt::format("takes more than {:g} s of processor time to read",
+                         seconds(limits.processor_time));
     case ChildEnding::kTooMuchOutput:
       return "holds more than 256 MB of surface";
     case ChildEnding::kNotStarted:
@@ -204,6 +209,12 @@ std::string ending(const ChildResult& child, std::chrono::milliseconds longest) 
 }
 
 }  // namespace
+
+std::chrono::nanoseconds MeshLoadTime::threadProcessorTime() {
+  timespec now{};
+  (void)::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
 
 MeshLoadTime::Duration MeshLoadTime::left() const {
   return std::max(total_ - taken_, Duration::zero());
@@ -235,7 +246,8 @@ Diagnostic MeshLoadTime::fault() const {
     files += fmt::format(", {} more {:.1f} s", slowest.size() - kNamed, seconds(others));
   }
   return fileFault("",
-                   fmt::format("the meshes up to this one took longer than {:g} s to load ({})",
+                   fmt::format("the meshes up to this one took more than {:g} s of processor time "
+                               "({})",
                                seconds(total_), files),
                    "simplify the meshes that took longest, or name fewer meshes");
 }
@@ -266,17 +278,18 @@ Expected<MeshFile> readMeshHere(const std::string& path) {
   }
 }
 
-Expected<MeshFile> readMesh(const std::string& path, std::chrono::milliseconds longest) {
+Expected<MeshFile> readMesh(const std::string& path, std::chrono::milliseconds longest,
+                            std::chrono::milliseconds* spent) {
   if (auto fault = nameFault(path)) return *fault;
   const std::string reader = meshReaderProgram();
-  return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path, longest);
+  return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path, longest, spent);
 }
 
 Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale,
                                         MeshLoadTime& time) {
   const auto longest = std::min(kLongestMeshRead, time.left());
   Expected<MeshCollider> collider =
-      time.measure(path, [&] { return loadCollider(path, scale, longest); });
+      time.measure(path, [&](auto* spent) { return loadCollider(path, scale, longest, spent); });
   if (time.isOver()) return time.fault();
   return collider;
 }
@@ -298,12 +311,17 @@ std::string meshReaderProgram() {
 }
 
 Expected<MeshFile> readMeshInChild(const std::string& program, const std::string& path,
-                                   std::chrono::milliseconds longest) {
-  const ChildLimits limits = {
-      .time = longest, .memory_bytes = 1ULL << 30, .output_bytes = 256ULL << 20};
+                                   std::chrono::milliseconds longest,
+                                   std::chrono::milliseconds* spent,
+                                   std::chrono::milliseconds wait) {
+  const ChildLimits limits = {.time = wait,
+                              .processor_time = longest,
+                              .memory_bytes = 1ULL << 30,
+                              .output_bytes = 256ULL << 20};
   const ChildResult child = runChild(program, {path}, limits);
+  if (spent != nullptr) *spent += child.processor_time;
   if (child.ending == ChildEnding::kExited && child.code == 0) return decodeMesh(child.output);
-  return fileFault("", "the mesh file " + printable(path) + " " + ending(child, longest),
+  return fileFault("", "the mesh file " + printable(path) + " " + ending(child, limits),
                    "export it again as STL, OBJ, PLY, DAE or GLB, with fewer triangles");
 }
 

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -78,6 +79,15 @@ int spawn(const std::string& program, std::vector<std::string> arguments, int in
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   return error;
+}
+
+/// Processor time of a child that was not reaped; 0: unknown.
+std::chrono::milliseconds processorTime(pid_t child) {
+  clockid_t clock = 0;
+  timespec now{};
+  if (::clock_getcpuclockid(child, &clock) != 0 || ::clock_gettime(clock, &now) != 0) return {};
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec));
 }
 
 /// True when the child has ended; reaps it.
@@ -160,9 +170,10 @@ ChildResult runChild(const std::string& program, const std::vector<std::string>&
   const auto until = Clock::now() + limits.time;
   const auto ended = [&](ChildEnding how) {
     process::kill(child);
-    return ChildResult{how, 0, {}};
+    return ChildResult{how, 0, {}, result.processor_time};
   };
   for (int status = 0;;) {
+    result.processor_time = std::max(result.processor_time, process::processorTime(child));
     if (listening) {
       listening = takeOutput(pipe.out(), result.output);
       if (result.output.size() > limits.output_bytes) return ended(ChildEnding::kTooMuchOutput);
@@ -175,7 +186,9 @@ ChildResult runChild(const std::string& program, const std::vector<std::string>&
       std::this_thread::sleep_for(limits.output_bytes > 0 ? kLookAtEnd : kLook);
     }
     if (stop && stop()) return ended(ChildEnding::kStopped);
-    if (Clock::now() > until) return ended(ChildEnding::kLate);
+    if (Clock::now() > until || result.processor_time > limits.processor_time) {
+      return ended(ChildEnding::kLate);
+    }
   }
 }
 

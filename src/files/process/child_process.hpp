@@ -17,23 +17,26 @@ namespace wholehand {
 
 /// Resource limits of a process that reads an untrusted file.
 struct ChildLimits {
-  std::chrono::milliseconds time{10'000};   ///< measured from the child's start
+  std::chrono::milliseconds time{10'000};  ///< measured from the child's start
+  std::chrono::milliseconds processor_time = std::chrono::milliseconds::max();  ///< of the child
   std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
   std::uint64_t output_bytes = 0;           ///< captured standard output; 0: it inherits this
                                             ///< process's output
   bool idle_disk = false;                   ///< lowest disk priority
 };
 
+/// kLate: beyond its time or its processor time.
 enum class ChildEnding { kExited, kSignal, kLate, kStopped, kTooMuchOutput, kNotStarted };
 
 struct ChildResult {
   ChildEnding ending = ChildEnding::kNotStarted;
   int code = 0;        ///< exit code, signal, or errno if it did not start
   std::string output;  ///< captured standard output if limits.output_bytes > 0
+  std::chrono::milliseconds processor_time{0};  ///< of the child, when last seen
 };
 
 /// Runs a program and waits for its end. The child gets no file descriptors except the standard
-/// ones, no blocked signals, and writes no core dump. It is killed when it exceeds its time or
+/// ones, no blocked signals, and writes no core dump. It is killed when it exceeds a time or its
 /// output, or when `stop` returns true. Uses posix_spawn instead of fork, so that the pages of a
 /// running loop are not marked copy-on-write. Not real-time safe.
 /// @param stop polled every 20 ms; empty: never

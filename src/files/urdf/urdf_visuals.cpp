@@ -93,8 +93,8 @@ std::vector<Vector3d> pointsOf(const std::vector<UrdfVisual>& visuals, MeshLoadT
       continue;
     }
     if (time.isOver()) continue;
-    const Expected<MeshFile> mesh = time.measure(visual.mesh, [&] {
-      return readMesh(visual.mesh, std::min(time.left(), kLongestMeshRead));
+    const Expected<MeshFile> mesh = time.measure(visual.mesh, [&](auto* spent) {
+      return readMesh(visual.mesh, std::min(time.left(), kLongestMeshRead), spent);
     });
     if (!mesh) continue;
     files.push_back(visual.mesh);
