@@ -120,6 +120,10 @@ Expected<std::vector<std::pair<std::string, std::string>>> readFileTexts(const M
     texts.emplace_back(path.lexically_relative(common).string(),
                        std::string(std::istreambuf_iterator<char>(in), {}));
   }
+  if (const SceneModel& scene = models.scene; !scene.made_text.empty()) {
+    const fs::path path = fs::weakly_canonical(scene.path).lexically_relative(common);
+    texts.emplace_back(madeScenePath(path.string()), scene.made_text);
+  }
   return texts;
 }
 

@@ -40,6 +40,23 @@ class Same(AppTest):
                 path = self.record("run.h5", *arguments, duration=9.0 if FULL or not arguments else 4.0)
                 self.expect_same_when_run_again(path)
 
+    def test_urdf_as_a_scene_is_recorded_with_the_scene_made_of_it(self):
+        (self.folder / "parts").mkdir()
+        shutil.copy(CONFIG / "scenes/assets/octagonal-prism.obj", self.folder / "parts/flap.obj")
+        part = "<collision><geometry>{}</geometry></collision>"
+        thing = self.write("thing.urdf", "<robot name='t'><link name='case'>" + part.format("<box size='.2 .2 .2'/>") +
+                           "</link><link name='flap'>" + part.format("<mesh filename='parts/flap.obj' scale='.001 .001 .001'/>") +
+                           "</link><joint name='j' type='revolute'><parent link='case'/><child link='flap'/>"
+                           "<axis xyz='0 0 1'/><limit lower='0' upper='1'/></joint></robot>")
+        path = self.record("run.h5", "--scene", thing, duration=1.0)
+        with read_recording(path) as f:
+            names = [f["meta/files"][group].attrs["name"] for group in f["meta/files"]]
+        for name in (b"thing.urdf.toml", b"thing.urdf", b"parts/flap.obj"):
+            self.assertTrue(any(recorded.endswith(name) for recorded in names), names)
+        self.expect_same_when_run_again(path)
+        thing.unlink()  # the recording holds it
+        self.expect_same_when_run_again(path)
+
     def test_hand_that_touches_itself_is_identical(self):
         # An empty fist, closed within a second and opened again: thumb and fingers stop each other.
         lines = ["time_s,x_m,y_m,z_m,finger_flexion_rad,thumb_circumduction_rad,thumb_flexion_rad"]

@@ -25,7 +25,7 @@ MISTAKES = [
 MOTION_MISTAKES = [  # mistake, text of the file, texts of the message
     ("ragged", "time_s,x_m,y_m\n0,0,0\n0.01,0\n0.02,0,0\n", [":3:"]),
     ("binary", bytes(range(256)) * 64, ["not a CSV text"]),
-    ("TOML", SCENE.read_text(), ["not a motion"]),
+    ("TOML", SCENE.read_text(), ["is a file of kind \"scene\""]),
 ]
 
 

@@ -964,6 +964,15 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
   } cases[] = {
       {"m.xml", "<?xml version=\"1.0\"?>\n<!-- a hand -->\n<mujoco><worldbody/></mujoco>",
        "is MJCF", "mjcf2urdf"},
+      {"part.xml", "<mujocoinclude>\n<body name=\"cup\"/></mujocoinclude>", "is a part of an MJCF",
+       "the model that includes it"},
+      {"body.xml", "<body name=\"cup\"><geom type=\"box\"/></body>", "is a part of an MJCF",
+       "mjcf2urdf"},
+      {"model.config", "<?xml version=\"1.0\"?>\n<model><name>cup</name></model>",
+       "a model of Gazebo", "the .sdf beside it"},
+      {"m.off", "OFF\n8 12 0\n0 0 0\n", "is a mesh (OFF)", "meshlabserver"},
+      {"m.h5", "\x89HDF\r\n\x1A\n", "is HDF5", "wholehand replay IN"},
+      {"m.usdc", "PXR-USDC", "is USD", "as GLB"},
       {"m.sdf", "<sdf version=\"1.6\"><model name=\"m\"/></sdf>", "is SDF", "sdf2urdf"},
       {"m.xacro",
        "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:box/><link name=\"a\"/></robot>",
@@ -992,7 +1001,9 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
     }
   }
   const std::string urdf = folder.write("r.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>");
-  EXPECT_TRUE(contains(format(fileKind(urdf).errors()), "r.urdf: is a URDF; name it in a scene"));
+  EXPECT_TRUE(contains(format(fileKind(urdf).errors()), "r.urdf: is a URDF; use it as a scene"));
+  const std::string csv = folder.write("m.txt", "# a motion\ntime_s,x_m\n0,0\n0.01,0\n");
+  EXPECT_TRUE(contains(format(fileKind(csv).errors()), "is a table (CSV); a motion is given with"));
   EXPECT_TRUE(
       contains(format(fileKind(folder.write("box.obj", kBoxObj)).errors()), "is a mesh (OBJ)"));
 }

@@ -115,7 +115,7 @@ TEST(ConvexMesh, FaultyMeshes_AreReportedWithTheReason) {
   // A valid cube in an unsupported kind of file, under its own ending and another one.
   const std::string off =
       "OFF\n4 4 0\n0 0 0\n0.02 0 0\n0 0.02 0\n0 0 0.02\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-  EXPECT_TRUE(contains(problemOf(folder.write("cup.off", off)), "not of a supported format"));
+  EXPECT_TRUE(contains(problemOf(folder.write("cup.off", off)), "is a mesh (OFF)"));
   EXPECT_FALSE(problemOf(folder.write("cup.obj", off)).empty());
   EXPECT_TRUE(contains(problemOf(folder.write("noise.stl", "not a mesh")),
                        "holds no surface that can be read"));

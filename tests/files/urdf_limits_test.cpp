@@ -4,6 +4,7 @@
 #include "files/scene_text.hpp"
 #include "loop/model/scene_model.hpp"
 #include "support/contains.hpp"
+#include "support/figure.hpp"
 #include "support/folder.hpp"
 
 #include <gtest/gtest.h>

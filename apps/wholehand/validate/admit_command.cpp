@@ -1,6 +1,7 @@
 #include "apps/wholehand/shared/exit_code.hpp"
 #include "apps/wholehand/shared/shipped_files.hpp"
 #include "apps/wholehand/validate/validate_command.hpp"
+#include "files/scene/object_scene.hpp"
 #include "files/toml/toml_file.hpp"
 #include "loop/core/printable.hpp"
 #include "rig/admission.hpp"
@@ -81,7 +82,8 @@ void print(const Admission& a, const AdmitOptions& options, const Diagnostic& to
 
 int admitCommand(const AdmitOptions& options) {
   ModelFiles files;
-  const auto kind = fileKind(options.scene);
+  const auto kind =
+      isUrdf(options.scene) ? Expected<std::string>("scene") : fileKind(options.scene);
   if (!kind) return refuse(kind.errors());
   if (*kind == "exercise") {
     files.scene.clear();

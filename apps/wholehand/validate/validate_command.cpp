@@ -11,6 +11,7 @@
 #include "files/hand/hand_file.hpp"
 #include "files/patient/motion_file.hpp"
 #include "files/patient/patient_file.hpp"
+#include "files/scene/object_scene.hpp"
 #include "files/scene/scene_file.hpp"
 #include "files/toml/toml_file.hpp"
 #include "loop/core/printable.hpp"
@@ -50,6 +51,8 @@ class Validation {
     for (const std::string& file : files) {
       if (isMotionName(file)) {
         kinds_.emplace_back(file, "motion");
+      } else if (isUrdf(file)) {
+        kinds_.emplace_back(file, "object");
       } else {
         auto kind = fileKind(file);
         kinds_.emplace_back(file, kind ? *kind : "");
@@ -67,7 +70,7 @@ class Validation {
       if (kind == "hand") checkHand(file);
       if (kind == "rendering") remark = checkRendering(file);
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
-      if (kind == "scene") remark = checkScene(file);
+      if (kind == "scene" || kind == "object") remark = checkScene(file);
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
       if (kind == "device-check") add(readDailyCheck(file));
@@ -75,7 +78,7 @@ class Validation {
       if (kind == "clinic-presets") add(clinic::loadPresets(file));
       if (kind == "sweep") remark = checkSweep(file);
       if (kind == "motion") remark = checkMotion(file);
-      if (kind != "motion" && !kind.empty()) checkKind(file, kind);
+      if (kind != "motion" && kind != "object" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
         std::printf("-   %-9s %s (not checked: correct %s first)\n", kind.c_str(),
                     printable(file).c_str(), faulty_device_.c_str());

@@ -17,14 +17,27 @@ struct ForeignKind {
 constexpr const char* kToStl = "convert it: gmsh IN -2 -format stl -o out.stl (lengths in mm)";
 constexpr const char* kToGlb = "convert it: assimp export IN out.glb";
 
-constexpr std::array<ForeignKind, 6> kXml = {{
-    {"mujoco", "is MJCF, a model of MuJoCo",
-     "convert it to URDF: mjcf2urdf IN --out OUT (pip install mjcf2urdf)"},
+constexpr const char* kToUrdf =
+    "convert it to URDF: mjcf2urdf IN --out OUT (pip install mjcf2urdf)";
+constexpr const char* kPartToUrdf =
+    "convert the model that includes it to URDF: mjcf2urdf IN --out OUT (pip install mjcf2urdf)";
+constexpr const char* kNameMesh = "name it in a scene: shape = \"mesh\", file = \"...\"";
+constexpr const char* kMjcfPart = "is a part of an MJCF, a model of MuJoCo";
+
+constexpr std::array<ForeignKind, 12> kXml = {{
+    {"mujoco", "is MJCF, a model of MuJoCo", kToUrdf},
+    {"mujocoinclude", kMjcfPart, kPartToUrdf},
+    {"worldbody", kMjcfPart, kPartToUrdf},
+    {"body", kMjcfPart, kPartToUrdf},
     {"sdf", "is SDF, a model of Gazebo",
      "convert it to URDF: rosrun pysdf sdf2urdf.py in.sdf out.urdf"},
+    {"model", "is the description of a model of Gazebo",
+     "convert the .sdf beside it to URDF: rosrun pysdf sdf2urdf.py in.sdf out.urdf"},
     {"robot", "is a URDF",
-     "name it in a scene: shape = \"urdf\", file = \"...\"; wholehand validate checks the scene"},
-    {"COLLADA", "is a mesh (DAE)", "name it in a scene: shape = \"mesh\", file = \"...\""},
+     "use it as a scene (--scene), or name it in one: shape = \"urdf\", file = \"...\""},
+    {"COLLADA", "is a mesh (DAE)", kNameMesh},
+    {"OpenSimDocument", "is a model of OpenSim", "use a hand of config/hands"},
+    {"svg", "is a picture (SVG)", "name the file that it shows"},
     {"html", "is a web page, not the file that it shows", "download the file itself (raw)"},
     {"HTML", "is a web page, not the file that it shows", "download the file itself (raw)"},
 }};
@@ -54,10 +67,14 @@ constexpr ForeignKind kLfs = {"", "is a pointer of Git LFS, not the file itself"
 constexpr ForeignKind kZip = {"", "is a ZIP archive", "unpack it: unzip IN"};
 constexpr ForeignKind kGzip = {"", "is compressed (gzip)", "unpack it: gunzip IN.gz"};
 constexpr ForeignKind kUsd = {"usd", "is USD", "export it from Blender as GLB"};
+constexpr ForeignKind kHdf5 = {"h5", "is HDF5, as recordings and results of sweeps are",
+                               "show a recording: wholehand replay IN"};
+constexpr ForeignKind kOff = {"off", "is a mesh (OFF)",
+                              "convert it: meshlabserver -i IN -o out.ply"};
 constexpr ForeignKind kWebots = {"wbt", "is a world or a robot of Webots",
                                  "export the robot from Webots as URDF"};
 
-constexpr std::array<ForeignKind, 23> kEndings = {{
+constexpr std::array<ForeignKind, 24> kEndings = {{
     kXacro,
     kStep,
     {"stp", kStep.problem, kToStl},
@@ -72,15 +89,16 @@ constexpr std::array<ForeignKind, 23> kEndings = {{
     {"fbx", "is FBX", kToGlb},
     {"3ds", "is 3DS", kToGlb},
     {"x3d", "is X3D", kToGlb},
+    kOff,
     kUsd,
     {"usda", kUsd.problem, kUsd.remedy},
     {"usdc", kUsd.problem, kUsd.remedy},
     {"usdz", kUsd.problem, kUsd.remedy},
     kWebots,
     {"proto", kWebots.problem, kWebots.remedy},
-    {"stl", "is a mesh (STL)", kXml[3].remedy},
-    {"obj", "is a mesh (OBJ)", kXml[3].remedy},
-    {"ply", "is a mesh (PLY)", kXml[3].remedy},
+    {"stl", "is a mesh (STL)", kNameMesh},
+    {"obj", "is a mesh (OBJ)", kNameMesh},
+    {"ply", "is a mesh (PLY)", kNameMesh},
 }};
 
 Diagnostic asFault(const ForeignKind& kind) {
@@ -148,8 +166,13 @@ std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view en
   for (const ForeignKind& kind : kXml) {
     if (element == kind.name) return asFault(element == "robot" && macros ? kXacro : kind);
   }
-  if (head.starts_with("glTF")) return asFault({"glb", "is a mesh (GLB)", kXml[3].remedy});
+  if (head.starts_with("glTF")) return asFault({"glb", "is a mesh (GLB)", kNameMesh});
   if (head.starts_with("ISO-10303-21")) return asFault(kStep);
+  if (head.starts_with("\x89HDF\r\n\x1A\n")) return asFault(kHdf5);
+  if (hasLine(head.substr(0, head.find('\n')), "OFF") || head.starts_with("COFF") ||
+      head.starts_with("NOFF")) {
+    return asFault(kOff);
+  }
   if (head.starts_with("HIERARCHY")) return asFault(kBvh);
   if (head.starts_with("#usda") || head.starts_with("PXR-USDC")) return asFault(kUsd);
   if (head.starts_with("#VRML_SIM")) return asFault(kWebots);

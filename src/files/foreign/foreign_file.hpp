@@ -10,9 +10,9 @@ namespace wholehand {
 
 /// Recognises the format of a file of another program by its first bytes and its file name
 /// extension. The Diagnostic holds the problem ("is ...") and the remedy, the command that converts
-/// the file; the caller adds file and key. Empty: unknown format. Known formats: MJCF, SDF, xacro,
-/// URDF, glTF, USD, Webots, STEP, C3D, BVH, TRC, OpenSim's MOT and STO, further meshes, web pages,
-/// and pointer files of Git LFS.
+/// the file; the caller adds file and key. Empty: unknown format. Known formats: MJCF and its
+/// parts, SDF, xacro, URDF, glTF, USD, Webots, STEP, C3D, BVH, TRC, OpenSim's MOT and STO, HDF5,
+/// further meshes, web pages, and pointer files of Git LFS.
 /// @param ending file name extension without the dot ("step"), in upper or lower case
 [[nodiscard]] std::optional<Diagnostic> foreignFile(std::string_view head, std::string_view ending);
 

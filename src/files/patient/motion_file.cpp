@@ -6,6 +6,8 @@
 #include "files/patient/column_name.hpp"
 #include "files/patient/csv_line.hpp"
 #include "files/patient/mocap_head.hpp"
+#include "files/toml/toml_file.hpp"
+#include "loop/core/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -162,8 +164,13 @@ void Reader::keep(Diagnostic fault) {
 }
 
 void Reader::refuse(const std::string& problem, const char* remedy) {
-  const auto foreign = foreignFileAt(motion_.path);
-  fault("", "", foreign ? foreign->problem : problem, foreign ? foreign->remedy : remedy);
+  if (const auto foreign = foreignFileAt(motion_.path)) {
+    fault("", "", foreign->problem, foreign->remedy);
+  } else if (const auto kind = fileKind(motion_.path)) {
+    fault("", "", "is a file of kind \"" + printable(*kind) + "\"", kGiveMotion);
+  } else {
+    fault("", "", problem, remedy);
+  }
 }
 
 void Reader::timeColumn(const ColumnName& name, const std::string& text, std::size_t place) {

@@ -2,6 +2,7 @@
 
 #include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/mesh_file.hpp"
+#include "files/scene/object_scene.hpp"
 #include "files/scene/plausibility.hpp"
 #include "files/scene/separation.hpp"
 #include "files/toml/toml_file.hpp"
@@ -22,6 +23,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -69,8 +71,9 @@ struct Mover {
 /// Reads one `[[bodies]]` table.
 class BodyReader {
  public:
-  BodyReader(TomlTable table, fs::path folder, MeshLoadTime& time)
-      : t_(std::move(table)), folder_(std::move(folder)), time_(&time) {}
+  /// @param urdf the URDF that the body names, if it was read before; may be null
+  BodyReader(TomlTable table, fs::path folder, MeshLoadTime& time, const UrdfBody* urdf)
+      : t_(std::move(table)), folder_(std::move(folder)), time_(&time), read_(urdf) {}
 
   /// The body; without shapes after a fault in them.
   SceneBody read() {
@@ -215,7 +218,9 @@ class BodyReader {
       return;
     }
     Expected<UrdfBody> urdf =
-        loadUrdf(path.string(), *time_, UrdfUse{body.fixed, inertia_, t_.has("friction")});
+        read_ != nullptr
+            ? Expected<UrdfBody>(*read_)
+            : loadUrdf(path.string(), *time_, UrdfUse{body.fixed, inertia_, t_.has("friction")});
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -529,6 +534,7 @@ class BodyReader {
   MeshLoadTime* time_;
   bool shape_wrong_ = false;
   InertiaRule inertia_ = InertiaRule::kIfPossible;
+  const UrdfBody* read_;  ///< the URDF, if it was read before
   std::optional<UrdfInertial> inertial_;
   std::vector<Vector3d> ballast_m_;
   std::vector<UrdfVisual> visuals_;
@@ -684,8 +690,16 @@ Expected<SceneModel> loadSceneFile(const std::string& path) {
   return loadSceneFile(path, time);
 }
 
-Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) {
-  TomlFile file(path, "scene");
+std::string madeScenePath(const std::string& urdf) {
+  return urdf + ".toml";
+}
+
+namespace {
+
+/// @param path its folder is that of the files that it names @param urdf one of these that was read
+/// before, or null
+Expected<SceneModel> readScene(TomlFile& file, const std::string& path, MeshLoadTime& time,
+                               const UrdfBody* urdf) {
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
   SceneModel scene;
@@ -701,7 +715,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
 
   std::vector<BodyReader> readers;
   for (const TomlTable& table : root.tables("bodies", 0)) {
-    readers.emplace_back(table, fs::path(path).parent_path(), time);
+    readers.emplace_back(table, fs::path(path).parent_path(), time, urdf);
     scene.bodies.push_back(readers.back().read());
   }
   // Checks that involve several bodies.
@@ -728,6 +742,49 @@ Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) 
   if (!faults.empty()) return faults;
   noteHeavyOnLight(scene);
   return scene;
+}
+
+/// Names the URDF in place of the scene that was made of it.
+void nameUrdf(Diagnostics& diagnostics, const std::string& made, const std::string& path) {
+  constexpr std::string_view kBody = "bodies[0]";
+  for (Diagnostic& d : diagnostics) {
+    if (d.file != made) continue;
+    d.file = path;
+    d.line = 0;
+    if (d.key.starts_with(kBody)) d.key.clear();
+  }
+}
+
+/// Loads a scene that is made of a URDF.
+Expected<SceneModel> loadObject(const std::string& path, MeshLoadTime& time) {
+  if (!isPrintable(fs::path(path).filename().string(), kMostName)) {
+    return fileFault(path, "has a name with control characters or bytes that are not UTF-8",
+                     "rename it");
+  }
+  const Expected<UrdfBody> urdf = loadUrdf(path, time);
+  if (!urdf) return urdf.errors();
+  ObjectScene object = makeObjectScene(path, *urdf);
+  const std::string made = madeScenePath(path);
+  TomlFile file(made, "scene", object.text);
+  Expected<SceneModel> scene = readScene(file, made, time, &*urdf);
+  if (!scene) {
+    Diagnostics faults = scene.errors();
+    nameUrdf(faults, made, path);
+    return faults;
+  }
+  nameUrdf(scene->notices, made, path);
+  scene->notices.insert(scene->notices.begin(), std::move(object.notice));
+  scene->path = path;
+  scene->made_text = std::move(object.text);
+  return scene;
+}
+
+}  // namespace
+
+Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) {
+  if (isUrdf(path)) return loadObject(path, time);
+  TomlFile file(path, "scene");
+  return readScene(file, path, time, nullptr);
 }
 
 }  // namespace wholehand

@@ -342,25 +342,29 @@ bool hasWindowsPath(std::string_view text, int line) {
   return quote != text.npos && text.find('\\', quote) != text.npos;
 }
 
-std::optional<toml::table> parseFile(const std::string& path, Diagnostics& faults) {
+/// True when the first line that is no comment holds commas and none of TOML's signs.
+bool isTable(std::string_view text) {
+  while (text.starts_with('#')) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  const std::string_view line = text.substr(0, text.find('\n'));
+  return line.find(',') != line.npos && line.find_first_of("=[{") == line.npos;
+}
+
+std::optional<toml::table> parseText(std::string_view text, const std::string& path,
+                                     Diagnostics& faults) {
   Diagnostic fault;
-  const std::optional<std::string> text = readText(path, fault);
-  if (!text) {
-    faults.push_back(std::move(fault));
-    return std::nullopt;
-  }
-  if (std::optional<Diagnostic> foreign = foreignFile(text->substr(0, 4096), "")) {
+  fault.file = path;
+  if (std::optional<Diagnostic> foreign = foreignFile(text.substr(0, 4096), "")) {
     foreign->file = path;
     foreign->code = DiagnosticCode::kSyntax;
     faults.push_back(std::move(*foreign));
     return std::nullopt;
   }
-  if (std::optional<Diagnostic> beyond = beyondBounds(*text, path)) {
+  if (std::optional<Diagnostic> beyond = beyondBounds(text, path)) {
     faults.push_back(std::move(*beyond));
     return std::nullopt;
   }
   try {
-    return toml::parse(*text, path);
+    return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     // The extension of the name shows the format of another program.
     if (std::optional<Diagnostic> foreign = foreignFileAt(path)) {
@@ -370,17 +374,31 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
       faults.push_back(std::move(fault));
       return std::nullopt;
     }
-    fault.line = static_cast<int>(error.source().begin.line);
     fault.code = DiagnosticCode::kSyntax;
+    if (isTable(text)) {
+      fault.problem = "is a table (CSV)";
+      fault.remedy = "a motion is given with --motion";
+      faults.push_back(std::move(fault));
+      return std::nullopt;
+    }
+    fault.line = static_cast<int>(error.source().begin.line);
     fault.problem = "is not TOML: " + std::string(error.description());
     fault.remedy = "correct this line (syntax of TOML: https://toml.io)";
-    if (hasWindowsPath(*text, fault.line)) {
+    if (hasWindowsPath(text, fault.line)) {
       fault.problem = "has a backslash in \"...\", where it begins an escape";
       fault.remedy = "write / in place of \\, or put the path in '...'";
     }
     faults.push_back(std::move(fault));
     return std::nullopt;
   }
+}
+
+std::optional<toml::table> parseFile(const std::string& path, Diagnostics& faults) {
+  Diagnostic fault;
+  const std::optional<std::string> text = readText(path, fault);
+  if (text) return parseText(*text, path, faults);
+  faults.push_back(std::move(fault));
+  return std::nullopt;
 }
 
 /// Probable meaning of an unknown key.
@@ -866,9 +884,22 @@ std::string formatNumber(double value) {
 TomlFile::TomlFile(const std::string& path, std::string_view kind)
     : shared_(std::make_shared<Shared>()) {
   shared_->path = path;
-  std::optional<toml::table> document = parseFile(path, shared_->faults);
-  if (!document) return;
-  shared_->document = std::move(*document);
+  if (auto document = parseFile(path, shared_->faults)) {
+    shared_->document = std::move(*document);
+    begin(kind);
+  }
+}
+
+TomlFile::TomlFile(const std::string& path, std::string_view kind, std::string_view text)
+    : shared_(std::make_shared<Shared>()) {
+  shared_->path = path;
+  if (auto document = parseText(text, path, shared_->faults)) {
+    shared_->document = std::move(*document);
+    begin(kind);
+  }
+}
+
+void TomlFile::begin(std::string_view kind) {
   auto state = std::make_shared<TomlTable::State>();
   state->file = shared_.get();
   state->table = &shared_->document;

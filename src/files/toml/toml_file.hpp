@@ -123,6 +123,8 @@ class TomlFile {
   static constexpr std::int64_t kVersion = 1;
 
   TomlFile(const std::string& path, std::string_view kind);
+  /// The same for a text that stands in no file. @param path name in faults
+  TomlFile(const std::string& path, std::string_view kind, std::string_view text);
 
   /// False when the file cannot be read; finish() returns the reason.
   [[nodiscard]] bool readable() const noexcept { return readable_; }
@@ -135,6 +137,7 @@ class TomlFile {
  private:
   struct Shared;
   friend class TomlTable;
+  void begin(std::string_view kind);
   std::shared_ptr<Shared> shared_;
   std::optional<TomlTable> root_;
   bool readable_ = false;

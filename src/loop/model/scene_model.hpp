@@ -126,6 +126,7 @@ struct GameBudget {
 /// A scene: bodies, gravity, and where the hand starts.
 struct SceneModel {
   std::string path;
+  std::string made_text;  ///< the scene file that was made of `path`, a URDF; empty: a scene file
   std::string name;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
   /// 0 .. kMaxSceneBodies; in a file, those beyond kMaxBodies are fixed.

@@ -85,11 +85,11 @@ TEST(MotionFile, FileOfAnotherKind_GetsOneMessage) {
   std::string every_byte;
   for (int i = 0; i < 1024; ++i) every_byte += static_cast<char>(i);
   EXPECT_CONTAINS(once(every_byte), "is not a CSV text");
-  EXPECT_CONTAINS(once("\x89HDF\r\n\x1a\n"), "is not a motion");
+  EXPECT_CONTAINS(faultsOf("\x89HDF\r\n\x1a\n"), "is HDF5, as recordings");
   EXPECT_CONTAINS(faultsOf(std::string("t\0i\0m\0e\0", 8)),
                   "is a text in UTF-16; save it as UTF-8");
   EXPECT_CONTAINS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
-                  ":2: is not a motion");
+                  ":2: is a file of kind \"scene\"");
   EXPECT_CONTAINS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header
   EXPECT_CONTAINS(faultsOf("\xFF\xFEt"), "is a text in UTF-16; save it as UTF-8");
   for (const char divider : {';', '\t', ' '}) {
