@@ -89,6 +89,16 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   thresholds->callback([&] { code = thresholdsCommand(options.thresholds); });
 }
 
+void addTouch(CLI::App& experiment, TouchOptions& options, int& code) {
+  CLI::App* touch = experiment.add_subcommand(
+      "touch", "Move every joint of an object through its range with a fingertip");
+  touch->add_option("files", options.files, "URDFs or scenes")->required();
+  touch->add_option("--json", options.json, "Write the results to this file");
+  addEngine(*touch, options.engine);
+  touch->footer("Exit code 0: every joint moves through its range; 1: not; 2: a bad file.");
+  touch->callback([&] { code = touchCommand(options); });
+}
+
 void addComplexity(CLI::App& larger, ExperimentOptions& o) {
   larger.add_option("--only", o.only,
                     "Only what contains this: pile, stacks, apart, far, vertices, contacts");
@@ -165,6 +175,7 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   grasping->callback([&] { code = graspingCommand(experiment); });
   timing->callback([&] { code = timingCommand(experiment); });
   addBarExperiments(*e, bar, code);
+  addTouch(*e, bar.touch, code);
 }
 
 #ifndef WHOLEHAND_LAB

@@ -75,11 +75,18 @@ struct ThresholdsOptions {
   std::string json;
 };
 
+struct TouchOptions {
+  std::vector<std::string> files;  ///< URDFs and scenes
+  std::string engine = defaultEngine();
+  std::string json;
+};
+
 struct BarExperimentOptions {
   CocktailOptions cocktail;
   ExerciseOptions exercise;
   LiquidsOptions liquids;
   ThresholdsOptions thresholds;
+  TouchOptions touch;
 };
 
 /// Plays the levels of the cocktail bar with many virtual patients. Returns the exit code.
@@ -93,6 +100,9 @@ int liquidsCommand(const LiquidsOptions& options);
 /// Fits thresholds of feeling: of virtual observers, or of a file of answers. Returns the exit
 /// code.
 int thresholdsCommand(const ThresholdsOptions& options);
+
+/// Moves every joint of objects by a touch. Returns the exit code.
+int touchCommand(const TouchOptions& options);
 
 /// Adds `wholehand experiment` with all experiments. @pre options outlive the parsing
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,

@@ -12,6 +12,7 @@ enum ExitCode : int {
   kExitNotFit = 1,        ///< doctor, device conform, validate --admit: not fit
   kExitNotWhole = 1,      ///< replay, report: not all of the recording is shown
   kExitNotAlike = 1,      ///< decompose: the pieces' volume differs from the mesh's
+  kExitNotMoved = 1,      ///< experiment touch: a joint did not move through its range
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
   kExitFailed = 4,        ///< internal failure: no memory, a folder that was removed
