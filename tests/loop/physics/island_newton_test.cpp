@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <random>
 #include <vector>
 
 namespace wholehand::bullet {
@@ -75,6 +79,84 @@ TEST(IslandNewton, PileThatSlides_IsSlowedByItsWeightTimesFriction) {
     EXPECT_NEAR(ground.impulse[1], -limit_ns, 1e-4 * limit_ns);
     EXPECT_NEAR(ground.impulse[2], 0.0, 1e-4 * limit_ns);
   }
+}
+
+/// A chain of bodies on three contacts each, with the hand on the last one; rows of any direction.
+/// @return the wanted velocities
+std::vector<std::array<double, 3>> grasp(IslandNewton& newton, int bodies,
+                                         std::mt19937_64& random) {
+  newton.begin(bodies + 1);
+  std::vector<std::array<double, 3>> goals;
+  for (int k = 0; k <= bodies; ++k) {
+    for (int n = 0; n < 3; ++n) {
+      IslandNewton::Contact& c = *newton.add(k - 1, k);
+      c.friction = test::uniform(random, 0.05, 0.4);
+      c.yields = k == bodies ? test::uniform(random, 0.01, 0.1) : 0.0;
+      for (int r = 0; r < 3; ++r) {
+        for (int i = 0; i < IslandNewton::kSize; ++i) {
+          if (k > 0) c.along_a[r][i] = test::uniform(random, -2.0, 2.0);
+          c.along_b[r][i] = test::uniform(random, -2.0, 2.0);
+        }
+      }
+      c.goal = {test::uniform(random, -0.005, 0.02), test::uniform(random, -0.01, 0.01),
+                test::uniform(random, -0.01, 0.01)};
+      c.start = {0.0, 0.0, 0.0};
+      goals.push_back(c.goal);
+    }
+  }
+  return goals;
+}
+
+/// Signorini's and Coulomb's laws, for the impulses and velocities that were found: the largest
+/// miss of a velocity or, times the mobility, of an impulse.
+double missOf(const IslandNewton& newton, const std::vector<std::array<double, 3>>& goals) {
+  double worst = 0.0;
+  for (int i = 0; i < newton.contactCount(); ++i) {
+    const IslandNewton::Contact& c = newton.contact(i);
+    std::array<double, 3> v{};
+    for (int r = 0; r < 3; ++r) {
+      for (int k = 0; k < IslandNewton::kSize; ++k) {
+        v[r] += c.along_b[r][k] * newton.change(c.b)[k];
+        if (c.a >= 0) v[r] += c.along_a[r][k] * newton.change(c.a)[k];
+      }
+      v[r] -= goals[i][r];
+    }
+    const double gap = v[0] + c.yields * c.impulse[0];
+    worst = std::max(worst, c.impulse[0] > 0.0 ? std::abs(gap) : -gap);
+    const double slip = std::hypot(v[1], v[2]), rubs = std::hypot(c.impulse[1], c.impulse[2]);
+    const double limit = c.friction * c.impulse[0];
+    worst = std::max(worst, rubs - limit);
+    // Below the limit it sticks; at the limit it opposes the slip.
+    if (rubs < limit * (1.0 - 1e-6)) {
+      worst = std::max(worst, slip);
+    } else if (limit > 0.0) {
+      worst = std::max(
+          worst, std::hypot(v[1] + slip * c.impulse[1] / rubs, v[2] + slip * c.impulse[2] / rubs));
+    }
+  }
+  return worst;
+}
+
+// Where friction is given limits by the last impulses, the miss is 10⁻⁶ of the wanted velocities.
+TEST(IslandNewton, IslandWithTheHand_ObeysTheLawOfFrictionExactly) {
+  auto random = test::seededRandom(6104);
+  static IslandNewton newton;
+  const int draws = 200;
+  int exact = 0, exact_with_limits = 0;
+  for (int i = 0; i < draws; ++i) {
+    const int bodies = 1 + static_cast<int>(random() % 4);
+    const auto state = random;
+    for (const bool coupled : {false, true}) {
+      random = state;
+      const auto goals = grasp(newton, bodies, random);
+      ASSERT_GT(newton.order(), 0);
+      ASSERT_TRUE(newton.solve(40, coupled ? 120 : 0));
+      if (missOf(newton, goals) <= 1e-9) ++(coupled ? exact : exact_with_limits);
+    }
+  }
+  std::printf("figure: exact %d of %d, with given limits %d\n", exact, draws, exact_with_limits);
+  EXPECT_GE(exact, draws * 9 / 10);
+  EXPECT_LE(exact_with_limits, draws / 2);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ namespace {
 // Largest work for factorisations in a step of the world, in products of blocks.
 constexpr int kMostWork = 4000;
 constexpr int kMostSteps = 40;  // factorisations of an island
+constexpr int kMostCoupledSteps = 120;  // of one with the hand, altogether
 }  // namespace
 
 int BodyRows::islandOf(int body) noexcept {
@@ -192,7 +193,8 @@ bool BodyRows::fits(int island, int further) const noexcept {
 bool BodyRows::solveBegun() noexcept {
   const int of_a_step = newton_.order();
   if (of_a_step == 0) return false;
-  const bool found = newton_.solve(std::min(kMostSteps, work_ / of_a_step));
+  const int most = work_ / of_a_step;
+  const bool found = newton_.solve(std::min(kMostSteps, most), std::min(kMostCoupledSteps, most));
   work_ -= of_a_step * newton_.steps();
   return found;
 }

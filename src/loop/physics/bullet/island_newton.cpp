@@ -11,23 +11,11 @@ constexpr double kLeastMobility = 1e-12;  // nothing moves along a row of less [
 // Softness R of a row divided by its mobility, one after the other. The soft ones show which
 // contacts hold and stick.
 constexpr std::array kSoftness{1e-3, 1e-4, 1e-5, 1e-6};
-constexpr int kMostUpdates = 16;         // of x₀
-constexpr int kMostChords = 40;          // Newton steps in one solution
-constexpr double kExact = 1e-8;          // tolerance of w, relative to the largest impulse
-constexpr double kExactImpulse = 1e-5;   // tolerance of an impulse, relative to the largest one
-constexpr double kExactCone = 1e-7;      // of a limit of the hand's friction
-constexpr double kExactVelocity = 1e-6;  // of a row, relative to the largest goal
-constexpr double kLeastGain = 0.3;       // a step that reuses a matrix must gain this much
-
-double dot(const IslandNewton::Six& a, const IslandNewton::Six& b) {
-  double sum = 0.0;
-  for (int i = 0; i < IslandNewton::kSize; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
-void addScaled(IslandNewton::Six& to, double factor, const IslandNewton::Six& from) {
-  for (int i = 0; i < IslandNewton::kSize; ++i) to[i] += factor * from[i];
-}
+constexpr int kMostUpdates = 16;        // of x₀
+constexpr int kMostChords = 40;         // Newton steps in one solution
+constexpr double kExact = 1e-8;         // tolerance of w, relative to the largest impulse
+constexpr double kExactImpulse = 1e-5;  // tolerance of an impulse, relative to the largest one
+constexpr double kLeastGain = 0.3;      // a step that reuses a matrix must gain this much
 
 }  // namespace
 
@@ -89,14 +77,18 @@ void IslandNewton::soften(double softness) noexcept {
     Contact& c = contacts_[i];
     for (int r = 0; r < 3; ++r) {
       c.mobility[r] = dot(c.along_a[r], c.along_a[r]) + dot(c.along_b[r], c.along_b[r]);
+    }
+    // Of both tangents the mean, which does not depend on how they lie in the plane of the contact.
+    if (c.mobility[1] > kLeastMobility && c.mobility[2] > kLeastMobility) {
+      c.mobility[1] = c.mobility[2] = 0.5 * (c.mobility[1] + c.mobility[2]);
+    }
+    for (int r = 0; r < 3; ++r) {
       if (!(c.mobility[r] > kLeastMobility)) {
         c.mobility[r] = c.start[r] = c.inverse_softness[r] = 0.0;
       } else {
         c.inverse_softness[r] = 1.0 / (softness * c.mobility[r] + (r == 0 ? c.yields : 0.0));
       }
     }
-    double &one = c.inverse_softness[1], &two = c.inverse_softness[2];
-    if (one > 0.0 && two > 0.0) one = two = std::min(one, two);
   }
 }
 
@@ -143,9 +135,11 @@ double IslandNewton::evaluate() noexcept {
       c.free[r] = c.start[r] + (c.goal[r] - c.moved[r]) * c.inverse_softness[r];
     }
     project(c);
+    pressed_ = std::max({pressed_, c.impulse[0] * c.impulse[0] * c.mobility[0],
+                         c.impulse[1] * c.impulse[1] * c.mobility[1] +
+                             c.impulse[2] * c.impulse[2] * c.mobility[2]});
     for (int r = 0; r < 3; ++r) {
       if (c.impulse[r] == 0.0) continue;
-      pressed_ = std::max(pressed_, c.impulse[r] * c.impulse[r] * c.mobility[r]);
       if (c.a >= 0) addScaled(gradient_[c.a], -c.impulse[r], c.along_a[r]);
       if (c.b >= 0) addScaled(gradient_[c.b], -c.impulse[r], c.along_b[r]);
     }
@@ -397,26 +391,30 @@ bool IslandNewton::minimise(int most_steps) noexcept {
   return false;
 }
 
-// Returns to the last solution, which start still holds.
+// Returns to the last solution with given limits.
 void IslandNewton::restore() noexcept {
   change_ = kept_;
-  for (int i = 0; i < contact_count_; ++i) contacts_[i].impulse = contacts_[i].start;
+  for (int i = 0; i < contact_count_; ++i) contacts_[i].impulse = contacts_[i].kept;
 }
 
-bool IslandNewton::solve(int most_steps) noexcept {
+bool IslandNewton::solve(int most_steps, int most_coupled_steps) noexcept {
   steps_ = 0;
   factored_ = again_ = false;
   soften(kSoftness.front());
   double fastest = 0.0;
+  bool with_hand = false;
   for (int k = 0; k < body_count_; ++k) change_[k].fill(0.0);
   for (int i = 0; i < contact_count_; ++i) {
     Contact& c = contacts_[i];
     c.start[0] = std::max(0.0, c.start[0]);
+    with_hand = with_hand || c.yields > 0.0;
     c.limit = limitOf(c, c.start[0]);
     // With this goal an impulse x that no longer changes satisfies j w + yields x = goal.
     c.goal[0] -= c.yields * c.start[0];
+    if (!c.of_joint) {
+      fastest = std::max({fastest, std::abs(c.goal[0]), std::hypot(c.goal[1], c.goal[2])});
+    }
     for (int r = 0; r < 3; ++r) {
-      if (!c.of_joint) fastest = std::max(fastest, std::abs(c.goal[r]));
       if (c.a >= 0) addScaled(change_[c.a], c.start[r], c.along_a[r]);
       if (c.b >= 0) addScaled(change_[c.b], c.start[r], c.along_b[r]);
     }
@@ -436,20 +434,24 @@ bool IslandNewton::solve(int most_steps) noexcept {
       if (c.spins >= 0) c.box = c.spin_m * contacts_[c.spins].impulse[0];
       c.goal[0] -= c.yields * (c.impulse[0] - c.start[0]);
       const double limit = limitOf(c, c.impulse[0]);
-      // The hand feels its friction: it stays within its cone.
-      const double exact = c.yields > 0.0 ? kExactImpulse / kExactCone : 1.0;
-      changed = std::max(changed, exact * std::abs(limit - c.limit));
+      changed = std::max(changed, std::abs(limit - c.limit));
       c.limit = limit;
+      std::array<double, 3> moves{};
       for (int r = 0; r < 3; ++r) {
         if (c.inverse_softness[r] > 0.0) {
-          left = std::max(left, std::abs(c.impulse[r] - c.start[r]) / c.inverse_softness[r]);
+          moves[r] = (c.impulse[r] - c.start[r]) / c.inverse_softness[r];
         }
-        c.start[r] = c.impulse[r];
+        c.start[r] = c.kept[r] = c.impulse[r];
       }
+      left = std::max({left, std::abs(moves[0]), std::hypot(moves[1], moves[2])});
     }
-    if (changed <= kExactImpulse * largest + 1e-15 && left <= kExactVelocity * fastest) {
+    const bool still =
+        changed <= kExactImpulse * largest + 1e-15 && left <= kExactVelocity * fastest;
+    if (with_hand && update + 1 == static_cast<int>(kSoftness.size())) {
+      if (!couple(most_coupled_steps, fastest)) restore();
       return true;
     }
+    if (still && !with_hand) return true;
     if (update + 1 < static_cast<int>(kSoftness.size())) {
       soften(kSoftness[update + 1]);
       factored_ = false;

@@ -15,8 +15,11 @@ namespace wholehand::bullet {
 /// With given limits w minimises a convex function; a line search therefore makes every Newton step
 /// decrease it. x then replaces x₀ until nothing changes (method of multipliers): the softness R
 /// vanishes from the result. Bodies are eliminated in the order of fewest neighbours, equal ones in
-/// their own order. A body on a joint uses one of its six unknowns; a cone of one body stands for
-/// its dry friction or an end of its range. The hand may be one of the bodies. Real-time safe.
+/// their own order. If the hand is one of the bodies (a contact yields), Newton's method then lets
+/// each limit follow its normal impulse: what is felt must not depend on when the multipliers stop.
+/// Its matrix is not symmetric. If it finds nothing, the last solution with given limits stays. A
+/// body on a joint uses one of its six unknowns; a cone of one body stands for its dry friction or
+/// an end of its range. The hand may be one of the bodies. Real-time safe.
 class IslandNewton {
  public:
   static constexpr int kMostBodies = 32, kMostContacts = 160, kMostBlocks = 320;
@@ -43,6 +46,7 @@ class IslandNewton {
     bool presses = false, sticks = false, matrix_presses = false, matrix_sticks = false;
     std::array<double, 3> mobility{}, inverse_softness{}, free{}, moved{}, moves{};
     double limit = 0.0;
+    std::array<double, 3> kept{};                      ///< x of the last solution with given limits
     double along1 = 0.0, along2 = 0.0, turning = 0.0;  ///< direction of sliding friction
   };
 
@@ -52,8 +56,10 @@ class IslandNewton {
   [[nodiscard]] Contact* add(int a, int b) noexcept;
   /// Orders the bodies. @return the work of one factorisation, in products of blocks; 0: no room
   [[nodiscard]] int order() noexcept;
-  /// Finds the impulses. @param most_steps factorisations @return false: none were found
-  [[nodiscard]] bool solve(int most_steps) noexcept;
+  /// Finds the impulses. @param most_steps factorisations with given limits @param
+  /// most_coupled_steps factorisations altogether, if the hand is one of the bodies
+  /// @return false: none were found
+  [[nodiscard]] bool solve(int most_steps, int most_coupled_steps = 0) noexcept;
 
   [[nodiscard]] int contactCount() const noexcept { return contact_count_; }
   [[nodiscard]] const Contact& contact(int i) const noexcept { return contacts_[i]; }
@@ -65,7 +71,16 @@ class IslandNewton {
 
  private:
   using Block = std::array<double, kSize * kSize>;
+  static constexpr double kExactVelocity = 1e-6;  ///< of a row, relative to the largest goal
 
+  static double dot(const Six& a, const Six& b) noexcept {
+    double sum = 0.0;
+    for (int i = 0; i < kSize; ++i) sum += a[i] * b[i];
+    return sum;
+  }
+  static void addScaled(Six& to, double factor, const Six& from) noexcept {
+    for (int i = 0; i < kSize; ++i) to[i] += factor * from[i];
+  }
   /// Limit of a contact's friction. @param normal impulse that sets it
   [[nodiscard]] static double limitOf(const Contact& contact, double normal) noexcept {
     return contact.of_joint ? contact.box : contact.friction * normal;
@@ -78,12 +93,23 @@ class IslandNewton {
   [[nodiscard]] bool piecesChanged() const noexcept;
   void restore() noexcept;
   bool minimise(int most_steps) noexcept;
+  [[nodiscard]] bool couple(int most_steps, double fastest) noexcept;
+  double evaluateCoupled() noexcept;
+  void projectCoupled(Contact& contact) noexcept;
+  void assembleCoupled() noexcept;
+  void addCoupled(const Contact& contact, const Six& rows_a, const Six& rows_b,
+                  const Six& columns_a, const Six& columns_b, double weight) noexcept;
+  bool factorizeCoupled() noexcept;
+  void solveCoupled() noexcept;
   void assemble() noexcept;
   void addTerm(const Contact& contact, const Six& a, const Six& b, double weight) noexcept;
   bool factorize() noexcept;
   void solveStep() noexcept;
   [[nodiscard]] Block& blockOf(int earlier, int later) noexcept {
     return blocks_[block_[earlier][later]];
+  }
+  [[nodiscard]] Block& upperOf(int earlier, int later) noexcept {
+    return upper_[block_[earlier][later]];
   }
 
   int body_count_ = 0, contact_count_ = 0, block_count_ = 0, steps_ = 0;
@@ -97,6 +123,8 @@ class IslandNewton {
   std::array<std::array<std::int16_t, kMostBodies>, kMostBodies> block_{};
   std::array<Block, kMostBlocks> blocks_{};
   std::array<Block, kMostBodies> diagonal_{};
+  /// Above the diagonal, where the matrix is not symmetric: friction follows the normal.
+  std::array<Block, kMostBlocks> upper_{};
 };
 
 }  // namespace wholehand::bullet
