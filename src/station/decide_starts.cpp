@@ -119,8 +119,7 @@ void Decider::adopt() {
   s_.began = false;
   s_.latched = Fault::kNone;
   // Nobody plays in a person's visit but that person.
-  const bool steered =
-      s_.visit.number != 0 || (s_.renewing && s_.steering == Steering::kPerson);
+  const bool steered = s_.visit.number != 0 || (s_.renewing && s_.steering == Steering::kPerson);
   s_.steering = Steering::kVirtualPatient;
   s_.unattended = false;
   s_.began_at = now_;

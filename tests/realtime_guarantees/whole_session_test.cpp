@@ -226,7 +226,8 @@ TEST(WholeSession, AllPartsAtOnce_ObeyStopsAndRecord) {
     EXPECT_TRUE(console.ask(words::aim, aim, fb::Help::Unspecified));
   }
   EXPECT_TRUE(console.ask(words::steer, fb::Steering::VirtualPatient));
-  EXPECT_TRUE(console.ask(words::action, fb::Act::Restart, station.status().basis, std::uint8_t{0}));
+  EXPECT_TRUE(
+      console.ask(words::action, fb::Act::Restart, station.status().basis, std::uint8_t{0}));
   ASSERT_TRUE(rendersOn(program, console));
 
   ASSERT_TRUE(console.ask(words::load, "cocktail-bar", std::uint16_t{2}, "woman-p05-right"));

@@ -47,8 +47,10 @@ void AnswerLog::add(const TickRecord& record) {
     const double by = value(said_by_);
     const auto sayer =
         by >= -1.0 && by < kSayers ? static_cast<SaidBy>(std::lround(by)) : SaidBy::kEarlier;
-    answers_.push_back(
-        {{x, other, value(said_second_) > 0.5, value(is_catch_) > 0.5}, sayer, record.time_s, record.moved_by});
+    answers_.push_back({{x, other, value(said_second_) > 0.5, value(is_catch_) > 0.5},
+                        sayer,
+                        record.time_s,
+                        record.moved_by});
   }
 }
 

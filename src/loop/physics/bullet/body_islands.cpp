@@ -16,7 +16,7 @@ namespace {
 
 // Largest work for factorisations in a step of the world, in products of blocks.
 constexpr int kMostWork = 4000;
-constexpr int kMostSteps = 40;  // factorisations of an island
+constexpr int kMostSteps = 40;          // factorisations of an island
 constexpr int kMostCoupledSteps = 120;  // of one with the hand, altogether
 }  // namespace
 
