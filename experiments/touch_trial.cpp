@@ -122,10 +122,11 @@ std::vector<SurfacePoint> boxPoints(const Vector3d& half_m) {
   for (int a = 0; a < 3; ++a) {
     for (const double side : {-1.0, 1.0}) {
       for (int i = 0; i < 9; ++i) {
+        const int row = i / 3, column = i % 3;
         Vector3d p;
         p[a] = side * half_m[a];
-        p[(a + 1) % 3] = 0.9 * (i % 3 - 1) * half_m[(a + 1) % 3];
-        p[(a + 2) % 3] = 0.9 * (i / 3 - 1) * half_m[(a + 2) % 3];
+        p[(a + 1) % 3] = 0.9 * (column - 1) * half_m[(a + 1) % 3];
+        p[(a + 2) % 3] = 0.9 * (row - 1) * half_m[(a + 2) % 3];
         points.push_back({p, side * Vector3d::Unit(a)});
       }
     }

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cinttypes>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -46,16 +45,18 @@ bool populateProgram() {
   std::ifstream maps("/proc/self/maps");
   bool all = maps.is_open();
   for (std::string line; std::getline(maps, line);) {
-    std::uintptr_t begin = 0, end = 0;
+    void* begin = nullptr;
+    void* end = nullptr;
     char readable = '-';
     int path_at = 0;
     // Format: begin-end perms offset device inode path.
-    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %c%*s %*s %*s %*s %n", &begin, &end,
-                    &readable, &path_at) < 3 ||
+    if (std::sscanf(line.c_str(), "%p-%p %c%*s %*s %*s %*s %n", &begin, &end, &readable, &path_at) <
+            3 ||
         readable != 'r' || path_at == 0 || line[static_cast<std::size_t>(path_at)] != '/') {
       continue;
     }
-    all &= madvise(reinterpret_cast<void*>(begin), end - begin, MADV_POPULATE_READ) == 0;
+    const auto bytes = static_cast<char*>(end) - static_cast<char*>(begin);
+    all &= madvise(begin, static_cast<std::size_t>(bytes), MADV_POPULATE_READ) == 0;
   }
   return all;
 #else
