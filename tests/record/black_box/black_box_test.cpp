@@ -152,7 +152,9 @@ TEST(BlackBox, FullInputMemory_KeepsTicksAndReportsIncompleteInputs) {
   EXPECT_EQ(read->size(), 3000U);
 }
 
-// Expected: no tick takes a page fault, however long the session, while another thread provides.
+// Expected: no page fault of the box, however long the session, while another thread provides. What
+// was not mapped ahead would take one a page, 512 in the last 2 MB; the machine itself may cause a
+// few. A sanitizer's own memory causes more, and is not judged.
 TEST(BlackBox, InputsBeyondTheFirstMemory_CauseNoPageFault) {
   const Folder folder;
   BlackBoxPlan plan = planFor(folder.file("a.wbb"));
@@ -163,6 +165,7 @@ TEST(BlackBox, InputsBeyondTheFirstMemory_CauseNoPageFault) {
   giveTick(*box, records[0]);
   constexpr std::uint64_t kEnough_bytes = std::uint64_t{6} << 20U;
   rusage before{}, after{};
+  std::int64_t faults = 0;
   for (std::uint64_t i = 1; i < 400'000 && box->inputBytes() < kEnough_bytes; ++i) {
     TickRecord& record = records[i % records.size()];
     record.tick = i;
@@ -170,8 +173,9 @@ TEST(BlackBox, InputsBeyondTheFirstMemory_CauseNoPageFault) {
     ::getrusage(RUSAGE_THREAD, &before);
     giveTick(*box, record);
     ::getrusage(RUSAGE_THREAD, &after);
-    ASSERT_EQ(after.ru_minflt, before.ru_minflt) << "tick " << i;
+    faults += after.ru_minflt - before.ru_minflt;
   }
+  if (!test::kSanitized) EXPECT_LE(faults, 16);
   EXPECT_GE(box->inputBytes(), kEnough_bytes);
   EXPECT_TRUE(box->inputsWhole());
 }

@@ -53,21 +53,15 @@ double IslandNewton::evaluateCoupled() noexcept {
 
 void IslandNewton::addCoupled(const Contact& c, const Six& rows_a, const Six& rows_b,
                               const Six& columns_a, const Six& columns_b, double weight) noexcept {
-  const auto add = [&](Block& block, const Six& rows, const Six& columns) {
-    for (int r = 0; r < kSize; ++r) {
-      const double factor = weight * rows[r];
-      for (int k = 0; k < kSize; ++k) block[kSize * r + k] += factor * columns[k];
-    }
-  };
-  if (c.a >= 0) add(diagonal_[c.a], rows_a, columns_a);
-  if (c.b >= 0) add(diagonal_[c.b], rows_b, columns_b);
+  if (c.a >= 0) addProduct(diagonal_[c.a], rows_a, columns_a, weight);
+  if (c.b >= 0) addProduct(diagonal_[c.b], rows_b, columns_b, weight);
   if (c.a < 0 || c.b < 0) return;
   if (place_[c.a] < place_[c.b]) {
-    add(blockOf(c.a, c.b), rows_b, columns_a);
-    add(upperOf(c.a, c.b), rows_a, columns_b);
+    addProduct(blockOf(c.a, c.b), rows_b, columns_a, weight);
+    addProduct(upperOf(c.a, c.b), rows_a, columns_b, weight);
   } else {
-    add(blockOf(c.b, c.a), rows_a, columns_b);
-    add(upperOf(c.b, c.a), rows_b, columns_a);
+    addProduct(blockOf(c.b, c.a), rows_a, columns_b, weight);
+    addProduct(upperOf(c.b, c.a), rows_b, columns_a, weight);
   }
 }
 

@@ -170,19 +170,21 @@ double IslandNewton::slopeAt(double share) const noexcept {
 }
 
 void IslandNewton::addTerm(const Contact& c, const Six& a, const Six& b, double weight) noexcept {
-  const auto add = [&](Block& block, const Six& rows, const Six& columns) {
-    for (int r = 0; r < kSize; ++r) {
-      const double factor = weight * rows[r];
-      for (int k = 0; k < kSize; ++k) block[kSize * r + k] += factor * columns[k];
-    }
-  };
-  if (c.a >= 0) add(diagonal_[c.a], a, a);
-  if (c.b >= 0) add(diagonal_[c.b], b, b);
+  if (c.a >= 0) addProduct(diagonal_[c.a], a, a, weight);
+  if (c.b >= 0) addProduct(diagonal_[c.b], b, b, weight);
   if (c.a < 0 || c.b < 0) return;
   if (place_[c.a] < place_[c.b]) {
-    add(blockOf(c.a, c.b), b, a);
+    addProduct(blockOf(c.a, c.b), b, a, weight);
   } else {
-    add(blockOf(c.b, c.a), a, b);
+    addProduct(blockOf(c.b, c.a), a, b, weight);
+  }
+}
+
+void IslandNewton::addProduct(Block& block, const Six& rows, const Six& columns,
+                              double weight) noexcept {
+  for (int r = 0; r < kSize; ++r) {
+    const double factor = weight * rows[r];
+    for (int k = 0; k < kSize; ++k) block[kSize * r + k] += factor * columns[k];
   }
 }
 

@@ -103,6 +103,8 @@ class IslandNewton {
   void solveCoupled() noexcept;
   void assemble() noexcept;
   void addTerm(const Contact& contact, const Six& a, const Six& b, double weight) noexcept;
+  /// block += weight · rows columnsᵀ
+  static void addProduct(Block& block, const Six& rows, const Six& columns, double weight) noexcept;
   bool factorize() noexcept;
   void solveStep() noexcept;
   [[nodiscard]] Block& blockOf(int earlier, int later) noexcept {
