@@ -82,7 +82,7 @@ const HandModel& hand() {
 /// A passport from commissioning, changed by somebody who can compute its seal.
 FuzzTarget passportTarget() {
   Passport passport;
-  passport.identity = {"S-1", "1.0", "7"};
+  passport.identity = {.serial = "S-1", .firmware = "1.0", .sdk = "7", .driver_sha256 = {}};
   passport.driver = "test";
   passport.device = device().name;
   passport.device_sha256 = std::string(64, 'a');
