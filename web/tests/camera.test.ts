@@ -21,10 +21,10 @@ function free(width: number, height: number) {
   return { left: 336 * u, right: width, top: 0, bottom: height - Math.max(104 * u, 80) };
 }
 
-function drawn(count: number, right: boolean, width: number, height: number, slid = 0) {
+function drawn(count: number, right: boolean, width: number, height: number, slid = 0, view: 'game' | 'console' = 'game') {
   const camera = new PerspectiveCamera(), side = right ? 1 : -1, all = bodies(count, side);
   const outline = outlineOf(bar(count, side, slid), { bodies: all } as never, { bodies: all } as never);
-  placeCamera(camera, 'game', { right, counter_y: COUNTER_M, row_z: -ROW_M }, outline, width, height);
+  placeCamera(camera, view, { right, counter_y: COUNTER_M, row_z: -ROW_M }, outline, width, height);
   camera.updateMatrixWorld(true);
   const pixel = (p: Vector3) => { const v = p.clone().project(camera); return { x: (v.x * 0.5 + 0.5) * width, y: (0.5 - v.y * 0.5) * height }; };
   return { outline: outline.map(pixel), pixel, camera };
@@ -46,6 +46,15 @@ describe('the row of dispensers', () => {
       }
     }
   }
+
+  it.each([[574, 267], [315, 176], [900, 320], [700, 600]])('is whole in the console, %i × %i, and fills its height or width', (width, height) => {
+    for (const [count, right] of [[1, true], [4, true], [1, false], [4, false]] as const) {
+      const { outline } = drawn(count, right, width, height, count - 1, 'console');
+      const xs = outline.map((p) => p.x), ys = outline.map((p) => p.y);
+      expect([Math.min(...xs) >= 0, Math.max(...xs) <= width, Math.min(...ys) >= 0, Math.max(...ys) <= height]).toEqual([true, true, true, true]);
+      if (count === 4) expect(Math.max((Math.max(...xs) - Math.min(...xs)) / width, (Math.max(...ys) - Math.min(...ys)) / height)).toBeGreaterThan(0.9);
+    }
+  });
 
   it('of one dispenser is in its designed place: beside the card, as large as possible', () => {
     const { outline } = drawn(1, true, 1280, 800);
@@ -111,6 +120,16 @@ describe('the guest', () => {
         const px = bottles.map((p) => p.clone().project(camera).x * 0.5 + 0.5);
         expect(Math.min(...px.map((x) => Math.abs(x - across)))).toBeGreaterThan(0.03);
       }
+    }
+  });
+
+  // The resting hand is a finger's length in front of the first bottle, on the arm's side (the start of every reach).
+  it.each([[390, 844], [768, 1024], [320, 900]])('waits beside the only bottle, away from the arm, at %i × %i', (width, height) => {
+    for (const right of [true, false]) {
+      const { camera } = drawn(1, right, width, height);
+      const bottle = bodies(1, right ? 1 : -1).map(({ positionM: p }) => new Vector3(-p.y, p.z, -p.x));
+      const [across, at] = [freeAcross(camera, right, bottle), bottle[0]!.clone().project(camera).x * 0.5 + 0.5];
+      expect(right ? across < at : across > at).toBe(true);
     }
   });
 });

@@ -18,6 +18,8 @@ const FIELD_RAD = 24.5 * Math.PI / 180;
 const FOCAL_PX = HEIGHT_PX / 2 / Math.tan(FIELD_RAD / 2);
 /** The position of the view's centre in the designed picture; in the game it is to the right of the card. */
 const LOOK_PX = { game: { x: 762, y: 400 }, console: { x: 640, y: 400 } };
+/** The console's picture has no cards: it is magnified as far as the objects stay inside. */
+const CONSOLE_ZOOM = 1.35;
 /** Margin between objects and the edge of the free part [designed px]. */
 const MARGIN_PX = 14;
 
@@ -64,7 +66,7 @@ export function zoomedTextOf(width: number, height: number, zoom: number): numbe
 
 /** Part of the picture that no card covers (game.css), and its scale relative to the designed one [px]. */
 function freeOf(view: View, width: number, height: number, text_px: number | undefined): FreeArea {
-  if (view === 'console') return { x: 0, y: 0, width, height, scale: Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
+  if (view === 'console') return { x: 0, y: 0, width, height, scale: CONSOLE_ZOOM * Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
   const upright = isUpright(width, height), u = unitOf(width, height), zoomed = text_px !== undefined;
   const strip = zoomed ? 92 * text_px + 82 : upright ? Math.max(190 * u, 112 * Math.max(u, LEAST_T_PX) + 78) : Math.max(104 * u, 80);
   const [left, top] = zoomed ? [0, 66 * text_px] : upright ? [0, 256 * u] : [336 * u, 0];

@@ -229,7 +229,6 @@ export class SceneView {
     this.exercise = this.reported && viewOf(this.reported, this.quality);
     // If no exercise draws the scene, only tangible bodies are shown.
     const counter = !this.reported || this.exercise !== undefined;
-    this.canvas.classList.toggle('whole', !counter);   // console.css then does not cut off the edges
     this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.reported ? this.exercise?.rail_m : EMPTY_RAIL_M, setting: this.exercise?.setting });
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (this.exercise) this.scene.add(this.exercise.root);

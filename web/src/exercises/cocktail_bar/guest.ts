@@ -36,7 +36,7 @@ const FINISHES: Readonly<Record<Stuff, Finish>> = {
  */
 const LANDSCAPE = { right: [0.38, 0.68], left: [0.5, 0.85] } as const;
 const SERVED = { right: [0.48, 0.68], left: [0.12, 0.24] } as const;
-const UPRIGHT = { right: [0.3, 0.6], left: [0.4, 0.7] } as const;
+const UPRIGHT = { right: [0.18, 0.6], left: [0.82, 0.4] } as const;
 
 /** One material of the guest, and a depth prepass that hides its far side while it fades. */
 class Layer {
