@@ -1,6 +1,6 @@
 import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { asWords, bytes, duration, fixed, grouped } from '../src/shared/format';
+import { asWords, bytes, duration, fixed, grouped, significant } from '../src/shared/format';
 import { deviceLines, type ReportedDevice } from '../src/console/device_status';
 import { History, displayUnits, WINDOW_S } from '../src/console/history';
 import { de } from '../src/console/i18n/de';
@@ -16,6 +16,7 @@ import { limitOfAxis } from '../src/console/plot_specs';
 import { personWords, sessionWords } from '../src/console/title_words';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
+import { setLanguage } from '../src/shared/i18n';
 import { AxisT, EventT, ReleaseReason, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
 
 describe('formatted numbers', () => {
@@ -23,6 +24,16 @@ describe('formatted numbers', () => {
     expect(fixed(-5.34, 1)).toBe('−5.3');
     expect(fixed(-0.04, 1)).toBe('0.0');
     expect(fixed(Number.NaN, 1)).toBe('–');
+    expect([significant(2.5), significant(30), significant(1 / 3, 3)]).toEqual(['2.5', '30', '0.333']);
+  });
+
+  it('have a comma in German and French', () => {
+    Object.assign(globalThis, { document: { documentElement: {} } });
+    for (const language of ['de', 'fr'] as const) {
+      setLanguage(language);
+      expect([fixed(-5.34, 1), fixed(-0.04, 1), fixed(12, 0), significant(0.25)]).toEqual(['−5,3', '0,0', '12', '0,25']);
+    }
+    setLanguage('en');
   });
 
   it('include durations, sizes and grouped digits', () => {

@@ -2,6 +2,7 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h } from '../shared/dom';
+import { significant } from '../shared/format';
 import { drawMoments, FONT } from '../shared/chart_marks';
 import { LabelPlaces } from '../shared/label_places';
 import './chart.css';
@@ -126,7 +127,7 @@ function options(spec: ChartSpec, colors: Colors, width: number, height: number)
     },
     axes: [
       { ...axis, size: (spec.nameOfX ? NAMES_PX : 5) * FINER, gap: 5 * FINER, space: (spec.logarithmic_x ? 30 : 70) * FINER, ...splitsOf(spec.logarithmic_x, spec.range_x, spec.numbers_x), values: (_plot, splits) => namesOfX(spec, splits) },
-      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 17 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : spec.logarithmic_y ? shortNumber(value) : numberOf(value))) },
+      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 17 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : spec.logarithmic_y ? shortNumber(value) : significant(value))) },
     ],
     series: [{}, ...spec.lines.map(seriesOf)],
     bands: spec.goal ? [{ series: [spec.goal[1] + 1, spec.goal[0] + 1], fill: '#0B6B5822' }] : undefined,
@@ -155,11 +156,8 @@ function namesOfX({ nameOfX, unit_x = '', range_x: [low, high], logarithmic_x }:
   return splits.map((x, i) => (x === null || !nameOfX ? '' : i === last ? `${nameOfX(x)} ${unit_x}` : nameOfX(x)));
 }
 
-/** A number without superfluous decimals. */
-export const numberOf = (value: number): string => String(Number(value.toPrecision(6))).replace('-', '−');
-
 /** A short label for an axis over many decades: 30000 as "30k". */
-export const shortNumber = (value: number): string => (value >= 1e4 ? `${numberOf(value / 1e3)}k` : numberOf(value));
+export const shortNumber = (value: number): string => (value >= 1e4 ? `${significant(value / 1e3)}k` : significant(value));
 
 function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
   const { ctx, bbox } = plot;

@@ -1,7 +1,8 @@
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOfName } from '../console/plot_specs';
 import { h } from '../shared/dom';
-import { chart, legend, numberOf, type ChartLine } from './chart';
+import { significant } from '../shared/format';
+import { chart, legend, type ChartLine } from './chart';
 import type { ChartPageData, Interval, PageChart, PageLine, PageTable } from './chart_page_data';
 import { wordsOf } from './words';
 
@@ -29,14 +30,14 @@ function figureOf({ title, height_px, x, y, names_x, lines, bands, marks }: Page
   const given = Number.isFinite(y.from) && Number.isFinite(y.to);
   return chart({
     title: wordsOf(title), unit: '', height_px, range_x, lines: drawn, bands: bands.map((band) => ({ ...band, color: 'var(--band)' })),
-    marks: marks.map(({ at, label, bad }) => ({ at, label: wordsOf(label), bad })), nameOfX: names_x ? numberOf : undefined, unit_x: x.unit,
+    marks: marks.map(({ at, label, bad }) => ({ at, label: wordsOf(label), bad })), nameOfX: names_x ? significant : undefined, unit_x: x.unit,
     logarithmic_x: x.logarithmic, logarithmic_y: y.logarithmic, range_y: given ? [y.from, y.to] : undefined, numbers_y: y.numbers_at.length > 0 ? y.numbers_at : undefined,
   });
 }
 
 function intervalBar({ from, to, most }: Interval): HTMLElement {
   const share = (value: number): number => 100 * Math.min(1, Math.max(0, value / most));
-  return h('span', { class: 'interval', role: 'img', 'aria-label': `${numberOf(from)} – ${numberOf(to)}`, style: `--one: ${100 / most}%` },
+  return h('span', { class: 'interval', role: 'img', 'aria-label': `${significant(from)} – ${significant(to)}`, style: `--one: ${100 / most}%` },
     h('i', { style: `left: ${share(from)}%; width: ${Math.max(0.6, share(to) - share(from))}%` }));
 }
 

@@ -1,6 +1,6 @@
 import { exerciseWords } from '../console/title_words';
 import { texts as consoleTexts } from '../console/i18n';
-import { asWords, spoken } from '../shared/format';
+import { asWords, fixed, significant } from '../shared/format';
 import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
 import { isCounting, timeOf_s, type Item, type Result, type Side, type Trial, type Visit } from './records';
@@ -35,7 +35,7 @@ export const bornWords = (day: string): string => new Date(`${day}T00:00:00Z`).t
 export const sideWords = (side: Side): string => texts().sides[side];
 export const itemWords = ({ exercise, level }: Pick<Item, 'exercise' | 'level'>): string => exerciseWords(exercise, level);
 export const helpWords = (help: Item['help']): string => texts().helps[help];
-export const minutes = (min: number): string => fill(texts().min, { n: spoken(min, min > 0 && min < 1 ? 1 : 0) });
+export const minutes = (min: number): string => fill(texts().min, { n: fixed(min, min > 0 && min < 1 ? 1 : 0) });
 
 /** A time of a visit in minutes; while a recording is being measured, that it is being counted. */
 export const timeWords = (visit: Visit, time: Parameters<typeof timeOf_s>[1] = 'active_s'): string => (isCounting(visit) ? texts().patient.counting : minutes(timeOf_s(visit, time) / 60));
@@ -46,16 +46,16 @@ export const activeWords = (visit: Visit): string =>
 /** The name of a limit, and its value in display units. */
 export function parameterWords(name: string, value: number): readonly [name: string, value: string] {
   const label = consoleTexts().parameters.names[name] ?? asWords(name);
-  if (name.endsWith('_rad')) return [label, `${spoken(value * 180 / Math.PI, 0)}°`];
-  if (name.endsWith('_m')) return [label, `${spoken(value * 1000, 0)} mm`];
-  if (name.endsWith('_l')) return [label, `${spoken(value * 1000, 0)} ml`];
+  if (name.endsWith('_rad')) return [label, `${fixed(value * 180 / Math.PI, 0)}°`];
+  if (name.endsWith('_m')) return [label, `${fixed(value * 1000, 0)} mm`];
+  if (name.endsWith('_l')) return [label, `${fixed(value * 1000, 0)} ml`];
   if (name.endsWith('_n')) return [label, `${number(value)} N`];
   if (name.endsWith('_s')) return [label, `${number(value)} s`];
   return [label, number(value)];
 }
 
 /** A number with up to three significant digits and no superfluous decimals. */
-export const number = (value: number): string => (Number.isFinite(value) ? String(Number(value.toPrecision(3))).replace('-', '−') : '–');
+export const number = (value: number): string => significant(value, 3);
 
 /** The name of a result as the exercise's panel has it; for an unknown exercise the raw name without its unit. */
 export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));

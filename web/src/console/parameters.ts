@@ -135,7 +135,7 @@ class ParameterRow {
 
 // The ends of a slider need only enough digits to be recognized.
 function trimmed(text: string): string {
-  return text.replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
+  return text.replace(/([.,]\d*?)0+$/, '$1').replace(/[.,]$/, '');
 }
 
 /** All live parameters in their three groups. */

@@ -1,6 +1,7 @@
 import type { ConnectionStatus } from '../net/connection';
 import { RunState, SafetyState, type WorldStateT } from '../protocol';
 import { alarmWords } from '../shared/alarm';
+import { significant } from '../shared/format';
 import { faultWord, fill } from '../shared/i18n';
 import type { ConsoleTexts } from './i18n/en';
 
@@ -67,7 +68,7 @@ function excessWords(state: ReportedStatus, faults: readonly string[], axes: rea
   const scale = turns ? 180 / Math.PI : 1;
   const per = faults.some((fault) => OF_SPEED.includes(fault)) ? '/s' : '';
   const unit = axis ? `${turns ? '°' : String(axis.unit)}${per}` : 's';
-  const shown = (value: number): string => String(Number((value * scale).toPrecision(3)));
+  const shown = (value: number): string => significant(value * scale, 3);
   const much = fill(texts.safety.beyond, { value: `${shown(state.faultValue ?? 0)} ${unit}`, limit: shown(limit) });
   return name === '' ? much : `${name}: ${much}`;
 }

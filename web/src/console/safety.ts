@@ -1,7 +1,7 @@
 import { faultWords } from './run_status';
 import { fill } from '../shared/i18n';
 import { h, setText, setAttribute, setClass } from './dom';
-import { fixed } from '../shared/format';
+import { fixed, significant } from '../shared/format';
 import { deviceLines } from './device_status';
 import { displayUnits } from './history';
 import { SafetyState } from '../protocol';
@@ -25,7 +25,7 @@ class PeakRow {
 
   show(peak: number, limit: number, words: string): void {
     const shown = fixed(peak, this.decimals);
-    const most = String(Number(limit.toPrecision(3)));
+    const most = significant(limit, 3);
     this.bar.style.width = `${Math.min(100, (100 * peak) / limit).toFixed(1)}%`;
     setClass(this.track, 'over', peak >= 0.995 * limit);
     setText(this.text, `${shown} / ${most} ${this.unit}`);

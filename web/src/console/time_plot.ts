@@ -1,5 +1,6 @@
 import uPlot from 'uplot';
 import { drawMoments, FONT, writeOver, type MomentLook } from '../shared/chart_marks';
+import { significant } from '../shared/format';
 import { LabelPlaces } from '../shared/label_places';
 import { h } from './dom';
 import type { ConsoleTexts } from './i18n';
@@ -182,7 +183,7 @@ export class TimePlot {
       return this.spec.range !== undefined || value - lower > 0.05 * (upper - lower);
     };
     const names = (_plot: uPlot, values: number[]): string[] =>
-      values.map((value) => (named(value) ? String(Number(value.toPrecision(6))).replace('-', '−') : ''));
+      values.map((value) => (named(value) ? significant(value) : ''));
     return [splits, names];
   }
 

@@ -1,5 +1,6 @@
 // The panel of an exercise at one moment: Scene.panel and the values of a state (docs/exercises.md). No elements.
 import type { SceneT, WordsT, WorldStateT } from '../protocol';
+import { fixed } from '../shared/format';
 import { language } from '../shared/i18n';
 import { ExerciseValues } from './values';
 
@@ -62,7 +63,7 @@ export class ExercisePanel {
       const low = this.figures.get(state, String(reported.goalLower ?? ''), NaN);
       const high = this.figures.get(state, String(reported.goalUpper ?? ''), NaN);
       const banded = !done && Number.isFinite(low) && Number.isFinite(high);
-      const number = (value * reported.factor).toFixed(reported.decimals);
+      const number = fixed(value * reported.factor, reported.decimals);
       const unit = reported.unit === '1' ? '' : String(reported.unit ?? ''); // "1": a count or a ratio
       return {
         name: String(reported.name), label: inLanguage(reported.label), number, unit, shown: unit ? `${number} ${unit}` : number,

@@ -1,4 +1,4 @@
-import { fixed, grouped } from '../shared/format';
+import { fixed, grouped, significant } from '../shared/format';
 import { displayUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { isArm, lookOf } from '../console/plot_specs';
@@ -95,7 +95,7 @@ function settings({ data: { about, engineering: e }, scene }: SheetContext): HTM
     [t.scene, e.settings.scene], [t.rendering, e.settings.rendering], [t.engine, e.settings.engine],
     [t.rate, `${fixed(1 / about.period_s, 0)} Hz, ${e.settings.simulated_clock ? t.simulatedClock : t.realTime}`], [t.gains, gains],
     [t.deadlines, `${grouped(e.missed_deadlines)} / ${grouped(e.records + e.missed_deadlines)}`], [t.damped, fill(t.share, { n: fixed(100 * e.damped_share, 0) })],
-    [t.coupling, `${fixed(1e6 * e.coupling_error_rad, 2)} µrad`], [t.work, `${Number(e.work_j.toPrecision(3))} J`], [t.passport, e.settings.passport], [t.seed, e.settings.seed], [t.limits, limits],
+    [t.coupling, `${fixed(1e6 * e.coupling_error_rad, 2)} µrad`], [t.work, `${significant(e.work_j, 3)} J`], [t.passport, e.settings.passport], [t.seed, e.settings.seed], [t.limits, limits],
   ];
   return h('section', {}, h('h2', {}, t.title), h('dl', { class: 'settings' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value))))));
 }

@@ -1,5 +1,5 @@
 // Figures of a session that can be compared with those of the session before. No elements.
-import { spoken, grouped } from '../shared/format';
+import { fixed, grouped } from '../shared/format';
 import { REPORTS } from '../exercises/info';
 import { differencesBetween, type Difference } from '../replay/differences';
 import { fill } from '../shared/i18n';
@@ -44,11 +44,11 @@ export function figuresOf(data: Pick<ReportData, 'therapy' | 'scene'>): Figure[]
   }
   if (reaches.count > 0) {
     const mean_s = reaches.sum_s / reaches.count;
-    out.push({ key: 'reach', value: mean_s, shown: spoken(mean_s, 1), unit: 's', words: t.reach, better: 'less', of: 'exercise' });
+    out.push({ key: 'reach', value: mean_s, shown: fixed(mean_s, 1), unit: 's', words: t.reach, better: 'less', of: 'exercise' });
   }
   if (grips.count > 0) {
-    out.push({ key: 'grip', value: grips.mean_n, shown: spoken(grips.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
-      { key: 'steadiness', value: 100 * grips.variation, shown: spoken(100 * grips.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
+    out.push({ key: 'grip', value: grips.mean_n, shown: fixed(grips.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
+      { key: 'steadiness', value: 100 * grips.variation, shown: fixed(100 * grips.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
   }
   for (const { stars } of REPORTS) {
     const figure = stars(recorded);

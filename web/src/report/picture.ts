@@ -1,5 +1,5 @@
 import { PacedView } from '../scene/paced_view';
-import { spoken } from '../shared/format';
+import { fixed } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { h, setText } from '../shared/dom';
 import { timeOfState, readState } from '../replay/messages';
@@ -33,7 +33,7 @@ export function pictureFrame(data: ReportData): HTMLElement {
     return figure;
   }
   const { strongest } = data.therapy;
-  const strong = fill(t.caption, { n: spoken(strongest.force_n, 1), time: shortTime(strongest.time_s) });
+  const strong = fill(t.caption, { n: fixed(strongest.force_n, 1), time: shortTime(strongest.time_s) });
   const by = strongest.by === Mover.Person ? '' : ` (${texts().whose.shown[strongest.by]})`;
   const caption = strongest.force_n > 0 ? `${strong}${by}` : fill(t.last, { time: shortTime(timeOfState(shown)) });
   pictureOf(data, at, place).then((image) => {

@@ -1,7 +1,7 @@
 // Statements on the therapy in a recording, from the data of the page. No elements.
 import type { RecordedParts } from '../exercises/exercise_info';
 import type { ReplayMark, SeriesPiece } from '../replay/series_piece';
-import { spoken } from '../shared/format';
+import { fixed } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { GivenHelp, type Part, type ReportData, type Attribution } from './report_data';
@@ -21,7 +21,7 @@ export function whoseWords({ by, share, help, persons }: Attribution): string {
 /** A share in percent; a share below 1 is never shown as 100 %. */
 export function sharePercent(share: number): string {
   const percent = 100 * share;
-  return spoken(share < 1 ? Math.min(percent, 99.9) : percent, 1);
+  return fixed(share < 1 ? Math.min(percent, 99.9) : percent, 1);
 }
 
 /** The marks of one kind. */

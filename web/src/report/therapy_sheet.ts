@@ -1,4 +1,4 @@
-import { duration, spoken, grouped } from '../shared/format';
+import { duration, fixed, grouped, significant } from '../shared/format';
 import { displayUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOf } from '../console/plot_specs';
@@ -30,7 +30,7 @@ export function therapySheet(context: SheetContext): HTMLElement {
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
     h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', data.therapy.touches_left_out > 0 ? fill(t.charts.touchesLeftOut, { n: grouped(data.therapy.touches_left_out) }) : '',
-      data.series.gaps.length + data.series.unreadable.length > 0 ? t.charts.missing : '', data.therapy.limits_between_s > 0.11 ? fill(t.charts.limitsThinned, { s: spoken(data.therapy.limits_between_s, 1) }) : '', signWords(context.marks), data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
+      data.series.gaps.length + data.series.unreadable.length > 0 ? t.charts.missing : '', data.therapy.limits_between_s > 0.11 ? fill(t.charts.limitsThinned, { s: fixed(data.therapy.limits_between_s, 1) }) : '', signWords(context.marks), data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
     footer(data, 1));
 }
 
@@ -48,7 +48,7 @@ function tiles({ data, scene }: SheetContext, { figures }: Comparison): HTMLElem
   const out = figures.map(({ shown, unit, words, compared }) => tile(shown, unit, words, compared && beforeLine(compared)));
   if (out.length < 4) {
     out.push(tile(String(therapy.bodies.length), fill(t.of, { n: therapy.bodies_in_scene }), t.touched),
-      tile(spoken(therapy.bodies.reduce((sum, { held_s }) => sum + held_s, 0), 1), 's', t.held), tile(spoken(therapy.largest_force_n, 1), 'N', t.force));
+      tile(fixed(therapy.bodies.reduce((sum, { held_s }) => sum + held_s, 0), 1), 's', t.held), tile(fixed(therapy.largest_force_n, 1), 'N', t.force));
     const most = largestEffort(scene.axes, engineering.largest_effort);
     if (most) out.push(most);
   }
@@ -92,7 +92,7 @@ function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly nu
   // The axis nearest to its own limit.
   const most = shown.reduce((a, b) => (b.effort / b.limit > a.effort / a.limit ? b : a));
   const name = String(most.axis.name);
-  return tile(spoken(most.effort, 1), `N ${fill(texts().tiles.of, { n: Number(most.limit.toFixed(1)) })}`, fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
+  return tile(fixed(most.effort, 1), `N ${fill(texts().tiles.of, { n: significant(most.limit, 3) })}`, fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
 }
 
 /** A table of all kinds of incidents, including those that did not occur. */
@@ -108,7 +108,7 @@ function happened({ data }: SheetContext): HTMLElement {
   }))));
   const limited = engineering.faults.find(({ name }) => name === 'effort limited')?.ticks ?? 0;
   rows.push(
-    row('missing', about.ticks_missing, `${fill(t.happened.lost, { n: grouped(about.ticks_missing), s: spoken(about.ticks_missing * about.period_s, 2) })}; ${timesOf(series.gaps.map(({ from_s }) => shortTime(from_s)))}`),
+    row('missing', about.ticks_missing, `${fill(t.happened.lost, { n: grouped(about.ticks_missing), s: fixed(about.ticks_missing * about.period_s, 2) })}; ${timesOf(series.gaps.map(({ from_s }) => shortTime(from_s)))}`),
     row('missed', engineering.missed_deadlines, fill(t.happened.ticks, { n: grouped(engineering.missed_deadlines) })),
     row('limited', limited, fill(t.happened.ticks, { n: grouped(limited) })));
   const notes = [
@@ -184,6 +184,6 @@ function bodies({ data: { therapy, scene } }: SheetContext): HTMLElement {
   const sorted = [...therapy.bodies].sort((a, b) => b.held_s + b.longest_s - a.held_s - a.longest_s);
   return h('section', {}, h('h2', {}, t.title),
     table([t.body, t.first, t.touches, t.longest, t.held, t.force, t.way], sorted.slice(0, MOST_ROWS).map((b) => [
-      isolated(bodyWords(b.name, scene)), shortTime(b.first_s), grouped(b.touches), spoken(b.longest_s, 1), spoken(b.held_s, 1), spoken(b.largest_force_n, 1), spoken(100 * b.travelled_m, 1)])),
+      isolated(bodyWords(b.name, scene)), shortTime(b.first_s), grouped(b.touches), fixed(b.longest_s, 1), fixed(b.held_s, 1), fixed(b.largest_force_n, 1), fixed(100 * b.travelled_m, 1)])),
     h('p', { class: 'note' }, sorted.length > MOST_ROWS ? `${fill(t.more, { n: sorted.length - MOST_ROWS })}. ` : '', t.note));
 }

@@ -1,14 +1,16 @@
 import { language } from './i18n';
 
+/** Writes a number's text as the page's language does: English has a decimal point, German and French a comma. */
+const inWriting = (text: string): string => (language() === 'en' ? text : text.replace('.', ',')).replace('-', '−');
+
 /** Formats a number with a true minus sign, no minus zero, and fixed decimals. */
 export function fixed(value: number, decimals: number): string {
   if (!Number.isFinite(value)) return '–';
-  const text = value.toFixed(decimals);
-  return /^-0(\.0*)?$/.test(text) ? text.slice(1) : text.replace('-', '−');
+  return inWriting(value.toFixed(decimals).replace(/^-(0(\.0*)?)$/, '$1'));
 }
 
-/** A number in a sentence: French writes a comma. */
-export const spoken = (value: number, decimals: number): string => (language() === 'fr' ? fixed(value, decimals).replace('.', ',') : fixed(value, decimals));
+/** Formats a number with at most so many significant digits and no superfluous zeros. */
+export const significant = (value: number, digits = 6): string => (Number.isFinite(value) ? inWriting(String(Number(value.toPrecision(digits)))) : '–');
 
 const UNITS: Readonly<Record<string, string>> = { n: 'N', nm: 'N·m', m: 'm', s: 's', rad: 'rad', l: 'l', l_s: 'l/s', m_s: 'm/s', ml_s: 'ml/s', hz: 'Hz' };
 

@@ -1,4 +1,4 @@
-import { spoken } from '../../shared/format';
+import { fixed } from '../../shared/format';
 import type { ExerciseReport, ReportPart } from '../exercise_info';
 import { barOf, type Bar } from './bar';
 import { nameOf, text } from './i18n';
@@ -33,7 +33,7 @@ export const barReport: ExerciseReport = {
       const { name, steps } = drinkOf(part, barOf(scene));
       const poured_l = sum(steps.map((step) => step.poured_l)), asked_l = sum(steps.map((step) => step.asked_l));
       const off_l = sum(steps.map((step) => Math.abs(step.poured_l - step.asked_l)));
-      return [nameOf('drink', name), `${spoken(1000 * poured_l, 0)} / ${spoken(1000 * asked_l, 0)}`, spoken(1000 * off_l, 1), spoken(part.value, 0), timeWords(part.to_s), whoseWords(part)];
+      return [nameOf('drink', name), `${fixed(1000 * poured_l, 0)} / ${fixed(1000 * asked_l, 0)}`, fixed(1000 * off_l, 1), fixed(part.value, 0), timeWords(part.to_s), whoseWords(part)];
     });
     return {
       title: text('report.title'), none: text('report.none'), rows,

@@ -1,5 +1,5 @@
 // Texts of a kitchen task for console, replay and report, in addition to its panel.
-import { spoken } from '../../shared/format';
+import { fixed } from '../../shared/format';
 import type { SceneT } from '../../protocol';
 import type { ExerciseInfo, ExerciseReport, ExerciseTexts } from '../exercise_info';
 import { ExercisePanel } from '../panel';
@@ -14,7 +14,7 @@ function kitchenInfo({ steps }: KitchenTask): ExerciseInfo {
     progress: (value) => text('count', { n: Math.min(value('instruction') ?? 0, steps.length), m: steps.length }),
     caption(value) {
       const step = steps[value('instruction') ?? -1];
-      return [step ? text(`verb.${step.verb}`) : '', text('info.force', { a: spoken(value('handle_n') ?? 0, 1) }), text('info.time', { a: spoken(value('time_s') ?? 0, 1) })].filter(Boolean).join(' · ');
+      return [step ? text(`verb.${step.verb}`) : '', text('info.force', { a: fixed(value('handle_n') ?? 0, 1) }), text('info.time', { a: fixed(value('time_s') ?? 0, 1) })].filter(Boolean).join(' · ');
     },
     levelName: () => '',
     bodyName: () => undefined,
@@ -36,7 +36,7 @@ const kitchenReport: ExerciseReport = {
     return {
       title: text('report.title'), none: text('report.none'), head: [text('report.task'), text('report.steps'), text('report.score'), text('report.doneAt'), text('report.whose')],
       rows: [...done.filter(({ persons }) => persons), ...done.filter(({ persons }) => !persons)]
-        .map((part) => [title, `${part.steps.length} / ${task.steps.length}`, spoken(part.value, 0), timeWords(part.to_s), whoseWords(part)]),
+        .map((part) => [title, `${part.steps.length} / ${task.steps.length}`, fixed(part.value, 0), timeWords(part.to_s), whoseWords(part)]),
     };
   },
 };

@@ -1,6 +1,6 @@
 // A kitchen task in the game: its steps as a card, instruction, praise. The task's texts are its panel's.
 import type { SceneT, WorldStateT } from '../../protocol';
-import { spoken } from '../../shared/format';
+import { fixed } from '../../shared/format';
 import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
 import type { ExercisePanel } from '../panel';
 import { PanelPlay } from '../panel_play';
@@ -160,7 +160,7 @@ export class KitchenPlay implements Play {
 
   /** The asked amount of a step, and the amount so far. */
   private amounts(step: KitchenStep, state: WorldStateT): { askedWords: string; doneWords: string } {
-    const a = spoken(this.values.get(state, 'held_s'), 1);
+    const a = fixed(this.values.get(state, 'held_s'), 1);
     if (step.for_s) return { askedWords: text('hold', { a: step.for_s }), doneWords: text('holdOf', { a, b: step.for_s }) };
     return { askedWords: '', doneWords: step.verb === 'move' ? text('partOf', { a: Math.round(100 * shareOf(step, this.values.get(state, 'joint_q'), this.from, 0)) }) : '' };
   }

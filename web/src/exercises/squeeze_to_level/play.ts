@@ -1,6 +1,6 @@
 // Squeezing to a level in the game: the bands as a card, instruction, praise.
 import type { SceneT, WorldStateT } from '../../protocol';
-import { spoken } from '../../shared/format';
+import { fixed } from '../../shared/format';
 import type { Bells, Chime, ExerciseWords, FlowSound, Meter, Phase, Play, Praise, Prompt, TaskCard, TaskStep } from '../exercise';
 import type { ExercisePanel } from '../panel';
 import { PanelPlay } from '../panel_play';
@@ -80,7 +80,7 @@ export class LevelPlay implements Play {
   /** One row for each band. */
   card(state: WorldStateT): TaskCard {
     const { lit, bands, held } = this.flight(state), all = this.shown.done(state) ? bands : lit;
-    const s = (share: number): string => spoken(share * this.hold_s, 1).replace(/[.,]0$/, '');
+    const s = (share: number): string => fixed(share * this.hold_s, 1).replace(/[.,]0$/, '');
     const steps = Array.from({ length: bands }, (_, i): TaskStep => {
       const now = i === all, done = now ? Math.round(100 * held) : 0;
       return {
