@@ -230,8 +230,10 @@ describe('help near a dispenser', () => {
   });
 
   it('uses the laterally nearest dispenser', () => {
-    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], 0.03)).toBe(1);
-    expect(nearestGrip([{ x: 0, y: 0.3, z: 0 }], 0.03)).toBeUndefined();
+    const aim = { x: 0, y: 0.03, z: 0.1 };
+    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], aim)).toBe(1);
+    expect(nearestGrip([{ x: 0, y: 0.3, z: 0 }], aim)).toBeUndefined();
+    expect(nearestGrip([{ x: 0, y: 0, z: 0 }, { x: 0, y: 0, z: 0.14 }], aim), 'of two in one lane, the nearer one in height').toBe(1);
   });
 
   it('can be switched off', () => {

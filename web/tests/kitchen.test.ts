@@ -122,7 +122,7 @@ describe('a pushed object', () => {
   });
 
   it('needs the force of the live parameter, which its meter shows too', () => {
-    expect(targets.zone!(at({ instruction: 1 })).low_n).toBeCloseTo(1.1 * 1.5, 12);
+    expect(targets.zone!(at({ instruction: 1 })).low).toBeCloseTo(1.1 * 1.5, 12);
     const play = playOf(scene, null)!, meter = (handle_n: number) => play.meter(at({ instruction: 1, handle_n }))!;
     expect([meter(0.75).value, meter(0.75).zone, meter(1.5).value, meter(1.5).zone]).toEqual([0.25, 'low', 0.5, 'right']);
   });

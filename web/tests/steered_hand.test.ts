@@ -38,7 +38,7 @@ function pointed(hand: SteeredHand, across: number, down: number): Pick<Wish, 'p
   const at = pointInRow(hand.scene.rightHand ? rightCamera : leftCamera, -0.119, across, down)!;
   const palm = hand.perceiver.palmAt(hand.state, at)!;
   const part = (name: 'y' | 'z'): number => clamp(partOfAxis(hand.axes.find((axis) => axis.name === name)!, palm[name]), -1, 1);
-  return { place: { y: part('y'), z: part('z') }, pointed: hand.perceiver.targetAt(hand.state, at.y_m) };
+  return { place: { y: part('y'), z: part('z') }, pointed: hand.perceiver.targetAt(hand.state, at) };
 }
 
 const open: SteeredHand[] = [];

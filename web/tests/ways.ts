@@ -65,7 +65,7 @@ export class Picture {
     const at = pointInRow(this.camera, this.row_z, x_px / screen.width, y_px / screen.height)!;
     const palm = hand.perceiver.palmAt(hand.state, at)!;
     const part = (name: 'y' | 'z'): number => clamp(partOfAxis(hand.axes.find((axis) => axis.name === name)!, palm[name]), -1, 1);
-    return { y: part('y'), z: part('z'), target: hand.perceiver.targetAt(hand.state, at.y_m) };
+    return { y: part('y'), z: part('z'), target: hand.perceiver.targetAt(hand.state, at) };
   }
 }
 

@@ -26,8 +26,8 @@ export interface GraspTargets {
   letGo(state: WorldStateT): boolean;
   /** Whether the grip must be eased and squeezed again later; undefined: never. */
   easesOff?(state: WorldStateT): boolean;
-  /** Range of grip force in which the target is held well [N]; undefined: the values squeeze_low_n and squeeze_high_n. */
-  zone?(state: WorldStateT): { readonly low_n: number; readonly high_n: number };
+  /** The squeeze, and its range in which the target is held well; undefined: the grip force squeeze_n, squeeze_low_n and squeeze_high_n [N]. */
+  zone?(state: WorldStateT): { readonly squeeze: number; readonly low: number; readonly high: number };
 }
 
 /** The phase of the person's task. */

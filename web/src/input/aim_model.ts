@@ -1,5 +1,5 @@
 import { holdZone, isInPlace, useZone } from './carry_speed';
-import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
+import { depthOf, guide, INSIDE, isStacked, nearestGrip, ownGrip, type Guide } from './guide';
 import type { Limits } from './limits';
 import type { Perception } from './perceiver';
 import { Pilot } from './pilot';
@@ -266,8 +266,8 @@ export class AimModel {
   private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: HandPath): TargetGuide {
     // Straight fingers push from where the person moves them.
     if (seen.pushes && !leaving) return { pace: 1, stretch: 1, mayClose: true, at: seen.target, wanted: true };
-    const own = ownGrip(seen.grips, hand.y, seen.beside);
-    const front = nearestGrip(seen.grips, aim.y);
+    const own = ownGrip(seen.grips, hand, seen.beside);
+    const front = nearestGrip(seen.grips, aim);
     if (own === undefined || front === undefined) return { pace: 1, stretch: 0, mayClose: true, wanted: false };
     // Inside the row the hand's position determines the lane; in front of it, the target in front of the aim does.
     const inside = depthOf(hand.x, back_m, seen.grips[own]!) > INSIDE;
@@ -279,7 +279,10 @@ export class AimModel {
     const asked = { x: this.asked('x', wish, aim.x), y: this.asked('y', wish, aim.y) };
     // A cursor that stays near the target does not request another one.
     if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(aim.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
-    const guidance = guide({ aim, hand, back_m, grip, beside: seen.beside, onJoint: seen.onJoint }, asked, this.squeezePart > 0.02);
+    const stacked = !seen.onJoint && isStacked(seen.grips, at);
+    const guidance = guide({ aim, hand, back_m, grip, beside: seen.beside, onJoint: seen.onJoint, stacked: stacked && goal !== undefined }, asked, this.squeezePart > 0.02);
+    // The person chooses between a target and the one above it.
+    if (stacked && goal === undefined && this.squeezePart === 0) guidance.z = undefined;
     // An open hand is meant to touch the target once it is at the grip, not while an obstacle blocks it.
     const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
     const wanted = asked.x >= 0 && guidance.x !== undefined && (arrived || this.squeezePart > 0);

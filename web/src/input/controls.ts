@@ -283,7 +283,7 @@ export class Controls {
       const axis = scene.axes.find((candidate) => String(candidate.name) === name);
       return axis ? clamp(partOfAxis(axis, palm[name]), -1, 1) : 0;
     };
-    return { y: part('y'), z: part('z'), target: perceiver?.targetAt(state, at.y_m) };
+    return { y: part('y'), z: part('z'), target: perceiver?.targetAt(state, at) };
   }
 
   private use(way: InputWay | undefined): void {

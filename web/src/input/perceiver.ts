@@ -3,6 +3,7 @@ import type { GraspTargets, Position } from '../exercises/exercise';
 import { ExerciseValues } from '../exercises/values';
 import { HandPart, type SceneT, type WorldStateT } from '../protocol';
 import type { Triple } from './wish';
+import { nearestOf } from './guide';
 import type { HandContact } from './obstacle_response';
 
 /**
@@ -77,7 +78,7 @@ export class Perceiver {
 
   onState(state: WorldStateT): Perception {
     const { targets, values } = this;
-    const zone = targets.zone?.(state) ?? { low_n: values.get(state, 'squeeze_low_n'), high_n: values.get(state, 'squeeze_high_n') };
+    const zone = targets.zone?.(state) ?? { squeeze: values.get(state, 'squeeze_n'), low: values.get(state, 'squeeze_low_n'), high: values.get(state, 'squeeze_high_n') };
     return {
       device: state.qM,
       grips: this.gripsNow(state),
@@ -86,9 +87,9 @@ export class Perceiver {
       pushes: targets.met?.(state, Math.max(0, targets.wanted(state)))?.pushes,
       goesOn: targets.goesOn?.(state),
       beside: this.side,
-      squeeze_n: values.get(state, 'squeeze_n'),
-      squeezeLow_n: zone.low_n,
-      squeezeHigh_n: zone.high_n,
+      squeeze_n: zone.squeeze,
+      squeezeLow_n: zone.low,
+      squeezeHigh_n: zone.high,
       target: targets.wanted(state),
       letGo: targets.letGo(state),
       easesOff: targets.easesOff?.(state),
@@ -98,11 +99,9 @@ export class Perceiver {
     };
   }
 
-  /** The target at a place of the row [m, world y]; undefined: none is near. */
-  targetAt(state: WorldStateT, y_m: number): number | undefined {
-    const off_m = this.targets.grips.map(({ body, at_m }) => Math.abs((gripOf(state.bodies[body], at_m)?.y ?? Infinity) - y_m));
-    const nearest = off_m.indexOf(Math.min(...off_m));
-    return nearest >= 0 && off_m[nearest]! <= POINTED_M ? nearest : undefined;
+  /** The target at a place of the row [m, world]; undefined: none is near. */
+  targetAt(state: WorldStateT, { y_m, z_m }: RowPoint): number | undefined {
+    return nearestOf(this.targets.grips.map(({ body, at_m }) => gripOf(state.bodies[body], at_m)), z_m, ({ y }) => Math.abs(y - y_m), POINTED_M);
   }
 
   /** Device coordinates at which the palm's grip would be at a place of the row [m, world]. */

@@ -1,5 +1,5 @@
 import { CarryControl, isInPlace } from './carry_speed';
-import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
+import { depthOf, INSIDE, isStacked, laneOf, ownGrip } from './guide';
 import { ROUND } from './posture';
 import { Push } from './push';
 import { Trigger } from './trigger';
@@ -139,7 +139,7 @@ export class Pilot {
 
   steer(asked: Wish, sight: PilotInput, set: Help, dt_s: number): Course {
     const help = this.showing ? 'full' : set;
-    const own = ownGrip(sight.grips, sight.hand.y, sight.beside);
+    const own = ownGrip(sight.grips, sight.hand, sight.beside);
     if (own === undefined) return { wish: asked, leaving: false };
     const inside = depthOf(sight.hand.x, sight.back_m, sight.grips[own]!) > INSIDE;
     if (this.carry) {
@@ -149,7 +149,7 @@ export class Pilot {
     }
     if (help === 'full' && sight.letGo && !this.over) {
       this.resumes = sight.goesOn === true && this.meant !== undefined;
-      this.finish(asked, inside || this.push !== undefined);
+      this.finish(asked, (inside && !(isStacked(sight.grips, own) && !sight.onJoint)) || this.push !== undefined);
     }
     this.over = sight.letGo;
     if (this.resumes && !sight.letGo && !this.leaving) {
@@ -233,14 +233,16 @@ export class Pilot {
     } else if (this.showing && this.meant === undefined && sight.target >= 0) this.meant = sight.target;
     const pointed = this.stale === undefined ? this.cursor : undefined;
     // A press requests the task's current target, wherever the cursor is, since full help does the right action.
-    const asked = sight.target >= 0 ? sight.target : pointed ?? own;
+    // Of two targets in one lane, a cursor beside them chooses none.
+    const chosen = pointed ?? (wish.place.y !== undefined && !sight.onJoint && isStacked(sight.grips, own) ? undefined : own);
+    const asked = sight.target >= 0 ? sight.target : chosen;
     const wanted = squeezes ? asked : pointed ?? asked;
-    this.tooFar = help === 'full' && squeezes && !sight.reachable(sight.grips[wanted]!);
+    this.tooFar = help === 'full' && squeezes && wanted !== undefined && !sight.reachable(sight.grips[wanted]!);
     if (help === 'none' || sight.letGo) this.meant = undefined;
     else if (help === 'full') {
       const dwelt = pointed !== undefined && this.cursor_s >= DWELL_S;
       const says = squeezes ? !before || this.meant === undefined : dwelt;
-      if (says && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;
+      if (says && wanted !== undefined && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;
     } else if (!squeezes) this.meant = undefined;
     else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside, sight.onJoint)) < (sight.onJoint ? NEAR_HANDLE_M : NEAR_M)) this.meant ??= own;
     if (this.meant !== undefined) this.leaving = false;
@@ -254,6 +256,7 @@ export class Pilot {
     if (!grip) return { wish, leaving: false };
     // A fist that moves in would jam between two targets: it opens first.
     if (sight.closed && own === goal && Math.abs(sight.hand.x - grip.x) > AT_GRIP_M) return move({}, { squeeze: false });
+    if (inside && own !== goal && sight.grips[own] && isStacked([grip, sight.grips[own]], 0) && !sight.onJoint) return move({ x: sight.closed ? 0 : SPEED_M_S }, { squeeze: false });
     if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
     const aside_m = laneOf(grip, sight.beside, sight.onJoint) - sight.aim.y;
     if (inside || Math.abs(aside_m) <= LANE_M) return move({ x: SPEED_M_S });

@@ -7,7 +7,7 @@ import { askedOf, jointOf, metAt, pointMet, usedBodies, type KitchenTask } from 
 /** Range of the pressing force, relative to the asked force. */
 const FIRMLY = { low: 1.1, high: 2.2 } as const;
 /** Range of grip force in which a handle is held well [N]. */
-const HELD = { low_n: 2, high_n: 6 } as const;
+const HELD = { low: 2, high: 6 } as const;
 /** On a hinge the hand is led along the arc, at most this far ahead [rad, m]. */
 const AHEAD_RAD = 0.5;
 const AHEAD_M = 0.02;
@@ -27,7 +27,7 @@ export function kitchenTargets(task: KitchenTask, scene: SceneT): GraspTargets {
     },
     zone(state) {
       const step = stepOf(state), asked_n = step?.verb === 'press' ? askedOf(step, scene, state) : 0;
-      return asked_n > 0 ? { low_n: FIRMLY.low * asked_n, high_n: FIRMLY.high * asked_n } : HELD;
+      return { squeeze: values.get(state, 'squeeze_n'), ...(asked_n > 0 ? { low: FIRMLY.low * asked_n, high: FIRMLY.high * asked_n } : HELD) };
     },
     met(state, grip) {
       const met = metAt(task, values.get(state, 'instruction')), body = bodies[grip];

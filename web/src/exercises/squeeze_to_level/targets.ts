@@ -10,6 +10,6 @@ export function gripTargets(grip: Grip, scene: SceneT): GraspTargets {
     grips: [{ body: grip.body, at_m: { x: 0, y: 0, z: 0 } }], counter_z_m: undefined,
     wanted: (state) => values.get(state, 'instruction') === Instruction.Done ? -1 : 0,
     letGo: (state) => values.get(state, 'instruction') >= Instruction.LetGo,
-    zone: (state) => ({ low_n: values.get(state, 'goal_low_n'), high_n: values.get(state, 'goal_high_n') }),
+    zone: (state) => ({ squeeze: values.get(state, 'squeeze_n'), low: values.get(state, 'goal_low_n'), high: values.get(state, 'goal_high_n') }),
   };
 }
