@@ -277,8 +277,10 @@ struct TellApartSession {
   std::unique_ptr<TickRecord> record = std::make_unique<TickRecord>();
   std::unique_ptr<AnswerLog> log;
 
-  explicit TellApartSession(const std::string& quantity = "firmer") {
-    Models models = load(exerciseFiles("tell-apart-" + quantity));
+  explicit TellApartSession(const std::string& quantity = "firmer")
+      : TellApartSession(exerciseFiles("tell-apart-" + quantity)) {}
+  explicit TellApartSession(const ModelFiles& files) {
+    Models models = load(files);
     values = models.exercise->description().value_names;
     events = models.exercise->description().event_names;
     log = std::make_unique<AnswerLog>(values, events);
@@ -375,9 +377,8 @@ TEST(TellApart, FallOfTheEffort_IsGentle) {
 }
 
 /// The shipped file and its scene, with one change.
-std::string refusalOf(const std::string& quantity, const std::string& find,
-                      const std::string& with) {
-  const Folder folder;
+ModelFiles changedFiles(const Folder& folder, const std::string& quantity, const std::string& find,
+                        const std::string& with) {
   std::string text = bytesOfFile(exerciseFiles("tell-apart-" + quantity).exercise);
   const std::size_t at = text.find(find);
   EXPECT_NE(at, std::string::npos) << find;
@@ -386,11 +387,36 @@ std::string refusalOf(const std::string& quantity, const std::string& find,
                bytesOfFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/scenes/tell-apart.toml"));
   ModelFiles files = exerciseFiles("tell-apart-" + quantity);
   files.exercise = folder.write("exercises/changed.toml", text);
-  auto models = loadModels(files);
+  return files;
+}
+
+std::string refusalOf(const std::string& quantity, const std::string& find,
+                      const std::string& with) {
+  const Folder folder;
+  auto models = loadModels(changedFiles(folder, quantity, find, with));
   if (!models) return format(models.errors());
   std::unique_ptr<Player> player = models->exercise->makePlayer({7});
   const auto rig = buildRig(std::move(*models), std::move(player), RigOptions{});
   return rig ? "" : format(rig.errors());
+}
+
+TEST(TellApart, Answer_IsCalledRightOrWrongOnlyWhereTheFileSaysSo) {
+  const Folder folder;
+  for (const bool says : {false, true}) {
+    TellApartSession session(changedFiles(folder, "firmer", "says_right = false",
+                                          says ? "says_right = true" : "says_right = false"));
+    for (int answer = 0; answer < 2; ++answer) {
+      session.runUntil("answering", 1.0);
+      const bool second_is_more = session.value("x") > 0.0;
+      const bool right = answer == 0;  // the first answer is right, the next one is wrong
+      session.tick(Act::kNext,
+                   choiceValue(second_is_more == right ? Choice::kSecond : Choice::kFirst, false));
+      EXPECT_TRUE(session.told("answered"));
+      EXPECT_EQ(session.told("right"), says && right);
+      EXPECT_EQ(session.told("wrong"), says && !right);
+      session.runUntil("answering", 0.0);
+    }
+  }
 }
 
 TEST(TellApart, FaultyFiles_AreRefusedWithTheRemedy) {

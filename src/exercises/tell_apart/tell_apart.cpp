@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-enum Event : std::int32_t { kAnswered, kAgain, kTooEarly, kLevelDone, kRestarted };
+enum Event : std::int32_t { kAnswered, kAgain, kTooEarly, kLevelDone, kRestarted, kRight, kWrong };
 
 /// The closure of the fingers on a bottle is queried when the palm is nearer than release_m plus
 /// this.
@@ -66,7 +66,8 @@ class TellApart final : public Exercise {
     description_.name = task_.name;
     description_.fade_out_s = task_.wall.transition.release_s;
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
-    description_.event_names = {"answered", "again", "too_early", "level_done", "restarted"};
+    description_.event_names = {"answered",  "again", "too_early", "level_done",
+                                "restarted", "right", "wrong"};
     description_.resume_value = kPlace;
     description_.json = fmt::format(
         R"({{"kind":"tell_apart","quantity":"{}","least_x":{:.6g},"most_x":{:.6g}}})",
@@ -311,6 +312,9 @@ class TellApart final : public Exercise {
       const Comparison& answer = comparing_.block().answers().back();
       said_second_ = answer.said_second ? 1.0 : 0.0;
       addEvent(out, kAnswered, comparing_.answers() - 1, answer.x);
+      if (task_.says_right) {
+        addEvent(out, answer.right() ? kRight : kWrong, comparing_.answers() - 1, answer.x);
+      }
     }
     if (news.again >= 0) addEvent(out, kAgain, news.again, 0.0);
     if (news.too_early) addEvent(out, kTooEarly, -1, 0.0);
@@ -501,6 +505,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   task.filter_hz = root.number("filter_hz", above(0.0, 100.0, "Hz"));
   task.let_go_n = root.number("let_go_n", above(0.0, 10.0, "N"));
   readRules(root, task.rules);
+  task.says_right = root.flag("says_right", false);
   readStimulus(root, task);
   TomlTable wall = root.table("wall");
   task.wall = readFingerWalls(wall, *source.device);

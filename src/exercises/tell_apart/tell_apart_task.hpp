@@ -26,6 +26,7 @@ struct TellApartTask {
   double filter_hz = 5.0;                    ///< low-pass of the squeeze
   double let_go_n = 0.3;                     ///< below this force nothing is squeezed
   double depth_m = 0.006;                    ///< mean depth of a squeeze, from the start on
+  bool says_right = false;                   ///< an event says whether an answer was right
   ComparingRules rules;
   FingerWallFile wall;
   Bottle bottle;
