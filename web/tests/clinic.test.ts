@@ -3,7 +3,7 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ClinicApi, RefusalError, NoAnswerError } from '../src/clinic/api';
 import { Clinic, NAMES_FOR_MS } from '../src/clinic/clinic';
-import { curvePoints } from '../src/clinic/curves';
+import { curvePoints, intervalsOverlap, withIntervals } from '../src/clinic/curves';
 import { Drafts } from '../src/clinic/drafts';
 import { besideLast } from '../src/clinic/end_screen';
 import { de } from '../src/clinic/i18n/de';
@@ -312,6 +312,17 @@ describe('a visit', () => {
     fake.trial(opened, 0, 60);
     return opened;
   };
+
+  it('draws a threshold with its interval, and says no change while intervals overlap', () => {
+    const curve = (name: string, values: readonly number[], exercise = 'tell-apart-firmer') => ({ name, exercise, unit: '%', points: values.map((value, i) => [100 * i, value] as const) });
+    const shown = (low: readonly number[], high: readonly number[]) => withIntervals([curve('threshold_percent', [30, 20]), curve('threshold_low_percent', low), curve('threshold_high_percent', high), curve('threshold_low_percent', [1, 1], 'tell-apart-later'), curve('score', [1, 2])]);
+    const [threshold, other, score] = shown([24, 12], [40, 25]);
+    expect([threshold!.intervals, other!.exercise, other!.intervals, score!.intervals]).toEqual([[[24, 40], [12, 25]], 'tell-apart-later', undefined, undefined]);
+    const { dots, bars, low, high } = curvePoints(threshold!)!;
+    expect([low <= 12, high >= 40]).toEqual([true, true]);
+    bars.forEach((bar, i) => expect([bar![0], bar![1] < dots[i]![1], bar![2] > dots[i]![1]]).toEqual([dots[i]![0], true, true]));
+    expect([intervalsOverlap(threshold!), intervalsOverlap(shown([24, 12], [40, 23])[0]!), intervalsOverlap(score!)]).toEqual([true, false, undefined]);
+  });
 
   it('is compared with the last one of the same exercise and level', () => {
     const [before, now] = [visit(), visit()];

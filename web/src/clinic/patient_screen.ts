@@ -4,7 +4,7 @@ import { tokenOf } from '../net/open_connection';
 import { fill } from '../shared/i18n';
 import { RefusalError } from './api';
 import { TodayPanel } from './begin';
-import { curveFigure } from './curves';
+import { curveFigure, withIntervals } from './curves';
 import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName, NoteBox, noteList } from './notes';
@@ -114,7 +114,7 @@ export class PatientScreen implements Screen {
     const { t } = this;
     const first = newestFirst(visits).filter(tookPlace).at(-1);
     return besideTitle(panel(first ? fill(t.progressSince, { day: visitDay(first) }) : t.progress, 'progress',
-      first ? h('div', { class: 'curves' }, ...(curves.some(({ points }) => points.length > 1) ? [] : [h('p', { class: 'none' }, texts().curves.one)]), ...curves.map(curveFigure)) : h('p', { class: 'none' }, t.noProgress)), h('span', { class: 'aside' }, first ? t.noClaim : ''));
+      first ? h('div', { class: 'curves' }, ...(curves.some(({ points }) => points.length > 1) ? [] : [h('p', { class: 'none' }, texts().curves.one)]), ...withIntervals(curves).map(curveFigure)) : h('p', { class: 'none' }, t.noProgress)), h('span', { class: 'aside' }, first ? t.noClaim : ''));
   }
 
   private visitsPanel(patient: Patient): HTMLElement {

@@ -1,6 +1,6 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
-import { curveFigure } from './curves';
+import { curveFigure, withIntervals } from './curves';
 import { resultTable } from './end_screen';
 import { texts } from './i18n';
 import { accountName, noteList } from './notes';
@@ -62,7 +62,7 @@ export class ProgressPrint extends Sheet {
   protected paper(patient: Patient): Node[] | undefined {
     const { t } = this, visits = newestFirst(patient.visits).filter(tookPlace);
     if (visits.length === 0) return undefined;
-    return [...this.head(t.progress, patient), h('div', { class: 'curves' }, ...patient.curves.map(curveFigure)), h('p', { class: 'aside' }, texts().patient.noClaim),
+    return [...this.head(t.progress, patient), h('div', { class: 'curves' }, ...withIntervals(patient.curves).map(curveFigure)), h('p', { class: 'aside' }, texts().patient.noClaim),
       h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.day, t.hand, t.done, t.active, t.helped, t.led, t.pain].map((words) => h('th', { scope: 'col' }, words)))),
         h('tbody', {}, ...visits.map((visit) => h('tr', {}, h('th', { scope: 'row' }, visitDay(visit)), h('td', {}, sideWords(visit.side)), h('td', {}, [...new Set(visit.trials.map(itemWords))].join(', ')), ...(['active_s', 'helped_s', 'led_s'] as const).map((time) => h('td', { class: 'num' }, timeWords(visit, time))),
           h('td', {}, `${painWords(visit.pain_before)} → ${painWords(visit.pain_after)}`)))))];

@@ -210,7 +210,7 @@ export async function namesOfAnyKind(t) {
 
 const KEPT_MIN = Number(process.env.WHOLEHAND_KEPT_MIN ?? 10);
 /** With the program and the browser they make a load of 8. */
-const LOOPS = 6;
+const LOOPS = 2;
 
 /** Minutes of play by one key, in a drawn game, on a busy machine: the controls are never lost. WHOLEHAND_KEPT_MIN: another number of minutes than 10. */
 export async function controlsAreKept(t) {

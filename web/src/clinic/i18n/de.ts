@@ -30,7 +30,7 @@ export const de: ClinicTexts = {
     poured_total_l: 'Eingeschenkt', spilt_l: 'Verschüttet', answers: 'Antworten', threshold_percent: 'Kleinster gespürter Unterschied', threshold_low_percent: 'Kleinster gespürter Unterschied, mindestens', threshold_high_percent: 'Kleinster gespürter Unterschied, höchstens', bands_done: 'Stufen geschafft', time_s: 'Zeit',
     active_min: 'Aktive Minuten', score: 'Punkte', reach_s: 'Zeit zum Ziel', peak_speed_m_s: 'Höchste Geschwindigkeit', path_ratio: 'Weg, in geraden Wegen', helped_share: 'Geholfen',
   },
-  curves: { one: 'Bisher eine Sitzung. Kurven stehen hier nach zweien.', short: 'unter einer Minute', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.' },
+  curves: { one: 'Bisher eine Sitzung. Kurven stehen hier nach zweien.', short: 'unter einer Minute', none: 'Noch nichts gemessen.', image: '{name} über {n} Sitzungen, von {first} bis {last}.', noChange: 'Keine Veränderung lässt sich sagen: Die Bereiche der ersten und der letzten Sitzung überlappen.', change: 'Erste und letzte Sitzung unterscheiden sich um mehr als ihre Bereiche.' },
   first: {
     title: 'Erster Start', words: 'Das Kennwort öffnet die Akten einmal am Tag. Ohne Kennwort und ohne Notschlüssel kann sie niemand mehr lesen.',
     folder: 'Die Akten kommen nach {path}.', folderEmpty: 'Der Ordner ist leer.', folderAsk: 'Gab es schon Akten: Ist der Datenträger eingehängt?',

@@ -28,7 +28,7 @@ export const en = {
     poured_total_l: 'Poured', spilt_l: 'Spilt', answers: 'Answers', threshold_percent: 'Smallest difference felt', threshold_low_percent: 'Smallest difference felt, at least', threshold_high_percent: 'Smallest difference felt, at most', bands_done: 'Levels done', time_s: 'Time',
     active_min: 'Active minutes', score: 'Score', reach_s: 'Time to reach', peak_speed_m_s: 'Peak speed', path_ratio: 'Way, in straight ways', helped_share: 'Helped',
   } as Record<string, string>,
-  curves: { one: 'One visit so far. Curves stand here after two.', short: 'under a minute', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.' },
+  curves: { one: 'One visit so far. Curves stand here after two.', short: 'under a minute', none: 'Nothing measured yet.', image: '{name} over {n} visits, from {first} to {last}.', noChange: 'No change can be said: the intervals of the first and the last visit overlap.', change: 'First and last visit differ by more than their intervals.' },
   first: {
     title: 'First start', words: 'The pass phrase opens the records once a day. Without it, and without the recovery code, nobody can read them again.',
     folder: 'The records are made in {path}.', folderEmpty: 'The folder is empty.', folderAsk: 'If there were records before: is its disk mounted?',

@@ -30,7 +30,7 @@ export const fr: ClinicTexts = {
     poured_total_l: 'Versé', spilt_l: 'Renversé', answers: 'Réponses', threshold_percent: 'Plus petite différence sentie', threshold_low_percent: 'Plus petite différence sentie, au moins', threshold_high_percent: 'Plus petite différence sentie, au plus', bands_done: 'Niveaux faits', time_s: 'Temps',
     active_min: 'Minutes actives', score: 'Points', reach_s: 'Temps pour atteindre', peak_speed_m_s: 'Vitesse maximale', path_ratio: 'Trajet, en trajets droits', helped_share: 'Aidé',
   },
-  curves: { one: 'Une seule séance jusqu’ici. Les courbes viennent après deux.', short: 'moins d’une minute', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.' },
+  curves: { one: 'Une seule séance jusqu’ici. Les courbes viennent après deux.', short: 'moins d’une minute', none: 'Rien n’est encore mesuré.', image: '{name} sur {n} séances, de {first} à {last}.', noChange: 'On ne peut dire aucun changement : les intervalles de la première et de la dernière séance se recouvrent.', change: 'La première et la dernière séance diffèrent de plus que leurs intervalles.' },
   first: {
     title: 'Premier démarrage', words: 'La phrase secrète ouvre les dossiers une fois par jour. Sans elle et sans le code de secours, personne ne pourra plus les lire.',
     folder: 'Les dossiers sont créés dans {path}.', folderEmpty: 'Le répertoire est vide.', folderAsk: 'S’il y avait déjà des dossiers : son disque est-il monté ?',
