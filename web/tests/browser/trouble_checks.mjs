@@ -209,7 +209,7 @@ export async function namesOfAnyKind(t) {
 }
 
 const KEPT_MIN = Number(process.env.WHOLEHAND_KEPT_MIN ?? 10);
-/** With the program and the browser they make a load of 8. */
+/** With the program and a drawn page they keep two processors busy beyond a load of 8; the figure has the load. */
 const LOOPS = 2;
 
 /** Minutes of play by one key, in a drawn game, on a busy machine: the controls are never lost. WHOLEHAND_KEPT_MIN: another number of minutes than 10. */
