@@ -19,6 +19,7 @@ const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
   [/^src\/clinic\/i18n\//, /'deleted a guest visit': /, 'entries of the log, as the records write them'],
   [/^src\/clinic\/(api|records|gentle_visit|patients_screen)\.ts$/, /\bguest(s|_visits)?\b/, 'a visit without a patient, as the records call it'],
   [/^src\/exercises\/kitchen\/appliances\.ts$/, /lemon|juice|glass/i, 'a citrus press has them, too'],
+  [/^src\/exercises\/tell_apart\//, /bottle|flasche|bouteille/i, 'it compares two'],
   [/^src\/charts\/i18n\//, /exercise\.|chart\.|figure\./, 'words of the charts that the program draws of the bar'],
 ];
 

@@ -4,6 +4,9 @@ import type { ExerciseWords, Meter, Phase, Play, Praise, Prompt } from './exerci
 import { ExercisePanel } from './panel';
 import { ExerciseValues } from './values';
 
+/** The words that the exercise's file has. */
+export const panelWords = (panel: ExercisePanel): ExerciseWords => ({ title: () => panel.title, lead: () => panel.lead, steps: () => [], levelName: () => '', oneButton: () => undefined });
+
 export class PanelPlay implements Play {
   readonly chimes = {};
   readonly words: ExerciseWords;
@@ -11,7 +14,7 @@ export class PanelPlay implements Play {
 
   constructor(readonly panel: ExercisePanel, scene: SceneT) {
     this.values = new ExerciseValues(scene.valueNames);
-    this.words = { title: () => panel.title, lead: () => panel.lead, steps: () => [], levelName: () => '', oneButton: () => undefined };
+    this.words = panelWords(panel);
   }
 
   follow(): boolean { return false; }
