@@ -1,5 +1,7 @@
 #include "loop/dynamics/articulated_body.hpp"
 
+#include "loop/core/compiler.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -196,7 +198,8 @@ void ArticulatedBody::placeBody(int i, double position) noexcept {
   screw_[i] = {axis, cross(pose.translation_m, axis)};
 }
 
-void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
+[[gnu::flatten]] WHOLEHAND_VECTOR_CLONES void ArticulatedBody::placeLinks(
+    const JointPosition& theta) noexcept {
   for (int i = 0; i < body_count_; ++i) placeBody(i, theta[body_[i].joint]);
   for (int i = 0; i < weld_count_; ++i) {
     const Weld& w = weld_[i];
@@ -204,26 +207,8 @@ void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
   }
 }
 
-bool ArticulatedBody::update(const JointPosition& theta, const JointVelocity& theta_dot,
-                             const Eigen::Vector3d& gravity_m_s2) noexcept {
-  updateKinematics(theta);
-  return updateDynamics(theta_dot, gravity_m_s2);
-}
-
-bool ArticulatedBody::updateFrom(const ArticulatedBody& placed, const JointVelocity& theta_dot,
-                                 const Eigen::Vector3d& gravity_m_s2) noexcept {
-  assert(placed.body_count_ == body_count_ && placed.hand_->links.size() == hand_->links.size());
-  std::copy_n(placed.pose_.begin(), hand_->links.size(), pose_.begin());
-  std::copy_n(placed.screw_.begin(), body_count_, screw_.begin());
-  return updateDynamics(theta_dot, gravity_m_s2);
-}
-
-bool ArticulatedBody::updateDynamics(const JointVelocity& theta_dot,
-                                     const Eigen::Vector3d& gravity_m_s2) noexcept {
-  sweepForward(theta_dot, gravity_m_s2);
-  sweepBackward();
-  reduce();
-  return invertPositiveDefinite(reduced_inertia_, reduced_inertia_inverse_);
+void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
+  placeLinks(theta);
 }
 
 // Outward Newton-Euler recursion: computes velocities, accelerations at θ̈ = 0, and the wrench on
@@ -295,6 +280,28 @@ void ArticulatedBody::reduce() noexcept {
   for (int a = 0; a < armature_.size(); ++a) reduced_inertia_(a, a) += armature_[a];
 }
 
+[[gnu::flatten]] WHOLEHAND_VECTOR_CLONES bool ArticulatedBody::updateDynamics(
+    const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept {
+  sweepForward(theta_dot, gravity_m_s2);
+  sweepBackward();
+  reduce();
+  return invertPositiveDefinite(reduced_inertia_, reduced_inertia_inverse_);
+}
+
+bool ArticulatedBody::update(const JointPosition& theta, const JointVelocity& theta_dot,
+                             const Eigen::Vector3d& gravity_m_s2) noexcept {
+  updateKinematics(theta);
+  return updateDynamics(theta_dot, gravity_m_s2);
+}
+
+bool ArticulatedBody::updateFrom(const ArticulatedBody& placed, const JointVelocity& theta_dot,
+                                 const Eigen::Vector3d& gravity_m_s2) noexcept {
+  assert(placed.body_count_ == body_count_ && placed.hand_->links.size() == hand_->links.size());
+  std::copy_n(placed.pose_.begin(), hand_->links.size(), pose_.begin());
+  std::copy_n(placed.screw_.begin(), body_count_, screw_.begin());
+  return updateDynamics(theta_dot, gravity_m_s2);
+}
+
 void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept {
   torque = bias_;
   for (int a = 0; a < hand_->axis_count; ++a) {
@@ -340,6 +347,51 @@ void ArticulatedBody::reducedAngularRow(int link, const Eigen::Vector3d& directi
       row[terms_[t].axis] += terms_[t].ratio * rate;
     }
   }
+}
+
+namespace {
+
+/// Four numbers, of one row each. Sums are written out in the order of Eigen's dot products.
+using FourRows = double __attribute__((vector_size(32)));
+
+// The result is a reference, because returning a vector would need AVX in the caller.
+[[gnu::always_inline]] inline void dotRows(FourRows& to, const Eigen::Vector3d& a,
+                                           const std::array<FourRows, 3>& b) noexcept {
+  to = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+}  // namespace
+
+[[gnu::flatten]] WHOLEHAND_VECTOR_CLONES void ArticulatedBody::sumContactRows(
+    int link, const Eigen::Vector3d& point_m, const std::array<Eigen::Vector3d, 3>& directions,
+    const std::array<double*, 4>& rows) const noexcept {
+  std::array<Eigen::Vector3d, 3> moments;
+  for (int k = 0; k < 3; ++k) moments[k] = cross(point_m, directions[k]);
+  std::array<FourRows, 3> moment, force;
+  for (int c = 0; c < 3; ++c) {
+    moment[c] = FourRows{moments[0][c], moments[1][c], moments[2][c], directions[0][c]};
+    force[c] = FourRows{directions[0][c], directions[1][c], directions[2][c], 0.0};
+  }
+  std::array<FourRows, kMaxAxes> sums;
+  for (int a = 0; a < hand_->axis_count; ++a) sums[a] = FourRows{};
+  for (int i = body_of_link_[link]; i >= 0; i = body_[i].parent) {
+    FourRows turning, sliding;
+    dotRows(turning, screw_[i].angular, moment);
+    dotRows(sliding, screw_[i].linear, force);
+    const FourRows rate = turning + sliding;
+    for (int t = body_[i].first_term; t < body_[i].end_term; ++t) {
+      sums[terms_[t].axis] += terms_[t].ratio * rate;
+    }
+  }
+  for (int a = 0; a < hand_->axis_count; ++a) {
+    for (int k = 0; k < 4; ++k) rows[k][a] = sums[a][k];
+  }
+}
+
+void ArticulatedBody::reducedContactRows(int link, const Eigen::Vector3d& point_m,
+                                         const std::array<Eigen::Vector3d, 3>& directions,
+                                         const std::array<double*, 4>& rows) const noexcept {
+  sumContactRows(link, point_m, directions, rows);
 }
 
 }  // namespace wholehand

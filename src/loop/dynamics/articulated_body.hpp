@@ -153,6 +153,12 @@ class ArticulatedBody {
   WHOLEHAND_RT void reducedAngularRow(int link, const Eigen::Vector3d& direction,
                                       double* row /* axis_count */) const noexcept;
 
+  /// The rows of a contact, with the bits of reducedPointRow() along three directions and of
+  /// reducedAngularRow() about the first, in one walk down the chain. Real-time safe.
+  WHOLEHAND_RT void reducedContactRows(
+      int link, const Eigen::Vector3d& point_m, const std::array<Eigen::Vector3d, 3>& directions,
+      const std::array<double*, 4>& rows /* axis_count each */) const noexcept;
+
   [[nodiscard]] const JointEffort& bias() const noexcept { return bias_; }                ///< h
   [[nodiscard]] const JointMatrix& inertia() const noexcept { return inertia_; }          ///< M
   [[nodiscard]] const AxisEffort& reducedBias() const noexcept { return reduced_bias_; }  ///< h_r
@@ -191,10 +197,15 @@ class ArticulatedBody {
     double ratio = 0.0;
   };
 
+  // These three are compiled for AVX as a whole, with what they call.
+  void placeLinks(const JointPosition& theta) noexcept;
+  bool updateDynamics(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
+  void sumContactRows(int link, const Eigen::Vector3d& point_m,
+                      const std::array<Eigen::Vector3d, 3>& directions,
+                      const std::array<double*, 4>& rows) const noexcept;
   void placeBody(int i, double position) noexcept;
   void addBody(int link, int parent, const Pose& parent_to_body);
   static void addMass(Body& body, const HandLink& link, const Pose& body_to_link);
-  bool updateDynamics(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
   void sweepForward(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
   void sweepBackward() noexcept;
   void reduce() noexcept;

@@ -108,13 +108,15 @@ bool HandPosture::isPalmar(int capsule, const Vector3d& normal) const noexcept {
   return -normal.dot(palmar) > kPalmar;
 }
 
-double HandPosture::opposes(int axis, int capsule, const Vector3d& point_m,
-                            const Vector3d& force_n) const noexcept {
+AxisEffort HandPosture::opposingEffort(int capsule, const Vector3d& point_m,
+                                       const Vector3d& force_n) const noexcept {
+  AxisEffort out(hand_.axis_count);
   const auto at = static_cast<std::size_t>(capsule);
-  if (posed_ == nullptr || at >= palmar_.size() || axis >= hand_.axis_count) return 0.0;
+  if (posed_ == nullptr || at >= palmar_.size()) return out;
   std::array<double, kMaxAxes> row{};
   posed_->reducedPointRow(hand_.capsules[at].link, point_m, force_n, row.data());
-  return -row[axis];
+  for (int a = 0; a < out.size(); ++a) out[a] = -row[a];
+  return out;
 }
 
 SoftTouches HandPosture::softTouches(
@@ -136,9 +138,10 @@ SoftTouches HandPosture::softTouches(
     const Vector3d normal = turn * is.way / apart_m;
     const Vector3d point_m = body.position_m.eigen() + turn * is.end - c.radius_m * normal;
     const int capsule = static_cast<int>(i);
+    const AxisEffort opposing = opposingEffort(capsule, point_m, normal);
     for (int a = 0; a < hand_.axis_count; ++a) {
       if ((axes_of_capsule[i] >> a & 1U) == 0U) continue;
-      if (!(opposes(a, capsule, point_m, normal) > kPressing_m)) continue;
+      if (!(opposing[a] > kPressing_m)) continue;
       SoftTouch& touch = out[a];
       touch.presses = true;
       if (!isPalmar(capsule, normal) || depth_m <= touch.palmar_depth_m) continue;
@@ -185,9 +188,9 @@ double feltSqueeze_n(const TickRecord& record, const FeltBody& felt, const HandP
   AxisEffort on_axis(walls.axes);
   forPalmarContacts(record, felt.body, posture, [&](const Contact& c, double bears_n) {
     presses.add(c.normal.eigen(), bears_n);
-    for (int a = 0; a < walls.axes; ++a) {
-      on_axis[a] += posture.opposes(a, c.capsule, c.point_m.eigen(), c.force_n.eigen());
-    }
+    const AxisEffort opposing =
+        posture.opposingEffort(c.capsule, c.point_m.eigen(), c.force_n.eigen());
+    for (int a = 0; a < std::min(walls.axes, opposing.size()); ++a) on_axis[a] += opposing[a];
   });
   double sum_n = 0.0;
   for (int a = 0; a < walls.axes; ++a) {

@@ -39,11 +39,10 @@ class HandPosture {
   [[nodiscard]] WHOLEHAND_RT bool isPalmar(int capsule,
                                            const Eigen::Vector3d& normal) const noexcept;
 
-  /// Effort by which a force on a capsule, at a point of it, opposes closing of an axis: -jᵀf, with
-  /// j the axis's column of the reduced point Jacobian [N or N·m]. World frame. 0 for an unknown
-  /// posture.
-  [[nodiscard]] WHOLEHAND_RT double opposes(int axis, int capsule, const Eigen::Vector3d& point_m,
-                                            const Eigen::Vector3d& force_n) const noexcept;
+  /// Efforts by which a force on a capsule, at a point of it, opposes closing of every axis: -Jᵀf,
+  /// with J the reduced point Jacobian [N or N·m]. World frame. 0 for an unknown posture.
+  [[nodiscard]] WHOLEHAND_RT AxisEffort opposingEffort(
+      int capsule, const Eigen::Vector3d& point_m, const Eigen::Vector3d& force_n) const noexcept;
 
   /// Finds for every axis its contact with the side of an upright cylindrical shell into which
   /// closing presses it.

@@ -47,6 +47,20 @@ TEST(ArticulatedBody, ReducedRows_AreDerivativesOfForwardKinematics) {
     body.reducedPointRow(link, pose * local, direction, point_row.data());
     body.reducedAngularRow(link, direction, angular_row.data());
 
+    // The rows of a contact are those of its directions, to the bit.
+    const std::array<Eigen::Vector3d, 3> directions{direction, randomVector(rng, 1.0),
+                                                    randomVector(rng, 1.0)};
+    std::array<std::array<double, kMaxAxes>, 4> rows{};
+    body.reducedContactRows(link, pose * local, directions,
+                            {rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()});
+    EXPECT_EQ(rows[0], point_row);
+    EXPECT_EQ(rows[3], angular_row);
+    for (int k = 1; k < 3; ++k) {
+      std::array<double, kMaxAxes> one{};
+      body.reducedPointRow(link, pose * local, directions[k], one.data());
+      EXPECT_EQ(rows[k], one);
+    }
+
     constexpr double kStep = 1e-6;  // central difference: error about kStep² and 1e-16 / kStep
     for (int a = 0; a < hand.axis_count; ++a) {
       std::array<Pose, 2> moved;

@@ -1,5 +1,6 @@
 #include "loop/physics/bullet/bullet_hand.hpp"
 
+#include "loop/core/compiler.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 
 #include <Eigen/Geometry>
@@ -39,13 +40,11 @@ BulletHand::BulletHand(const HandModel& hand, double friction)
   }
 }
 
-void BulletHand::placeCapsules(const ArticulatedBody& kinematics) noexcept {
-  kinematics_ = &kinematics;
-  std::fill(has_frame_.begin(), has_frame_.end(), false);
+WHOLEHAND_VECTOR_CLONES void BulletHand::placeAll() noexcept {
   box_ = WorldBox{};
   for (std::size_t i = 0; i < capsules_.size(); ++i) {
     const Capsule& capsule = capsules_[i];
-    const Pose& link = kinematics.linkPose(capsule.link);
+    const Pose& link = kinematics_->linkPose(capsule.link);
     PlacedCapsule& placed = placed_[i];
     for (int k = 0; k < 3; ++k) {
       const auto along = [&](const Eigen::Vector3d& p) {
@@ -61,6 +60,12 @@ void BulletHand::placeCapsules(const ArticulatedBody& kinematics) noexcept {
       box_.high_m[k] = std::max(box_.high_m[k], placed.box.high_m[k]);
     }
   }
+}
+
+void BulletHand::placeCapsules(const ArticulatedBody& kinematics) noexcept {
+  kinematics_ = &kinematics;
+  std::fill(has_frame_.begin(), has_frame_.end(), false);
+  placeAll();
 }
 
 btCollisionObject& BulletHand::object(int capsule) noexcept {

@@ -40,6 +40,8 @@ class BulletHand {
   [[nodiscard]] btCollisionObject& object(int capsule) noexcept;
 
  private:
+  void placeAll() noexcept;
+
   std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
   std::vector<std::unique_ptr<btCollisionObject>> objects_;
   std::vector<Shape> forms_;

@@ -174,8 +174,11 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   // inherits its impulses.
   btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
+  kinematics_.reducedContactRows(
+      tag.link, at, {toEigen(contact.normal), toEigen(contact.tangent1), toEigen(contact.tangent2)},
+      {contact.normal_row.jacobian.data(), contact.tangent1_row.jacobian.data(),
+       contact.tangent2_row.jacobian.data(), contact.spin_row.jacobian.data()});
   const auto linear_row = [&](ReducedRow& row, const btVector3& direction, double goal) {
-    kinematics_.reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
     row.linear = -direction;
     row.angular = arm.cross(-direction);
     // Bullet uses one body at rest for everything that is fixed; a fixed body may slide, so its
@@ -198,7 +201,6 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   linear_row(contact.tangent2_row, contact.tangent2, pull * contact.drift2_m);
 
   ReducedRow& spin = contact.spin_row;
-  kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
   spin.linear.setZero();
   spin.angular = -contact.normal;
   aim(spin, body, on, 0.0);
