@@ -260,6 +260,11 @@ void ReducedContactSolver::prepareSweeps() {
     start(contact);
   }
   rows_.start(lead, change_.data());
+  const auto in_use = contacts_.begin() + contact_count_;
+  one_body_ = contact_count_ > 0 && !couples_ends_ &&
+              std::all_of(contacts_.begin(), in_use, [&](const HandContact& contact) {
+                return contact.solver_body == contacts_[0].solver_body;
+              });
 }
 
 void ReducedContactSolver::finishFriction(HandContact& contact, Ends ends) const {
@@ -537,53 +542,49 @@ static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 
 
 }  // namespace
 
-/// Change of the velocity along a row in this step.
 template <int Width>
-double ReducedContactSolver::change(const ReducedRow& row, const btSolverBody& body) const {
-  return alongRow<Width>(row.jacobian.data(), change_.data(), row.linear.m_floats,
-                         body.m_deltaLinearVelocity.m_floats, row.angular.m_floats,
-                         body.m_deltaAngularVelocity.m_floats);
+MemoryVelocities<Width> ReducedContactSolver::velocitiesAt(const HandContact& contact) {
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  return {change_.data(), body.m_deltaLinearVelocity.m_floats, body.m_deltaAngularVelocity.m_floats,
+          couples_ends_ ? rows_.coupledEndImpulse().data() : nullptr};
 }
 
-template <int Width>
-double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  return row.impulse + row.target - change<Width>(row, body) * row.effective_mass;
+template <class Velocities>
+double ReducedContactSolver::wanted(const ReducedRow& row, const Velocities& velocities) const {
+  return row.impulse + row.target - velocities.along(row) * row.effective_mass;
 }
 
-template <int Width>
-void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
+template <class Velocities>
+void ReducedContactSolver::apply(ReducedRow& row, Velocities& velocities, double impulse) {
   const double change = impulse - row.impulse;
   if (row.effective_mass == 0.0 || change == 0.0) return;
   row.impulse = impulse;
   residual_ = std::max(residual_, change * change);
-  addScaled<4>(body.m_deltaLinearVelocity.m_floats, change, row.linear_response.m_floats);
-  addScaled<4>(body.m_deltaAngularVelocity.m_floats, change, row.angular_response.m_floats);
-  addScaled<Width>(change_.data(), change, row.response.data());
-  if (couples_ends_) addScaled<4>(rows_.coupledEndImpulse().data(), change, row.end_shares.data());
+  velocities.add(row, change);
 }
 
 // Sets the normal impulse within the bound of its body.
-template <int Width>
-void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, double wanted) {
+template <class Velocities>
+void ReducedContactSolver::press(HandContact& contact, Velocities& velocities, double wanted) {
   if (contact.bound == nullptr) {
-    apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, kNoLimit));
+    apply(contact.normal_row, velocities, std::clamp(wanted, 0.0, kNoLimit));
     return;
   }
   ImpulseBound& bound = *contact.bound;
   const double before = contact.normal_row.impulse;
   const double most = std::max(0.0, bound.most - (bound.pressed - before));
-  apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, most));
+  apply(contact.normal_row, velocities, std::clamp(wanted, 0.0, most));
   bound.pressed += contact.normal_row.impulse - before;
 }
 
 // Applies the starting impulses of the rows.
 void ReducedContactSolver::start(HandContact& contact) {
-  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  MemoryVelocities<kMaxAxes> velocities = velocitiesAt<kMaxAxes>(contact);
   const auto first = [](ReducedRow& row) { return std::exchange(row.impulse, 0.0); };
-  press<kMaxAxes>(contact, body, first(contact.normal_row));
-  apply<kMaxAxes>(contact.tangent1_row, body, first(contact.tangent1_row));
-  apply<kMaxAxes>(contact.tangent2_row, body, first(contact.tangent2_row));
-  apply<kMaxAxes>(contact.spin_row, body, first(contact.spin_row));
+  press(contact, velocities, first(contact.normal_row));
+  apply(contact.tangent1_row, velocities, first(contact.tangent1_row));
+  apply(contact.tangent2_row, velocities, first(contact.tangent2_row));
+  apply(contact.spin_row, velocities, first(contact.spin_row));
 }
 
 // True when the friction of a contact pulls at a joint's end. An end can only press.
@@ -599,47 +600,67 @@ bool ReducedContactSolver::pullsAtEnd(const HandContact& contact) const {
   return false;
 }
 
-template <int Width>
-void ReducedContactSolver::solveFriction(HandContact& contact) {
-  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+template <class Velocities>
+void ReducedContactSolver::solveFriction(HandContact& contact, Velocities& velocities) {
   const double normal = contact.normal_row.impulse;
   if (normal == 0.0) {  // no friction without a normal impulse
-    apply<Width>(contact.spin_row, body, 0.0);
-    apply<Width>(contact.tangent1_row, body, 0.0);
-    apply<Width>(contact.tangent2_row, body, 0.0);
+    apply(contact.spin_row, velocities, 0.0);
+    apply(contact.tangent1_row, velocities, 0.0);
+    apply(contact.tangent2_row, velocities, 0.0);
     return;
   }
   const double spin_limit = settings_.spinning_friction_m * normal;
-  apply<Width>(contact.spin_row, body,
-               std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
+  apply(contact.spin_row, velocities,
+        std::clamp(wanted(contact.spin_row, velocities), -spin_limit, spin_limit));
   ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
   if (one.effective_mass == 0.0 || two.effective_mass == 0.0) {
     // Nothing moves along one of the tangents, so each is limited separately.
     const double limit = contact.friction * normal;
-    apply<Width>(one, body, std::clamp(wanted<Width>(one, body), -limit, limit));
+    apply(one, velocities, std::clamp(wanted(one, velocities), -limit, limit));
     const double left = std::sqrt(std::max(0.0, limit * limit - one.impulse * one.impulse));
-    apply<Width>(two, body, std::clamp(wanted<Width>(two, body), -left, left));
+    apply(two, velocities, std::clamp(wanted(two, velocities), -left, left));
     return;
   }
   contact.disc.limit = contact.friction * normal;
   double t1 = 0.0, t2 = 0.0;
-  contact.disc.solve(one.impulse, two.impulse, one.lacking - change<Width>(one, body),
-                     two.lacking - change<Width>(two, body), t1, t2);
-  apply<Width>(one, body, t1);
-  apply<Width>(two, body, t2);
+  contact.disc.solve(one.impulse, two.impulse, one.lacking - velocities.along(one),
+                     two.lacking - velocities.along(two), t1, t2);
+  apply(one, velocities, t1);
+  apply(two, velocities, t2);
+}
+
+template <class Velocities>
+void ReducedContactSolver::pressAgain(HandContact& contact, Velocities& velocities) {
+  const double yielded = contact.yielding * contact.normal_row.impulse;
+  press(contact, velocities, wanted(contact.normal_row, velocities) - yielded);
 }
 
 template <int Width>
 void ReducedContactSolver::iterate() {
+  if (one_body_) {
+    btSolverBody& body = m_tmpSolverBodyPool[contacts_[0].solver_body];
+    double *linear = body.m_deltaLinearVelocity.m_floats,
+           *angular = body.m_deltaAngularVelocity.m_floats;
+    RegisterVelocities<Width> velocities(change_.data(), linear, angular);
+    for (int i = 0; i < contact_count_; ++i) pressAgain(contacts_[i], velocities);
+    for (int i = 0; i < contact_count_; ++i) solveFriction(contacts_[i], velocities);
+    velocities.write(change_.data(), linear, angular);
+  } else {
+    iterateAmongBodies<Width>();
+  }
+  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
+}
+
+template <int Width>
+void ReducedContactSolver::iterateAmongBodies() {
   for (int i = 0; i < contact_count_; ++i) {
-    HandContact& contact = contacts_[i];
-    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    const double yielded = contact.yielding * contact.normal_row.impulse;
-    press<Width>(contact, body, wanted<Width>(contact.normal_row, body) - yielded);
+    MemoryVelocities<Width> velocities = velocitiesAt<Width>(contacts_[i]);
+    pressAgain(contacts_[i], velocities);
   }
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
-    solveFriction<Width>(contact);
+    MemoryVelocities<Width> velocities = velocitiesAt<Width>(contact);
+    solveFriction(contact, velocities);
     if (!contact.rests_on_ends || !pullsAtEnd(contact)) continue;
     // The end no longer bears this contact's friction, and the digit alone is light. With the
     // inertia of a hand held by the end, friction would overshoot from one side of its cone to the
@@ -647,22 +668,21 @@ void ReducedContactSolver::iterate() {
     contact.rests_on_ends = false;
     finishFriction(contact, Ends::kFree);
   }
-  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 
 // Updates the drift. A sliding contact starts again from zero. A sticking one has crept by the slip
 // that the solver left.
-void ReducedContactSolver::keepDrift(HandContact& contact, double step_s) const {
+void ReducedContactSolver::keepDrift(HandContact& contact, double step_s) {
   const double limit = contact.friction * contact.normal_row.impulse;
   const ReducedRow &one = contact.tangent1_row, &two = contact.tangent2_row;
   if (std::hypot(one.impulse, two.impulse) >= limit * (1.0 - 1e-9)) {
     contact.drift1_m = contact.drift2_m = 0.0;
     return;
   }
-  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const MemoryVelocities<kMaxAxes> velocities = velocitiesAt<kMaxAxes>(contact);
   const double pull = -settings_.friction_anchor_erp / step_s;
   const auto creep = [&](const ReducedRow& row, double drift_m) {
-    return step_s * (pull * drift_m - row.lacking + change<kMaxAxes>(row, body));
+    return step_s * (pull * drift_m - row.lacking + velocities.along(row));
   };
   contact.drift1_m += creep(one, contact.drift1_m);
   contact.drift2_m += creep(two, contact.drift2_m);

@@ -8,6 +8,7 @@
 #include "loop/physics/bullet/hand_rows.hpp"
 #include "loop/physics/bullet/joint_rows.hpp"
 #include "loop/physics/bullet/row_arithmetic.hpp"
+#include "loop/physics/bullet/row_velocities.hpp"
 #include "loop/physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -139,8 +140,9 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void finishFriction(HandContact& contact, Ends ends) const;
   [[nodiscard]] bool pullsAtEnd(const HandContact& contact) const;
   void start(HandContact& contact);
-  template <int Width>
-  [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);
+  template <class Velocities>
+  [[gnu::always_inline]] inline void press(HandContact& contact, Velocities& velocities,
+                                           double wanted);
   [[nodiscard]] bool solveAtOnce();
   [[nodiscard]] bool listIsland();
   void writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const;
@@ -159,28 +161,33 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   template <int Width>
   void respond(ReducedRow& row) const;
   template <int Width>
+  [[gnu::always_inline]] inline void iterateAmongBodies();
+  template <int Width>
+  [[gnu::always_inline, nodiscard]] inline MemoryVelocities<Width> velocitiesAt(
+      const HandContact& contact);
+  template <class Velocities>
   [[gnu::always_inline, nodiscard]] inline double wanted(const ReducedRow& row,
-                                                         const btSolverBody& body) const;
-  template <int Width>
-  [[gnu::always_inline]] inline void apply(ReducedRow& row, btSolverBody& body, double impulse);
-  template <int Width>
-  [[gnu::always_inline]] inline void solveFriction(HandContact& contact);
-  template <int Width>
-  [[gnu::always_inline, nodiscard]] inline double change(const ReducedRow& row,
-                                                         const btSolverBody& body) const;
+                                                         const Velocities& velocities) const;
+  template <class Velocities>
+  [[gnu::always_inline]] inline void apply(ReducedRow& row, Velocities& velocities, double impulse);
+  template <class Velocities>
+  [[gnu::always_inline]] inline void pressAgain(HandContact& contact, Velocities& velocities);
+  template <class Velocities>
+  [[gnu::always_inline]] inline void solveFriction(HandContact& contact, Velocities& velocities);
   void solveTouched();
   [[nodiscard]] bool solveWithHand(int island);
   [[nodiscard]] bool addHandTo(IslandNewton& newton, int island, int slot);
   void takeHandFrom(const IslandNewton& newton, int first, int slot);
-  void keepDrift(HandContact& contact, double step_s) const;
+  void keepDrift(HandContact& contact, double step_s);
 
   const int axes_;
   const SolverSettings settings_;
   double softness_ = 0.0;  ///< R of the normal rows in this step [1/kg]
   const ArticulatedBody& kinematics_;
-  HandRows& rows_;                     ///< self-contacts and joint limits of the hand
-  bool couples_ends_ = false;          ///< a row is coupled to a joint end in this step
-  AxisMatrix inverse_;                 ///< M_r⁻¹, padded with zeros to the loop's width
+  HandRows& rows_;             ///< self-contacts and joint limits of the hand
+  bool couples_ends_ = false;  ///< a row is coupled to a joint end in this step
+  bool one_body_ = false;      ///< all contacts are with one body, and no joint end is coupled
+  AxisMatrix inverse_;         ///< M_r⁻¹, padded with zeros to the loop's width
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   std::vector<bool> bounded_;          ///< per body of the scene
   std::vector<ImpulseBound> bounds_;   ///< per body of the scene; valid where bounded_ is true
