@@ -29,8 +29,8 @@ class PeakRow {
     this.bar.style.width = `${Math.min(100, (100 * peak) / limit).toFixed(1)}%`;
     setClass(this.track, 'over', peak >= 0.995 * limit);
     setText(this.text, `${shown} / ${most} ${this.unit}`);
-    setAttribute(this.track, 'aria-valuemax', most);
-    setAttribute(this.track, 'aria-valuenow', String(Math.min(peak, limit).toFixed(this.decimals)));
+    setAttribute(this.track, 'aria-valuemax', String(limit));
+    setAttribute(this.track, 'aria-valuenow', String(Math.min(peak, limit)));
     setAttribute(this.track, 'aria-valuetext', `${this.name}: ${fill(words, { a: shown, b: most })} ${this.unit}`);
   }
 }
