@@ -296,15 +296,41 @@ class BadInputs(unittest.TestCase):
             with self.assertRaisesRegex(error, why):
                 rig.step(aim)
         for n in (0, -3, 5.0, "5"):
-            with self.assertRaisesRegex(ValueError, rf"n = {n!r}: must be a whole number in \[1, "):
+            with self.assertRaisesRegex(ValueError, rf"n = {n!r}: must be a whole number >= 1"):
                 rig.step(good, n)
         self.assertEqual(rig.step(good.tolist(), 2), 2, "a refusal changes nothing")
         self.assertEqual(rig.tick, 1)
-        for seed in (-1, 2.5, 2**64):
-            with self.assertRaisesRegex(ValueError, rf"seed = {seed}: must be a whole number in \[0, "):
+        for seed, allowed in ((-1, ">= 0"), (2.5, ">= 0"), (2**64, r"in \[0, 18446744073709551615\]")):
+            with self.assertRaisesRegex(ValueError, rf"^seed = {seed}: must be a whole number {allowed}$"):
                 Rig(seed=seed)
-            with self.assertRaisesRegex(ValueError, rf"seed = {seed}: must be a whole number"):
+            with self.assertRaisesRegex(ValueError, rf"^seed = {seed}: must be a whole number {allowed}$"):
                 rig.reset(seed)
+
+    def test_arguments_of_wrong_types_are_refused_by_name(self):
+        """pybind11 alone would answer with the signature of the constructor."""
+        rig, rigs = Rig(scene="empty"), VectorRig(2, threads=1, scene="empty")
+        wrong = (1.5, -1, float("nan"), 2**70, numpy.float64(2.0), b"\xff", object(), 1j, [1], "\0", "a" * 300)
+        refused = (ValueError, TypeError, IndexError)
+        calls = {"seed": lambda v: rig.reset(v), "n": lambda v: rig.step(n=v), "aim": lambda v: rig.step(v),
+                 "seeds": lambda v: rigs.reset(v), "rig": lambda v: rigs.reset_one(v), "state": lambda v: rig.restore(v),
+                 "threads": lambda v: VectorRig(2, threads=v, scene="empty")}
+        for key in ("level", "engine", "rate_hz", "uncertified", "device", "hand", "scene", "patient", "exercise", "rendering",
+                    "motion"):
+            calls[key] = lambda v, key=key: Rig(**{key: v})
+        for key, call in calls.items():
+            for value in wrong:
+                with self.subTest(key=key, value=repr(value)[:40]), self.assertRaises(refused) as why:
+                    call(value)
+                for dump in ("incompatible", "Invoked with", "arg0"):
+                    self.assertNotIn(dump, str(why.exception))
+                if not isinstance(why.exception, BadInput):
+                    self.assertIn(key if key != "state" else "the state", str(why.exception).replace("state =", "the state"))
+        for call in (lambda: rig.step(m=5), lambda: rig.reset(1, 2), lambda: rigs.reset_one(), lambda: Rig(sead=1)):
+            with self.assertRaisesRegex(TypeError, r"^(Vector)?Rig\.\w+\(\) "):
+                call()
+        for key in ("device", "hand", "patient"):
+            with self.assertRaisesRegex(ValueError, f"^{key} = '': must be a path"):
+                Rig(**{key: ""})
 
     def test_bad_files_are_refused_with_the_programs_messages(self):
         with self.assertRaisesRegex(BadInput, "no-such.toml") as refused:
@@ -381,7 +407,7 @@ class Vectors(unittest.TestCase):
         with self.assertRaisesRegex(IndexError, r"rig = 2: must be in 0 \.\. 1"):
             rigs.reset_one(2)
         for bad in ({"n": 0}, {"n": 2, "threads": 0}):
-            with self.assertRaisesRegex(ValueError, "= 0: must be at least 1"):
+            with self.assertRaisesRegex(ValueError, "= 0: must be a whole number >= 1"):
                 VectorRig(**bad)
 
 

@@ -10,8 +10,9 @@
 
 namespace wholehand::python {
 
-// Arguments from Python. Each function raises ValueError, TypeError or IndexError with the name of
-// the argument, its value and what is allowed.
+// Arguments from Python. They are read here, since pybind11 would answer one of a wrong type with
+// the signature of the function. Each function raises ValueError, TypeError or IndexError with the
+// name of the argument, its value and what is allowed.
 
 /// The arguments that the constructors of Rig and VectorRig share; wholehand/_rig.pyi explains
 /// them.
@@ -36,11 +37,18 @@ RigFiles filesOf(RigArguments arguments);
 std::uint64_t wholeOf(const char* name, const pybind11::object& value, std::uint64_t least = 0,
                       std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
-/// Refuses an integer argument below `least`.
-void checkAtLeast(const char* name, int value, int least, const char* unit = "");
+double numberOf(const char* name, const pybind11::object& value);
 
-/// Refuses an index of a rig outside 0 .. rigs - 1.
-void checkRig(int rig, int rigs);
+/// True or False, of Python or numpy.
+bool flagOf(const char* name, const pybind11::object& value);
+
+std::string textOf(const char* name, const pybind11::object& value);
+
+/// An index of a rig in 0 .. rigs - 1.
+int rigOf(const pybind11::object& value, int rigs);
+
+/// Seeds of rigs, one for each.
+std::vector<std::uint64_t> seedsOf(const pybind11::object& seeds, int rigs);
 
 using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
 

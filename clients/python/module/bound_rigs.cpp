@@ -3,6 +3,8 @@
 #include "exceptions.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 
@@ -44,10 +46,12 @@ int ticksOf(const py::object& n) {
   return static_cast<int>(wholeOf("n", n, 1, std::numeric_limits<int>::max()));
 }
 
-std::unique_ptr<RigVector> loadVector(const RigArguments& arguments, int count, int threads) {
-  checkAtLeast("n", count, 1);
-  checkAtLeast("threads", threads, 1);
-  return valueOr(RigVector::load(filesOf(arguments), count, threads));
+std::unique_ptr<RigVector> loadVector(const RigArguments& arguments, const py::object& count,
+                                      const py::object& threads) {
+  constexpr std::uint64_t kMost = 100'000;  // their records alone have some GB
+  const auto rigs = static_cast<int>(wholeOf("n", count, 1, kMost));
+  const auto workers = static_cast<int>(wholeOf("threads", threads, 1, kMost));
+  return valueOr(RigVector::load(filesOf(arguments), rigs, workers));
 }
 
 }  // namespace
@@ -128,25 +132,22 @@ py::array OneRig::contacts(const py::object& self) {
   return viewOf(records(), contactType(), record_.contacts.data(), record_.contact_count, self);
 }
 
-ManyRigs::ManyRigs(const RigArguments& arguments, int count, int threads)
+ManyRigs::ManyRigs(const RigArguments& arguments, const py::object& count,
+                   const py::object& threads)
     : rigs_(loadVector(arguments, count, threads)) {
-  std::vector<std::uint64_t> seeds(count);
-  for (int i = 0; i < count; ++i) seeds[i] = arguments.seed + static_cast<std::uint64_t>(i);
-  reset(seeds);
-}
-
-void ManyRigs::reset(const std::vector<std::uint64_t>& seeds) {
-  if (static_cast<int>(seeds.size()) != rigs_->size()) {
-    throw py::value_error("seeds has " + std::to_string(seeds.size()) +
-                          " numbers; must have one for each of " + std::to_string(rigs_->size()) +
-                          " rigs");
-  }
+  std::vector<std::uint64_t> seeds(rigs_->size());
+  for (std::size_t i = 0; i < seeds.size(); ++i) seeds[i] = arguments.seed + i;
   resetAlone(busy_, [&] { return rigs_->reset(seeds); });
 }
 
-void ManyRigs::resetOne(int rig, const py::object& asked) {
+void ManyRigs::reset(const py::object& asked) {
+  const std::vector<std::uint64_t> seeds = seedsOf(asked, rigs_->size());
+  resetAlone(busy_, [&] { return rigs_->reset(seeds); });
+}
+
+void ManyRigs::resetOne(const py::object& index, const py::object& asked) {
   const std::uint64_t seed = wholeOf("seed", asked);
-  checkRig(rig, rigs_->size());
+  const int rig = rigOf(index, rigs_->size());
   resetAlone(busy_, [&] { return rigs_->resetOne(rig, seed); });
 }
 

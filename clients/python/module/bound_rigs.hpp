@@ -60,10 +60,11 @@ class OneRig {
 class ManyRigs {
  public:
   /// Raises BadInput. Rig i begins with the seed arguments.seed + i.
-  ManyRigs(const RigArguments& arguments, int count, int threads);
+  ManyRigs(const RigArguments& arguments, const pybind11::object& count,
+           const pybind11::object& threads);
 
-  void reset(const std::vector<std::uint64_t>& seeds);
-  void resetOne(int rig, const pybind11::object& asked);
+  void reset(const pybind11::object& asked);
+  void resetOne(const pybind11::object& index, const pybind11::object& asked);
   void step(const pybind11::object& aim, const pybind11::object& asked);
 
   [[nodiscard]] pybind11::array_t<bool> running() const;

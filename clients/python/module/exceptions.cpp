@@ -40,6 +40,7 @@ void refuse(Diagnostics why) {
   py::list items;
   for (Diagnostic& d : why) {
     d.key = inPython(std::move(d.key));
+    d.problem = inPython(std::move(d.problem));
     d.remedy = inPython(std::move(d.remedy));
     items.append(py::dict(py::arg("file") = d.file, py::arg("line") = d.line,
                           py::arg("key") = d.key, py::arg("value") = d.value,

@@ -123,21 +123,22 @@ void warn(const Diagnostics& notices) {
 template <class Of, class... Own, class... Extra>
 py::class_<Of> addRigs(py::module_& module, const char* name, const Extra&... own) {
   py::class_<Of> type(module, name);
-  type.def(py::init([](Own... values, std::string device, std::string hand, std::string scene,
-                       std::string exercise, int level, std::string patient, std::string rendering,
-                       std::string motion, std::string engine, double rate_hz, bool uncertified,
-                       const py::object& seed) {
-             const RigArguments arguments{std::move(device),
-                                          std::move(hand),
-                                          std::move(scene),
-                                          std::move(exercise),
-                                          level,
-                                          std::move(patient),
-                                          std::move(rendering),
-                                          std::move(motion),
-                                          std::move(engine),
-                                          rate_hz,
-                                          uncertified,
+  using Given = const py::object&;
+  type.def(py::init([](Own... values, Given device, Given hand, Given scene, Given exercise,
+                       Given level, Given patient, Given rendering, Given motion, Given engine,
+                       Given rate_hz, Given uncertified, Given seed) {
+             constexpr std::uint64_t kMostLevel = 1000;  // as of the program
+             const RigArguments arguments{textOf("device", device),
+                                          textOf("hand", hand),
+                                          textOf("scene", scene),
+                                          textOf("exercise", exercise),
+                                          static_cast<int>(wholeOf("level", level, 1, kMostLevel)),
+                                          textOf("patient", patient),
+                                          textOf("rendering", rendering),
+                                          textOf("motion", motion),
+                                          textOf("engine", engine),
+                                          numberOf("rate_hz", rate_hz),
+                                          flagOf("uncertified", uncertified),
                                           wholeOf("seed", seed)};
              auto made = std::make_unique<Of>(arguments, values...);
              warn(made->models().scene.notices);
@@ -165,8 +166,8 @@ PYBIND11_MODULE(_rig, module) {
   rig.def("close", &OneRig::close);
   rig.def("_history", &OneRig::history);
   rig.def("_run_again", &OneRig::runAgain, py::arg("seed"), py::arg("ticks"), py::arg("aims"));
-  auto rigs = addRigs<ManyRigs, int, int>(module, "VectorRig", py::arg("n"), py::kw_only(),
-                                          py::arg("threads"));
+  auto rigs = addRigs<ManyRigs, const py::object&, const py::object&>(
+      module, "VectorRig", py::arg("n"), py::kw_only(), py::arg("threads"));
   rigs.def("reset", &ManyRigs::reset, py::arg("seeds"));
   rigs.def("reset_one", &ManyRigs::resetOne, py::arg("rig"), py::arg("seed") = 0);
   rigs.def("__len__", &ManyRigs::size);

@@ -19,6 +19,7 @@ import types
 import typing
 
 import numpy
+import numpy.typing
 
 try:
     from wholehand._rig import BadInput, RunEnded
@@ -40,14 +41,27 @@ def shipped(relative: str) -> str:
         return relative
     for folder in pathlib.Path(__file__).resolve().parents:
         for share in (folder, folder / "share/wholehand"):
-            if (share / relative).exists():
+            if os.path.exists(share / relative):
                 return str(share / relative)
     return relative
 
 
-def _file(value: Path | None, folder: str, suffix: str = ".toml") -> str:
+def _text(name: str, value: typing.Any) -> str:
+    """A path as a text; None is an empty one."""
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if isinstance(value, bytes):
+        value = os.fsdecode(value)
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} = {value!r:.100}: must be a path, or the name of a shipped file")
+    return value or ""
+
+
+def _file(name: str, value: Path | None, folder: str, suffix: str = ".toml") -> str:
     """A path as it is; a name alone is that of a shipped file."""
-    text = os.fspath(value) if value is not None else ""
+    text = _text(name, value)
+    if not text and name in ("device", "hand", "patient"):
+        raise ValueError(f"{name} = {value!r}: must be a path, or the name of a shipped file")
     if not text or "/" in text or text.endswith(suffix):
         return text
     return shipped(f"{folder}/{text}{suffix}")
@@ -62,17 +76,17 @@ def _gains(device: str) -> str:
 def _files(device: Path, hand: Path, scene: Path | None, exercise: Path | None, patient: Path, rendering: Path | None,
            motion: Path | None) -> dict[str, str]:
     if exercise is not None and (scene is not None or motion is not None):
-        raise ValueError(f"exercise = {os.fspath(exercise)!r}: cannot go with scene or motion: it names its own scene; "
+        raise ValueError(f"exercise = {_text('exercise', exercise)!r}: cannot go with scene or motion: it names its own scene; "
                          "leave one of them out")
-    device_file = _file(device, "config/devices")
-    scene_file = _file(scene or "four-shapes", "config/scenes")
+    device_file = _file("device", device, "config/devices")
+    scene_file = _file("scene", _text("scene", scene) or "four-shapes", "config/scenes")
     if exercise is None and motion is None and scene_file == shipped("config/scenes/four-shapes.toml"):
         motion = "reach-grasp-00"  # a hand at rest would begin within a body of that scene
-    return {"device": device_file, "hand": _file(hand, "config/hands"),
-            "scene": scene_file, "exercise": _file(exercise, "config/exercises"),
-            "patient": _file(patient, "config/patients"),
-            "rendering": _file(rendering, "config/rendering") if rendering is not None else _gains(device_file),
-            "motion": _file(motion, "data/human-motion", ".csv")}
+    return {"device": device_file, "hand": _file("hand", hand, "config/hands"),
+            "scene": scene_file, "exercise": _file("exercise", exercise, "config/exercises"),
+            "patient": _file("patient", patient, "config/patients"),
+            "rendering": _file("rendering", rendering, "config/rendering") if rendering is not None else _gains(device_file),
+            "motion": _file("motion", motion, "data/human-motion", ".csv")}
 
 
 # A saved state: these bytes, the digest of all after it, its counts, and what _history() and _end() say.
@@ -103,6 +117,23 @@ class Rig(_Rig):
         super().__init__(**_files(device, hand, scene, exercise, patient, rendering, motion), level=level, engine=engine,
                          rate_hz=rate_hz, uncertified=uncertified, seed=seed)
 
+    # Methods of Python, since one of pybind11 answers wrong names and numbers of arguments with its signature.
+
+    def reset(self, seed: int = 0) -> None:
+        """Begins anew: bodies, hand, exercise. @param seed of the virtual patient who does the exercise"""
+        super().reset(seed)
+
+    def step(self, aim: numpy.typing.ArrayLike | None = None, n: int = 1) -> int:
+        """Runs n ticks; other Python threads run meanwhile. Returns the ticks that ran: fewer than n if a fault ended the run,
+        after which a step raises RunEnded.
+        @param aim pose that the hand is steered to, one value for each axis [m or rad], as by the order Aim of a client; None:
+        the virtual patient moves the hand"""
+        return super().step(aim, n)
+
+    def close(self) -> None:
+        """Ends the run and frees its world; arrays stay as they are. reset() begins anew."""
+        super().close()
+
     def save(self) -> bytes:
         """The state: what was asked of the rig since reset(), and a digest of where that led. Raises RunEnded once closed,
         and RuntimeError after more than a million steps with aims."""
@@ -113,6 +144,9 @@ class Rig(_Rig):
     def restore(self, state: bytes) -> None:
         """Goes to a state that save() returned, to the bit, by running again: as long as the run took. Raises ValueError for
         a state that is damaged, or of other files or another program; then the rig has begun anew."""
+        if not isinstance(state, (bytes, bytearray, memoryview)):
+            raise TypeError(f"state = {state!r:.100}: must be the bytes that Rig.save() returned")
+        state = bytes(state)
         said = state[len(_MARK) + 32:]
         if not state.startswith(_MARK) or len(said) < _COUNTS.size or _MARK + hashlib.sha256(said).digest() + said != state:
             raise ValueError("the state is damaged, or none that Rig.save() returned")
@@ -166,3 +200,15 @@ class VectorRig(_VectorRig):
         super().__init__(n, threads=threads if threads is not None else len(os.sched_getaffinity(0)),
                          **_files(device, hand, scene, exercise, patient, rendering, motion), level=level, engine=engine,
                          rate_hz=rate_hz, uncertified=uncertified, seed=seed)
+
+    def reset(self, seeds: typing.Sequence[int] | numpy.typing.NDArray[numpy.integer[typing.Any]]) -> None:
+        """Begins all anew, with a seed for each."""
+        super().reset(seeds)
+
+    def reset_one(self, rig: int, seed: int = 0) -> None:
+        """Begins one rig anew."""
+        super().reset_one(rig, seed)
+
+    def step(self, aim: numpy.typing.ArrayLike | None = None, n: int = 1) -> None:
+        """Runs n ticks of every rig that runs. @param aim (rigs, axes); None: virtual patients move the hands"""
+        super().step(aim, n)
