@@ -2,6 +2,7 @@
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh_samples.hpp"
 #include "files/scene/scene_file.hpp"
+#include "files/scene_text.hpp"
 #include "files/urdf/urdf.hpp"
 #include "loop/model/scene_model.hpp"
 #include "support/contains.hpp"
@@ -283,6 +284,42 @@ TEST(Urdf, HingesAndSlidesAtTheRoot_BecomeBodiesOnJoints) {
   for (const Diagnostic& d : scene.notices) noticed += d.key + ": " + d.problem + "\n";
   EXPECT_TRUE(contains(noticed, "link[door]: has no <inertial>"));
   EXPECT_TRUE(contains(noticed, "link[door]: moves without dry friction"));
+}
+
+TEST(Urdf, FrictionOfALink_IsThatOfTheBodyItMovesWith) {
+  const Folder folder;
+  const auto link = [](const std::string& name, const std::string& contact) {
+    return "<link name=\"" + name + "\">" + contact +
+           "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision></link>";
+  };
+  const auto joint = [](const std::string& type, const std::string& on, const std::string& of) {
+    return "<joint name=\"" + of + "\" type=\"" + type +
+           "\"><origin xyz=\"0.1 0 0\"/><parent link=\"" + on + "\"/><child link=\"" + of +
+           "\"/></joint>";
+  };
+  const auto lateral = [](const std::string& value) {
+    return "<contact><lateral_friction value=\"" + value + "\"/></contact>";
+  };
+  folder.write("r.urdf", "<robot name=\"r\">" + link("base", lateral("0.1")) + link("arm", "") +
+                             link("grip", lateral("0.3")) + link("end", "") +
+                             link("tip", lateral("0.5")) + joint("continuous", "base", "arm") +
+                             joint("fixed", "arm", "grip") + joint("continuous", "arm", "end") +
+                             joint("fixed", "base", "tip") +
+                             "<gazebo reference=\"arm\"><mu1>0.4</mu1></gazebo></robot>");
+  const auto load = [&](const std::string& more) {
+    return orThrow(loadSceneFile(
+        folder.write("s.toml", kSceneHead + fileBody("t", "urdf", "r.urdf", 0.3) + more)));
+  };
+  const SceneModel scene = load("");
+  ASSERT_EQ(scene.bodies.size(), 3U);
+  EXPECT_EQ(scene.bodies[0].friction, 0.1);
+  EXPECT_EQ(scene.bodies[1].friction, 0.3);  // of the grip, which the arm carries
+  EXPECT_EQ(scene.bodies[2].friction, 0.8);  // a body's default
+  const std::string notices = format(scene.notices);
+  EXPECT_TRUE(
+      contains(notices, "lateral_friction = 0.5: is not applied: the body has one friction, 0.1"));
+  EXPECT_TRUE(contains(notices, "mu1 = 0.4: is not applied: the body has one friction, 0.3"));
+  for (const SceneBody& body : load("friction = 0.2\n").bodies) EXPECT_EQ(body.friction, 0.2);
 }
 
 /// As in Bullet's own files: a base of mass 0, and a placeholder of 1 kg·m² for the moving link.

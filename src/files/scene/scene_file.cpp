@@ -230,7 +230,8 @@ class BodyReader {
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     // Takes over the parts of the URDF that the body uses.
     notices_ = std::move(urdf->notices);
-    if (urdf->friction && !t_.has("friction")) body.friction = *urdf->friction;
+    const double friction = body.friction;
+    body.friction = urdf->friction.value_or(friction);
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
     ballast_m_ = urdf->ballast_m;
@@ -255,6 +256,7 @@ class BodyReader {
     } else if (body.fixed && decides) {
       t_.fail("inertia", "has no effect on a fixed body", "take it out, or set fixed = false");
     }
+    for (UrdfMover& mover : urdf->movers) mover.friction = mover.friction.value_or(friction);
     addMovers(body, urdf->movers, path.string());
   }
 
@@ -311,7 +313,7 @@ class BodyReader {
       note("moves on a joint and has no collider: it is left out", "give it a <collision>");
       return;
     }
-    body.friction = root.friction;
+    body.friction = *mover.friction;
     body.color = root.color;
     body.pose = carrier * mover.in_carrier;
     body.shapes = std::move(mover.shapes);

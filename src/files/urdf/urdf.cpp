@@ -390,6 +390,7 @@ struct Link {
   std::optional<SceneJoint>
       joint;  ///< movable joint to the parent, in the link's frame; empty: fixed
   const XMLElement* joint_element = nullptr;
+  std::optional<double> friction;  ///< of the body that the movable joint carries
   // Of a movable joint: the link whose joint it follows (-1: none), and how.
   int follows = -1;
   double ratio = 1.0, offset = 0.0;
@@ -440,13 +441,16 @@ class Reader {
       noteGazebo(*e);
       if (link == nullptr || linkIndex(link) < 0) continue;
       const std::string key = fmt::format("gazebo[{}]", link);
-      for (const char* name : {"mu1", "mu2"}) readFriction(e->FirstChildElement(name), key);
+      for (const char* name : {"mu1", "mu2"}) {
+        readFriction(e->FirstChildElement(name), key, linkIndex(link));
+      }
     }
     noteFriction(*robot_);
     checkColliders();
     if (faults_.all().empty()) checkTree();
     if (faults_.all().empty()) linkMovables();
     if (faults_.all().empty()) readInertials();
+    if (faults_.all().empty()) shareFrictions();
     if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
     noteWorld();
     return merged();
@@ -591,7 +595,9 @@ class Reader {
 
   /// Reads an element of Bullet's `<contact>`. Friction is applied; other elements are not.
   void readContact(const XMLElement& e, const std::string& key) {
-    if (std::string_view(e.Name()) == "lateral_friction") return readFriction(&e, key);
+    if (std::string_view(e.Name()) == "lateral_friction") {
+      return readFriction(&e, key, static_cast<int>(links_.size()));  // the link follows them
+    }
     frictions_.push_back(&e);
     const char* const value = e.Attribute("value");
     if (value == nullptr || parseNumbers(value) == std::vector<double>{0.0}) return;
@@ -599,8 +605,9 @@ class Reader {
                  fileFault("", "is not applied", "the body keeps its own; friction is applied"));
   }
 
-  /// Reads friction of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`, `<mu2>`).
-  void readFriction(const XMLElement* e, const std::string& key) {
+  /// Reads a link's friction of Bullet (`<contact><lateral_friction value>`) or Gazebo (`<mu1>`,
+  /// `<mu2>`).
+  void readFriction(const XMLElement* e, const std::string& key, int link) {
     if (e == nullptr || use_.friction) return;
     frictions_.push_back(e);
     const char* const text =
@@ -609,20 +616,30 @@ class Reader {
     if (!value || value->size() != 1 || value->front() < 0.0) {
       faults_.add(e, key + "." + e->Name(), text != nullptr ? text : "", "is no friction",
                   "must be a number >= 0");
-    } else if (value->front() > kMostFriction) {
+      return;
+    }
+    if (value->front() > kMostFriction) {
       faults_.note(e, key + "." + e->Name(), text,
                    fileFault("", fmt::format("is too large: {:g} is applied", kMostFriction),
                              "must be in [0, 2]"));
-      friction_ = kMostFriction;
-    } else if (friction_ && *friction_ != value->front()) {
+    }
+    link_frictions_.push_back({e, key, text, link, std::min(value->front(), kMostFriction)});
+  }
+
+  /// Gives each rigid body the friction that the first of its links states. Others that differ are
+  /// noted.
+  void shareFrictions() {
+    for (const LinkFriction& of : link_frictions_) {
+      const int carrier = carrierOf(of.link);
+      std::optional<double>& friction = carrier >= 0 ? links_[carrier].friction : friction_;
+      if (!friction) friction = of.value;
+      if (*friction == of.value) continue;
       faults_.note(
-          e, key + "." + e->Name(), text,
+          of.at, of.key + "." + of.at->Name(), of.text,
           fileFault("",
                     fmt::format("is not applied: the body has one friction, {:g} as named before",
-                                *friction_),
+                                *friction),
                     "give the body of the scene a friction of its own"));
-    } else {
-      friction_ = value->front();
     }
   }
 
@@ -1046,6 +1063,7 @@ class Reader {
       mover.name = links_[i].name;
       mover.line = links_[i].element->GetLineNum();
       mover.joint = *links_[i].joint;
+      mover.friction = links_[i].friction;
       mover.carrier = carrier >= 0 ? mover_of[carrier] : -1;
       mover.in_carrier = poseBelow(i, carrier);
       mover.ratio = links_[i].ratio, mover.offset = links_[i].offset;
@@ -1108,7 +1126,14 @@ class Reader {
   std::vector<Link> links_;
   UrdfMeshes meshes_{};
   std::vector<const Link*> massless_;  ///< links with a collider and a mass of 0
-  std::optional<double> friction_;
+  std::optional<double> friction_;     ///< of the root's body
+  struct LinkFriction {
+    const XMLElement* at;
+    std::string key, text;
+    int link;
+    double value;
+  };
+  std::vector<LinkFriction> link_frictions_;  ///< in the order of the file
   std::vector<const XMLElement*> frictions_;  ///< elements whose friction was read or noted
   UrdfUse use_;
 };

@@ -47,6 +47,7 @@ struct UrdfMover {
   std::vector<Shape> shapes;             ///< in the frame of its link
   std::vector<UrdfVisual> visuals;       ///< in the frame of its link
   std::optional<UrdfInertial> inertial;  ///< in the frame of its link
+  std::optional<double> friction;        ///< as of UrdfBody
 };
 
 /// A URDF as one rigid body in the frame of its root link, and the bodies that joints connect to
