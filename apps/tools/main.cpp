@@ -27,7 +27,7 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       "--exercise", o.exercise,
       "Exercise, a name or a file, whose walls are covered, too (default: no walls)");
   certify->add_option("--level", o.level, "Level of the exercise")
-      ->check(CLI::Range(1, 1000))
+      ->check(wholeBetween(1, 1000))
       ->capture_default_str()
       ->needs(exercise);
   addRate(*certify, o.rate_hz);
@@ -65,7 +65,7 @@ void addSweep(CLI::App& app, SweepOptions& o, int& code) {
       ->required();
   s->add_option("--chart", o.chart, "Draw the grid's maps into this HTML file");
   s->add_option("--processes", o.processes, "Processes (default: one for each core)")
-      ->check(finiteBetween(1, 1024, ""));
+      ->check(wholeBetween(1, 1024));
   CLI::Option* share =
       s->add_option("--share", o.share, "Only these cells: 2/8 is the second of eight shares");
   s->add_flag("--array", o.array, "Only the share of this task of a Slurm job array")

@@ -47,7 +47,7 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
       ->needs(report);
   r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
   r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
-      ->check(finiteBetween(0, 65535, ""))
+      ->check(wholeBetween(0, 65535))
       ->capture_default_str()
       ->needs(web);
   r->add_flag("--answer", o.answer)->group("");  // for child processes of this program; hidden from

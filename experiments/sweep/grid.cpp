@@ -143,6 +143,27 @@ std::vector<SweepAxis> readAxes(SweepTrial trial, TomlTable& table) {
   return axes;
 }
 
+/// Values of an axis of words; its default if the grid lacks it.
+std::vector<std::string> wordsOf(const std::vector<SweepAxis>& axes, const char* name,
+                                 const char* otherwise) {
+  for (const SweepAxis& axis : axes) {
+    if (axis.name == name) return axis.names;
+  }
+  return {otherwise};
+}
+
+/// Every object is grasped in every posture, and no pinch is tuned for a cylinder or a disk.
+void checkPostures(const std::vector<SweepAxis>& axes, TomlTable& table) {
+  const std::vector<std::string> postures = wordsOf(axes, "posture", "power");
+  if (std::find(postures.begin(), postures.end(), "pinch") == postures.end()) return;
+  for (const std::string& object : wordsOf(axes, "object", "cylinder")) {
+    if (object != "cylinder" && object != "disk") continue;
+    table.fail(
+        "posture", "has \"pinch\", which is not known for the object " + object,
+        "pinch takes object = [\"sphere\", \"cube\"]; other objects need a grid of their own");
+  }
+}
+
 int indexOf(const std::vector<SweepAxis>& axes, TomlTable& map, const char* key) {
   const std::string name = map.text(key);
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -222,6 +243,7 @@ Expected<SweepGrid> loadSweepGrid(const std::string& path) {
   }
   TomlTable axes = root.table("axes");
   grid.axes = readAxes(grid.trial, axes);
+  if (grid.trial != SweepTrial::kPlay) checkPostures(grid.axes, axes);
   double cells = 1.0;
   for (const SweepAxis& axis : grid.axes) cells *= std::max(1, axis.size());
   if (cells > SweepGrid::kMostCells) {

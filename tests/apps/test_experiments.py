@@ -142,6 +142,11 @@ class Admission(AppTest):
         self.expect(result, DONE if FULL else result.code, "admitted at 1000 Hz")  # depends on this processor
         self.assertIn(result.code, (DONE, 1), result)
 
+    def test_urdf_is_measured_before_the_hand(self):
+        result = self.run_app("validate", "--admit", CONFIG / "scenes/assets/drawer.urdf")
+        self.expect(result, DONE if FULL else result.code, "admitted at 1000 Hz", "is a URDF: the scene was made of it")
+        self.assertIn(result.code, (DONE, 1), result)
+
     def test_joint_that_the_device_cannot_move_is_warned_of(self):
         """The warning is that of `run`: level 1 halves the 60 N, and the device has 20 N along the slide."""
         shutil.copytree(CONFIG, self.folder / "config")

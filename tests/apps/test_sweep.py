@@ -281,11 +281,18 @@ class Sweep(AppTest):
         self.write("grid.toml", GRID.replace("stiff-adult", "nobody"))
         self.expect_refused(self.run_app("validate", "grid.toml"), "nobody.toml", "is not there", lines=1)
 
-    def test_impossible_cell_is_named(self):
-        self.write("grid.toml", 'kind = "sweep"\nversion = 1\nname = "g"\ntrial = "grasp"\nhold_s = 0.5\n'
-                                '[axes]\nposture = ["power", "pinch"]\nobject = ["sphere", "disk"]\n')
-        said = self.run_app("sweep", "grid.toml", "--out", "a.h5")
-        self.expect_refused(said, "posture pinch, object disk", "pinch takes sphere or cube", "1 cell could not be run")
+    def test_cells_that_cannot_run_are_refused_by_validate(self):
+        for trial, axes, words in (
+                ("grasp", 'posture = ["power", "pinch"]\nobject = ["sphere", "disk"]', ["grid.toml:6", "object disk", "pinch takes"]),
+                ("contact", 'posture = ["pinch"]', ["object cylinder"]),
+                ("play", 'exercise = ["cocktail-bar", "drawer"]', ["drawer.toml", "virtual patient can win"]),
+                ("play", "level = [1, 99]", ["level = 99", "levels 1 to"]),
+                ("grasp", 'hand = ["man-p50-right"]\nrendering = ["lambda-pride", "desktop-3axis"]', ["no gains for finger_flexion"])):
+            self.write("grid.toml", f'kind = "sweep"\nversion = 1\nname = "g"\ntrial = "{trial}"\n[axes]\n{axes}\n')
+            for command in (("validate", "grid.toml"), ("sweep", "grid.toml", "--out", "a.h5")):
+                with self.subTest(axes=axes, command=command[0]):
+                    self.expect_refused(self.run_app(*command), *words, lines=1)
+        self.assertEqual(self.names_in(self.folder), ["grid.toml"])
 
     def test_bad_shares_are_named(self):
         for share in ("0/2", "3/2", "1/0", "x", "1/2/3"):

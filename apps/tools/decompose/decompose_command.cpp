@@ -481,7 +481,7 @@ void addDecompose(CLI::App& app, DecomposeOptions& o, int& code) {
   d->add_option("mesh", o.mesh, "Closed mesh: STL, OBJ, DAE or GLB")->required();
   d->add_option("--out", o.out, "Folder of the pieces, a URDF and a scene")->required();
   d->add_option("--pieces", o.pieces, "At most so many pieces")
-      ->check(CLI::Range(1, 64))
+      ->check(wholeBetween(1, 64))
       ->capture_default_str();
   d->add_option("--concavity", o.concavity_m,
                 "Depth of hollows that a piece may fill [m] (default: 1 % of the mesh's diagonal)")

@@ -541,7 +541,7 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
   CLI::Option* web = commission->add_flag(
       "--web", o.web, "Lead through it at a page of the console instead of the terminal");
   commission->add_option("--port", o.pages.port, "Port of the page; 0: any free one")
-      ->check(CLI::Range(0, 65535))
+      ->check(wholeBetween(0, 65535))
       ->capture_default_str()
       ->needs(web);
   commission

@@ -30,15 +30,15 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
       "cocktail-bar", "Every level of the cocktail bar, played by many virtual patients");
   CocktailOptions& c = options.cocktail;
   bar->add_option("--seeds", c.seeds, "Patients a level: start, aim and strength differ")
-      ->check(finiteBetween(1, 100000, ""))
+      ->check(wholeBetween(1, 100000))
       ->capture_default_str();
   bar->add_option("--first-seed", c.first_seed, "Seed of the first one")
       ->check(wholeNumber())
       ->capture_default_str();
   bar->add_option("--level", c.level, "Only this level (default: all)")
-      ->check(finiteBetween(1, 1000, ""));
+      ->check(wholeBetween(1, 1000));
   bar->add_option("--processes", c.processes, "Processes at a time (default: one for each core)")
-      ->check(finiteBetween(1, 256, ""));
+      ->check(wholeBetween(1, 256));
   bar->add_option("--set", c.parameters, "A live parameter and its value, repeatable")
       ->type_name("NAME VALUE");
   bar->add_option("--json", c.json, "Write the results to this file");
@@ -75,10 +75,10 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
       "thresholds", "Thresholds of feeling: how well they are found, or that of a file of answers");
   ThresholdsOptions& t = options.thresholds;
   thresholds->add_option("--answers", t.answers, "Answers of each block")
-      ->check(finiteBetween(10, 80, ""))
+      ->check(wholeBetween(10, 80))
       ->capture_default_str();
   thresholds->add_option("--blocks", t.blocks, "Blocks of each virtual observer")
-      ->check(finiteBetween(1, 1e6, ""))
+      ->check(wholeBetween(1, 1000000))
       ->capture_default_str();
   thresholds->add_option("--seed", t.seed, "Seed of the observers")
       ->check(wholeNumber())
@@ -103,11 +103,11 @@ void addComplexity(CLI::App& larger, ExperimentOptions& o) {
   larger.add_option("--only", o.only,
                     "Only what contains this: pile, stacks, apart, far, vertices, contacts");
   larger.add_option("--ticks", o.scene_ticks, "Ticks of each scene")
-      ->check(finiteBetween(100, 1e6, "ticks"))
+      ->check(wholeBetween(100, 1000000))
       ->capture_default_str();
   larger
       .add_option("--passes", o.passes, "Runs of each scene; the shortest time of each tick counts")
-      ->check(finiteBetween(1, 100, "runs"))
+      ->check(wholeBetween(1, 100))
       ->capture_default_str();
 }
 
@@ -146,14 +146,14 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
         ->capture_default_str();
   }
   grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
-      ->check(finiteBetween(0, 10000, ""))
+      ->check(wholeBetween(0, 10000))
       ->capture_default_str();
   grasping->add_option("--seed", experiment.seed, "Seed of the jitter")
       ->check(wholeNumber())
       ->capture_default_str();
   grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
   timing->add_option("--ticks", experiment.ticks, "Number of ticks")
-      ->check(finiteBetween(1000, 1e8, "ticks"))
+      ->check(wholeBetween(1000, 100000000))
       ->capture_default_str();
   timing->add_option("--scene", experiment.scene,
                      "Grasp the first movable body of this scene, without an exercise");
@@ -163,7 +163,7 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
       ->check(finiteBetween(0.1, 60, "seconds"))
       ->capture_default_str();
   compared->add_option("--ticks", experiment.ticks, "Ticks in which the cylinder is gripped")
-      ->check(finiteBetween(1000, 1e6, "ticks"))
+      ->check(wholeBetween(1000, 1000000))
       ->capture_default_str();
   compared->add_option("--rates-hz", experiment.rates_hz, "Ticks a second, one comparison each")
       ->check(finiteBetween(250, 8000, "Hz"))

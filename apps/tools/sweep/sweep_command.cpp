@@ -289,6 +289,7 @@ int sweepCommand(const SweepOptions& options) {
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   plan.processes = options.processes > 0 ? options.processes : (plan.share ? 1 : cores);
   plan.find = filesBeside(options.grid);
+  if (Diagnostics faults = faultsOfCells(*grid, plan.find); !faults.empty()) return refuse(faults);
   Progress progress;
   plan.progress = [&progress](int finished, int all) { progress(finished, all); };
   describe(*grid, plan.share, plan.processes);

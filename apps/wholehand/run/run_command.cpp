@@ -97,7 +97,7 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
 
 void addPages(CLI::App& run, RunOptions& o) {
   run.add_option("--port", o.port, "Port of the pages; 0: any free one")
-      ->check(CLI::Range(0, 65535))
+      ->check(wholeBetween(0, 65535))
       ->capture_default_str();
   run.add_option("--address", o.address,
                  "Address to listen at; any that other machines can reach needs --token")
@@ -265,7 +265,7 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
   run->add_option("--exercise", o.files.exercise,
                   "Exercise: a name (cocktail-bar, the default; free-grasping ...) or a file");
   run->add_option("--level", o.files.level, "Level of the exercise")
-      ->check(CLI::Range(1, 1000))
+      ->check(wholeBetween(1, 1000))
       ->capture_default_str();
   run->add_option("--seed", o.seed, "Seed of the virtual patient")
       ->check(wholeNumber())

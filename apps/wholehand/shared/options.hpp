@@ -29,6 +29,20 @@ inline CLI::Validator finiteBetween(double low, double high, const std::string& 
       "number in " + range);
 }
 
+/// CLI11 validator that accepts only whole numbers in a range.
+inline CLI::Validator wholeBetween(std::int64_t least, std::int64_t most) {
+  return CLI::Validator(
+      [least, most](std::string& text) -> std::string {
+        std::int64_t value = 0;
+        const char* end = text.data() + text.size();
+        const auto [read_to, error] = std::from_chars(text.data(), end, value);
+        if (error == std::errc{} && read_to == end && value >= least && value <= most) return {};
+        return "'" + text + "' is not a whole number from " + std::to_string(least) + " to " +
+               std::to_string(most);
+      },
+      "whole number from " + std::to_string(least) + " to " + std::to_string(most));
+}
+
 /// CLI11 validator that accepts only unsigned 64-bit integers (CLI11 itself converts -1, and larger
 /// numbers, to the largest one).
 inline CLI::Validator wholeNumber() {
