@@ -4,12 +4,16 @@
 #include "files/patient/csv_line.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace wholehand {
@@ -42,12 +46,37 @@ bool isOtherQuantity(const std::string& text, const ColumnName& name) {
                      [&](std::string_view word) { return stem.find(word) != stem.npos; });
 }
 
-/// True for "Wrist X" as x, if it may be a place.
-bool isPosition(const std::string& text, char axis) {
-  const ColumnName name = nameOf(text);
+/// True if names differ in one letter alone: x, y, z of "Wrist X", "px [m]", "x0".
+bool differInAxis(const std::string& x, const std::string& other, char axis) {
+  if (x.size() != other.size()) return false;
+  std::size_t at = x.size(), differ = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (x[i] != other[i]) at = i, ++differ;
+  }
+  const auto letter = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return differ == 1 && letter(x[at]) == 'x' && letter(other[at]) == axis;
+}
+
+/// True for the w of the quaternion whose x is named, or a plain "W".
+bool isScalarPart(const std::string& x, const std::string& text) {
+  return differInAxis(x, text, 'w') || lower(text) == "w";
+}
+
+/// True for three columns that may be a place.
+bool isPlace(const std::vector<std::string>& names, std::size_t first) {
+  if (first + 2 >= names.size()) return false;
+  const std::string& x = names[first];
+  if (!differInAxis(x, names[first + 1], 'y') || !differInAxis(x, names[first + 2], 'z')) {
+    return false;
+  }
+  // Beside a w they are parts of a quaternion.
+  if ((first > 0 && isScalarPart(x, names[first - 1])) ||
+      (first + 3 < names.size() && isScalarPart(x, names[first + 3]))) {
+    return false;
+  }
+  const ColumnName name = nameOf(x);
   if (name.unit != nullptr && name.unit->of != ColumnUnit::Of::kLength) return false;
-  const bool of_axis = !name.stem.empty() && lower(name.stem).back() == axis;  // "Wrist X", too
-  return of_axis && !isOtherQuantity(text, name);
+  return !isOtherQuantity(x, name);
 }
 
 /// True for a name that may be the angle of a finger.
@@ -60,6 +89,100 @@ bool isAngle(const std::string& text) {
   const std::string stem = lower(name.stem);
   return std::any_of(kWords.begin(), kWords.end(),
                      [&](std::string_view word) { return stem.find(word) != stem.npos; });
+}
+
+/// A name as the left side of an entry, without its unit in brackets.
+std::string leftSide(const std::string& text) {
+  const std::string name = withoutUnit(text);
+  return name.find(',') != name.npos ? "\"" + name + "\"" : name;
+}
+
+std::optional<double> numberAt(const MotionHead& head, std::size_t row, std::size_t column) {
+  if (row >= head.rows.size() || head.rows[row].size() != head.names.size()) return std::nullopt;
+  const std::string& text = head.rows[row][column].text;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// True if numbers stand in these columns, and none is larger than `most`.
+bool within(const MotionHead& head, std::size_t first, std::size_t count, double most) {
+  bool any = false;
+  for (std::size_t row = 0; row < head.rows.size(); ++row) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const std::optional<double> value = numberAt(head, row, i);
+      if (value && std::abs(*value) > most) return false;
+      any = any || value;
+    }
+  }
+  return any;
+}
+
+/// The unit that an entry has to name, judged by the first rows; empty: the column names it.
+std::string unitOf(const MotionHead& head, std::size_t first, std::size_t count, bool length) {
+  // A hand is measured within some metres; degrees are rarely as few as a right angle's radians.
+  constexpr double kMost_m = 2.5, kMost_rad = 1.6;
+  if (nameOf(head.names[first]).unit != nullptr) return {};
+  const bool si = within(head, first, count, length ? kMost_m : kMost_rad);
+  return length ? (si ? "_m" : "_mm") : (si ? "_rad" : "_deg");
+}
+
+/// Entries of a place, else of axes without a unit, else of the last angle of a finger.
+std::vector<std::string> axisEntries(const MotionHead& head) {
+  constexpr std::string_view kAxes = "xyz";
+  const std::vector<std::string>& names = head.names;
+  std::vector<std::string> entries;
+  const auto add = [&](std::size_t i, std::string_view axis, const std::string& unit) {
+    entries.push_back(fmt::format("{} = {}{}", leftSide(names[i]), axis, unit));
+  };
+  for (std::size_t first = 0; first < names.size(); ++first) {
+    if (!isPlace(names, first)) continue;
+    const std::string unit = unitOf(head, first, kAxes.size(), true);
+    for (std::size_t i = 0; i < kAxes.size(); ++i) add(first + i, kAxes.substr(i, 1), unit);
+    if (!head.has_up) entries.emplace_back("up = y");
+    return entries;
+  }
+  for (const auto& [column, slides] : head.bare) {
+    add(column, names[column], unitOf(head, column, 1, slides));
+  }
+  if (!entries.empty()) return entries;
+  const auto angle = std::find_if(names.rbegin(), names.rend(), isAngle);
+  if (angle == names.rend()) return {};
+  const std::size_t last = static_cast<std::size_t>(names.rend() - angle) - 1;
+  add(last, "finger_flexion", unitOf(head, last, 1, false));
+  return entries;
+}
+
+/// How surely a column is the time of its row; 0: it is not.
+int likenessToTime(const std::string& text) {
+  const ColumnName name = nameOf(text);
+  if (isTime(name.stem)) return 3;
+  if (name.unit != nullptr) return name.unit->of == ColumnUnit::Of::kTime ? 2 : 0;
+  const std::string stem = lower(name.stem);
+  return stem.find("time") != stem.npos || stem.find("stamp") != stem.npos ? 1 : 0;
+}
+
+/// Entry of the time: of a column whose numbers increase, else a rate.
+std::string timeEntry(const MotionHead& head) {
+  // Units by which rows come at 5 Hz to 5 kHz.
+  constexpr double kLeast_s = 2e-4, kMost_s = 0.2;
+  constexpr std::array<std::pair<const char*, double>, 4> kUnits = {
+      {{"_s", 1.0}, {"_ms", 1e-3}, {"_us", 1e-6}, {"_ns", 1e-9}}};
+  for (int likeness = 3; likeness > 0; --likeness) {
+    for (std::size_t i = 0; i < head.names.size(); ++i) {
+      if (likenessToTime(head.names[i]) != likeness) continue;
+      const auto first = numberAt(head, 0, i), second = numberAt(head, 1, i);
+      if (!first || !second || !(*second > *first)) continue;
+      if (nameOf(head.names[i]).unit != nullptr) return leftSide(head.names[i]) + " = time";
+      const auto* const unit = std::find_if(kUnits.begin(), kUnits.end(), [&](const auto& u) {
+        const double step_s = (*second - *first) * u.second;
+        return step_s >= kLeast_s && step_s < kMost_s;
+      });
+      return leftSide(head.names[i]) + " = time" + (unit != kUnits.end() ? unit->first : "_s");
+    }
+  }
+  return "rate_hz = 120";
 }
 
 }  // namespace
@@ -109,36 +232,12 @@ std::string takeName(ColumnMap& map, const std::string& text) {
   return name;
 }
 
-std::string exampleOfMap(const std::vector<std::string>& names, bool has_time) {
-  constexpr std::string_view kAxes = "xyz";
-  std::size_t first = 0;
-  const auto is_place = [&](std::size_t i) {
-    // Beside a w they are parts of a quaternion.
-    const bool turns = (i > 0 && isPosition(names[i - 1], 'w')) ||
-                       (i + 3 < names.size() && isPosition(names[i + 3], 'w'));
-    return !turns && isPosition(names[i], 'x') && isPosition(names[i + 1], 'y') &&
-           isPosition(names[i + 2], 'z');
-  };
-  while (first + 2 < names.size() && !is_place(first)) ++first;
-  const bool place = first + 2 < names.size();
-  if (!place) {
-    const auto angle = std::find_if(names.rbegin(), names.rend(), isAngle);
-    if (angle == names.rend()) return {};
-    first = static_cast<std::size_t>(names.rend() - angle) - 1;
-  }
-  std::string line = std::string(kBegin);
-  for (std::size_t i = 0; i < (place ? kAxes.size() : 1); ++i) {
-    const std::string name = withoutUnit(names[first + i]);
-    const bool quoted = name.find(',') != name.npos;
-    const bool has_unit = nameOf(names[first + i]).unit != nullptr;
-    line += fmt::format("{} {} = {}{}", i == 0 ? "" : ",", quoted ? "\"" + name + "\"" : name,
-                        place ? kAxes.substr(i, 1) : "finger_flexion",
-                        has_unit ? ""
-                        : place  ? "_mm"
-                                 : "_deg");
-  }
-  if (place) line += ", up = y";
-  return has_time ? line : line + ", rate_hz = 120";
+std::string exampleOfMap(const MotionHead& head) {
+  std::vector<std::string> entries;
+  if (!head.has_axis) entries = axisEntries(head);
+  if (!head.has_axis && entries.empty()) return {};
+  if (!head.has_time) entries.push_back(timeEntry(head));
+  return entries.empty() ? "" : fmt::format("{} {}", kBegin, fmt::join(entries, ", "));
 }
 
 }  // namespace wholehand

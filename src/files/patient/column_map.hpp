@@ -1,10 +1,13 @@
 #pragma once
 
+#include "files/patient/csv_line.hpp"
 #include "loop/core/expected.hpp"
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
@@ -32,10 +35,19 @@ struct ColumnMap {
 /// column where the map gives none
 [[nodiscard]] std::string takeName(ColumnMap& map, const std::string& text);
 
-/// The line that names columns which are no axis, so that they are read: the first three that end
-/// in x, y, z and may be a place, else the last one that may be the angle of a finger; empty: none
-/// may be either. Rates, accelerations and quaternions are no places.
-/// @param names of the columns
-[[nodiscard]] std::string exampleOfMap(const std::vector<std::string>& names, bool has_time);
+/// What a motion shows of itself before its samples are read.
+struct MotionHead {
+  std::vector<std::string> names;                           ///< of all columns
+  std::vector<std::vector<Cell>> rows;                      ///< the first rows, at most two
+  bool has_axis = false, has_time = false, has_up = false;  ///< already named
+  /// Columns that have the name of an axis and no unit; true: a translation.
+  std::vector<std::pair<std::size_t, bool>> bare;
+};
+
+/// The line that makes a motion playable: it names the first three columns that differ in x, y, z
+/// and may be a place, else axes without a unit, else the last column that may be the angle of a
+/// finger; and the time, or a rate. Units that no column names are judged by the first rows. Rates,
+/// accelerations and quaternions are no places. Empty: nothing may be an axis, or nothing lacks.
+[[nodiscard]] std::string exampleOfMap(const MotionHead& head);
 
 }  // namespace wholehand

@@ -38,13 +38,13 @@ std::string lengthUnit(const std::string& words) {
 }  // namespace
 
 bool MocapHead::begins(const std::vector<Cell>& first) {
-  constexpr std::array<std::string_view, 4> kBegins = {"Format Version", "Trajectories", "Joints",
-                                                       "Model Outputs"};
+  constexpr std::array<std::string_view, 6> kBegins = {
+      "Format Version", "Trajectories", "Joints", "Model Outputs", "Objects", "Segments"};
   return std::find(kBegins.begin(), kBegins.end(), textAt(first, 0)) != kBegins.end();
 }
 
 bool MocapHead::isOtherSection(const std::vector<Cell>& first) {
-  constexpr std::array<std::string_view, 3> kOthers = {"Devices", "Events", "Segments"};
+  constexpr std::array<std::string_view, 2> kOthers = {"Devices", "Events"};
   return std::find(kOthers.begin(), kOthers.end(), textAt(first, 0)) != kOthers.end();
 }
 
@@ -78,6 +78,10 @@ std::vector<std::string> MocapHead::columns() const {
   const std::vector<Cell>& axes = isNexus() ? lines_[kNexusLines - 2] : lines_.back();
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::string& axis = axes[i].text;
+    if (axis.empty() && i > 0) {  // a comma at the end
+      names.emplace_back();
+      continue;
+    }
     if (isNexus()) {
       // The name of a marker stands above the first of its axes.
       const std::string name = textAt(lines_[2], i), unit = textAt(lines_[4], i);

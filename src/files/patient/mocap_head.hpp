@@ -8,7 +8,8 @@
 namespace wholehand {
 
 /// The lines before the samples of a CSV file of OptiTrack Motive ("Format Version", then names and
-/// kinds by rows) or Vicon Nexus ("Trajectories", the rate, names, axes, units). Fed line by line.
+/// kinds by rows) or Vicon Nexus and Tracker ("Trajectories" or "Objects", the rate, names, axes,
+/// units). Fed line by line.
 class MocapHead {
  public:
   /// True if a first line begins such a file.

@@ -73,6 +73,23 @@ bool mayBeMapped(const std::vector<Cell>& names) {
          });
 }
 
+/// True for "#timestamp [ns],x [m],...": names of columns after the sign of a comment.
+bool isNamesAfterSign(std::string_view text) {
+  if (!text.starts_with('#')) return false;
+  const std::vector<Cell> names = cells(text.substr(1));
+  const ColumnName first = nameOf(names.front().text);
+  return mayBeMapped(names) && isTime(first.stem) && (first.unit != nullptr || text[1] != ' ');
+}
+
+/// True for a cell of a marker or hand that was not seen.
+bool isUnseen(std::string_view cell) {
+  return cell.empty() || cell == "nan" || cell == "NaN" || cell == "NAN";
+}
+
+std::string orWrite(const std::string& line) {
+  return line.empty() ? "" : "; or write before the names, with your names and units: " + line;
+}
+
 /// Kind of the device's axis of that name, else of the standard axis of that name.
 std::optional<AxisKind> kindOf(std::string_view name, const DeviceModel* device) {
   if (device != nullptr) {
@@ -109,7 +126,8 @@ class Reader {
   /// Reads one line. Returns false when the file is not a motion file and further faults would be
   /// noise.
   bool line(std::string_view text);
-  bool header(const std::vector<Cell>& names);
+  void header(const std::vector<Cell>& names);
+  void readEarlyRows();
   void checkColumns();
   void checkMap();
   void column(const std::string& text, std::size_t place);
@@ -147,6 +165,15 @@ class Reader {
   std::size_t unnamed_ = 0;  // number of values in a row before those that the header names
   std::vector<int> lines_;   // line of each sample
   std::vector<std::string> unmapped_;  // columns that are no axis, as written
+  // Columns that have the name of an axis and no unit; true: a translation.
+  std::vector<std::pair<std::size_t, bool>> bare_;
+  // The header is judged together with the first rows, which are kept until then.
+  static constexpr std::size_t kEarlyRows = 2;
+  bool judged_ = false;
+  int header_line_ = 0;
+  std::vector<std::pair<int, std::string>> early_;  // line and text
+  bool mapped_ = false;                             // the column has its name from the map
+  bool of_other_program_ = false;  // names or head are: cells may be empty or too few
   int rows_ = 0;
 };
 
@@ -187,17 +214,14 @@ void Reader::timeColumn(const ColumnName& name, const std::string& text, std::si
 
 void Reader::column(const std::string& text, std::size_t place) {
   const std::string key = "column " + std::to_string(place + 1);
-  if (text.empty() && place == 0) return;  // row numbers as pandas and R write them
+  if (text.empty() && (place == 0 || of_other_program_)) return;  // pandas, R: row numbers
   if (text.empty()) {
     fault(key, text, "has no name", "name it time_s, <axis>_m or <axis>_rad");
     return;
   }
-  if (std::find(header_.begin(), header_.end() - 1, text) != header_.end() - 1) {
-    fault(key, text, "stands there twice", "keep one of the two columns");
-    return;
-  }
   const ColumnName name = nameOf(text);
-  if (isTime(name.stem)) return timeColumn(name, text, place);
+  const bool twice = std::find(header_.begin(), header_.end() - 1, text) != header_.end() - 1;
+  if (isTime(name.stem) && !twice) return timeColumn(name, text, place);
   const std::string axis = name.unit != nullptr || name.stem.find('_') == name.stem.npos
                                ? name.stem
                                : name.stem.substr(0, name.stem.rfind('_'));
@@ -205,7 +229,7 @@ void Reader::column(const std::string& text, std::size_t place) {
   if (!kind && name.unit == nullptr) kind = kindOf(name.stem, device_);
   constexpr const char* kUnitRemedy =
       "end it in _m, _cm or _mm for a translation, _rad or _deg for a rotation";
-  if (!kind) {
+  if (!kind || (name.unit == nullptr && of_other_program_ && !mapped_)) {
     unmapped_.push_back(text);
     const bool known = name.unit != nullptr;
     ignored_.push_back({motion_.path, line_, key, shown(text),
@@ -214,7 +238,10 @@ void Reader::column(const std::string& text, std::size_t place) {
     return;
   }
   const bool slides = *kind == AxisKind::kTranslation;
-  if (name.unit == nullptr) {
+  if (twice) {
+    fault(key, text, "stands there twice", "keep one of the two columns");
+  } else if (name.unit == nullptr) {
+    bare_.emplace_back(place, slides);
     fault(key, text, "has no known unit", kUnitRemedy);
   } else if (name.unit->of != (slides ? ColumnUnit::Of::kLength : ColumnUnit::Of::kAngle)) {
     fault(key, text, "has the wrong unit",
@@ -267,24 +294,39 @@ void Reader::checkUp() {
   }
 }
 
-bool Reader::header(const std::vector<Cell>& names) {
+void Reader::header(const std::vector<Cell>& names) {
+  header_line_ = line_;
+  of_other_program_ = mocap_.begun() || !map_.columns.empty();
   // Reads the columns and finds the time.
   factor_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name = takeName(map_, names[i].text);
-    const bool mapped = name != names[i].text;
+    mapped_ = name != names[i].text;
     header_.push_back(name);
     const std::size_t axes = motion_.columns.size();
-    column(name, i);
-    if (mapped && motion_.columns.size() > axes) foreign_.back() = true;
+    const bool rest = std::all_of(names.begin() + static_cast<std::ptrdiff_t>(i), names.end(),
+                                  [](const Cell& cell) { return cell.text.empty(); });
+    if (!rest) column(name, i);
+    if (mapped_ && motion_.columns.size() > axes) foreign_.back() = true;
   }
   if (mocap_.rate_hz() > 0.0 && !time_place_) {
     time_place_ = 0;  // the frame's number
     factor_[0] = 1.0 / mocap_.rate_hz();
   }
+}
+
+/// Judges the header, and reads the rows that were kept for this.
+void Reader::readEarlyRows() {
+  if (judged_ || header_.empty()) return;
+  judged_ = true;
+  const int line = std::exchange(line_, header_line_);
   checkMap();
   checkColumns();
-  return true;
+  for (const auto& [at, text] : std::exchange(early_, {})) {
+    line_ = at;
+    row(text);
+  }
+  line_ = line;
 }
 
 /// Reports names of the column map that the motion does not have.
@@ -300,8 +342,10 @@ void Reader::checkColumns() {
   const auto other = std::find_if(header_.begin(), header_.end(), [](const std::string& text) {
     return isTime(nameOf(text).stem);
   });
+  MotionHead head{header_, {}, !none, time_place_ || map_.rate_hz > 0.0, map_.up != 0, bare_};
+  for (const auto& early : early_) head.rows.push_back(cells(early.second));
+  const std::string line = exampleOfMap(head);
   if (none && faults_.empty() && unmapped_.size() > 1) {
-    const std::string line = exampleOfMap(unmapped_, time_place_.has_value());
     fault("", "",
           fmt::format("names {} and no known axis: \"{}\", \"{}\"{}",
                       counted(unmapped_.size(), "column"), shown(unmapped_[0]), shown(unmapped_[1]),
@@ -322,8 +366,10 @@ void Reader::checkColumns() {
           other == header_.end()
               ? "is missing"
               : "is missing: the column " + shown(*other) + " does not say its unit",
-          "name the time of each row with its unit: time_s, time_ms, time_us or time_ns");
+          "name the time of each row with its unit: time_s, time_ms, time_us or time_ns" +
+              (bare_.empty() ? orWrite(line) : ""));
   }
+  if (!bare_.empty() && !faults_.empty()) faults_.back().remedy += orWrite(line);
   for (std::size_t i = 0; i < header_.size(); ++i) {
     if (factor_[i] == 0.0 || factor_[i] == 1.0 || (i == time_place_ && mocap_.begun())) continue;
     motion_.notices.push_back(
@@ -359,7 +405,12 @@ bool Reader::line(std::string_view text) {
     return false;
   }
   if (!header_.empty()) {
-    row(text);
+    if (judged_) {
+      row(text);
+    } else {
+      early_.emplace_back(line_, std::string(text));
+      if (early_.size() == kEarlyRows) readEarlyRows();
+    }
     return true;
   }
   const std::vector<Cell> names = cells(text);
@@ -375,7 +426,8 @@ bool Reader::line(std::string_view text) {
     if (!mocap_.complete()) return true;
     std::vector<Cell> columns;
     for (std::string& name : mocap_.columns()) columns.push_back({std::move(name), false});
-    return header(columns);
+    header(columns);
+    return true;
   }
   if (isDividedOtherwise(names)) {
     refuse("is not a CSV file of commas: its columns are divided by something else",
@@ -387,7 +439,8 @@ bool Reader::line(std::string_view text) {
     refuse(why);
     return false;
   }
-  return header(names);
+  header(names);
+  return true;
 }
 
 std::optional<double> Reader::number(const std::string& cell, std::size_t place) {
@@ -425,7 +478,7 @@ void Reader::row(std::string_view line) {
   std::vector<Cell> values = cells(line);
   // Motion capture leaves out cells at the end of a row, or adds empty ones.
   const auto is_empty = [](const Cell& cell) { return cell.text.empty(); };
-  if (mocap_.begun() &&
+  if (of_other_program_ &&
       (values.size() < header_.size() ||
        std::all_of(values.begin() + static_cast<long>(header_.size()), values.end(), is_empty))) {
     values.resize(header_.size());
@@ -440,8 +493,8 @@ void Reader::row(std::string_view line) {
     return;
   }
   // Motion capture leaves cells empty while it does not see a marker.
-  for (std::size_t i = 0; mocap_.begun() && i < header_.size(); ++i) {
-    if (factor_[i] == 0.0 || !values[i].text.empty()) continue;
+  for (std::size_t i = 0; of_other_program_ && i < header_.size(); ++i) {
+    if (factor_[i] == 0.0 || !isUnseen(values[i + unnamed_].text)) continue;
     ++incomplete_;
     return;
   }
@@ -621,7 +674,8 @@ Expected<MotionFile> Reader::read() {
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
       text = trimmed(text);
       if (text.starts_with('#') && header_.empty()) readComment(text);
-      if (text.empty() && mocap_.hasSections() && rows_ > 0) return finish();
+      if (header_.empty() && isNamesAfterSign(text)) text = trimmed(text.substr(1));
+      if (text.empty() && mocap_.hasSections() && (rows_ > 0 || !early_.empty())) return finish();
       if (text.empty() || text.starts_with('#')) continue;
       if (!line(text)) return faults_;
     }
@@ -630,6 +684,7 @@ Expected<MotionFile> Reader::read() {
 }
 
 Expected<MotionFile> Reader::finish() {
+  readEarlyRows();
   checkWhole();
   if (unreported_ > 0) {
     faults_.push_back(fileFault(motion_.path, "has " + counted(unreported_, "more fault"),

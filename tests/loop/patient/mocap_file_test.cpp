@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -98,23 +99,87 @@ TEST_F(Motions, WithoutATime_AreTimedByTheRateOfTheMap) {
   EXPECT_EQ(motion->samples[2], (std::vector<double>{0.4}));
 }
 
+// Heads in the form of public files of motion capture, hand trackers and head-mounted displays.
+const char* const kOtherHeads[] = {
+    "Time (ms),Wrist X,Wrist Y,Wrist Z\n0,1,2,3\n10,1,2,3\n",
+    "frame,wrist_x,wrist_y,wrist_z,thumb\n0,1,2,3,4\n1,1,2,3,4\n",
+    "elapsed;s,Hand.X,Hand.Y,Hand.Z\n0,1,2,3\n1,1,2,3\n",
+    // Motive: a rigid body, and its version 1.25 with parents and empty cells at the end.
+    "Format Version,1.23,Take Name,T,Length Units,Meters,Rotation Type,Quaternion\n\n"
+    ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body\n"
+    ",Name,Hand,Hand,Hand,Hand,Hand,Hand,Hand\n,ID,1,1,1,1,1,1,1\n"
+    ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position\n"
+    "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,,,\n0,0,0,0,0,1,0.1,0.2,0.3,,,\n"
+    "1,0.01,0,0,0,1,0.1,0.2,0.3,,,\n2,0.02,,,,,,,,,,\n3,0.03,0,0,0,1,0.1,0.2,0.3,,,\n",
+    "Format Version,1.25,Take Name,T,Length Units,Millimeters\n\n,Type,Marker,Marker,Marker\n"
+    ",Name,A:RWRB,A:RWRB,A:RWRB\n,ID,9F:1,9F:1,9F:1\n,Parent,,,\n,,Position,Position,Position\n"
+    "Frame,Time (Seconds),X,Y,Z\n0,0,496.1,516.1,2854.7\n1,0.008333,496.2,516.1,2854.6\n",
+    // Vicon Tracker, and a Nexus file of segments.
+    "Objects\n100\n,,Global Angle (Quaternion) Hand:Hand,,,,,,,\n"
+    "Frame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ,\n,,,,,,mm,mm,mm,\n"
+    "1,0,0,0,0,1,10,20,30,\n2,0,0,0,0,1,11,20,30,\n",
+    "Segments\n200\n,,S:Hand,,,,,\nFrame,Sub Frame,RX,RY,RZ,TX,TY,TZ\n,,deg,deg,deg,mm,mm,mm\n"
+    "1,0,0,0,0,10,20,30\n2,0,0,0,0,11,20,30\n",
+    // Trackers of hands: times without a unit, in a column of their own or as a text.
+    "frame_id,timestamp,hand_position_x,hand_position_y,hand_position_z,pitch,roll,yaw\n"
+    "1,85334234,12.1,180.2,-3.4,0.1,0.2,0.3\n2,85343123,12.3,180.9,-3.4,0.1,0.2,0.3\n",
+    "frame,hand_number,wrist_x,wrist_y,wrist_z,thumb_cmc_x,thumb_cmc_y,thumb_cmc_z\n"
+    "0,0,0.51,0.42,0.01,0.5,0.4,0\n1,0,0.52,0.42,0.01,0.5,0.4,0\n",
+    "timestamp,Wrist_x,Wrist_y,Wrist_z,Wrist_qx,Wrist_qy,Wrist_qz,Wrist_qw\n"
+    "1000000000,0.1,0.2,0.3,0,0,0,1\n1011111111,0.1,0.2,0.3,0,0,0,1\n",
+    "RowType,Subject,UnixTime_s,ObjectName,Wrist_x,Wrist_y,Wrist_z\n"
+    "frame,P01,1700000000.011,cup,0.1,1.2,0.3\nframe,P01,1700000000.025,cup,0.1,1.2,0.3\n",
+    "frame_t_ms,target_frame,palm_x,palm_y,palm_z,yaw,pitch,roll,grip\n"
+    "0,reach,0.1,0.2,0.3,0,0,0,0\n16,reach,0.1,0.2,0.3,0,0,0,0.1\n",
+    "Frame,UnityTime,PosX,PosY,PosZ,AngleX,AngleY,AngleZ,Events\n"
+    "1,0.011,0.1,1.2,0.3,0,0,0,\n2,0.022,0.1,1.2,0.3,0,0,0,\n",
+    "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z "
+    "[]\n"
+    "1403636580838555648,4.6,-1.7,0.7,0.5,0.1,-0.8,-0.1\n"
+    "1403636580843555328,4.6,-1.7,0.7,0.5,0.1,-0.8,-0.1\n",
+    "datetime,x0,y0,z0,x1,y1,z1\n2021-03-04 10:00:00.010,0.5,0.4,0,0.6,0.4,0\n"
+    "2021-03-04 10:00:00.043,0.5,0.4,0,0.6,0.4,0\n",
+    "time,x,y,z\n0,10,20,30\n0.01,11,20,30\n0.02,12,20,30\n",
+    "time,palm_x,palm_y,palm_z,pinch\n0.01,1,2,3,0\n0.02,,,,\n0.03,nan,nan,nan,0\n0.04,1,2,3,0\n",
+};
+
 // A user writes the line that the refusal prints, and the motion plays.
 TEST_F(Motions, OfEveryKind_ArePlayedWithTheLineOfTheRefusal) {
-  for (const char* content :
-       {kMotive, kNexus, kHandModel, "Time (ms),Wrist X,Wrist Y,Wrist Z\n0,1,2,3\n10,1,2,3\n",
-        "frame,wrist_x,wrist_y,wrist_z,thumb\n0,1,2,3,4\n1,1,2,3,4\n",
-        "elapsed;s,Hand.X,Hand.Y,Hand.Z\n0,1,2,3\n1,1,2,3\n"}) {
+  std::vector<const char*> all{kMotive, kNexus, kHandModel, kTracker};
+  all.insert(all.end(), std::begin(kOtherHeads), std::end(kOtherHeads));
+  for (const char* content : all) {
     const std::string why = refusal(content), mark = "# columns: ";
     const auto begin = why.find(mark);
-    ASSERT_NE(begin, std::string::npos) << why;
+    ASSERT_NE(begin, std::string::npos) << content << why;
     const bool is_place = std::string(content).find("theta") == std::string::npos;
     EXPECT_EQ(contains(why, " = finger_flexion"), !is_place) << why;
     for (const char* axis : {" = x", " = y", " = z"}) {
       EXPECT_EQ(contains(why, axis), is_place) << why;
     }
-    const auto motion = read(content, why.substr(begin + mark.size()));
-    EXPECT_TRUE(motion) << format(motion.errors()) << "\nwith " << why;
+    const std::string line = why.substr(begin + mark.size());
+    const auto motion = read(content, line.substr(0, line.find('\n')));
+    ASSERT_TRUE(motion) << format(motion.errors()) << "\nwith " << why;
+    EXPECT_GE(motion->samples.size(), 2U) << content;
+    EXPECT_LE(motion->time_s.back() - motion->time_s.front(), 1.0) << line;  // all are short
   }
+}
+
+// The line names the column of the time with the unit at which its rows come at a tracker's rate.
+TEST_F(Motions, WithATimeOfUnknownUnit_AreProposedTheLikelyOne) {
+  const auto proposed = [&](const std::string& name, const std::string& a, const std::string& b) {
+    const std::string why =
+        refusal(name + ",Tip X,Tip Y,Tip Z\n" + a + ",1,2,3\n" + b + ",1,2,3\n");
+    return why.substr(why.rfind(", ") + 2);
+  };
+  EXPECT_EQ(proposed("Timestamp", "0", "0.01"), "Timestamp = time_s");
+  EXPECT_EQ(proposed("timestamp", "1700000000000", "1700000000008"), "timestamp = time_ms");
+  EXPECT_EQ(proposed("timestamp", "1700000000000000", "1700000000008000"), "timestamp = time_us");
+  EXPECT_EQ(proposed("sensor_timestamp", "85334234000", "85343123000"),
+            "sensor_timestamp = time_ns");
+  EXPECT_EQ(proposed("device_ms", "3", "11"), "device_ms = time");
+  EXPECT_EQ(proposed("timestamp", "10:00:00.01", "10:00:00.02"), "rate_hz = 120");
+  EXPECT_EQ(proposed("timestamp", "5", "5"),
+            "rate_hz = 120");  // two hands a frame, or whole seconds
 }
 
 // A line that reads a rate of turn or a part of a quaternion as a place would play, wrongly.
@@ -168,6 +233,7 @@ TEST_F(Motions, WrongMaps_AreNamed) {
       {"RWRI X = x, RWRI X = y", "names this column twice"},
       {"RWRI X = x, RWRI Y = y, RWRI Z = z", "does not say which of its axes points up"},
       {"RWRI X", "says nothing of a column"},
+      {"Sub Frame = pitch, RWRI X = x", "column 2 = pitch: has no known unit"},
   };
   for (const auto& [columns, words] : wrong) {
     EXPECT_TRUE(contains(refusal(kNexus, columns), words)) << columns << refusal(kNexus, columns);
