@@ -36,9 +36,10 @@ std::string lower(std::string text) {
 
 /// True for the name of a quantity that is no place: a map that reads it as one would play.
 bool isOtherQuantity(const std::string& text, const ColumnName& name) {
-  constexpr std::array<std::string_view, 18> kWords = {
-      "gyro", "acc",    "mag",   "quat",  "rot",  "orient", "euler", "angle", "angular",
-      "vel",  "torque", "force", "pixel", "roll", "pitch",  "yaw",   "phi",   "speed"};
+  constexpr std::array<std::string_view, 26> kWords = {
+      "gyro", "acc",    "mag",   "quat",   "rot",   "orient", "euler", "angle", "angular",
+      "vel",  "torque", "force", "pixel",  "roll",  "pitch",  "yaw",   "phi",   "speed",
+      "inch", "feet",   "norm",  "direct", "omega", "grav",   "size",  "scale"};
   const bool has_unit = text.find_first_of("([") != text.npos;
   if (has_unit && name.unit == nullptr) return true;
   const std::string stem = lower(name.stem);
@@ -57,9 +58,19 @@ bool differInAxis(const std::string& x, const std::string& other, char axis) {
   return differ == 1 && letter(x[at]) == 'x' && letter(other[at]) == axis;
 }
 
-/// True for the w of the quaternion whose x is named, or a plain "W".
+/// True for the scalar part of the quaternion whose x is named, or a plain "W".
 bool isScalarPart(const std::string& x, const std::string& text) {
-  return differInAxis(x, text, 'w') || lower(text) == "w";
+  return differInAxis(x, text, 'w') || differInAxis(x, text, '0') || lower(text) == "w";
+}
+
+/// True for "qx", "palm_Qx": a part of a quaternion.
+bool isOfQuaternion(const std::string& x, const std::string& y) {
+  const auto at = static_cast<std::size_t>(
+      std::mismatch(x.begin(), x.end(), y.begin(), y.end()).first - x.begin());
+  const auto is_letter = [&](std::size_t i) {
+    return std::isalpha(static_cast<unsigned char>(x[i])) != 0;
+  };
+  return at > 0 && lower(x)[at - 1] == 'q' && (at == 1 || !is_letter(at - 2));
 }
 
 /// True for three columns that may be a place.
@@ -74,6 +85,7 @@ bool isPlace(const std::vector<std::string>& names, std::size_t first) {
       (first + 3 < names.size() && isScalarPart(x, names[first + 3]))) {
     return false;
   }
+  if (isOfQuaternion(x, names[first + 1])) return false;
   const ColumnName name = nameOf(x);
   if (name.unit != nullptr && name.unit->of != ColumnUnit::Of::kLength) return false;
   return !isOtherQuantity(x, name);
@@ -128,6 +140,22 @@ std::string unitOf(const MotionHead& head, std::size_t first, std::size_t count,
   return length ? (si ? "_m" : "_mm") : (si ? "_rad" : "_deg");
 }
 
+/// The first of three columns of the hand's place, else of any place.
+std::optional<std::size_t> likeliestPlace(const std::vector<std::string>& names) {
+  constexpr std::array<std::string_view, 3> kHand = {"hand", "palm", "wrist"};
+  std::optional<std::size_t> found;
+  for (std::size_t first = 0; first < names.size(); ++first) {
+    if (!isPlace(names, first)) continue;
+    const std::string name = lower(names[first]);
+    if (std::any_of(kHand.begin(), kHand.end(),
+                    [&](std::string_view word) { return name.find(word) != name.npos; })) {
+      return first;
+    }
+    if (!found) found = first;
+  }
+  return found;
+}
+
 /// Entries of a place, else of axes without a unit, else of the last angle of a finger.
 std::vector<std::string> axisEntries(const MotionHead& head) {
   constexpr std::string_view kAxes = "xyz";
@@ -136,10 +164,9 @@ std::vector<std::string> axisEntries(const MotionHead& head) {
   const auto add = [&](std::size_t i, std::string_view axis, const std::string& unit) {
     entries.push_back(fmt::format("{} = {}{}", leftSide(names[i]), axis, unit));
   };
-  for (std::size_t first = 0; first < names.size(); ++first) {
-    if (!isPlace(names, first)) continue;
-    const std::string unit = unitOf(head, first, kAxes.size(), true);
-    for (std::size_t i = 0; i < kAxes.size(); ++i) add(first + i, kAxes.substr(i, 1), unit);
+  if (const std::optional<std::size_t> first = likeliestPlace(names)) {
+    const std::string unit = unitOf(head, *first, kAxes.size(), true);
+    for (std::size_t i = 0; i < kAxes.size(); ++i) add(*first + i, kAxes.substr(i, 1), unit);
     if (!head.has_up) entries.emplace_back("up = y");
     return entries;
   }

@@ -38,16 +38,17 @@ struct ColumnMap {
 /// What a motion shows of itself before its samples are read.
 struct MotionHead {
   std::vector<std::string> names;                           ///< of all columns
-  std::vector<std::vector<Cell>> rows;                      ///< the first rows, at most two
+  std::vector<std::vector<Cell>> rows;                      ///< the first ones
   bool has_axis = false, has_time = false, has_up = false;  ///< already named
   /// Columns that have the name of an axis and no unit; true: a translation.
   std::vector<std::pair<std::size_t, bool>> bare;
 };
 
-/// The line that makes a motion playable: it names the first three columns that differ in x, y, z
-/// and may be a place, else axes without a unit, else the last column that may be the angle of a
-/// finger; and the time, or a rate. Units that no column names are judged by the first rows. Rates,
-/// accelerations and quaternions are no places. Empty: nothing may be an axis, or nothing lacks.
+/// The line that makes a motion playable: it names three columns that differ in x, y, z and may be
+/// a place, of the hand if its name says so, else axes without a unit, else the last column that
+/// may be the angle of a finger; and the time, or a rate. Units that no column names are judged by
+/// the first rows. Rates, accelerations and quaternions are no places. Empty: nothing may be an
+/// axis, or nothing lacks.
 [[nodiscard]] std::string exampleOfMap(const MotionHead& head);
 
 }  // namespace wholehand

@@ -168,7 +168,7 @@ class Reader {
   // Columns that have the name of an axis and no unit; true: a translation.
   std::vector<std::pair<std::size_t, bool>> bare_;
   // The header is judged together with the first rows, which are kept until then.
-  static constexpr std::size_t kEarlyRows = 2;
+  static constexpr std::size_t kEarlyRows = 50;
   bool judged_ = false;
   int header_line_ = 0;
   std::vector<std::pair<int, std::string>> early_;  // line and text

@@ -189,7 +189,9 @@ TEST_F(Motions, OtherQuantities_AreNotProposedAsPlaces) {
         "Time (s),Accelerometer X (g),Accelerometer Y (g),Accelerometer Z (g)",
         "Time (s),W,Hand X,Hand Y,Hand Z", "Time (s),Hand X,Hand Y,Hand Z,Hand W",
         "Time (s),quat_x,quat_y,quat_z", "frame,Wrist Rotation X,Wrist Rotation Y,Wrist Rotation Z",
-        "Time (s),Roll | X (degrees),Pitch | Y (degrees),Yaw | Z (degrees)",
+        "Time (s),Roll | X (degrees),Pitch | Y (degrees),Yaw | Z (degrees)", "Time (s),Q0,Qx,Qy,Qz",
+        "Time (s),palm_qx,palm_qy,palm_qz", "Time (s),X_inch,Y_inch,Z_inch",
+        "Time (s),palm_normal_x,palm_normal_y,palm_normal_z",
         "Time (s),Battery (V),Thermometer (degrees C)"}) {
     std::string content = std::string(head) + "\n0,1,2,3,4\n1,1,2,3,4\n";
     EXPECT_TRUE(contains(refusal(content), "none is named as a place or an angle")) << head;
@@ -197,6 +199,9 @@ TEST_F(Motions, OtherQuantities_AreNotProposedAsPlaces) {
   // Beside them, the place and the angle are found.
   EXPECT_TRUE(contains(refusal("Time (s),acc_x,acc_y,acc_z,Tip X,Tip Y,Tip Z\n0,1,2,3,4,5,6\n"),
                        "# columns: Tip X = x_mm, Tip Y = y_mm, Tip Z = z_mm, up = y"));
+  // Of several places that of the hand.
+  EXPECT_TRUE(contains(refusal("Time (s),Cup X,Cup Y,Cup Z,Palm X,Palm Y,Palm Z\n0,4,5,6,7,8,9\n"),
+                       "# columns: Palm X = x_mm, Palm Y = y_mm"));
   EXPECT_TRUE(contains(refusal("Time (s),gyro_x,flexion,Light (lx)\n0,1,2,3\n1,1,2,3\n"),
                        "# columns: flexion = finger_flexion_deg"));
 }
