@@ -158,11 +158,15 @@ std::vector<FuzzTarget> fileTargets() {
       exerciseTarget(),
       profileTarget(),
       passportTarget(),
-      fileTarget("csv",
-                 {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096),
-                  std::string("# columns: Wrist Position X = x, up = z\n") + kMotive,
-                  std::string("# columns: RWRI X = x_mm\n") + kNexus},
-                 "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
+      fileTarget(
+          "csv",
+          {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096),
+           std::string("# columns: Wrist Position X = x, up = z\n") + kMotive,
+           std::string("# columns: RWRI X = x_mm\n") + kNexus,
+           "#timestamp,Hand x,Hand y,Hand z,qx,qy,qz,qw\n5,1,2,3,0,0,0,1\n6,nan,2,3,0,0,0,1\n",
+           "Objects\n100\n,,A:B,,,,,,\nFrame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ,\n,,,,,,mm,mm,mm,\n"
+           "1,0,0,0,0,1,1,2,3,\n2,0,0,0,0,1,1,2,3,\n"},
+          "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
       fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
                  [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
   for (const char* ending : {"stl", "obj", "ply", "dae", "glb"}) {

@@ -524,8 +524,10 @@ void Reader::turnUp(std::vector<double>& sample) const {
     return std::find(motion_.columns.begin(), motion_.columns.end(), name) -
            motion_.columns.begin();
   };
-  double &y = sample[static_cast<std::size_t>(at("y"))],
-         &z = sample[static_cast<std::size_t>(at("z"))];
+  const std::ptrdiff_t y_at = at("y"), z_at = at("z");
+  const auto none = static_cast<std::ptrdiff_t>(motion_.columns.size());
+  if (y_at == none || z_at == none) return;  // checkUp() refused the file
+  double &y = sample[static_cast<std::size_t>(y_at)], &z = sample[static_cast<std::size_t>(z_at)];
   y = -std::exchange(z, y);
 }
 
@@ -621,10 +623,18 @@ void Reader::checkPace() {
 
 void Reader::checkWhole() {
   line_ = 0;
-  if (header_.empty()) {
+  if (header_.empty() && other_section_) {
+    fault("", "", "holds no positions: only a section such as Devices or Events",
+          "export it with the section Trajectories");
+  } else if (header_.empty()) {
     fault("", "", "is empty", "the first line names the columns: time_s, x_m, ...");
   } else if (rows_ < 2) {
     fault("", "", rows_ == 0 ? "has no row of samples" : "has only 1 row of samples",
+          "at least 2 are needed");
+  } else if (faults_.empty() && motion_.samples.size() < 2) {
+    fault("", "",
+          "has " + counted(motion_.samples.size(), "row") +
+              " with a value of every column that is read",
           "at least 2 are needed");
   }
   if (!faults_.empty()) return;

@@ -5,12 +5,15 @@
 #include "support/contains.hpp"
 #include "support/folder.hpp"
 #include "support/mocap_files.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -227,6 +230,7 @@ TEST_F(Motions, WrongMaps_AreNamed) {
     const char *columns, *words;
   } wrong[] = {
       {"Palm X = x", "Palm X = x: names no column of the motion"},
+      {"up = y, RWRI X = x, RWRI Z = z", "needs both columns, y and z"},
       {"up = x, RWRI X = x", "is no axis that may point up"},
       {"rate_hz = -1.0, RWRI X = x", "is no rate; must be in (0, 100000] Hz"},
       {"rate_hz = 120 Hz, RWRI X = x", "is no rate"},
@@ -249,6 +253,26 @@ TEST_F(Motions, DamagedHeads_AreRefusedAndNothingCrashes) {
   const std::string whole = kNexus, motive = kMotive;
   for (std::size_t cut = 1; cut < whole.size(); cut += 5) (void)read(whole.substr(0, cut));
   for (std::size_t cut = 1; cut < motive.size(); cut += 5) (void)read(motive.substr(0, cut));
+  // A motion that is read has a whole sample at every time, and times that increase.
+  std::mt19937_64 random(seed());
+  for (const std::string head : kOtherHeads) {
+    for (int draw = 0; draw < 20; ++draw) {
+      std::string damaged = head;
+      damaged[random() % head.size()] = ",\n;=\"#nx9 "[random() % 10];
+      if (draw % 2 == 0) damaged.erase(random() % head.size(), 1 + random() % 8);
+      const auto motion = read(damaged, draw % 3 == 0 ? "wrist_x = x_mm, up = y" : "");
+      if (!motion) continue;
+      EXPECT_EQ(motion->samples.size(), motion->time_s.size()) << damaged;
+      for (const auto& sample : motion->samples) EXPECT_EQ(sample.size(), motion->columns.size());
+      EXPECT_TRUE(std::is_sorted(motion->time_s.begin(), motion->time_s.end())) << damaged;
+    }
+  }
+  EXPECT_TRUE(contains(refusal("a,b,c\n1,2,\n2,3,\n3,4,5\n", "c = x_mm, rate_hz = 50"),
+                       "has 1 row with a value of every column that is read"));
+  EXPECT_TRUE(
+      contains(refusal("a,b,c\n1,2,\n2,3,\n", "c = x_mm, rate_hz = 50"), "has 0 rows with"));
+  EXPECT_TRUE(contains(refusal("Devices\n1000\n,,Plate\nFrame,Sub Frame,Fx\n,,N\n1,0,5\n2,0,5\n"),
+                       "holds no positions: only a section such as Devices"));
   EXPECT_TRUE(contains(refusal("Trajectories\n200\n1,2,3\n4,5,6\n7,8,9\n"),
                        "names do not stand where they should"));
 }
