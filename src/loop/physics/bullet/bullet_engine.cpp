@@ -78,7 +78,6 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
 void BulletEngine::configure(const SolverSettings& settings) {
   dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-  solver_info_.m_numIterations = std::max(settings.iterations, kMostFarSweeps);
   solver_info_.m_leastSquaresResidualThreshold = 0.0;
 }
 
@@ -233,6 +232,8 @@ void BulletEngine::moveBodies(double step_s) noexcept {
   }
   chains.predict(resting, touched_, step_s);
   solver_info_.m_timeStep = step_s;
+  solver_info_.m_numIterations =
+      std::max({sweepsOfHand(solver.settings(), step_s), kUnevenSweeps, kMostFarSweeps});
   // Solves the whole world in one call, because the hand's reduced velocities are one set of
   // unknowns.
   solver.solveGroup(moving_objects_.data(), static_cast<int>(moving_objects_.size()),

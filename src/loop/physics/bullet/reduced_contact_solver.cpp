@@ -87,6 +87,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
   softness_ =
       settings_.contact_erp / (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
+  sweeps_ = sweepsOfHand(settings_, info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
   bool others = false;
   for (int i = 0; i < count; ++i) {
@@ -725,7 +726,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     far_done_ = iteration + 1 >= most || others <= settings_.far_tolerance * body_rows_.pressed();
     far_unsettled_ = far_done_ && others > kSettled * body_rows_.pressed();
   }
-  const int sweeps = body_rows_.nearUneven() ? kUnevenSweeps : settings_.iterations;
+  const int sweeps = std::max(sweeps_, body_rows_.nearUneven() ? kUnevenSweeps : 0);
   if (at_once_ || iteration >= sweeps) return far_done_ ? 0.0 : 1.0;
   if (!far) others = std::max(others, body_rows_.sweepNear(m_tmpSolverBodyPool));
   residual_ = 0.0;

@@ -100,6 +100,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
     joints_.add(links, chain);
   }
 
+  [[nodiscard]] const SolverSettings& settings() const { return settings_; }
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
   /// True when the last sweep of the last step changed an impulse by more than a twentieth of the
@@ -183,6 +184,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   const int axes_;
   const SolverSettings settings_;
   double softness_ = 0.0;  ///< R of the normal rows in this step [1/kg]
+  int sweeps_ = 0;         ///< over the hand's contacts in this step, at least
   const ArticulatedBody& kinematics_;
   HandRows& rows_;             ///< self-contacts and joint limits of the hand
   bool couples_ends_ = false;  ///< a row is coupled to a joint end in this step
