@@ -223,7 +223,7 @@ bool IslandNewton::couple(int most_steps, double fastest) noexcept {
     for (int i = 0; i < contact_count_; ++i) {
       Contact& c = contacts_[i];
       largest = std::max(largest, c.impulse[0]);
-      c.goal[0] -= c.yields * (c.impulse[0] - c.start[0]);
+      c.goal[0] -= c.gives * (c.impulse[0] - c.start[0]);
       const double presses = std::abs(c.impulse[0] - c.start[0]);
       const double turns = std::hypot(c.impulse[1] - c.start[1], c.impulse[2] - c.start[2]);
       if (c.yields > 0.0) changed = std::max({changed, presses, turns});

@@ -11,6 +11,8 @@ constexpr double kLeastMobility = 1e-12;  // nothing moves along a row of less [
 // Softness R of a row divided by its mobility, one after the other. The soft ones show which
 // contacts hold and stick.
 constexpr std::array kSoftness{1e-3, 1e-4, 1e-5, 1e-6};
+// At the largest impulse a normal between bodies gives way by this share of the largest goal of one.
+constexpr double kGives = 3e-6;
 constexpr int kMostUpdates = 16;        // of x₀
 constexpr int kMostChords = 40;         // Newton steps in one solution
 constexpr double kExact = 1e-8;         // tolerance of w, relative to the largest impulse
@@ -86,7 +88,7 @@ void IslandNewton::soften(double softness) noexcept {
       if (!(c.mobility[r] > kLeastMobility)) {
         c.mobility[r] = c.start[r] = c.inverse_softness[r] = 0.0;
       } else {
-        c.inverse_softness[r] = 1.0 / (softness * c.mobility[r] + (r == 0 ? c.yields : 0.0));
+        c.inverse_softness[r] = 1.0 / (softness * c.mobility[r] + (r == 0 ? c.gives : 0.0));
       }
     }
   }
@@ -393,6 +395,16 @@ bool IslandNewton::minimise(int most_steps) noexcept {
   return false;
 }
 
+// Softness of the normals between bodies. Where more points bear than are needed, it shares the load
+// among them; without it the last digits of their gaps do (ADR 93).
+double IslandNewton::sharing(double approach) const noexcept {
+  double largest = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    if (!contacts_[i].of_joint) largest = std::max(largest, contacts_[i].impulse[0]);
+  }
+  return largest > 0.0 ? kGives * approach / largest : 0.0;
+}
+
 // Returns to the last solution with given limits.
 void IslandNewton::restore() noexcept {
   change_ = kept_;
@@ -403,18 +415,20 @@ bool IslandNewton::solve(int most_steps, int most_coupled_steps) noexcept {
   steps_ = 0;
   factored_ = again_ = false;
   soften(kSoftness.front());
-  double fastest = 0.0;
+  double fastest = 0.0, approach = 0.0;
   bool with_hand = false;
   for (int k = 0; k < body_count_; ++k) change_[k].fill(0.0);
   for (int i = 0; i < contact_count_; ++i) {
     Contact& c = contacts_[i];
     c.start[0] = std::max(0.0, c.start[0]);
     with_hand = with_hand || c.yields > 0.0;
+    c.gives = c.yields;
     c.limit = limitOf(c, c.start[0]);
-    // With this goal an impulse x that no longer changes satisfies j w + yields x = goal.
-    c.goal[0] -= c.yields * c.start[0];
+    // With this goal an impulse x that no longer changes satisfies j w + gives x = goal.
+    c.goal[0] -= c.gives * c.start[0];
     if (!c.of_joint) {
       fastest = std::max({fastest, std::abs(c.goal[0]), std::hypot(c.goal[1], c.goal[2])});
+      approach = std::max(approach, c.goal[0]);
     }
     for (int r = 0; r < 3; ++r) {
       if (c.a >= 0) addScaled(change_[c.a], c.start[r], c.along_a[r]);
@@ -429,12 +443,15 @@ bool IslandNewton::solve(int most_steps, int most_coupled_steps) noexcept {
     }
     again_ = true;
     kept_ = change_;
+    const double shares = sharing(approach);
     double changed = 0.0, largest = 0.0, left = 0.0;
     for (int i = 0; i < contact_count_; ++i) {
       Contact& c = contacts_[i];
       largest = std::max(largest, c.impulse[0]);
       if (c.spins >= 0) c.box = c.spin_m * contacts_[c.spins].impulse[0];
-      c.goal[0] -= c.yields * (c.impulse[0] - c.start[0]);
+      const double gives = c.of_joint || c.yields > 0.0 ? c.yields : shares;
+      c.goal[0] -= gives * c.impulse[0] - c.gives * c.start[0];
+      c.gives = gives;
       const double limit = limitOf(c, c.impulse[0]);
       changed = std::max(changed, std::abs(limit - c.limit));
       c.limit = limit;

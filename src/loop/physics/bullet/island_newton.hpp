@@ -32,7 +32,7 @@ class IslandNewton {
     double friction = 0.0;
     bool of_joint = false;  ///< its rows are those of a joint, not of a contact
     double box = 0.0;     ///< of a joint: largest impulse of dry friction, along the first tangent
-    double yields = 0.0;  ///< softness of the normal that stays in the result [1/kg]
+    double yields = 0.0;  ///< of the hand: softness of the normal [1/kg]
     /// A contact whose normal impulse sets the box: spin_m of it; -1: none.
     int spins = -1;
     double spin_m = 0.0;
@@ -45,7 +45,7 @@ class IslandNewton {
     // matrix.
     bool presses = false, sticks = false, matrix_presses = false, matrix_sticks = false;
     std::array<double, 3> mobility{}, inverse_softness{}, free{}, moved{}, moves{};
-    double limit = 0.0;
+    double limit = 0.0, gives = 0.0;  ///< softness of the normal that stays in the result [1/kg]
     std::array<double, 3> kept{};                      ///< x of the last solution with given limits
     double along1 = 0.0, along2 = 0.0, turning = 0.0;  ///< direction of sliding friction
   };
@@ -91,6 +91,7 @@ class IslandNewton {
   double evaluate() noexcept;
   [[nodiscard]] double slopeAt(double share) const noexcept;
   [[nodiscard]] bool piecesChanged() const noexcept;
+  [[nodiscard]] double sharing(double approach) const noexcept;
   void restore() noexcept;
   bool minimise(int most_steps) noexcept;
   [[nodiscard]] bool couple(int most_steps, double fastest) noexcept;
