@@ -82,6 +82,41 @@ TEST(IslandNewton, PileThatSlides_IsSlowedByItsWeightTimesFriction) {
   }
 }
 
+// Four corners bear a plate: their impulses are determined but for one number. Whatever they were
+// before, and whatever the last digits of the gaps, each bears a quarter.
+TEST(IslandNewton, PlateOnFourCorners_SharesItsLoad) {
+  auto random = test::seededRandom(6105);
+  static IslandNewton newton;
+  double worst = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    const double mass_kg = std::pow(10.0, test::uniform(random, -2.0, 1.0));
+    // Half of its sides, in radii of gyration.
+    const double x = test::uniform(random, 0.5, 1.7), y = test::uniform(random, 0.5, 1.7);
+    const double quarter_ns = 0.25 * mass_kg * kFall_m_s, uneven = test::uniform(random, -1.0, 1.0);
+    std::array<double, 4> impulse_ns{};
+    for (int k = 0; k < 4; ++k)
+      impulse_ns[k] = (k % 2 == 0 ? 1.0 + uneven : 1.0 - uneven) * quarter_ns;
+    for (int step = 0; step < 50; ++step) {
+      newton.begin(1);
+      for (int k = 0; k < 4; ++k) {
+        IslandNewton::Contact& contact = *newton.add(0, -1);
+        const double to_x = k == 0 || k == 3 ? x : -x, to_y = k < 2 ? y : -y;
+        contact.along_a[0] = {0.0, 0.0, 1.0, to_y, -to_x, 0.0};
+        for (double& along : contact.along_a[0]) along /= std::sqrt(mass_kg);
+        contact.goal[0] = kFall_m_s + 1e-15 * (k % 2 == 0 ? 1.0 : -1.0);
+        contact.start[0] = impulse_ns[k];
+      }
+      ASSERT_GT(newton.order(), 0);
+      ASSERT_TRUE(newton.solve(40));
+      for (int k = 0; k < 4; ++k) impulse_ns[k] = newton.contact(k).impulse[0];
+    }
+    for (const double is_ns : impulse_ns)
+      worst = std::max(worst, std::abs(is_ns / quarter_ns - 1.0));
+  }
+  std::printf("figure: share of a corner, off a quarter of the load %.3g\n", worst);
+  EXPECT_LE(worst, 1e-4);
+}
+
 /// A chain of bodies on three contacts each, with the hand on the last one; rows of any direction.
 /// @return the wanted velocities
 std::vector<std::array<double, 3>> grasp(IslandNewton& newton, int bodies,
@@ -108,8 +143,8 @@ std::vector<std::array<double, 3>> grasp(IslandNewton& newton, int bodies,
   return goals;
 }
 
-/// Signorini's and Coulomb's laws with the softness of each normal, for the impulses and velocities that were found: the largest
-/// miss of a velocity or, times the mobility, of an impulse.
+/// Signorini's and Coulomb's laws with the softness of each normal, for the impulses and velocities
+/// that were found: the largest miss of a velocity or, times the mobility, of an impulse.
 double missOf(const IslandNewton& newton, const std::vector<std::array<double, 3>>& goals) {
   double worst = 0.0;
   for (int i = 0; i < newton.contactCount(); ++i) {

@@ -11,7 +11,8 @@ constexpr double kLeastMobility = 1e-12;  // nothing moves along a row of less [
 // Softness R of a row divided by its mobility, one after the other. The soft ones show which
 // contacts hold and stick.
 constexpr std::array kSoftness{1e-3, 1e-4, 1e-5, 1e-6};
-// At the largest impulse a normal between bodies gives way by this share of the largest goal of one.
+// At the largest impulse a normal between bodies gives way by this share of the largest goal of
+// one.
 constexpr double kGives = 3e-6;
 constexpr int kMostUpdates = 16;        // of x₀
 constexpr int kMostChords = 40;         // Newton steps in one solution
@@ -395,8 +396,8 @@ bool IslandNewton::minimise(int most_steps) noexcept {
   return false;
 }
 
-// Softness of the normals between bodies. Where more points bear than are needed, it shares the load
-// among them; without it the last digits of their gaps do (ADR 93).
+// Softness of the normals between bodies. Where more points bear than are needed, it shares the
+// load among them; without it the last digits of their gaps do (ADR 93).
 double IslandNewton::sharing(double approach) const noexcept {
   double largest = 0.0;
   for (int i = 0; i < contact_count_; ++i) {

@@ -46,7 +46,7 @@ class IslandNewton {
     bool presses = false, sticks = false, matrix_presses = false, matrix_sticks = false;
     std::array<double, 3> mobility{}, inverse_softness{}, free{}, moved{}, moves{};
     double limit = 0.0, gives = 0.0;  ///< softness of the normal that stays in the result [1/kg]
-    std::array<double, 3> kept{};                      ///< x of the last solution with given limits
+    std::array<double, 3> kept{};     ///< x of the last solution with given limits
     double along1 = 0.0, along2 = 0.0, turning = 0.0;  ///< direction of sliding friction
   };
 
