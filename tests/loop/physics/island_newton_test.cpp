@@ -88,7 +88,7 @@ TEST(IslandNewton, PlateOnFourCorners_SharesItsLoad) {
   auto random = test::seededRandom(6105);
   static IslandNewton newton;
   double worst = 0.0;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 10; ++i) {
     const double mass_kg = std::pow(10.0, test::uniform(random, -2.0, 1.0));
     // Half of its sides, in radii of gyration.
     const double x = test::uniform(random, 0.5, 1.7), y = test::uniform(random, 0.5, 1.7);
@@ -96,7 +96,7 @@ TEST(IslandNewton, PlateOnFourCorners_SharesItsLoad) {
     std::array<double, 4> impulse_ns{};
     for (int k = 0; k < 4; ++k)
       impulse_ns[k] = (k % 2 == 0 ? 1.0 + uneven : 1.0 - uneven) * quarter_ns;
-    for (int step = 0; step < 50; ++step) {
+    for (int step = 0; step < 4000; ++step) {
       newton.begin(1);
       for (int k = 0; k < 4; ++k) {
         IslandNewton::Contact& contact = *newton.add(0, -1);
@@ -114,7 +114,7 @@ TEST(IslandNewton, PlateOnFourCorners_SharesItsLoad) {
       worst = std::max(worst, std::abs(is_ns / quarter_ns - 1.0));
   }
   std::printf("figure: share of a corner, off a quarter of the load %.3g\n", worst);
-  EXPECT_LE(worst, 1e-4);
+  EXPECT_LE(worst, 1e-3);
 }
 
 /// A chain of bodies on three contacts each, with the hand on the last one; rows of any direction.
@@ -191,7 +191,7 @@ TEST(IslandNewton, IslandWithTheHand_ObeysTheLawOfFrictionExactly) {
       for (int k = 0; k < newton.contactCount(); ++k) {
         const IslandNewton::Contact& c = newton.contact(k);
         if (c.yields > 0.0) continue;
-        EXPECT_LE(c.gives * c.impulse[0], 1e-5 * kMostGoal_m_s);
+        EXPECT_LE(c.gives * c.impulse[0], 5e-6 * kMostGoal_m_s);
       }
     }
   }

@@ -75,7 +75,7 @@ int IslandNewton::order() noexcept {
   return work;
 }
 
-void IslandNewton::soften(double softness) noexcept {
+void IslandNewton::findMobilities() noexcept {
   for (int i = 0; i < contact_count_; ++i) {
     Contact& c = contacts_[i];
     for (int r = 0; r < 3; ++r) {
@@ -86,11 +86,17 @@ void IslandNewton::soften(double softness) noexcept {
       c.mobility[1] = c.mobility[2] = 0.5 * (c.mobility[1] + c.mobility[2]);
     }
     for (int r = 0; r < 3; ++r) {
-      if (!(c.mobility[r] > kLeastMobility)) {
-        c.mobility[r] = c.start[r] = c.inverse_softness[r] = 0.0;
-      } else {
-        c.inverse_softness[r] = 1.0 / (softness * c.mobility[r] + (r == 0 ? c.gives : 0.0));
-      }
+      if (!(c.mobility[r] > kLeastMobility)) c.mobility[r] = c.start[r] = 0.0;
+    }
+  }
+}
+
+void IslandNewton::soften(double softness) noexcept {
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& c = contacts_[i];
+    for (int r = 0; r < 3; ++r) {
+      const double stays = r == 0 ? c.gives : 0.0;
+      c.inverse_softness[r] = c.mobility[r] > 0.0 ? 1.0 / (softness * c.mobility[r] + stays) : 0.0;
     }
   }
 }
@@ -397,9 +403,9 @@ bool IslandNewton::minimise(int most_steps) noexcept {
 }
 
 // Softness of the normals between bodies. Where more points bear than are needed, it shares the
-// load among them; without it the last digits of their gaps do (ADR 93).
-double IslandNewton::sharing(double approach) const noexcept {
-  double largest = 0.0;
+// load among them; without it their last impulses and the last digits of their gaps do (ADR 93).
+double IslandNewton::sharing(double approach, double least_impulse) const noexcept {
+  double largest = least_impulse;
   for (int i = 0; i < contact_count_; ++i) {
     if (!contacts_[i].of_joint) largest = std::max(largest, contacts_[i].impulse[0]);
   }
@@ -415,27 +421,36 @@ void IslandNewton::restore() noexcept {
 bool IslandNewton::solve(int most_steps, int most_coupled_steps) noexcept {
   steps_ = 0;
   factored_ = again_ = false;
-  soften(kSoftness.front());
-  double fastest = 0.0, approach = 0.0;
+  findMobilities();
+  // Largest goal of a normal, and the largest impulse that one alone would need for it.
+  double approach = 0.0, alone = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& c = contacts_[i];
+    c.start[0] = std::max(0.0, c.start[0]);
+    c.impulse[0] = c.start[0];
+    if (c.of_joint || !(c.mobility[0] > 0.0)) continue;
+    approach = std::max(approach, c.goal[0]);
+    alone = std::max(alone, c.goal[0] / c.mobility[0]);
+  }
+  double shares = sharing(approach, alone), fastest = 0.0;
   bool with_hand = false;
   for (int k = 0; k < body_count_; ++k) change_[k].fill(0.0);
   for (int i = 0; i < contact_count_; ++i) {
     Contact& c = contacts_[i];
-    c.start[0] = std::max(0.0, c.start[0]);
     with_hand = with_hand || c.yields > 0.0;
-    c.gives = c.yields;
+    c.gives = c.of_joint || c.yields > 0.0 ? c.yields : shares;
     c.limit = limitOf(c, c.start[0]);
     // With this goal an impulse x that no longer changes satisfies j w + gives x = goal.
     c.goal[0] -= c.gives * c.start[0];
     if (!c.of_joint) {
       fastest = std::max({fastest, std::abs(c.goal[0]), std::hypot(c.goal[1], c.goal[2])});
-      approach = std::max(approach, c.goal[0]);
     }
     for (int r = 0; r < 3; ++r) {
       if (c.a >= 0) addScaled(change_[c.a], c.start[r], c.along_a[r]);
       if (c.b >= 0) addScaled(change_[c.b], c.start[r], c.along_b[r]);
     }
   }
+  soften(kSoftness.front());
   for (int update = 0; update < kMostUpdates; ++update) {
     if (!minimise(most_steps)) {
       if (update == 0) return false;
@@ -444,7 +459,7 @@ bool IslandNewton::solve(int most_steps, int most_coupled_steps) noexcept {
     }
     again_ = true;
     kept_ = change_;
-    const double shares = sharing(approach);
+    shares = sharing(approach, alone);
     double changed = 0.0, largest = 0.0, left = 0.0;
     for (int i = 0; i < contact_count_; ++i) {
       Contact& c = contacts_[i];

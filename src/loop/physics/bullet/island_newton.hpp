@@ -85,13 +85,14 @@ class IslandNewton {
   [[nodiscard]] static double limitOf(const Contact& contact, double normal) noexcept {
     return contact.of_joint ? contact.box : contact.friction * normal;
   }
+  void findMobilities() noexcept;
   void soften(double softness) noexcept;
   void project(Contact& contact) noexcept;
   void moveRows(std::array<Six, kMostBodies>& by, bool of_step) noexcept;
   double evaluate() noexcept;
   [[nodiscard]] double slopeAt(double share) const noexcept;
   [[nodiscard]] bool piecesChanged() const noexcept;
-  [[nodiscard]] double sharing(double approach) const noexcept;
+  [[nodiscard]] double sharing(double approach, double least_impulse) const noexcept;
   void restore() noexcept;
   bool minimise(int most_steps) noexcept;
   [[nodiscard]] bool couple(int most_steps, double fastest) noexcept;
