@@ -1,9 +1,9 @@
 #include "loop/physics/bullet/contact_patch.hpp"
 
 #include "loop/physics/bullet/bullet_types.hpp"
+#include "loop/physics/bullet/contact_outline.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
@@ -37,30 +37,6 @@ constexpr double kWellWithin = 0.15;
 constexpr double kHeldApart_m = 1e-4;  // gap at which overlapping shapes are held apart
 constexpr double kSameTurn = 1e-9;     // sine of the angle below which two directions are the same
 constexpr int kMostTurns = 6;          // bound of the iterations for the direction of an overlap
-constexpr double kAsBefore_m = 5e-3;   // a new point this near an old one replaces it
-constexpr int kMostCorners = 64;
-
-/// A corner of a patch: (u, v) in the plane perpendicular to the direction, and its height along
-/// the direction.
-struct Corner {
-  double u, v, height_m;
-};
-
-/// Squared distance from the world's origin. It decides among equal corners, so that a mirrored
-/// world has the mirrored points in the same order.
-double awayFromOrigin(const Corner& at) {
-  return at.u * at.u + at.v * at.v + at.height_m * at.height_m;
-}
-
-/// A convex polygon (counter-clockwise), an edge, or a point.
-struct Outline {
-  std::array<Corner, 2 * kMostCorners> corners;
-  int count = 0;
-
-  void add(const Corner& corner) noexcept {
-    if (count < static_cast<int>(corners.size())) corners[count++] = corner;
-  }
-};
 
 /// A collider with the data of its shape.
 struct Convex {
@@ -159,10 +135,6 @@ struct Across {
   explicit Across(const btVector3& n) : normal(n) { btPlaneSpace1(n, u, v); }
 };
 
-double turnOf(const Corner& a, const Corner& b, const Corner& c) {
-  return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
-}
-
 /// The corners of a shape that are farthest along `sign` times the normal, as the outline of their
 /// hull.
 Outline outlineOf(const Convex& of, const Across& across, double sign) {
@@ -204,98 +176,6 @@ Outline outlineOf(const Convex& of, const Across& across, double sign) {
   const int back = out.count - 1;
   for (int i = count - 2; i >= 0; --i) push(found[i], back);
   if (out.count > 1) --out.count;  // the last corner repeats the first
-  return out;
-}
-
-/// Height of an outline's plane, line or point over (u, v).
-class Ground {
- public:
-  explicit Ground(const Outline& of) : at_(of.corners[0]) {
-    if (of.count == 2) {
-      const Corner& end = of.corners[1];
-      const double u = end.u - at_.u, v = end.v - at_.v, length2 = u * u + v * v;
-      if (length2 > 0.0) {
-        const double slope = (end.height_m - at_.height_m) / length2;
-        du_ = slope * u, dv_ = slope * v;
-      }
-    } else if (of.count > 2) {
-      double nu = 0.0, nv = 0.0, nh = 0.0;  // normal by Newell's method
-      for (int i = 0; i < of.count; ++i) {
-        const Corner& a = of.corners[i];
-        const Corner& b = of.corners[(i + 1) % of.count];
-        nu += (a.v - b.v) * (a.height_m + b.height_m - 2.0 * at_.height_m);
-        nv += (a.height_m - b.height_m) * (a.u + b.u - 2.0 * at_.u);
-        nh += (a.u - b.u) * (a.v + b.v - 2.0 * at_.v);
-      }
-      du_ = -nu / nh, dv_ = -nv / nh;
-    }
-  }
-  [[nodiscard]] double height(const Corner& over) const {
-    return at_.height_m + du_ * (over.u - at_.u) + dv_ * (over.v - at_.v);
-  }
-
- private:
-  Corner at_;
-  double du_ = 0.0, dv_ = 0.0;
-};
-
-Corner between(const Corner& a, const Corner& b, double share) {
-  return {a.u + share * (b.u - a.u), a.v + share * (b.v - a.v),
-          a.height_m + share * (b.height_m - a.height_m)};
-}
-
-/// The part of an outline that lies within a polygon (Sutherland, Hodgman 1974).
-Outline clip(Outline of, const Outline& within) {
-  constexpr double kEdge_m = 1e-9;  // points this little outside count as inside
-  for (int e = 0; e < within.count && of.count > 0; ++e) {
-    const Corner& a = within.corners[e];
-    const Corner& b = within.corners[(e + 1) % within.count];
-    const double length = std::hypot(b.u - a.u, b.v - a.v);
-    const auto inside = [&](const Corner& c) { return turnOf(a, b, c) / length + kEdge_m; };
-    Outline kept;
-    const int edges = of.count > 2 ? of.count : of.count - 1;
-    for (int i = 0; i < of.count; ++i) {
-      const Corner& from = of.corners[i];
-      const double at_from = inside(from);
-      if (at_from >= 0.0) kept.add(from);
-      if (i >= edges) continue;
-      const Corner& to = of.corners[(i + 1) % of.count];
-      const double at_to = inside(to);
-      if ((at_from < 0.0) != (at_to < 0.0)) {
-        kept.add(between(from, to, at_from / (at_from - at_to)));
-      }
-    }
-    of = kept;
-  }
-  return of;
-}
-
-/// The common part of two edges, or of an edge and a point.
-Outline commonOf(const Outline& a, const Outline& b) {
-  Outline out;
-  if (a.count == 1 || b.count == 1) {
-    out.add(a.count == 1 ? a.corners[0] : b.corners[0]);
-    return out;
-  }
-  const Corner &p = a.corners[0], &q = b.corners[0];
-  const double au = a.corners[1].u - p.u, av = a.corners[1].v - p.v;
-  const double bu = b.corners[1].u - q.u, bv = b.corners[1].v - q.v;
-  const double cross = au * bv - av * bu, a2 = au * au + av * av, b2 = bu * bu + bv * bv;
-  if (std::abs(cross) > 0.02 * std::sqrt(a2 * b2)) {
-    const double share = ((q.u - p.u) * bv - (q.v - p.v) * bu) / cross;
-    const double other = ((q.u - p.u) * av - (q.v - p.v) * au) / cross;
-    constexpr double kPast = 1e-6;  // tolerated excess beyond the ends, relative to the edge
-    if (share < -kPast || share > 1.0 + kPast || other < -kPast || other > 1.0 + kPast) return out;
-    out.add(between(p, a.corners[1], share));
-    return out;
-  }
-  const auto along = [&](const Corner& c) { return ((c.u - p.u) * au + (c.v - p.v) * av) / a2; };
-  const double first = along(q), second = along(b.corners[1]);
-  const double low = std::max(0.0, std::min(first, second));
-  const double high = std::min(1.0, std::max(first, second));
-  if (low > high) return out;
-  out.add(between(p, a.corners[1], low));
-  out.add(between(p, a.corners[1], high));
   return out;
 }
 
@@ -663,87 +543,6 @@ ContactPatch findPatch(const btCollisionObject& object_a, const Shape& form_a,
   ContactPatch patch = patchAlong(a, b, near.point.normal, reach_m, before);
   if (patch.count == 0) patch.add(near.point);
   return patch;
-}
-
-namespace {
-
-/// Data that a contact point passes on to its successor.
-struct KeptPoint {
-  btVector3 local_a, local_b, tangent1, tangent2;
-  double impulse, impulse1, impulse2, spin, drift1, drift2;
-
-  void take(const btManifoldPoint& from) {
-    local_a = from.m_localPointA, local_b = from.m_localPointB;
-    tangent1 = from.m_lateralFrictionDir1, tangent2 = from.m_lateralFrictionDir2;
-    impulse = from.m_appliedImpulse;
-    impulse1 = from.m_appliedImpulseLateral1, impulse2 = from.m_appliedImpulseLateral2;
-    spin = from.m_prevRHS;
-    drift1 = from.m_contactMotion1, drift2 = from.m_contactMotion2;
-  }
-  void give(btManifoldPoint& to) const {
-    to.m_lateralFrictionDir1 = tangent1, to.m_lateralFrictionDir2 = tangent2;
-    to.m_appliedImpulse = impulse;
-    to.m_appliedImpulseLateral1 = impulse1, to.m_appliedImpulseLateral2 = impulse2;
-    to.m_prevRHS = spin;
-    to.m_contactMotion1 = drift1, to.m_contactMotion2 = drift2;
-  }
-};
-
-}  // namespace
-
-void inherit(btManifoldPoint& heir, const btManifoldPoint& from) noexcept {
-  KeptPoint kept;
-  kept.take(from);
-  kept.give(heir);
-}
-
-void renew(btPersistentManifold& manifold, const ContactPatch& patch) noexcept {
-  const btTransform& at_a = manifold.getBody0()->getWorldTransform();
-  const btTransform& at_b = manifold.getBody1()->getWorldTransform();
-  std::array<KeptPoint, ContactPatch::kMost> before;
-  std::array<bool, ContactPatch::kMost> taken{};
-  const int count = manifold.getNumContacts();
-  for (int k = 0; k < count; ++k) before[k].take(manifold.getContactPoint(k));
-  const double friction =
-      btManifoldResult::calculateCombinedFriction(manifold.getBody0(), manifold.getBody1());
-  while (manifold.getNumContacts() > patch.count) {
-    manifold.removeContactPoint(manifold.getNumContacts() - 1);
-  }
-  for (int i = 0; i < patch.count; ++i) {
-    // Writes the geometry of the point.
-    const ContactPatch::Point& is = patch.points[i];
-    const btVector3 on_a = is.on_b + is.normal * is.gap_m;
-    if (i == manifold.getNumContacts()) {
-      manifold.addManifoldPoint(btManifoldPoint(on_a, is.on_b, is.normal, is.gap_m), true);
-    }
-    btManifoldPoint& point = manifold.getContactPoint(i);
-    point.m_localPointA = at_a.invXform(on_a);
-    point.m_localPointB = at_b.invXform(is.on_b);
-    point.m_positionWorldOnA = on_a;
-    point.m_positionWorldOnB = is.on_b;
-    point.m_normalWorldOnB = is.normal;
-    point.m_distance1 = is.gap_m;
-    point.m_combinedFriction = friction;
-    // Finds the nearest old point and inherits its data.
-    int same = -1;
-    double least = kAsBefore_m * kAsBefore_m;
-    for (int k = 0; k < count; ++k) {
-      if (taken[k]) continue;
-      const double away = std::min((before[k].local_a - point.m_localPointA).length2(),
-                                   (before[k].local_b - point.m_localPointB).length2());
-      if (away >= least) continue;
-      least = away;
-      same = k;
-    }
-    if (same >= 0) {
-      taken[same] = true;
-      if (same != i) before[same].give(point);
-      continue;
-    }
-    KeptPoint none{};
-    btPlaneSpace1(is.normal, none.tangent1, none.tangent2);
-    none.give(point);
-  }
 }
 
 }  // namespace wholehand::bullet
