@@ -16,7 +16,6 @@ namespace wholehand::bullet {
 namespace {
 
 constexpr double kFall_m_s = 9.81e-3;  // gravity in a step of 1 ms
-constexpr double kMostGoal_m_s = 0.02;
 
 /// Bodies that fall at kFall_m_s, one on the other, with one contact between two through their
 /// centres. Body k is the `numbers[k]`-th of the solver.
@@ -77,8 +76,10 @@ TEST(IslandNewton, PileThatSlides_IsSlowedByItsWeightTimesFriction) {
     ASSERT_TRUE(newton.solve(40));
     const auto& ground = newton.contact(0);
     const double limit_ns = friction * whole_kg * kFall_m_s;
-    EXPECT_NEAR(ground.impulse[1], -limit_ns, 1e-4 * limit_ns);
-    EXPECT_NEAR(ground.impulse[2], 0.0, 1e-4 * limit_ns);
+    // Every contact gives way by some 10⁻⁶ of the fall, and the bodies above it with it.
+    const double off_ns = (1e-4 + 1e-5 * static_cast<double>(count)) * limit_ns;
+    EXPECT_NEAR(ground.impulse[1], -limit_ns, off_ns);
+    EXPECT_NEAR(ground.impulse[2], 0.0, off_ns);
   }
 }
 
@@ -134,7 +135,7 @@ std::vector<std::array<double, 3>> grasp(IslandNewton& newton, int bodies,
           c.along_b[r][i] = test::uniform(random, -2.0, 2.0);
         }
       }
-      c.goal = {test::uniform(random, -0.005, kMostGoal_m_s), test::uniform(random, -0.01, 0.01),
+      c.goal = {test::uniform(random, -0.005, 0.02), test::uniform(random, -0.01, 0.01),
                 test::uniform(random, -0.01, 0.01)};
       c.start = {0.0, 0.0, 0.0};
       goals.push_back(c.goal);
@@ -188,10 +189,17 @@ TEST(IslandNewton, IslandWithTheHand_ObeysTheLawOfFrictionExactly) {
       ASSERT_GT(newton.order(), 0);
       ASSERT_TRUE(newton.solve(40, coupled ? 120 : 0));
       if (missOf(newton, goals) <= 1e-9) ++(coupled ? exact : exact_with_limits);
+      // The softness that stays is 3 · 10⁻⁶ of the largest goal over the largest impulse that
+      // one normal alone would need for it, or over a larger one: at most of a normal's mobility.
+      double mobility = 0.0;
+      for (int k = 0; k < newton.contactCount(); ++k) {
+        if (!newton.contact(k).of_joint)
+          mobility = std::max(mobility, newton.contact(k).mobility[0]);
+      }
       for (int k = 0; k < newton.contactCount(); ++k) {
         const IslandNewton::Contact& c = newton.contact(k);
         if (c.yields > 0.0) continue;
-        EXPECT_LE(c.gives * c.impulse[0], 5e-6 * kMostGoal_m_s);
+        EXPECT_LE(c.gives, 3e-6 * (1.0 + 1e-12) * mobility);
       }
     }
   }
