@@ -70,7 +70,7 @@ def _file(name: str, value: Path | None, folder: str, suffix: str = ".toml") -> 
 def _gains(device: str) -> str:
     """The file of the device's name in the folder `rendering` beside the device's, else the shipped one."""
     beside = pathlib.Path(device).parent.parent / "rendering" / pathlib.Path(device).name
-    return str(beside) if beside.exists() else shipped(f"config/rendering/{beside.name}")
+    return str(beside) if os.path.exists(beside) else shipped(f"config/rendering/{beside.name}")
 
 
 def _files(device: Path, hand: Path, scene: Path | None, exercise: Path | None, patient: Path, rendering: Path | None,
