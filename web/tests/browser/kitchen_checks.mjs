@@ -18,7 +18,7 @@ export async function drawerIsOpenedAndShut(t) {
   await game.waitForSelector('[data-testid=task] h1 >> text=Un tiroir');
   const console = await openPage(t.plain, pageUrl(url, '/console', { lang: 'de' }));
   await console.waitForSelector('.exercise [data-value=joint_q]');
-  const open_cm = async () => parseFloat(await console.locator('[data-value=joint_q] :is(.figure, .num)').first().innerText());
+  const open_cm = async () => parseFloat((await console.locator('[data-value=joint_q] :is(.figure, .num)').first().innerText()).replace(',', '.'));
   const instructionIs = (words) => until(`"${words}"`, async () => (await game.locator('[data-testid=instruction]').innerText()) === words);
   await instructionIs('Tirez le tiroir');
   await nothingCoversTheCard(game);

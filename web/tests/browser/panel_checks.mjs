@@ -3,7 +3,7 @@ import { expect, expectAccessible, openPage, pageUrl, until } from './browser.mj
 import { startProgram } from './program.mjs';
 
 /** The number in a row of a panel. */
-const shown = async (page, name) => parseFloat(await page.locator(`[data-value=${name}] :is(.figure, .num)`).first().innerText());
+const shown = async (page, name) => parseFloat((await page.locator(`[data-value=${name}] :is(.figure, .num)`).first().innerText()).replace(',', '.'));
 
 /** The virtual patient squeezes: game and console show it, in three languages; then a person takes over. */
 export async function anyExerciseShowsItsPanel(t) {
