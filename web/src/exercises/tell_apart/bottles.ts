@@ -1,5 +1,6 @@
 // The bodies of this exercise's scene: the two bottles that are compared, and the counter below them.
 import { ShapeType, type SceneT } from '../../protocol';
+import { isOfKind } from '../exercise_kind';
 
 export interface Bottle {
   readonly body: number;
@@ -19,16 +20,8 @@ export const Instruction = { First: 0, Second: 1, Hold: 2, LetGo: 3, Answer: 4, 
 
 /** The bottles of a scene: its two fixed cylinders. Undefined for another exercise. */
 export function pairOf(scene: Pick<SceneT, 'exerciseJson' | 'bodies'>): Pair | undefined {
-  if (!isOfKind(String(scene.exerciseJson ?? ''))) return undefined;
+  if (!isOfKind(scene, 'tell_apart')) return undefined;
   const fixed = (type: ShapeType) => scene.bodies.flatMap(({ fixed, shapes }, body) => (fixed && shapes.length === 1 && shapes[0]!.type === type ? [{ body, radius_m: shapes[0]!.radiusM, height_m: shapes[0]!.lengthM }] : []));
   const [lower, upper, ...more] = fixed(ShapeType.Cylinder);
   return lower && upper && more.length === 0 ? { bottles: [lower, upper], counter: fixed(ShapeType.Box)[0]?.body ?? -1 } : undefined;
-}
-
-function isOfKind(json: string): boolean {
-  try {
-    return (JSON.parse(json) as { kind?: unknown } | null)?.kind === 'tell_apart';
-  } catch {
-    return false;
-  }
 }
