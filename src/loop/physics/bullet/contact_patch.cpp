@@ -2,6 +2,7 @@
 
 #include "loop/physics/bullet/bullet_types.hpp"
 #include "loop/physics/bullet/contact_outline.hpp"
+#include "loop/physics/segment_distance.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
@@ -253,6 +254,23 @@ class NearestPoints {
   const btTransform &at_a_, &at_b_;
 };
 
+/// Nearest points of a capsule or sphere and a convex mesh; not found when the capsule's axis meets
+/// the mesh. @param sign 1: from the mesh to the round shape, -1: the reverse
+Nearest nearestOfRound(const Convex& round, const Convex& mesh, double sign) {
+  const btTransform into = mesh.at.inverseTimes(round.at);
+  const double half_m = round.form.type == ShapeType::kCapsule ? 0.5 * round.form.length_m : 0.0;
+  const Eigen::Vector3d from = toEigen(into * btVector3(0.0, 0.0, -half_m));
+  const Eigen::Vector3d to = toEigen(into * btVector3(0.0, 0.0, half_m));
+  const double radius_m = round.form.radius_m;
+  const SegmentDistance is = hullDistance(mesh.form.points_m, from, to, radius_m);
+  if (is.normal.isZero()) return {};
+  const Eigen::Vector3d core_m = from + is.along * (to - from);
+  const Eigen::Vector3d on_b =
+      core_m - (sign > 0.0 ? is.distance_m + radius_m : radius_m) * is.normal;
+  const btVector3 normal = sign * (mesh.at.getBasis() * toBt(is.normal));
+  return {{mesh.at * toBt(on_b), normal, is.distance_m}, true};
+}
+
 /// Finds the nearest points. For shapes that overlap, one is displaced along a direction, and the
 /// nearest points give the next direction, until it no longer changes. The first direction is that
 /// of the last step, if there is one.
@@ -267,8 +285,18 @@ Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& obje
   if (sure(as_they_are)) return as_they_are;
   btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
   // For meshes the search may have ended at a simplex that is nearly flat, with points that are not
-  // the nearest ones. From another guess it ends elsewhere.
-  if (as_they_are.found && (a.point_count > 0 || b.point_count > 0)) {
+  // the nearest ones. The search against a capsule's axis does not. For other shapes, it ends
+  // elsewhere from another guess.
+  const auto round = [](const Convex& of) {
+    return of.form.type == ShapeType::kCapsule || of.form.type == ShapeType::kSphere;
+  };
+  if (round(a) && b.point_count > 0) {
+    const Nearest exact = nearestOfRound(a, b, 1.0);
+    if (sure(exact)) return exact;
+  } else if (round(b) && a.point_count > 0) {
+    const Nearest exact = nearestOfRound(b, a, -1.0);
+    if (sure(exact)) return exact;
+  } else if (as_they_are.found && (a.point_count > 0 || b.point_count > 0)) {
     const btMatrix3x3& basis = object_b.getWorldTransform().getBasis();
     const btVector3 x = basis.getColumn(0), y = basis.getColumn(1), z = basis.getColumn(2);
     for (const btVector3& guess : {along, as_they_are.point.normal, x, y, z, -x, -y, -z}) {
