@@ -24,10 +24,11 @@ struct PowerGrasp {
              const std::function<AxisPosition(int)>& script)
       : PowerGrasp(effort_tip_n, std::vector<SceneBody>{thing}, script) {}
   PowerGrasp(double effort_tip_n, const std::vector<SceneBody>& things,
-             const std::function<AxisPosition(int)>& script)
+             const std::function<AxisPosition(int)>& script, double gravity_m_s2 = 0.0)
       : tip_n(effort_tip_n) {
     Models m = load(shippedFiles());
     m.scene.bodies = things;
+    m.scene.gravity_m_s2 = {0.0, 0.0, -gravity_m_s2};
     q_m[1] = -0.1;
     q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
     rig = buildScripted(std::move(m), script);
