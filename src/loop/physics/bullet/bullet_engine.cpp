@@ -228,7 +228,7 @@ void BulletEngine::moveBodies(double step_s) noexcept {
     }
     if (body->chain() != nullptr) continue;
     rigid.applyGravity();
-    rigid.applyDamping(step_s);
+    if (rigid.getLinearDamping() != 0.0) rigid.applyDamping(step_s);
   }
   chains.predict(resting, touched_, step_s);
   solver_info_.m_timeStep = step_s;
