@@ -1,6 +1,7 @@
 #include "loop/dynamics/articulated_body.hpp"
 
 #include "loop/core/compiler.hpp"
+#include "loop/core/four_numbers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -125,10 +126,17 @@ ArticulatedBody::ArticulatedBody(const HandModel& hand, const AxisInertia& armat
       addBody(i, parent, place);
     }
   }
+  for (int i = 0; i < (body_count_ + 3) / 4 * 4; ++i) {
+    const Body& b = body_[std::min(i, body_count_ - 1)];
+    FourBodies& to = four_bodies_[i / 4];
+    to.mass_kg[i % 4] = b.mass_kg;
+    for (int k = 0; k < 3; ++k) to.com_m[k][i % 4] = b.com_m[k];
+    for (int k = 0; k < 9; ++k) to.inertia_kg_m2[k][i % 4] = b.inertia_kg_m2(k % 3, k / 3);
+  }
   const int n = hand.joint_count;
   bias_ = JointEffort(n);
   inertia_ = JointMatrix::Zero(n, n);
-  inertia_synergy_ = JointAxisMatrix::Zero(n, hand.axis_count);
+  inertia_synergy_height_ = (n + 3) / 4 * 4;
   reduced_bias_ = AxisEffort(hand.axis_count);
   reduced_inertia_ = AxisMatrix::Zero(hand.axis_count, hand.axis_count);
   reduced_inertia_inverse_ = reduced_inertia_;
@@ -211,71 +219,241 @@ void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
   placeLinks(theta);
 }
 
+namespace {
+
+static_assert(sizeof(Pose) == 12 * sizeof(double) && sizeof(SpatialInertia) == 10 * sizeof(double));
+
+/// Collects Count numbers of each of four objects that hold them one after the other.
+template <std::size_t Count, class From>
+[[gnu::always_inline]] inline void gather(std::array<FourNumbers, Count>& to,
+                                          const std::array<const From*, 4>& from) noexcept {
+  static_assert(sizeof(From) == Count * sizeof(double) && Count % 4 == 0);
+  std::array<const double*, 4> numbers;
+  for (int lane = 0; lane < 4; ++lane) numbers[lane] = reinterpret_cast<const double*>(from[lane]);
+  for (std::size_t k = 0; k < Count; k += 4) {
+    for (std::size_t lane = 0; lane < 4; ++lane) load(to[k + lane], numbers[lane] + k);
+    transpose(to[k], to[k + 1], to[k + 2], to[k + 3]);
+  }
+}
+
+/// Four spatial vectors.
+struct FourSpatials {
+  FourVectors angular, linear;
+};
+
+/// Four of SpatialInertia.
+struct FourInertias {
+  FourNumbers mass_kg;
+  FourVectors first_moment;
+  FourNumbers xx, yy, zz, xy, xz, yz;
+
+  /// SpatialInertia::operator*.
+  [[gnu::always_inline]] inline void multiply(FourSpatials& to, const FourSpatials& v) const {
+    const FourVectors& w = v.angular;
+    FourVectors moves, turns;
+    cross(moves, first_moment, v.linear);
+    cross(turns, first_moment, w);
+    to.angular = {(xx * w.x + xy * w.y + xz * w.z) + moves.x,
+                  (xy * w.x + yy * w.y + yz * w.z) + moves.y,
+                  (xz * w.x + yz * w.y + zz * w.z) + moves.z};
+    to.linear = {mass_kg * v.linear.x - turns.x, mass_kg * v.linear.y - turns.y,
+                 mass_kg * v.linear.z - turns.z};
+  }
+};
+
+[[gnu::always_inline]] inline void add(FourVectors& to, const FourVectors& more) noexcept {
+  to.x += more.x, to.y += more.y, to.z += more.z;
+}
+
+/// to += factor · more, for a count that is a multiple of four
+[[gnu::always_inline]] inline void addScaled(double* to, double factor, const double* more,
+                                             int count) noexcept {
+  for (int k = 0; k < count; k += 4) {
+    FourNumbers a, b;
+    load(a, to + k), load(b, more + k);
+    store(a + factor * b, to + k);
+  }
+}
+
+/// Adds the numbers of an object to those of another.
+template <class Of>
+[[gnu::always_inline]] inline void addNumbers(Of& to, const Of& more) noexcept {
+  static_assert(sizeof(Of) % sizeof(FourNumbers) == 0);
+  auto* sums = reinterpret_cast<double*>(&to);
+  const auto* numbers = reinterpret_cast<const double*>(&more);
+  for (std::size_t k = 0; k < sizeof(Of) / sizeof(double); k += 4) {
+    FourNumbers a, b;
+    load(a, sums + k), load(b, numbers + k);
+    store(a + b, sums + k);
+  }
+}
+
+}  // namespace
+
+// Computes the inertia in world axes and the wrench of four bodies at once, because this is most of
+// the work. Each sum has the order of inertiaInWorld() and of SpatialInertia.
+[[gnu::always_inline]] inline void ArticulatedBody::weighFour(int first) noexcept {
+  std::array<int, 4> at;
+  std::array<const Pose*, 4> poses;
+  std::array<const Motion*, 4> motions;
+  for (int lane = 0; lane < 4; ++lane) {
+    at[lane] = std::min(first + lane, body_count_ - 1);
+    poses[lane] = &pose_[body_[at[lane]].link];
+    motions[lane] = &motion_[at[lane]];
+  }
+  std::array<FourNumbers, 12> pose, moves;
+  gather(pose, poses);
+  gather(moves, motions);
+  const FourBodies& of = four_bodies_[first / 4];
+  // The rotation by rows, and the centre of mass.
+  const std::array<FourVectors, 3> r{FourVectors{pose[0], pose[3], pose[6]},
+                                     {pose[1], pose[4], pose[7]},
+                                     {pose[2], pose[5], pose[8]}};
+  FourVectors com, c;
+  load(com.x, of.com_m[0].data()), load(com.y, of.com_m[1].data()), load(com.z, of.com_m[2].data());
+  dot(c.x, r[0], com), dot(c.y, r[1], com), dot(c.z, r[2], com);
+  c.x += pose[9], c.y += pose[10], c.z += pose[11];
+  // R I by rows, then R I Rᵀ.
+  std::array<FourVectors, 3> ri;
+  for (int k = 0; k < 3; ++k) {
+    FourVectors column;
+    load(column.x, of.inertia_kg_m2[3 * k].data());
+    load(column.y, of.inertia_kg_m2[3 * k + 1].data());
+    load(column.z, of.inertia_kg_m2[3 * k + 2].data());
+    for (int row = 0; row < 3; ++row) {
+      FourNumbers& to = k == 0 ? ri[row].x : k == 1 ? ri[row].y : ri[row].z;
+      dot(to, r[row], column);
+    }
+  }
+  FourInertias inertia;
+  FourNumbers& m = inertia.mass_kg;
+  load(m, of.mass_kg.data());
+  inertia.first_moment = {m * c.x, m * c.y, m * c.z};
+  dot(inertia.xx, ri[0], r[0]), dot(inertia.yy, ri[1], r[1]), dot(inertia.zz, ri[2], r[2]);
+  dot(inertia.xy, ri[0], r[1]), dot(inertia.xz, ri[0], r[2]), dot(inertia.yz, ri[1], r[2]);
+  inertia.xx += m * (c.y * c.y + c.z * c.z);
+  inertia.yy += m * (c.x * c.x + c.z * c.z);
+  inertia.zz += m * (c.x * c.x + c.y * c.y);
+  inertia.xy -= m * c.x * c.y;
+  inertia.xz -= m * c.x * c.z;
+  inertia.yz -= m * c.y * c.z;
+  // The wrench I a + v × (I v).
+  const FourSpatials v{{moves[0], moves[1], moves[2]}, {moves[3], moves[4], moves[5]}};
+  const FourSpatials a{{moves[6], moves[7], moves[8]}, {moves[9], moves[10], moves[11]}};
+  FourSpatials wrench, momentum;
+  inertia.multiply(wrench, a);
+  inertia.multiply(momentum, v);
+  FourVectors turned, pulled, moved;
+  cross(turned, v.angular, momentum.angular);
+  cross(pulled, v.linear, momentum.linear);
+  cross(moved, v.angular, momentum.linear);
+  add(turned, pulled);
+  add(wrench.angular, turned);
+  add(wrench.linear, moved);
+  // Writes them as Load has them.
+  std::array<FourNumbers, 16> load_of{m,
+                                      inertia.first_moment.x,
+                                      inertia.first_moment.y,
+                                      inertia.first_moment.z,
+                                      inertia.xx,
+                                      inertia.yy,
+                                      inertia.zz,
+                                      inertia.xy,
+                                      inertia.xz,
+                                      inertia.yz,
+                                      wrench.angular.x,
+                                      wrench.angular.y,
+                                      wrench.angular.z,
+                                      wrench.linear.x,
+                                      wrench.linear.y,
+                                      wrench.linear.z};
+  for (int k = 0; k < 16; k += 4) {
+    transpose(load_of[k], load_of[k + 1], load_of[k + 2], load_of[k + 3]);
+    for (int lane = 0; lane < 4; ++lane) {
+      store(load_of[k + lane], reinterpret_cast<double*>(&load_[at[lane]]) + k);
+    }
+  }
+}
+
 // Outward Newton-Euler recursion: computes velocities, accelerations at θ̈ = 0, and the wrench on
 // each body. Gravity is modelled as an upward acceleration of the world.
 void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
                                    const Eigen::Vector3d& gravity_m_s2) noexcept {
-  const SpatialVector world_velocity;
-  const SpatialVector world_acceleration{Eigen::Vector3d::Zero(), -gravity_m_s2};
+  const Motion world{{}, {Eigen::Vector3d::Zero(), -gravity_m_s2}};
   for (int i = 0; i < body_count_; ++i) {
     const Body& b = body_[i];
     const double rate = theta_dot[b.joint];
     const SpatialVector own{rate * screw_[i].angular, rate * screw_[i].linear};
-    SpatialVector& v = velocity_[i];
-    SpatialVector& a = acceleration_[i];
-    v = b.parent < 0 ? world_velocity : velocity_[b.parent];
-    a = b.parent < 0 ? world_acceleration : acceleration_[b.parent];
-    v += own;
-    a += crossMotion(v, own);
-    composite_[i] = inertiaInWorld(b.mass_kg, b.com_m, b.inertia_kg_m2, pose_[b.link]);
-    force_[i] = composite_[i] * a;
-    force_[i] += crossForce(v, composite_[i] * v);
+    Motion& motion = motion_[i];
+    motion = b.parent < 0 ? world : motion_[b.parent];
+    motion.velocity += own;
+    motion.acceleration += crossMotion(motion.velocity, own);
   }
+  for (int i = 0; i < body_count_; i += 4) weighFour(i);
 }
 
 // Inward recursion: h sums the wrenches, M the composite inertias. M is zero by structure except
 // between a joint and its ancestors.
 void ArticulatedBody::sweepBackward() noexcept {
+  const std::ptrdiff_t joints = hand_->joint_count;
   for (int i = body_count_ - 1; i >= 0; --i) {
     const Body& b = body_[i];
-    bias_[b.joint] = dot(screw_[i], force_[i]);
-    if (b.parent >= 0) {
-      force_[b.parent] += force_[i];
-      composite_[b.parent] += composite_[i];
-    }
-    const SpatialVector momentum = composite_[i] * screw_[i];
+    bias_[b.joint] = dot(screw_[i], load_[i].wrench);
+    if (b.parent >= 0) addNumbers(load_[b.parent], load_[i]);
+    const SpatialVector momentum = load_[i].inertia * screw_[i];
+    double* column = inertia_.data() + joints * b.joint;
     for (int j = i; j >= 0; j = body_[j].parent) {
+      const std::ptrdiff_t row = body_[j].joint;
       const double m = dot(screw_[j], momentum);
-      inertia_(b.joint, body_[j].joint) = m;
-      inertia_(body_[j].joint, b.joint) = m;
+      column[row] = m;
+      inertia_.data()[joints * row + b.joint] = m;
     }
   }
 }
 
+// Sums four joints or axes at once: M G by its columns, then M_r by its rows. What lies between the
+// last joint or axis and the next multiple of four is not used.
 void ArticulatedBody::reduce() noexcept {
-  inertia_synergy_.setZero();
-  reduced_inertia_.setZero();
+  const std::ptrdiff_t joints = hand_->joint_count;
+  const int axes = hand_->axis_count;
+  const int tall = inertia_synergy_height_, wide = (axes + 3) / 4 * 4;
+  std::fill_n(inertia_synergy_.begin(), wide * tall, 0.0);
   reduced_bias_.vec().setZero();
   for (int i = 0; i < body_count_; ++i) {
     const Body& b = body_[i];
+    const double* inertia = inertia_.data() + joints * b.joint;
     for (int t = b.first_term; t < b.end_term; ++t) {
       const Term& term = terms_[t];
-      inertia_synergy_.col(term.axis) += term.ratio * inertia_.col(b.joint);
+      addScaled(&inertia_synergy_[term.axis * tall], term.ratio, inertia, tall);
       reduced_bias_[term.axis] += term.ratio * bias_[b.joint];
     }
   }
+  alignas(32) std::array<double, kMaxJoints * kMaxAxes> rows;
+  for (int a = 0; a < wide; a += 4) {
+    const double* column = &inertia_synergy_[a * tall];
+    for (int j = 0; j < tall; j += 4, column += 4) {
+      FourNumbers c0, c1, c2, c3;
+      load(c0, column), load(c1, column + tall);
+      load(c2, column + 2 * tall), load(c3, column + 3 * tall);
+      transpose(c0, c1, c2, c3);
+      double* row = &rows[j * wide + a];
+      store(c0, row), store(c1, row + wide), store(c2, row + 2 * wide), store(c3, row + 3 * wide);
+    }
+  }
+  alignas(32) std::array<double, kMaxAxes * kMaxAxes> reduced;
+  std::fill_n(reduced.begin(), wide * wide, 0.0);
   for (int i = 0; i < body_count_; ++i) {
     const Body& b = body_[i];
     for (int t = b.first_term; t < b.end_term; ++t) {
-      const Term& term = terms_[t];
-      for (int a = 0; a <= term.axis; ++a) {
-        reduced_inertia_(term.axis, a) += term.ratio * inertia_synergy_(b.joint, a);
-      }
+      addScaled(&reduced[terms_[t].axis * wide], terms_[t].ratio, &rows[b.joint * wide], wide);
     }
   }
-  // Only the lower triangle was summed. Copying it to the upper one makes M_r exactly symmetric.
-  for (int a = 0; a < hand_->axis_count; ++a) {
-    for (int c = 0; c < a; ++c) reduced_inertia_(c, a) = reduced_inertia_(a, c);
+  // Only the lower triangle is taken. Copying it to the upper one makes M_r exactly symmetric.
+  for (int a = 0; a < axes; ++a) {
+    for (int c = 0; c <= a; ++c) {
+      reduced_inertia_(a, c) = reduced[a * wide + c];
+      reduced_inertia_(c, a) = reduced[a * wide + c];
+    }
   }
   for (int a = 0; a < armature_.size(); ++a) reduced_inertia_(a, a) += armature_[a];
 }
@@ -309,9 +487,8 @@ void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) con
     for (int c = 0; c < hand_->axis_count; ++c) {
       acceleration += reduced_inertia_inverse_(c, a) * f_s[c];  // symmetric: reads down a column
     }
-    for (int j = 0; j < hand_->joint_count; ++j) {
-      torque[j] += inertia_synergy_(j, a) * acceleration;
-    }
+    const double* column = &inertia_synergy_[a * inertia_synergy_height_];
+    for (int j = 0; j < hand_->joint_count; ++j) torque[j] += column[j] * acceleration;
   }
 }
 
@@ -351,12 +528,9 @@ void ArticulatedBody::reducedAngularRow(int link, const Eigen::Vector3d& directi
 
 namespace {
 
-/// Four numbers, of one row each. Sums are written out in the order of Eigen's dot products.
-using FourRows = double __attribute__((vector_size(32)));
-
-// The result is a reference, because returning a vector would need AVX in the caller.
-[[gnu::always_inline]] inline void dotRows(FourRows& to, const Eigen::Vector3d& a,
-                                           const std::array<FourRows, 3>& b) noexcept {
+/// Four numbers, of one row each; the sum has the order of Eigen's dot products.
+[[gnu::always_inline]] inline void dotRows(FourNumbers& to, const Eigen::Vector3d& a,
+                                           const std::array<FourNumbers, 3>& b) noexcept {
   to = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
 }
 
@@ -367,18 +541,18 @@ using FourRows = double __attribute__((vector_size(32)));
     const std::array<double*, 4>& rows) const noexcept {
   std::array<Eigen::Vector3d, 3> moments;
   for (int k = 0; k < 3; ++k) moments[k] = cross(point_m, directions[k]);
-  std::array<FourRows, 3> moment, force;
+  std::array<FourNumbers, 3> moment, force;
   for (int c = 0; c < 3; ++c) {
-    moment[c] = FourRows{moments[0][c], moments[1][c], moments[2][c], directions[0][c]};
-    force[c] = FourRows{directions[0][c], directions[1][c], directions[2][c], 0.0};
+    moment[c] = FourNumbers{moments[0][c], moments[1][c], moments[2][c], directions[0][c]};
+    force[c] = FourNumbers{directions[0][c], directions[1][c], directions[2][c], 0.0};
   }
-  std::array<FourRows, kMaxAxes> sums;
-  for (int a = 0; a < hand_->axis_count; ++a) sums[a] = FourRows{};
+  std::array<FourNumbers, kMaxAxes> sums;
+  for (int a = 0; a < hand_->axis_count; ++a) sums[a] = FourNumbers{};
   for (int i = body_of_link_[link]; i >= 0; i = body_[i].parent) {
-    FourRows turning, sliding;
+    FourNumbers turning, sliding;
     dotRows(turning, screw_[i].angular, moment);
     dotRows(sliding, screw_[i].linear, force);
-    const FourRows rate = turning + sliding;
+    const FourNumbers rate = turning + sliding;
     for (int t = body_[i].first_term; t < body_[i].end_term; ++t) {
       sums[terms_[t].axis] += terms_[t].ratio * rate;
     }

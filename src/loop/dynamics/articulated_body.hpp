@@ -197,6 +197,24 @@ class ArticulatedBody {
     double ratio = 0.0;
   };
 
+  /// Constants of four bodies, one number of each beside the other; the last group repeats the last
+  /// body.
+  struct FourBodies {
+    using Each = std::array<double, 4>;
+    Each mass_kg;
+    std::array<Each, 3> com_m;
+    std::array<Each, 9> inertia_kg_m2;  ///< by columns
+  };
+  /// Motion of a body at θ̈ = 0, with gravity as -g of the world.
+  struct Motion {
+    SpatialVector velocity, acceleration;
+  };
+  /// What a joint carries: a body with its descendants, and the wrench that this motion needs.
+  struct Load {
+    SpatialInertia inertia;
+    SpatialVector wrench;
+  };
+
   // These three are compiled for AVX as a whole, with what they call.
   void placeLinks(const JointPosition& theta) noexcept;
   bool updateDynamics(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
@@ -207,6 +225,7 @@ class ArticulatedBody {
   void addBody(int link, int parent, const Pose& parent_to_body);
   static void addMass(Body& body, const HandLink& link, const Pose& body_to_link);
   void sweepForward(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
+  void weighFour(int first) noexcept;
   void sweepBackward() noexcept;
   void reduce() noexcept;
 
@@ -214,20 +233,21 @@ class ArticulatedBody {
   AxisInertia armature_;
   int body_count_ = 0, weld_count_ = 0, term_count_ = 0;
   std::array<Body, kMaxJoints> body_;
+  std::array<FourBodies, kMaxJoints / 4> four_bodies_;
   std::array<Weld, kMaxLinks> weld_;
   std::array<int, kMaxLinks> body_of_link_{};
   std::array<Term, kMaxJoints * kMaxAxes> terms_;
 
   std::array<Pose, kMaxLinks> pose_;
   std::array<SpatialVector, kMaxJoints> screw_;  ///< velocity per unit joint velocity
-  std::array<SpatialVector, kMaxJoints> velocity_;
-  std::array<SpatialVector, kMaxJoints> acceleration_;  ///< at θ̈ = 0, gravity as -g of the world
-  std::array<SpatialVector, kMaxJoints> force_;
-  std::array<SpatialInertia, kMaxJoints> composite_;
+  std::array<Motion, kMaxJoints> motion_;
+  std::array<Load, kMaxJoints> load_;
 
   JointEffort bias_;
   JointMatrix inertia_;
-  JointAxisMatrix inertia_synergy_;  ///< M G
+  /// M G by columns, each as long as the next multiple of four joints.
+  alignas(32) std::array<double, kMaxJoints * kMaxAxes> inertia_synergy_{};
+  int inertia_synergy_height_ = 0;
   AxisEffort reduced_bias_;
   AxisMatrix reduced_inertia_;
   AxisMatrix reduced_inertia_inverse_;

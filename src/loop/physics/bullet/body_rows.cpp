@@ -27,11 +27,6 @@ void copyVector(const std::array<double, 4>& from, btVector3& to) {
   to.setValue(from[0], from[1], from[2]);
 }
 
-/// One vector for each of four contacts.
-struct FourVectors {
-  FourNumbers x, y, z;
-};
-
 [[gnu::always_inline]] inline void loadVectors(FourVectors& to,
                                                const std::array<std::array<double, 4>, 3>& from) {
   load(to.x, from[0].data());
@@ -49,43 +44,17 @@ struct FourVectors {
 /// Collects four vectors, each stored with a fourth number.
 [[gnu::always_inline]] inline void gather(FourVectors& to, const double* of_0, const double* of_1,
                                           const double* of_2, const double* of_3) {
-  FourNumbers v0, v1, v2, v3;
-  load(v0, of_0), load(v1, of_1), load(v2, of_2), load(v3, of_3);
-  const FourNumbers xz01 = __builtin_shufflevector(v0, v1, 0, 4, 2, 6);
-  const FourNumbers yw01 = __builtin_shufflevector(v0, v1, 1, 5, 3, 7);
-  const FourNumbers xz23 = __builtin_shufflevector(v2, v3, 0, 4, 2, 6);
-  const FourNumbers yw23 = __builtin_shufflevector(v2, v3, 1, 5, 3, 7);
-  to.x = __builtin_shufflevector(xz01, xz23, 0, 1, 4, 5);
-  to.y = __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5);
-  to.z = __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7);
+  FourNumbers fourth;
+  load(to.x, of_0), load(to.y, of_1), load(to.z, of_2), load(fourth, of_3);
+  transpose(to.x, to.y, to.z, fourth);
 }
 
 /// The inverse of gather(); the fourth numbers become zero.
 [[gnu::always_inline]] inline void scatter(const FourVectors& from, double* to_0, double* to_1,
                                            double* to_2, double* to_3) {
-  const FourNumbers none{};
-  const FourNumbers xy02 = __builtin_shufflevector(from.x, from.y, 0, 4, 2, 6);
-  const FourNumbers xy13 = __builtin_shufflevector(from.x, from.y, 1, 5, 3, 7);
-  const FourNumbers z02 = __builtin_shufflevector(from.z, none, 0, 4, 2, 6);
-  const FourNumbers z13 = __builtin_shufflevector(from.z, none, 1, 5, 3, 7);
-  store(__builtin_shufflevector(xy02, z02, 0, 1, 4, 5), to_0);
-  store(__builtin_shufflevector(xy13, z13, 0, 1, 4, 5), to_1);
-  store(__builtin_shufflevector(xy02, z02, 2, 3, 6, 7), to_2);
-  store(__builtin_shufflevector(xy13, z13, 2, 3, 6, 7), to_3);
-}
-
-/// to = a·b, in Bullet's order
-[[gnu::always_inline]] inline void dot(FourNumbers& to, const FourVectors& a,
-                                       const FourVectors& b) {
-  to = a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-/// to = a × b
-[[gnu::always_inline]] inline void cross(FourVectors& to, const FourVectors& a,
-                                         const FourVectors& b) {
-  to.x = a.y * b.z - a.z * b.y;
-  to.y = a.z * b.x - a.x * b.z;
-  to.z = a.x * b.y - a.y * b.x;
+  FourNumbers v0 = from.x, v1 = from.y, v2 = from.z, v3{};
+  transpose(v0, v1, v2, v3);
+  store(v0, to_0), store(v1, to_1), store(v2, to_2), store(v3, to_3);
 }
 
 /// to = M v, M by its rows

@@ -1,24 +1,12 @@
 #pragma once
 
+#include "loop/core/four_numbers.hpp"
+
 #include <array>
 #include <cmath>
 
-/// Arithmetic of solver rows, four numbers at once. On a processor with AVX, a function with
-/// WHOLEHAND_VECTOR_CLONES does each operation in one instruction, elsewhere in two. Both give the
-/// same bits, because the order of every sum is written out. The functions are inlined into their
-/// caller and so compiled for the caller's processor.
+/// Arithmetic of solver rows, four numbers at once (loop/core/four_numbers.hpp).
 namespace wholehand::bullet {
-
-using FourNumbers = double __attribute__((vector_size(32)));
-
-// Load from and store to memory at any address of a double. Arguments are references, because
-// returning a vector would need AVX in the caller.
-[[gnu::always_inline]] inline void load(FourNumbers& numbers, const double* from) {
-  __builtin_memcpy(&numbers, from, sizeof numbers);
-}
-[[gnu::always_inline]] inline void store(const FourNumbers& numbers, double* to) {
-  __builtin_memcpy(to, &numbers, sizeof numbers);
-}
 
 /// Velocity along a row: Σ j_a v_a over the axes, plus the products with two vectors of four
 /// numbers. @tparam Width number of axes
