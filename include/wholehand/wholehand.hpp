@@ -26,7 +26,7 @@
 #include "loop/renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()
 #include "loop/runtime/session.hpp"           // Session: thread, queue, end at neutral
 #include "rig/models.hpp"                     // loadModels(): device, hand, scene, gains, patient
-#include "rig/registry/body_registry.hpp"  // BodyRegistry: more bodies than the loop has slots for
+#include "rig/registry/body_table.hpp"        // BodyTable: more bodies than the loop has slots for
 #include "rig/rehearsal.hpp"  // rehearse(): required before arming a device that moves a person
 #include "rig/rig.hpp"        // buildRig(), checkGains()
 // IWYU pragma: end_exports

@@ -6,7 +6,7 @@
 #include "record/disk_reserve.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
-#include "station/game_body_tracker.hpp"
+#include "rig/registry/body_table.hpp"
 #include "station/server/wire.hpp"
 
 #include <nlohmann/json.hpp>
@@ -29,7 +29,7 @@ constexpr int kMostChanges = 20'000;
 class ShapeGatherer {
  public:
   /// Reads a command. Returns the shapes of a set when this was its last command.
-  std::optional<CheckedOrders> take(const Command& command) {
+  std::optional<std::pair<int, std::shared_ptr<const GameShapes>>> take(const Command& command) {
     switch (command.type) {
       case CommandType::kShapeSet:  // from a file, so any number is possible
         set_ = command.index >= 0 && command.index < kMaxShapeSets ? command.index : kNone;
@@ -82,7 +82,7 @@ class ShapeGatherer {
   }
   /// Finishes the set. The commands do not contain the faces of a mesh; its convex hull has the
   /// same.
-  CheckedOrders finished() {
+  std::pair<int, std::shared_ptr<const GameShapes>> finished() {
     std::vector<Shape> shapes;
     for (Piece& piece : pieces_) {
       const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
@@ -98,11 +98,8 @@ class ShapeGatherer {
       shapes.push_back(std::move(piece.shape));
     }
     pieces_.clear();
-    CheckedOrders out;
-    out.shape_set = set_;
-    out.shapes = std::make_shared<const GameShapes>(
-        GameShapes{++last_id_, Eigen::Vector3d::Zero(), std::move(shapes)});
-    return out;
+    return {set_, std::make_shared<const GameShapes>(
+                      GameShapes{++last_id_, Eigen::Vector3d::Zero(), std::move(shapes)})};
   }
 
   static constexpr int kNone = -1;
@@ -149,23 +146,20 @@ class Changes {
 /// Tracks the bodies after each tick.
 class SampledBodies::Follower {
  public:
-  explicit Follower(const RecordingMeta& meta) { tracker_.reset(meta.event_names); }
+  explicit Follower(const RecordingMeta& meta) { table_.follow(meta.event_names); }
 
   void onRecord(const TickRecord& record) {
     for (int i = 0; i < record.command_count; ++i) {
       const Command& command = record.commands[static_cast<std::size_t>(i)];
-      if (const auto set = shapes_.take(command)) tracker_.note(*set);
-      const bool spawns =
-          command.type == CommandType::kSpawn && command.index >= 0 && command.index < kMaxSlots;
-      const int set = spawns ? spawnOrderOf(command).shape_set : -1;
-      if (set >= 0 && set < kMaxShapeSets && tracker_.shapesOf(set)) tracker_.noteSpawn(command);
+      if (auto set = shapes_.take(command)) table_.noteShapes(set->first, std::move(set->second));
+      if (command.type == CommandType::kSpawn) table_.noteSpawn(spawnOrderOf(command));
     }
-    tracker_.onRecord(record);
+    table_.onRecord(record);
   }
-  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const { return tracker_.bodies(); }
+  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const { return table_.inSlots(); }
 
  private:
-  GameBodyTracker tracker_;
+  BodyTable table_;
   ShapeGatherer shapes_;
 };
 

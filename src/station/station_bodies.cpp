@@ -35,69 +35,76 @@ std::size_t forLoop(const CheckedOrders& orders) {
 constexpr std::size_t kMostAhead = 64;
 constexpr auto kMovesEvery = std::chrono::milliseconds(50);
 
-std::string reasonOf(BodyRefusal refusal, const Command& command) {
+std::string reasonOf(BodyRefusal refusal, const Command& command, const BodyTable& table) {
+  const bool registered = isRegistered(command.index);
+  const std::string who = fmt::format("{} {}", registered ? "body" : "slot", command.index);
   switch (refusal) {
     case BodyRefusal::kSlotTaken:
-      return fmt::format("body {} is registered already: remove it first", command.index);
+      if (registered) return who + " is registered already: remove it first";
+      return table.holds(command.index) ? who + " holds a registered body: name another slot"
+                                        : who + " has a spawn under way: wait for its event";
     case BodyRefusal::kBudget:
       return command.type == CommandType::kSpawn
-                 ? fmt::format("body {}: {} are registered, which is the most: remove some first",
-                               command.index, kMostRegistered)
-                 : fmt::format("body {}: as many bodies move as budget.awake allows",
-                               command.index);
+                 ? fmt::format("{}: {} are registered, which is the most: remove some first", who,
+                               kMostRegistered)
+                 : who + ": as many bodies move as budget.awake allows";
     case BodyRefusal::kNotTheGames:
-      return fmt::format("body {}: a target is for bodies of owner Game", command.index);
+      return who + ": a target is for bodies of owner Game";
     case BodyRefusal::kNoSuchShapes:
-      return fmt::format("body {}: shape set {} was not prepared in this session: prepare it first",
-                         command.index, spawnOrderOf(command).shape_set);
+      return fmt::format("{}shape set {} was not prepared in this session: prepare it first",
+                         registered ? who + ": " : "", spawnOrderOf(command).shape_set);
     case BodyRefusal::kSilent:
-      return fmt::format("body {}: the game is silent", command.index);
+      return who + ": the game is silent";
     default:
-      return fmt::format("body {}: no body of generation {:.0f} is registered", command.index,
-                         command.value);
+      return fmt::format("{}: no body of generation {:.0f} is registered", who, command.value);
   }
 }
 
 }  // namespace
 
 void StationBodies::begin(const Models& models, Run& loop, std::uint32_t claim) {
-  if (models.scene.game.slots == 0) return tracker_.reset();
-  tracker_.reset(models.exercise->description().event_names);
-  registry_.begin(models.hand, models.device, models.scene.game,
-                  static_cast<int>(models.scene.bodies.size()), tracker_.refusedEvent());
+  table_.end();
+  if (models.scene.game.slots == 0) return;
+  table_.begin(models.hand, models.device, models.scene.game,
+               static_cast<int>(models.scene.bodies.size()),
+               models.exercise->description().event_names);
   loop_ = &loop;
   if (kept_claim_ != claim) {  // they came from an earlier holder of the controls
     kept_.clear();
-    registry_.clear();
+    table_.clear();
   }
+  noteKept();
+  for (const CheckedOrders& kept : kept_) {  // the queue of a new session has room
+    for (const Command& command : kept.commands) (void)loop.tryCommand(command);
+  }
+}
+
+void StationBodies::noteKept() {
   for (const CheckedOrders& kept : kept_) {
-    tracker_.note(kept);
+    if (kept.shapes) table_.noteShapes(kept.shape_set, kept.shapes);
     for (const Command& command : kept.commands) {
-      if (command.type == CommandType::kSpawn) registry_.leaveToOthers(command.index);
-      (void)loop.tryCommand(command);  // the queue of a new session has room
+      if (command.type == CommandType::kSpawn) table_.noteSpawn(spawnOrderOf(command));
     }
   }
 }
 
 void StationBodies::giveBack() {
   loop_ = nullptr;
-  tracker_.reset();
-  for (const CheckedOrders& kept : kept_) tracker_.note(kept);
-  registry_.end();
+  table_.end();
+  noteKept();
 }
 
 void StationBodies::end() {
   loop_ = nullptr;
-  tracker_.reset();
-  registry_.end();
-  registry_.clear();
+  table_.end();
+  table_.clear();
   publish();
 }
 
 void StationBodies::dropKept() {
-  if (!kept_.empty()) tracker_.reset();
+  if (!kept_.empty()) table_.end();
   kept_.clear();
-  registry_.clear();
+  table_.clear();
   publish();
 }
 
@@ -133,17 +140,35 @@ OrderReply StationBodies::handOver(CheckedOrders& orders) {
   return reply;
 }
 
-// Removes from `orders` the refused commands and those for the registry; the rest is for the loop.
-// When too many commands wait already, all are removed.
+// Removes from `orders` what the table refuses and what it keeps; the rest is for the loop. When
+// too many commands wait already, all are removed.
 OrderReply StationBodies::take(CheckedOrders& orders, std::size_t waiting, const char* where) {
   if (forLoop(orders) + waiting > kMostWaiting) {
     orders.commands.clear();
     return busy(waiting, where);
   }
-  orderRegistered(orders);
-  keepSlotsApart(orders);
-  tracker_.refuseBusy(orders);
-  tracker_.note(orders);
+  if (orders.shapes) {
+    const bool registered = table_.isRegisteredSet(orders.shape_set);
+    const BodyRefusal refusal = table_.prepare(orders.shape_set, orders.shapes);
+    if (refusal != BodyRefusal::kNone) {
+      orders.refused.push_back(
+          {0, -1, refusal,
+           fmt::format("shape set {} belongs to a {}: remove the body first, or use another set",
+                       orders.shape_set, registered ? "registered body" : "body in the world")});
+      orders.commands.clear();
+      orders.shapes.reset();
+    }
+    return replyFor(std::move(orders.refused));
+  }
+  std::erase_if(orders.commands, [&](const Command& command) {
+    const BodyRefusal refusal = table_.order(command);
+    if (refusal != BodyRefusal::kNone) {
+      orders.refused.push_back({orders.item_of_slot[command.index], command.index, refusal,
+                                reasonOf(refusal, command, table_)});
+    }
+    return refusal != BodyRefusal::kNone || isRegistered(command.index);
+  });
+  publish();
   return replyFor(std::move(orders.refused));
 }
 
@@ -167,65 +192,17 @@ bool StationBodies::takeBack(const Command& removal) {
              command.value == removal.value;
     });
     if (erased == 0) continue;
-    tracker_.withdraw(removal.index);
+    table_.withdraw(removal.index);
     return true;
   }
   return false;
 }
 
-// Removes the orders to registered bodies from the message and hands them to the registry.
-void StationBodies::orderRegistered(CheckedOrders& orders) {
-  std::erase_if(orders.commands, [&](const Command& command) {
-    if (orders.shapes || !isRegistered(command.index)) return false;
-    BodyRefusal refusal = BodyRefusal::kNone;
-    if (command.type == CommandType::kSpawn) {
-      const SpawnOrder spawn = spawnOrderOf(command);
-      const auto shapes = tracker_.shapesOf(spawn.shape_set);
-      refusal = shapes ? registry_.add(spawn, shapes->radius_m) : BodyRefusal::kNoSuchShapes;
-    } else {
-      refusal = registry_.apply(command);
-    }
-    if (refusal != BodyRefusal::kNone) {
-      orders.refused.push_back(
-          {orders.item_of_slot[command.index], command.index, refusal, reasonOf(refusal, command)});
-    }
-    return true;
-  });
-  publish();
-}
-
-// Applies to games that name slots themselves: refuses slots of registered bodies, and shape sets
-// that registered bodies use.
-void StationBodies::keepSlotsApart(CheckedOrders& orders) {
-  if (orders.shapes && registry_.usesShapes(orders.shape_set)) {
-    orders.refused.push_back({0, -1, BodyRefusal::kShapesBusy,
-                              fmt::format("shape set {} belongs to a registered body: remove the "
-                                          "body first, or use another set",
-                                          orders.shape_set)});
-    orders.commands.clear();
-    orders.shapes.reset();
-    return;
-  }
-  std::erase_if(orders.commands, [&](const Command& command) {
-    if (command.type != CommandType::kSpawn) return false;
-    if (!registry_.holds(command.index)) {
-      registry_.leaveToOthers(command.index);
-      return false;
-    }
-    orders.refused.push_back(
-        {orders.item_of_slot[command.index], command.index, BodyRefusal::kSlotTaken,
-         fmt::format("slot {} holds a registered body: name another slot", command.index)});
-    return true;
-  });
-}
-
 void StationBodies::onRecord(const TickRecord& record) {
-  tracker_.onRecord(record);
+  table_.onRecord(record);
   if (loop_ == nullptr) return;
-  registry_.onRecord(record);
-  auto& waiting = registry_.forLoop();
+  auto& waiting = table_.forLoop();
   while (!waiting.empty() && loop_->waitingCommands() < kMostAhead) {
-    if (waiting.front().type == CommandType::kSpawn) tracker_.noteSpawn(waiting.front());
     if (!loop_->tryCommand(waiting.front())) break;
     waiting.pop_front();
   }
@@ -235,17 +212,12 @@ void StationBodies::onRecord(const TickRecord& record) {
 // Publishes a change of place or state at once, and mere motion 20 times a second.
 void StationBodies::publish() {
   const Clock::time_point now = Clock::now();
-  const bool moved = registry_.moves() != published_moves_ && now - published_at_ > kMovesEvery;
-  if (registry_.version() == published_version_ && !moved) return;
-  published_version_ = registry_.version();
-  published_moves_ = registry_.moves();
+  const bool moved = table_.moves() != published_moves_ && now - published_at_ > kMovesEvery;
+  if (table_.version() == published_version_ && !moved) return;
+  published_version_ = table_.version();
+  published_moves_ = table_.moves();
   published_at_ = now;
-  auto all = std::make_shared<RegisteredBodies>();
-  for (const RegisteredBody& body : registry_.bodies()) {
-    auto shapes = tracker_.shapesOf(body.shape_set);
-    if (shapes) all->push_back({body, std::move(shapes)});
-  }
-  registered_ = std::move(all);
+  registered_ = std::make_shared<const RegisteredBodies>(table_.registered());
 }
 
 }  // namespace wholehand

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "rig/models.hpp"
-#include "rig/registry/body_registry.hpp"
+#include "rig/registry/body_table.hpp"
 #include "rig/run/run.hpp"
-#include "station/game_body_tracker.hpp"
+#include "station/body_orders.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -12,9 +12,8 @@
 
 namespace wholehand {
 
-/// The bodies of a game at a station. All orders to them pass through here, and their state is
-/// published here. While nothing is armed, orders wait for the next arming. Bodies beyond the slots
-/// of the loop belong to the registry. One thread at a time.
+/// Messages of a game to its bodies: hands them to the table of bodies and to the loop, and answers
+/// them. While nothing is armed, orders wait for the next arming. One thread at a time.
 class StationBodies {
  public:
   /// Begins a session and hands it the kept orders of the client that still holds the controls. The
@@ -36,12 +35,12 @@ class StationBodies {
   /// Hands the commands of a message to the loop for its next ticks: all of them or none, because a
   /// set of shapes must not arrive in part. @pre a session runs
   [[nodiscard]] OrderReply handOver(CheckedOrders& orders);
-  /// Receives the loop's records in order, and hands the registry's commands to the loop.
+  /// Receives the loop's records in order, and hands the table's commands to the loop.
   void onRecord(const TickRecord& record);
 
   /// Bodies in slots; null: none. Every change makes a new object.
-  [[nodiscard]] std::shared_ptr<const GameBodies> inSlots() const { return tracker_.bodies(); }
-  /// Bodies of the registry; null: none. Every change makes a new object.
+  [[nodiscard]] std::shared_ptr<const GameBodies> inSlots() const { return table_.inSlots(); }
+  /// Registered bodies; null: none. Every change makes a new object.
   [[nodiscard]] std::shared_ptr<const RegisteredBodies> registered() const { return registered_; }
 
  private:
@@ -50,12 +49,10 @@ class StationBodies {
   [[nodiscard]] OrderReply take(CheckedOrders& orders, std::size_t waiting, const char* where);
   void takeBack(CheckedOrders& orders);
   bool takeBack(const Command& removal);
-  void orderRegistered(CheckedOrders& orders);
-  void keepSlotsApart(CheckedOrders& orders);
+  void noteKept();
   void publish();
 
-  GameBodyTracker tracker_;
-  BodyRegistry registry_;
+  BodyTable table_;
   Run* loop_ = nullptr;              ///< loop of a session that takes bodies; null: none
   std::vector<CheckedOrders> kept_;  ///< shapes and spawns for the next arming
   std::uint32_t kept_claim_ = 0;     ///< claim of the client that ordered them

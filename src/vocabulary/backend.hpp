@@ -6,6 +6,7 @@
 #include "loop/core/tick_record.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/model/exercise_panel.hpp"
+#include "loop/model/game_shapes.hpp"
 #include "loop/model/hand_model.hpp"
 #include "loop/model/scene_model.hpp"
 #include "schema_enums.hpp"
@@ -63,33 +64,6 @@ struct BodyOrders {
   std::vector<Command> commands;  ///< one per item, in the order of the message
   std::vector<RefusedItem> faults;  ///< items refused while the message was read
 };
-
-/// Shapes of a game's bodies, for clients that draw them.
-struct GameShapes {
-  std::uint32_t id = 0;                             ///< unique while the program runs; > 0
-  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< centre of mass in the frame of `pieces`
-  std::vector<Shape> pieces;                        ///< as sent by the game
-  double radius_m = 0.0;  ///< radius of a sphere about com_m that contains the pieces
-};
-
-/// A body of a game that is in the world.
-struct GameBody {
-  int slot = 0;
-  int generation = 0;
-  SlotState state = SlotState::kGhost;
-  std::shared_ptr<const GameShapes> shapes;
-};
-
-/// All bodies of a game that are in the world, in the order of their slots.
-using GameBodies = std::vector<GameBody>;
-
-/// A registered body, with or without a slot in the loop, and its shapes.
-struct ShownBody {
-  RegisteredBody body;
-  std::shared_ptr<const GameShapes> shapes;
-};
-/// All registered bodies, by number.
-using RegisteredBodies = std::vector<ShownBody>;
 
 /// A live parameter as clients see it.
 struct PublishedParameter {

@@ -1,8 +1,8 @@
-// The registry of a game's bodies with records that the test writes: which bodies get a slot, and
-// when.
+// The table of a game's bodies with records that the test writes: which registered bodies get a
+// slot, and when.
 #include "game_bodies/game_tools.hpp"
 #include "loop/dynamics/synergy.hpp"
-#include "rig/registry/body_registry.hpp"
+#include "rig/registry/body_table.hpp"
 #include "support/seed.hpp"
 
 #include <set>
@@ -45,7 +45,10 @@ struct Loop {
   explicit Loop(int awake = 0) : models(gameModels()) {
     budget = models.scene.game;
     if (awake > 0) budget.awake = awake;
-    registry.begin(models.hand, models.device, budget, 0, kRefusedType);
+    table.begin(models.hand, models.device, budget, 0, models.exercise->description().event_names);
+    GameShapes ball;
+    ball.radius_m = 0.03;
+    table.noteShapes(0, std::make_shared<const GameShapes>(ball));
     record.q_s = AxisPosition(models.hand.axis_count);
     record.body_count = budget.slots;
     for (int slot = 0; slot < budget.slots; ++slot) record.bodies[slot].position_m = kParked;
@@ -59,7 +62,7 @@ struct Loop {
     for (int k = 0; k < count; ++k) {
       record.command_count = 0;
       record.exercise.event_count = 0;
-      auto& waiting = registry.forLoop();
+      auto& waiting = table.forLoop();
       while (record.command_count < kMaxCommands && !waiting.empty()) {
         apply(waiting.front());
         record.commands[record.command_count++] = waiting.front();
@@ -67,7 +70,7 @@ struct Loop {
       }
       ++record.tick;
       record.time_s = 1e-3 * static_cast<double>(record.tick);
-      registry.onRecord(record);
+      table.onRecord(record);
     }
   }
   void apply(const Command& command) {
@@ -86,10 +89,10 @@ struct Loop {
     body.orientation_xyzw = poseOf(command).orientation_xyzw;
   }
   BodyRefusal add(int number, const Eigen::Vector3d& at, BodyOwner owner = BodyOwner::kFixed) {
-    return registry.add(spawnOf(number, 0, owner, poseAt(at)), 0.03);
+    return table.order(spawnCommand(spawnOf(number, 0, owner, poseAt(at))));
   }
   [[nodiscard]] RegisteredBody body(int number) const {
-    for (const RegisteredBody& b : registry.bodies()) {
+    for (const RegisteredBody& b : table.registered()) {
       if (b.number == number) return b;
     }
     return {};
@@ -97,7 +100,7 @@ struct Loop {
 
   Models models;
   GameBudget budget;
-  BodyRegistry registry;
+  BodyTable table;
   TickRecord record;
   SpawnOrder last_spawn;
   int spawns = 0, removals = 0;
@@ -109,7 +112,7 @@ Eigen::Vector3d somewhere(std::mt19937_64& random, double within_m) {
   return {x, y, z};
 }
 
-TEST(BodyRegistry, ThousandBodies_GiveTheSlotsToTheNearest) {
+TEST(BodyTable, ThousandBodies_GiveTheSlotsToTheNearest) {
   auto random = seededRandom(5401);
   Loop loop;
   std::vector<Eigen::Vector3d> at;
@@ -122,7 +125,7 @@ TEST(BodyRegistry, ThousandBodies_GiveTheSlotsToTheNearest) {
   const HandSurface hand(loop.models.hand, loop.record.q_s);
   int in_slots = 0, left_out = 0, beyond = 0;
   std::set<int> slots;
-  for (const RegisteredBody& body : loop.registry.bodies()) {
+  for (const RegisteredBody& body : loop.table.registered()) {
     const double away_m = hand.distanceOf(at[static_cast<std::size_t>(body.number - kFirstNumber)]);
     if (body.whereabouts == Whereabouts::kInSlot) {
       ++in_slots;
@@ -157,7 +160,7 @@ AxisPosition movedFrom(const AxisPosition& q_s, const DeviceModel& device,
   return q;
 }
 
-TEST(BodyRegistry, BodyOutOfReach_IsNotMetByTheHandWithinAQuarterSecond) {
+TEST(BodyTable, BodyOutOfReach_IsNotMetByTheHandWithinAQuarterSecond) {
   auto random = seededRandom(5404);
   double closest_m = 1e9;
   std::size_t met = 0;
@@ -169,7 +172,7 @@ TEST(BodyRegistry, BodyOutOfReach_IsNotMetByTheHandWithinAQuarterSecond) {
       (void)loop.add(kFirstNumber + i, somewhere(random, 0.7));
     }
     loop.tick(25);
-    for (const RegisteredBody& body : loop.registry.bodies()) {
+    for (const RegisteredBody& body : loop.table.registered()) {
       if (body.whereabouts == Whereabouts::kOutOfReach) {
         beyond.push_back(body.pose.position_m.eigen());
       } else {
@@ -188,7 +191,7 @@ TEST(BodyRegistry, BodyOutOfReach_IsNotMetByTheHandWithinAQuarterSecond) {
   EXPECT_GT(met, 0U);
 }
 
-TEST(BodyRegistry, MovingBodiesBeyondTheBudget_AreLeftOut) {
+TEST(BodyTable, MovingBodiesBeyondTheBudget_AreLeftOut) {
   Loop loop(3);
   for (int i = 0; i < 10; ++i) {
     (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
@@ -196,7 +199,7 @@ TEST(BodyRegistry, MovingBodiesBeyondTheBudget_AreLeftOut) {
   }
   loop.tick(100);
   int moving = 0, standing = 0, left_out = 0;
-  for (const RegisteredBody& body : loop.registry.bodies()) {
+  for (const RegisteredBody& body : loop.table.registered()) {
     const bool in_slot = body.whereabouts == Whereabouts::kInSlot;
     moving += in_slot && body.number < kFirstNumber + 100 ? 1 : 0;
     standing += in_slot && body.number >= kFirstNumber + 100 ? 1 : 0;
@@ -207,25 +210,26 @@ TEST(BodyRegistry, MovingBodiesBeyondTheBudget_AreLeftOut) {
   EXPECT_EQ(left_out, 7);
 }
 
-TEST(BodyRegistry, ForeignBodiesInSlots_CountAndKeepTheirSlot) {
+TEST(BodyTable, ForeignBodiesInSlots_CountAndKeepTheirSlot) {
   Loop loop(3);
   loop.record.bodies[0].position_m = {0.2, 0.2, 0.2};  // not stated to be fixed
   for (int i = 0; i < 10; ++i) {
     (void)loop.add(kFirstNumber + i, {0.1, 0.01 * i, 0.2}, BodyOwner::kLoop);
   }
-  loop.registry.leaveToOthers(1);
+  ASSERT_EQ(loop.table.order(spawnCommand(spawnOf(1, 0, BodyOwner::kFixed, poseAt({0, 0, 4})))),
+            BodyRefusal::kNone);
   loop.tick(100);
   EXPECT_EQ(loop.spawns, 2);
-  EXPECT_FALSE(loop.registry.holds(0));
-  EXPECT_FALSE(loop.registry.holds(1));
-  EXPECT_TRUE(loop.registry.holds(2));
+  EXPECT_FALSE(loop.table.holds(0));
+  EXPECT_FALSE(loop.table.holds(1));
+  EXPECT_TRUE(loop.table.holds(2));
 }
 
-TEST(BodyRegistry, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
+TEST(BodyTable, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
   Loop loop;
   SpawnOrder order = spawnOf(kFirstNumber, 0, BodyOwner::kLoop, poseAt({0.1, 0.3, 0.1}));
   order.generation = 7;
-  ASSERT_EQ(loop.registry.add(order, 0.03), BodyRefusal::kNone);
+  ASSERT_EQ(loop.table.order(spawnCommand(order)), BodyRefusal::kNone);
   loop.tick(50);
   ASSERT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
   // The loop moves it to a place that the hand cannot reach.
@@ -259,7 +263,7 @@ TEST(BodyRegistry, BodyHandedOverAndBack_KeepsItsPoseAndVelocity) {
   EXPECT_EQ(loop.last_spawn.spin_rad_s.z, 100.0);
 }
 
-TEST(BodyRegistry, HandThatTremblesAtTheEdge_CausesFewSlotChanges) {
+TEST(BodyTable, HandThatTremblesAtTheEdge_CausesFewSlotChanges) {
   auto random = seededRandom(5402);
   Loop loop;
   for (int i = 0; i < kMostRegistered; ++i) {
@@ -277,7 +281,7 @@ TEST(BodyRegistry, HandThatTremblesAtTheEdge_CausesFewSlotChanges) {
   EXPECT_EQ(loop.removals, loop.spawns - before);
 }
 
-TEST(BodyRegistry, TouchedBody_KeepsItsSlot) {
+TEST(BodyTable, TouchedBody_KeepsItsSlot) {
   Loop loop(1);
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
   loop.tick(50);
@@ -295,81 +299,81 @@ TEST(BodyRegistry, TouchedBody_KeepsItsSlot) {
   EXPECT_EQ(loop.body(kFirstNumber + 1).whereabouts, Whereabouts::kInSlot);
 }
 
-TEST(BodyRegistry, BadOrders_AreRefusedByName) {
+TEST(BodyTable, BadOrders_AreRefusedByName) {
   Loop loop;
   for (int i = 0; i < kMostRegistered; ++i) (void)loop.add(kFirstNumber + i, {0.0, 0.0, 4.0});
   EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kBudget);
   EXPECT_EQ(loop.add(kFirstNumber, {0, 0, 4}), BodyRefusal::kSlotTaken);
   EXPECT_EQ(loop.add(kFirstNumber - 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
   EXPECT_EQ(loop.add(kLastNumber + 1, {0, 0, 4}), BodyRefusal::kNoSuchSlot);
-  BodyRegistry& registry = loop.registry;
+  BodyTable& table = loop.table;
   const BodyPose there = poseAt({0, 1, 4});
-  EXPECT_EQ(registry.apply(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.apply(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
-  EXPECT_EQ(registry.apply(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
-  EXPECT_EQ(registry.apply(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
+  EXPECT_EQ(table.order(removeCommand(9000, 1)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(table.order(removeCommand(kFirstNumber, 2)), BodyRefusal::kWrongGeneration);
+  EXPECT_EQ(table.order(bodyTargetCommand(kFirstNumber, 1, there)), BodyRefusal::kNotTheGames);
+  EXPECT_EQ(table.order(teleportCommand(kFirstNumber, 1, there)), BodyRefusal::kNone);
   EXPECT_EQ(loop.body(kFirstNumber).pose.position_m.y, 1.0);
-  EXPECT_EQ(registry.apply(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(table.order(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
   EXPECT_EQ(loop.add(kFirstNumber + kMostRegistered, {0, 0, 4}), BodyRefusal::kNone);
-  EXPECT_EQ(registry.count(), static_cast<std::size_t>(kMostRegistered));
+  EXPECT_EQ(table.registered().size(), static_cast<std::size_t>(kMostRegistered));
 }
 
-TEST(BodyRegistry, BodyRefusedByTheLoop_IsRetriedAndRemovedOneDropped) {
+TEST(BodyTable, BodyRefusedByTheLoop_IsRetriedAndRemovedOneDropped) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
   loop.tick(25);
-  ASSERT_EQ(loop.registry.forLoop().size() + static_cast<std::size_t>(loop.spawns), 1U);
+  ASSERT_EQ(loop.table.forLoop().size() + static_cast<std::size_t>(loop.spawns), 1U);
   loop.tick(2);
   const int slot = loop.body(kFirstNumber).slot;
   // The loop removes it because it is too fast.
   loop.record.bodies[slot].position_m = kParked;
   loop.tick(2);
-  EXPECT_EQ(loop.registry.count(), 0U);
-  EXPECT_FALSE(loop.registry.holds(slot));
+  EXPECT_EQ(loop.table.registered().size(), 0U);
+  EXPECT_FALSE(loop.table.holds(slot));
 
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kLoop);
-  while (loop.registry.forLoop().empty()) loop.tick();
-  const Command spawn = loop.registry.forLoop().front();
-  loop.registry.forLoop().clear();  // the loop refuses it: the budget of moving bodies is used up
+  while (loop.table.forLoop().empty()) loop.tick();
+  const Command spawn = loop.table.forLoop().front();
+  loop.table.forLoop().clear();  // the loop refuses it: the budget of moving bodies is used up
   loop.record.exercise.event_count = 1;
   loop.record.exercise.events[0] = {kRefusedType, spawn.index,
                                     static_cast<double>(BodyRefusal::kBudget)};
-  loop.registry.onRecord(loop.record);
-  EXPECT_FALSE(loop.registry.holds(spawn.index));
+  loop.table.onRecord(loop.record);
+  EXPECT_FALSE(loop.table.holds(spawn.index));
   loop.tick(400);
   EXPECT_EQ(loop.body(kFirstNumber).whereabouts, Whereabouts::kInSlot);
 }
 
-TEST(BodyRegistry, BodiesOfASilentGame_LeaveAfterFiveSeconds) {
+TEST(BodyTable, BodiesOfASilentGame_LeaveAfterFiveSeconds) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.0, 0.0, 4.0});
   loop.record.faults = Fault::kHolderSilent;
   loop.tick(4900);
-  EXPECT_EQ(loop.registry.count(), 1U);
+  EXPECT_EQ(loop.table.registered().size(), 1U);
   EXPECT_EQ(loop.add(kFirstNumber + 1, {0, 0, 4}), BodyRefusal::kSilent);
   loop.tick(200);
-  EXPECT_EQ(loop.registry.count(), 0U);
+  EXPECT_EQ(loop.table.registered().size(), 0U);
 }
 
-TEST(BodyRegistry, OrdersToABodyInASlot_ReachTheLoop) {
+TEST(BodyTable, OrdersToABodyInASlot_ReachTheLoop) {
   Loop loop;
   (void)loop.add(kFirstNumber, {0.1, 0.25, 0.1}, BodyOwner::kGame);
   loop.tick(50);
   const int slot = loop.body(kFirstNumber).slot;
   ASSERT_GE(slot, 0);
-  ASSERT_EQ(loop.registry.apply(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
+  ASSERT_EQ(loop.table.order(bodyTargetCommand(kFirstNumber, 1, poseAt({0.1, 0.3, 0.1}))),
             BodyRefusal::kNone);
-  ASSERT_EQ(loop.registry.forLoop().size(), 1U);
-  const Command order = loop.registry.forLoop().front();
+  ASSERT_EQ(loop.table.forLoop().size(), 1U);
+  const Command order = loop.table.forLoop().front();
   EXPECT_EQ(order.type, CommandType::kBodyTarget);
   EXPECT_EQ(order.index, slot);
   EXPECT_EQ(order.value, loop.last_spawn.generation);
   EXPECT_EQ(poseOf(order).position_m.y, 0.3);
-  ASSERT_EQ(loop.registry.apply(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
-  EXPECT_EQ(loop.registry.count(), 0U);
-  EXPECT_TRUE(loop.registry.holds(slot)) << "until the loop has let it go";
+  ASSERT_EQ(loop.table.order(removeCommand(kFirstNumber, 1)), BodyRefusal::kNone);
+  EXPECT_EQ(loop.table.registered().size(), 0U);
+  EXPECT_TRUE(loop.table.holds(slot)) << "until the loop has let it go";
   loop.tick(3);
-  EXPECT_FALSE(loop.registry.holds(slot));
+  EXPECT_FALSE(loop.table.holds(slot));
   EXPECT_EQ(loop.removals, 1);
 }
 

@@ -3,7 +3,7 @@
 #include "game_bodies/game_tools.hpp"
 #include "loop/realtime/allocation_counter.hpp"
 #include "loop/realtime/monotonic_clock.hpp"
-#include "rig/registry/body_registry.hpp"
+#include "rig/registry/body_table.hpp"
 #include "rig/run/run.hpp"
 #include "support/folder.hpp"
 #include "support/seed.hpp"
@@ -24,17 +24,16 @@ class Crowd {
                                                   {boxShape({0.04, 0.05, 0.06})},
                                                   {ballShape(0.025)},
                                                   {boxMesh({0.05, 0.03, 0.04})}};
-    std::vector<double> radii_m;
+    table.begin(models.hand, models.device, models.scene.game,
+                static_cast<int>(models.scene.bodies.size()),
+                models.exercise->description().event_names);
     for (int set = 0; set < 4; ++set) {
       const auto shapes = orThrow(prepareShapes(sets[set], models.scene.game));
-      radii_m.push_back(outerRadius(shapes));
+      table.noteShapes(set, std::make_shared<const GameShapes>(
+                                GameShapes{1, shapes.com_m, sets[set], outerRadius(shapes)}));
       for (const Command& c : shapeCommands(set, shapes)) shape_commands.push_back(c);
     }
-    const auto& events = models.exercise->description().event_names;
-    const auto refused = std::find(events.begin(), events.end(), "refused") - events.begin();
-    registry.begin(models.hand, models.device, models.scene.game,
-                   static_cast<int>(models.scene.bodies.size()), static_cast<int>(refused));
-    registry.forLoop() = std::move(shape_commands);
+    table.forLoop() = std::move(shape_commands);
     for (int i = 0; i < kMostRegistered; ++i) {
       SpawnOrder order = spawnOf(kFirstNumber + i, 0, BodyOwner::kFixed, poseAt({0, 0, 0}));
       if (i < kTiles) {
@@ -47,8 +46,7 @@ class Crowd {
                              order.owner == BodyOwner::kGame ? 0.8 * (share() - 0.3) : -0.25});
       }
       poses_.push_back(order.pose);
-      if (registry.add(order, radii_m[static_cast<std::size_t>(order.shape_set)]) !=
-          BodyRefusal::kNone) {
+      if (table.order(spawnCommand(order)) != BodyRefusal::kNone) {
         throw std::runtime_error("not registered");
       }
     }
@@ -59,10 +57,10 @@ class Crowd {
     for (int i = kTiles + static_cast<int>(record.tick / 16 % 3); i < kTiles + kDriven; i += 3) {
       BodyPose target = poses_[static_cast<std::size_t>(i)];
       target.position_m.x += 0.05 * std::sin(2.0 * record.time_s + i);
-      (void)registry.apply(bodyTargetCommand(kFirstNumber + i, 1, target));
+      (void)table.order(bodyTargetCommand(kFirstNumber + i, 1, target));
     }
   }
-  BodyRegistry registry;
+  BodyTable table;
 
  private:
   double share() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
@@ -74,7 +72,7 @@ struct RoundOutcome {
   RunOutcome outcome;
   std::uint64_t most_awake = 0, awake_ticks = 0, touching = 0, handovers = 0, refused = 0;
   std::size_t registered = 0, most_left_out = 0;
-  double registry_ns = 0.0;
+  double table_ns = 0.0;
   bool stopped = false;
 
   void look(const TickRecord& record) {
@@ -90,8 +88,8 @@ struct RoundOutcome {
       refused += record.exercise.events[i].type == 5 ? 1 : 0;
     }
   }
-  void lookAt(const BodyRegistry& registry) {
-    const auto bodies = registry.bodies();
+  void lookAt(const BodyTable& table) {
+    const auto bodies = table.registered();
     const auto left_out = std::count_if(bodies.begin(), bodies.end(), [](const auto& body) {
       return body.whereabouts == Whereabouts::kLeftOut;
     });
@@ -116,11 +114,11 @@ RoundOutcome playRound(std::mt19937_64& random, const std::string& path) {
     seen.look(record);
     crowd.play(record);
     const std::int64_t begun_ns = threadCpuNow_ns();
-    crowd.registry.onRecord(record);
-    seen.registry_ns += static_cast<double>(threadCpuNow_ns() - begun_ns);
-    auto& waiting = crowd.registry.forLoop();
+    crowd.table.onRecord(record);
+    seen.table_ns += static_cast<double>(threadCpuNow_ns() - begun_ns);
+    auto& waiting = crowd.table.forLoop();
     while (!waiting.empty() && run->tryCommand(waiting.front())) waiting.pop_front();
-    if (record.tick % 100 == 0) seen.lookAt(crowd.registry);
+    if (record.tick % 100 == 0) seen.lookAt(crowd.table);
   });
   run = orThrow(Run::prepare(std::shared_ptr<Rig>(std::move(rig)), std::move(plan)));
   orThrow(run->simulate());
@@ -142,7 +140,7 @@ TEST(ThousandBodies, ThousandBodiesAroundAMovingHand_CostLittleAllocateNothingAn
   figure("ticks with contact", static_cast<double>(seen.touching), "1");
   figure("tick p50", cpu.p50_ns * 1e-3, "us of CPU");
   figure("tick p99.9", cpu.p999_ns * 1e-3, "us of CPU");
-  figure("registry outside of the loop", 1e-3 * seen.registry_ns / kThousandTicks,
+  figure("table of bodies outside of the loop", 1e-3 * seen.table_ns / kThousandTicks,
          "us of CPU a record");
   EXPECT_FALSE(seen.stopped);
   EXPECT_FALSE(seen.outcome.faulted);

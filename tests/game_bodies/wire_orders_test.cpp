@@ -2,8 +2,9 @@
 #include "game_bodies/expect_same_rerun.hpp"
 #include "game_bodies/game_tools.hpp"
 #include "replay/replayed_recording.hpp"
+#include "rig/registry/body_table.hpp"
 #include "rig/run/run.hpp"
-#include "station/game_body_tracker.hpp"
+#include "station/body_orders.hpp"
 #include "station/server/client_words.hpp"
 #include "support/contains.hpp"
 #include "support/folder.hpp"
@@ -27,31 +28,41 @@ CheckedOrders checkedOf(const wire::Bytes& message, const GameBudget& budget) {
   return checkOrders(*bodiesOf(*decoded), budget, 1);
 }
 
+/// The table's answers to the message's orders, except kNone.
+std::vector<BodyRefusal> refusalsOf(BodyTable& table, const CheckedOrders& checked) {
+  std::vector<BodyRefusal> out;
+  if (checked.shapes) out.push_back(table.prepare(checked.shape_set, checked.shapes));
+  for (const Command& command : checked.commands) {
+    if (!checked.shapes) out.push_back(table.order(command));
+  }
+  std::erase(out, BodyRefusal::kNone);
+  return out;
+}
+
 /// A game that sends its orders as messages.
 struct WireGame : Game {
   WireGame() : Game(gameModels(), atRest()) {
-    tracker.reset(rig->models.exercise->description().event_names);
+    table.follow(rig->models.exercise->description().event_names);
   }
   /// Passes the message on; none of its items may be refused.
   void send(const wire::Bytes& message) {
-    CheckedOrders checked = checkedOf(message, rig->models.scene.game);
-    tracker.refuseBusy(checked);
+    const CheckedOrders checked = checkedOf(message, rig->models.scene.game);
     for (const RefusedItem& item : checked.refused) ADD_FAILURE() << item.reason;
-    tracker.note(checked);
+    EXPECT_TRUE(refusalsOf(table, checked).empty());
     for (const Command& command : checked.commands) order(command);
   }
   bool becomes(int slot, const char* event, int most) {
     for (int k = 0; k < most; ++k) {
-      tracker.onRecord(tick());
+      table.onRecord(tick());
       if (this->event(slot) == event) return true;
     }
     return false;
   }
   [[nodiscard]] GameBodies bodies() const {
-    return tracker.bodies() ? *tracker.bodies() : GameBodies{};
+    return table.inSlots() ? *table.inSlots() : GameBodies{};
   }
 
-  GameBodyTracker tracker;
+  BodyTable table;
 };
 
 fb::Pose placedAt(const Eigen::Vector3d& at) {
@@ -79,7 +90,7 @@ TEST(GameOnTheWire, DrivenBall_IsSolidPressesTheHandAndReleasesIt) {
   double most_n = 0.0;
   for (int k = 0; k < 2000; ++k) {
     if (k % 16 == 0) game.send(bodyTargets(++id, {{7, 5, placedAt(palm)}}));
-    game.tracker.onRecord(game.tick());
+    game.table.onRecord(game.tick());
     if (k > 1500) most_n = std::max(most_n, game.forceOf(7).norm());
   }
   figure("a driven ball presses the palm", most_n, "N");
@@ -115,34 +126,27 @@ TEST(GameOnTheWire, ShapesInUse_AreRefusedUntilTheirBodyLeft) {
   game.send(prepareBall(1, 0, 0.03F));
   game.send(spawn(2, {{}}));
   const auto again = [&](int set) {
-    CheckedOrders checked =
-        checkedOf(prepareBall(3, static_cast<std::uint16_t>(set), 0.04F), budget);
-    game.tracker.refuseBusy(checked);
-    return checked;
+    return refusalsOf(game.table,
+                      checkedOf(prepareBall(3, static_cast<std::uint16_t>(set), 0.04F), budget));
   };
-  EXPECT_EQ(again(0).refused.at(0).refusal, BodyRefusal::kShapesBusy) << "spawn under way";
-  EXPECT_TRUE(again(0).commands.empty());
-  EXPECT_TRUE(again(1).refused.empty());
+  const std::vector busy{BodyRefusal::kShapesBusy};
+  EXPECT_EQ(again(0), busy) << "spawn under way";
+  EXPECT_TRUE(again(1).empty());
   ASSERT_TRUE(game.becomes(0, "solid", 20));
-  EXPECT_EQ(again(0).refused.at(0).refusal, BodyRefusal::kShapesBusy);
+  EXPECT_EQ(again(0), busy);
   game.send(words::remove(4, {{0, 1}}));
   ASSERT_TRUE(game.becomes(0, "left", 20));
-  EXPECT_TRUE(again(0).refused.empty());
+  EXPECT_TRUE(again(0).empty());
 }
 
 TEST(GameOnTheWire, SpawnIntoAPendingSlotOrWithoutShapes_IsRefused) {
   WireGame game;
   const GameBudget& budget = game.rig->models.scene.game;
-  const auto refusalOf = [&](const SpawnWords& words) {
-    CheckedOrders checked = checkedOf(spawn(9, {words}), budget);
-    game.tracker.refuseBusy(checked);
-    return checked.refused.empty() ? BodyRefusal::kNone : checked.refused[0].refusal;
-  };
-  EXPECT_EQ(refusalOf({}), BodyRefusal::kNoSuchShapes);
+  const auto again = [&] { return refusalsOf(game.table, checkedOf(spawn(9, {{}}), budget)); };
+  EXPECT_EQ(again(), std::vector{BodyRefusal::kNoSuchShapes});
   game.send(prepareBall(1, 0, 0.03F));
-  EXPECT_EQ(refusalOf({}), BodyRefusal::kNone);
   game.send(spawn(2, {{}}));
-  EXPECT_EQ(refusalOf({}), BodyRefusal::kSlotTaken);
+  EXPECT_EQ(again(), std::vector{BodyRefusal::kSlotTaken});
 }
 
 struct BadItem {
@@ -374,8 +378,8 @@ using Reported = std::vector<std::pair<std::uint64_t, std::shared_ptr<const Game
 int recordSession(const std::string& path, int ticks, Reported& reported) {
   auto rig = orThrow(buildRig(gameModels(), atRest(), {}));
   const GameBudget budget = rig->models.scene.game;
-  GameBodyTracker tracker;
-  tracker.reset(rig->models.exercise->description().event_names);
+  BodyTable table;
+  table.follow(rig->models.exercise->description().event_names);
   std::uint32_t id = 0;
   std::unique_ptr<Run> run;
   int solid = 0;
@@ -385,7 +389,7 @@ int recordSession(const std::string& path, int ticks, Reported& reported) {
   plan.simulated_clock = true;
   const auto send = [&](const wire::Bytes& message) {
     const CheckedOrders checked = checkedOf(message, budget);
-    tracker.note(checked);
+    EXPECT_TRUE(refusalsOf(table, checked).empty());
     for (const Command& c : checked.commands) {
       if (!run->tryCommand(c)) throw std::runtime_error("no room for a command");
     }
@@ -404,8 +408,8 @@ int recordSession(const std::string& path, int ticks, Reported& reported) {
     for (int i = 0; i < record.exercise.event_count; ++i) {
       solid += record.exercise.events[i].type == 1 ? 1 : 0;
     }
-    tracker.onRecord(record);
-    const auto now = tracker.bodies();
+    table.onRecord(record);
+    const auto now = table.inSlots();
     if (now && (reported.empty() || reported.back().second != now))
       reported.emplace_back(record.tick, now);
     const auto tick = static_cast<int>(record.tick);

@@ -108,8 +108,8 @@ TEST_F(GameInAStation, RegisteredBodies_AreAllShownAndOnlyThoseNearTheHandAreSim
   ASSERT_TRUE(ask(orderOf({spawnCommand(near), spawnCommand(far)})).accepted);
   const auto shown = [&](int number) {
     const auto reported = station_->status().registered;
-    for (const ShownBody& body : reported ? *reported : RegisteredBodies{}) {
-      if (body.body.number == number && body.shapes) return body.body;
+    for (const RegisteredBody& body : reported ? *reported : RegisteredBodies{}) {
+      if (body.number == number && body.shapes) return body;
     }
     return RegisteredBody{};
   };

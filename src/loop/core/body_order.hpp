@@ -113,14 +113,4 @@ inline constexpr int kFirstNumber = 1000, kLastNumber = 32767;
   return slot >= kFirstNumber && slot <= kLastNumber;
 }
 
-/// A registered body, as clients see it.
-struct RegisteredBody {
-  int number = 0;
-  int generation = 0;
-  int shape_set = 0;
-  int slot = -1;  ///< its slot while whereabouts is kInSlot
-  Whereabouts whereabouts = Whereabouts::kOutOfReach;
-  BodyPose pose;  ///< newest known pose
-};
-
 }  // namespace wholehand

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,36 @@ struct PreparedShapes {
   Eigen::Matrix3d from_body;       ///< axes of the principal frame in the frame of the input
   Eigen::Vector3d com_m;           ///< centre of mass in the frame of the input
 };
+
+/// Shapes of a game's bodies as the game gave them, for clients that draw them.
+struct GameShapes {
+  std::uint32_t id = 0;                             ///< unique while the program runs; > 0
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< centre of mass in the frame of `pieces`
+  std::vector<Shape> pieces;
+  double radius_m = 0.0;  ///< radius of a sphere about com_m that contains the pieces
+};
+
+/// A body of a game that is in the world.
+struct GameBody {
+  int slot = 0;
+  int generation = 0;
+  SlotState state = SlotState::kGhost;
+  std::shared_ptr<const GameShapes> shapes;
+};
+/// All bodies of a game that are in the world, in the order of their slots.
+using GameBodies = std::vector<GameBody>;
+
+/// A registered body, with or without a slot in the loop, as clients see it.
+struct RegisteredBody {
+  int number = 0;
+  int generation = 0;
+  int slot = -1;  ///< its slot while whereabouts is kInSlot
+  Whereabouts whereabouts = Whereabouts::kOutOfReach;
+  BodyPose pose;  ///< newest known pose
+  std::shared_ptr<const GameShapes> shapes;
+};
+/// All registered bodies, by number.
+using RegisteredBodies = std::vector<RegisteredBody>;
 
 /// Checks the pieces against the budget and prepares them. Reports all faults at once, with the
 /// piece as the key ("pieces[1]"). Convex meshes come from convexMesh(), which checks that they are

@@ -144,17 +144,17 @@ void addNew(const Shapes& now, const Shapes& before, Shapes& out) {
   }
 }
 
-bool same(const ShownBody& a, const ShownBody& b) {
-  const auto place_of = [](const ShownBody& shown) {
-    const Vec3& p = shown.body.pose.position_m;
-    const QuatXyzw& q = shown.body.pose.orientation_xyzw;
+bool same(const RegisteredBody& a, const RegisteredBody& b) {
+  const auto place_of = [](const RegisteredBody& body) {
+    const Vec3& p = body.pose.position_m;
+    const QuatXyzw& q = body.pose.orientation_xyzw;
     return std::array{p.x, p.y, p.z, q.x, q.y, q.z, q.w};
   };
-  if (a.shapes != b.shapes || a.body.generation != b.body.generation ||
-      a.body.slot != b.body.slot || a.body.whereabouts != b.body.whereabouts) {
+  if (a.shapes != b.shapes || a.generation != b.generation || a.slot != b.slot ||
+      a.whereabouts != b.whereabouts) {
     return false;
   }
-  return a.body.slot >= 0 || place_of(a) == place_of(b);  // states have the pose of slots
+  return a.slot >= 0 || place_of(a) == place_of(b);  // states have the pose of slots
 }
 
 /// Bodies that changed, appeared or left. Both lists are sorted by number.
@@ -162,15 +162,16 @@ RegisteredBodies changesOf(const RegisteredBodies& before, const RegisteredBodie
   RegisteredBodies out;
   auto was = before.begin();
   const auto gone_below = [&](int number) {
-    for (; was != before.end() && was->body.number < number; ++was) {
-      out.push_back({was->body, nullptr});
-      out.back().body.slot = -1;
+    for (; was != before.end() && was->number < number; ++was) {
+      out.push_back(*was);
+      out.back().shapes = nullptr;
+      out.back().slot = -1;
     }
   };
-  for (const ShownBody& shown : now) {
-    gone_below(shown.body.number);
-    const bool known = was != before.end() && was->body.number == shown.body.number;
-    if (!known || !same(*was, shown)) out.push_back(shown);
+  for (const RegisteredBody& body : now) {
+    gone_below(body.number);
+    const bool known = was != before.end() && was->number == body.number;
+    if (!known || !same(*was, body)) out.push_back(body);
     if (known) ++was;
   }
   gone_below(kLastNumber + 1);

@@ -361,12 +361,11 @@ Offset<fb::BodyBudget> budgetToWire(Builder& b, const GameBudget& game) {
       static_cast<float>(game.least_m), static_cast<float>(game.most_m), count(kMostRegistered));
 }
 
-fb::RegisteredBody registeredToWire(const ShownBody& shown) {
-  const RegisteredBody& body = shown.body;
-  const Whereabouts where = shown.shapes ? body.whereabouts : Whereabouts::kGone;
+fb::RegisteredBody registeredToWire(const RegisteredBody& body) {
+  const Whereabouts where = body.shapes ? body.whereabouts : Whereabouts::kGone;
   return {static_cast<std::uint32_t>(body.number),
           static_cast<std::uint32_t>(body.generation),
-          shown.shapes ? shown.shapes->id : 0,
+          body.shapes ? body.shapes->id : 0,
           body.slot,
           static_cast<fb::Whereabouts>(where),
           {toWire(body.pose.position_m), toWire(body.pose.orientation_xyzw)}};
@@ -508,7 +507,7 @@ Bytes gameBodiesMessage(std::uint32_t session, const GameBodies& bodies,
   const auto body_list = b.CreateVectorOfStructs(places);
   const auto shape_list = b.CreateVector(shapes);
   std::vector<fb::RegisteredBody> numbers;
-  for (const ShownBody& shown : registered) numbers.push_back(registeredToWire(shown));
+  for (const RegisteredBody& body : registered) numbers.push_back(registeredToWire(body));
   const auto number_list = numbers.empty() ? 0 : b.CreateVectorOfStructs(numbers);
   finish(b, fb::CreateGameBodies(b, session, body_list, shape_list, number_list), kSchemaVersion);
   return take(b);

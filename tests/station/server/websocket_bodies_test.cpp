@@ -170,8 +170,8 @@ TEST_F(BodiesTest, RegisteredBodies_AreReportedByChangesAndCompletelyToNewClient
   ASSERT_TRUE(next(*first, fb::Payload::Controls));
   show(SlotState::kSolid);
   ASSERT_TRUE(next(*first, fb::Payload::GameBodies));
-  ShownBody away{{1000, 5, 0, -1, Whereabouts::kOutOfReach, {{1, 2, 3}, {}}}, shapes};
-  ShownBody near{{1001, 6, 0, 3, Whereabouts::kInSlot, {{0, 0, 0}, {}}}, shapes};
+  RegisteredBody away{1000, 5, -1, Whereabouts::kOutOfReach, {{1, 2, 3}, {}}, shapes};
+  RegisteredBody near{1001, 6, 3, Whereabouts::kInSlot, {{0, 0, 0}, {}}, shapes};
   showRegistered({away, near});
   const auto both = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(both);
@@ -186,8 +186,8 @@ TEST_F(BodiesTest, RegisteredBodies_AreReportedByChangesAndCompletelyToNewClient
   EXPECT_EQ(reported->registered()->Get(1)->slot(), 3);
   EXPECT_EQ(reported->bodies()->size(), 1U) << "slots, as before";
   // A body in a slot has its pose in the states; a change of it is not reported again.
-  near.body.pose.position_m.x = 0.5;
-  away.body.pose.position_m.z = 4.0;
+  near.pose.position_m.x = 0.5;
+  away.pose.position_m.z = 4.0;
   showRegistered({away, near});
   const auto moved = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(moved);

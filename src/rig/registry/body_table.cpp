@@ -1,91 +1,12 @@
-#include "rig/registry/body_registry.hpp"
-
-#include "loop/core/body_order.hpp"
+#include "rig/registry/body_table.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <optional>
+#include <utility>
 
 namespace wholehand {
-namespace {
-
-double distanceToSegment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
-                         const Eigen::Vector3d& b) {
-  const Eigen::Vector3d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double share = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - share * along).norm();
-}
-
-}  // namespace
-
-HandReach::HandReach(const HandModel& hand, const DeviceModel& device, double within_s)
-    : hand_(hand), device_(device), within_s_(within_s), body_(hand) {
-  capsules_.resize(hand.capsules.size());
-}
-
-double HandReach::travelOf(int link, const Eigen::Vector3d& point_m,
-                           const AxisPosition& change) const {
-  std::array<std::array<double, kMaxAxes>, 3> rows{};
-  for (int k = 0; k < 3; ++k) {
-    body_.reducedPointRow(link, point_m, Eigen::Vector3d::Unit(k), rows[k].data());
-  }
-  double slid_m2 = 0.0, turned_m = 0.0;
-  for (int a = 0; a < change.size(); ++a) {
-    const double moved_m = change[a] * std::hypot(rows[0][a], rows[1][a], rows[2][a]);
-    if (device_.axes[a].kind == AxisKind::kTranslation) {
-      slid_m2 += moved_m * moved_m;
-    } else {
-      turned_m += moved_m;
-    }
-  }
-  return std::sqrt(slid_m2) + turned_m;
-}
-
-void HandReach::look(const AxisPosition& q_s, const JointPosition& theta) {
-  body_.updateKinematics(theta);
-  AxisPosition change(q_s.size());
-  for (int a = 0; a < q_s.size(); ++a) {
-    const DeviceAxis& axis = device_.axes[a];
-    const double room = std::max({axis.upper - q_s[a], q_s[a] - axis.lower, 0.0});
-    change[a] = std::min(axis.speed_limit * within_s_, room);
-  }
-  middle_m_.setZero();
-  for (std::size_t i = 0; i < capsules_.size(); ++i) {
-    const Capsule& capsule = hand_.capsules[i];
-    const Pose& at = body_.linkPose(capsule.link);
-    Finger& out = capsules_[i];
-    out.a_m = at * capsule.a_m;
-    out.b_m = at * capsule.b_m;
-    out.radius_m = capsule.radius_m;
-    out.travel_m =
-        std::max(travelOf(capsule.link, out.a_m, change), travelOf(capsule.link, out.b_m, change));
-    middle_m_ += 0.5 * (out.a_m + out.b_m) / static_cast<double>(capsules_.size());
-  }
-  farthest_m_ = extent_m_ = 0.0;
-  for (const Finger& c : capsules_) {
-    const double far_m =
-        std::max((c.a_m - middle_m_).norm(), (c.b_m - middle_m_).norm()) + c.radius_m;
-    extent_m_ = std::max(extent_m_, far_m);
-    farthest_m_ = std::max(farthest_m_, far_m + c.travel_m);
-  }
-}
-
-HandReach::Distance HandReach::to(const Eigen::Vector3d& centre_m, double radius_m,
-                                  double far_m) const {
-  const double away_m = (centre_m - middle_m_).norm() - radius_m;
-  if (away_m - farthest_m_ > far_m) return {away_m - extent_m_, away_m - farthest_m_};
-  Distance out{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  for (const Finger& c : capsules_) {
-    const double now_m = distanceToSegment(centre_m, c.a_m, c.b_m) - c.radius_m - radius_m;
-    out.now_m = std::min(out.now_m, now_m);
-    out.missed_m = std::min(out.missed_m, now_m - c.travel_m);
-  }
-  return out;
-}
-
 namespace {
 
 /// An empty slot is below this height; bodies stay within 5 m.
@@ -94,6 +15,8 @@ constexpr double kRefusedFor_s = 0.25;  ///< wait before a body that the loop re
 constexpr double kChoose_s = 0.02;
 /// Silence of the holder after which the loop releases all bodies.
 constexpr double kLeaves_s = 5.0;
+/// Number of ticks within which the loop reports the result of a spawn.
+constexpr std::uint64_t kAnsweredWithin = 1000;
 
 bool fixed(BodyOwner owner) {
   return owner == BodyOwner::kFixed;
@@ -102,8 +25,8 @@ bool fixed(BodyOwner owner) {
 /// True for refusals that only a spawn can get.
 bool refusesSpawn(BodyRefusal refusal) {
   return refusal == BodyRefusal::kSlotTaken || refusal == BodyRefusal::kNoSuchShapes ||
-         refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kBudget ||
-         refusal == BodyRefusal::kSilent;
+         refusal == BodyRefusal::kBadMass || refusal == BodyRefusal::kOverlap ||
+         refusal == BodyRefusal::kBudget || refusal == BodyRefusal::kSilent;
 }
 
 // Constants for the choice of the bodies that get slots.
@@ -114,82 +37,149 @@ constexpr double kLateOut_m = 0.1, kNearer_m = 0.05, kStays_s = 0.3, kTouchStays
 
 }  // namespace
 
-void BodyRegistry::begin(const HandModel& hand, const DeviceModel& device, const GameBudget& budget,
-                         int first_body, int refused_event) {
-  end();
+void BodyTable::begin(const HandModel& hand, const DeviceModel& device, const GameBudget& budget,
+                      int first_body, const std::vector<std::string>& event_names) {
+  follow(event_names);
   budget_ = budget;
   first_body_ = first_body;
-  refused_event_ = refused_event;
   last_generation_ = kFirstGeneration;
   reach_ = std::make_unique<HandReach>(hand, device, kReachWithin_s);
 }
 
-void BodyRegistry::end() {
+void BodyTable::follow(const std::vector<std::string>& event_names) {
+  end();
+  static constexpr std::array<const char*, kEvents> kNames{"appeared", "solid", "letting_go",
+                                                           "left", "refused"};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto found = std::find(event_names.begin(), event_names.end(), kNames[i]);
+    events_[i] = found == event_names.end() ? -1 : static_cast<int>(found - event_names.begin());
+  }
+}
+
+void BodyTable::end() {
   for (auto& [number, body] : bodies_) {
     body.slot = -1;
     body.moved_away = false;
     body.not_before_s = 0.0;
     setWhereabouts(body, Whereabouts::kOutOfReach);
   }
-  held_ = {};
-  fixed_ = {};
-  others_until_s_ = {};
+  sets_ = {};
+  slots_ = {};
+  events_.fill(-1);
   for_loop_.clear();
   reach_.reset();
+  tick_ = 0;
   time_s_ = chosen_s_ = 0.0;
   silent_since_s_ = -1.0;
+  changed_ = false;
+  in_slots_.reset();
 }
 
-void BodyRegistry::clear() {
+void BodyTable::clear() {
   if (!bodies_.empty()) ++version_;
   bodies_.clear();
-  for (HeldBody& held : held_) {
-    if (held.number != 0) held.number = -1;
+  for (Slot& slot : slots_) {
+    if (slot.held.number != 0) slot.held.number = -1;
   }
 }
 
-BodyRegistry::Body* BodyRegistry::find(int number) {
+bool BodyTable::isWaiting(const Slot& slot) const {
+  return slot.next.generation != 0 && tick_ < slot.next.until_tick;
+}
+
+BodyTable::Body* BodyTable::find(int number) {
   const auto found = bodies_.find(number);
   return found == bodies_.end() ? nullptr : &found->second;
 }
 
-void BodyRegistry::setWhereabouts(Body& body, Whereabouts whereabouts) {
+void BodyTable::setWhereabouts(Body& body, Whereabouts whereabouts) {
   if (body.whereabouts == whereabouts) return;
   body.whereabouts = whereabouts;
   ++version_;
 }
 
-bool BodyRegistry::usesShapes(int shape_set) const {
+bool BodyTable::isRegisteredSet(int set) const {
   return std::any_of(bodies_.begin(), bodies_.end(),
-                     [&](const auto& at) { return at.second.spawn.shape_set == shape_set; });
+                     [&](const auto& at) { return at.second.spawn.shape_set == set; });
 }
 
-std::vector<RegisteredBody> BodyRegistry::bodies() const {
-  std::vector<RegisteredBody> out;
+std::shared_ptr<const GameShapes> BodyTable::shapesOf(int set) const {
+  return set >= 0 && set < kMaxShapeSets ? sets_[set] : nullptr;
+}
+
+RegisteredBodies BodyTable::registered() const {
+  RegisteredBodies out;
   out.reserve(bodies_.size());
   for (const auto& [number, body] : bodies_) {
     const int slot = body.whereabouts == Whereabouts::kInSlot ? body.slot : -1;
-    out.push_back({number, body.spawn.generation, body.spawn.shape_set, slot, body.whereabouts,
-                   body.spawn.pose});
+    out.push_back(
+        {number, body.spawn.generation, slot, body.whereabouts, body.spawn.pose, body.shapes});
   }
   return out;
 }
 
-BodyRefusal BodyRegistry::add(const SpawnOrder& order, double radius_m) {
-  if (!isRegistered(order.slot)) return BodyRefusal::kNoSuchSlot;
-  if (find(order.slot) != nullptr) return BodyRefusal::kSlotTaken;
+// Orders.
+
+BodyRefusal BodyTable::prepare(int set, std::shared_ptr<const GameShapes> shapes) {
+  if (set < 0 || set >= kMaxShapeSets) return BodyRefusal::kNoSuchShapes;
+  const auto has = [&](const Slot& slot) {
+    return (slot.now.body.generation != 0 && slot.now.shape_set == set) ||
+           (isWaiting(slot) && slot.next.shape_set == set);
+  };
+  if (isRegisteredSet(set) || std::any_of(slots_.begin(), slots_.end(), has)) {
+    return BodyRefusal::kShapesBusy;
+  }
+  sets_[set] = std::move(shapes);
+  return BodyRefusal::kNone;
+}
+
+void BodyTable::noteShapes(int set, std::shared_ptr<const GameShapes> shapes) {
+  if (set >= 0 && set < kMaxShapeSets) sets_[set] = std::move(shapes);
+}
+
+BodyRefusal BodyTable::order(const Command& command) {
+  const bool spawns = command.type == CommandType::kSpawn;
+  if (isRegistered(command.index)) {
+    return spawns ? add(spawnOrderOf(command)) : orderRegistered(command);
+  }
+  if (command.index < 0 || command.index >= kMaxSlots) return BodyRefusal::kNoSuchSlot;
+  if (!spawns) return BodyRefusal::kNone;
+  const SpawnOrder spawn = spawnOrderOf(command);
+  if (holds(spawn.slot)) return BodyRefusal::kSlotTaken;
+  slots_[spawn.slot].others_until_s = time_s_ + kAnswered_s;
+  if (!shapesOf(spawn.shape_set)) return BodyRefusal::kNoSuchShapes;
+  if (isWaiting(slots_[spawn.slot])) return BodyRefusal::kSlotTaken;
+  noteSpawn(spawn);
+  return BodyRefusal::kNone;
+}
+
+void BodyTable::noteSpawn(const SpawnOrder& spawn) {
+  if (spawn.slot < 0 || spawn.slot >= kMaxSlots || !shapesOf(spawn.shape_set)) return;
+  slots_[spawn.slot].others_until_s = time_s_ + kAnswered_s;
+  expect(spawn.slot, spawn);
+}
+
+void BodyTable::expect(int index, const SpawnOrder& spawn) {
+  slots_[index].next = {spawn.generation, spawn.shape_set, sets_[spawn.shape_set],
+                        tick_ + kAnsweredWithin};
+}
+
+BodyRefusal BodyTable::add(const SpawnOrder& spawn) {
+  auto shapes = shapesOf(spawn.shape_set);
+  if (!shapes) return BodyRefusal::kNoSuchShapes;
+  if (find(spawn.slot) != nullptr) return BodyRefusal::kSlotTaken;
   if (bodies_.size() >= std::size_t{kMostRegistered}) return BodyRefusal::kBudget;
   if (silent_since_s_ >= 0.0) return BodyRefusal::kSilent;
   Body body;
-  body.spawn = order;
+  body.spawn = spawn;
   body.spawn.refuse_overlap = false;
-  body.radius_m = radius_m;
-  bodies_.emplace(order.slot, body);
+  body.shapes = std::move(shapes);
+  bodies_.emplace(spawn.slot, std::move(body));
   ++version_;
   return BodyRefusal::kNone;
 }
 
-BodyRefusal BodyRegistry::apply(const Command& command) {
+BodyRefusal BodyTable::orderRegistered(const Command& command) {
   Body* body = find(command.index);
   if (body == nullptr || command.value != body->spawn.generation) {
     return BodyRefusal::kWrongGeneration;
@@ -216,8 +206,9 @@ BodyRefusal BodyRegistry::apply(const Command& command) {
   return BodyRefusal::kNone;
 }
 
-BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
-  HeldBody& held = held_[body.slot];
+BodyRefusal BodyTable::orderInSlot(Body& body, const Command& command) {
+  Slot& slot = slots_[body.slot];
+  Slot::Held& held = slot.held;
   if (held.leaving) {  // the body is leaving its slot: the command applies after it has left
     if (command.type == CommandType::kRemove) held.number = -1;
     const bool moves =
@@ -230,10 +221,10 @@ BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
   order.value = held.generation;
   if (command.type == CommandType::kSetOwner) {
     const bool moves = !fixed(spawnOrderOf(command).owner);
-    const auto moving = std::count_if(held_.begin(), held_.end(),
-                                      [](const HeldBody& h) { return h.number != 0 && h.moves; });
-    if (moves && !held.moves && moving >= budget_.awake) return BodyRefusal::kBudget;
-    held.moves = held.moves || moves;
+    const auto moving = std::count_if(slots_.begin(), slots_.end(),
+                                      [](const Slot& s) { return s.held.number != 0 && s.moves; });
+    if (moves && !slot.moves && moving >= budget_.awake) return BodyRefusal::kBudget;
+    slot.moves = slot.moves || moves;
   }
   if (command.type == CommandType::kRemove) {
     held.number = -1;
@@ -244,65 +235,99 @@ BodyRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
   return BodyRefusal::kNone;
 }
 
-bool BodyRegistry::parked(int slot, const TickRecord& record) const {
-  const int index = first_body_ + slot;
-  return index >= record.body_count || record.bodies[index].position_m.z < kParked_z_m;
-}
+// Records.
 
-void BodyRegistry::onRecord(const TickRecord& record) {
-  if (reach_ == nullptr) return;
+void BodyTable::onRecord(const TickRecord& record) {
+  tick_ = record.tick;
   time_s_ = record.time_s;
+  for (int i = 0; i < record.exercise.event_count; ++i) take(record.exercise.events[i]);
+  if (changed_) publish();
+  if (reach_ == nullptr) return;
   const bool silent = any(record.faults & (Fault::kHolderSilent | Fault::kStopRequested));
   if (!silent) silent_since_s_ = -1.0;
   if (silent && silent_since_s_ < 0.0) silent_since_s_ = time_s_;
   if (silent && time_s_ - silent_since_s_ > kLeaves_s) clear();
-  watchOthers(record);
-  noteRefused(record);
+  noteRecord(record);
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    if (held_[slot].number != 0) followSlot(slot, record);
+    if (holds(slot)) followSlot(slot, record);
   }
   if (silent || !for_loop_.empty() || time_s_ - chosen_s_ < kChoose_s) return;
   chosen_s_ = time_s_;
   if (!bodies_.empty()) choose(record);
 }
 
-// Notes which bodies of other programs are fixed, and which registered bodies the hand touches.
-void BodyRegistry::watchOthers(const TickRecord& record) {
+void BodyTable::take(const ExerciseEvent& event) {
+  const auto found = std::find(events_.begin(), events_.end(), static_cast<int>(event.type));
+  if (found == events_.end() || event.index < 0 || event.index >= kMaxSlots) return;
+  const auto what = static_cast<Event>(found - events_.begin());
+  if (what != kRefused) return takeState(what, event.index, static_cast<int>(event.value));
+  if (!refusesSpawn(static_cast<BodyRefusal>(static_cast<int>(event.value)))) return;
+  Slot& slot = slots_[event.index];
+  slot.next = Slot::Next{};
+  if (holds(event.index) && !slot.held.seen) freeSlot(event.index);
+}
+
+void BodyTable::takeState(Event what, int slot, int generation) {
+  Slot::Now& now = slots_[slot].now;
+  if (what == kLeft) {
+    changed_ = changed_ || now.body.generation != 0;
+    now = Slot::Now{};
+    return;
+  }
+  Slot::Next& next = slots_[slot].next;
+  if (what == kAppeared && next.generation == generation) {
+    now = {next.shape_set, {slot, generation, SlotState::kGhost, std::move(next.shapes)}};
+    next = Slot::Next{};
+  }
+  if (now.body.generation != generation) return;
+  now.body.state = what == kAppeared ? SlotState::kGhost
+                   : what == kSolid  ? SlotState::kSolid
+                                     : SlotState::kLettingGo;
+  changed_ = true;
+}
+
+void BodyTable::publish() {
+  auto bodies = std::make_shared<GameBodies>();
+  for (const Slot& slot : slots_) {
+    if (slot.now.body.generation != 0) bodies->push_back(slot.now.body);
+  }
+  in_slots_ = std::move(bodies);
+  changed_ = false;
+}
+
+// Notes which bodies of the game itself are fixed, and which bodies the hand touches.
+void BodyTable::noteRecord(const TickRecord& record) {
   for (int i = 0; i < record.command_count; ++i) {
     const Command& command = record.commands[i];
     const bool relevant =
         command.type == CommandType::kSpawn || command.type == CommandType::kSetOwner;
     if (!relevant || command.index < 0 || command.index >= budget_.slots) continue;
-    fixed_[command.index] = fixed(spawnOrderOf(command).owner);
+    if (!holds(command.index)) slots_[command.index].moves = !fixed(spawnOrderOf(command).owner);
   }
   for (int i = 0; i < record.contact_count; ++i) {
     const int slot = record.contacts[i].body - first_body_;
-    if (slot >= 0 && slot < budget_.slots) held_[slot].touched_s = time_s_;
+    if (slot >= 0 && slot < budget_.slots) slots_[slot].held.touched_s = time_s_;
   }
 }
 
-void BodyRegistry::noteRefused(const TickRecord& record) {
-  for (int i = 0; i < record.exercise.event_count; ++i) {
-    const ExerciseEvent& event = record.exercise.events[i];
-    if (event.type != refused_event_ || event.index < 0 || event.index >= budget_.slots) continue;
-    const HeldBody& held = held_[event.index];
-    const auto refusal = static_cast<BodyRefusal>(static_cast<int>(event.value));
-    if (held.number != 0 && !held.seen && refusesSpawn(refusal)) freeSlot(event.index);
-  }
+bool BodyTable::parked(int slot, const TickRecord& record) const {
+  const int index = first_body_ + slot;
+  return index >= record.body_count || record.bodies[index].position_m.z < kParked_z_m;
 }
 
-void BodyRegistry::freeSlot(int slot) {
-  if (Body* body = find(held_[slot].number)) {
+void BodyTable::freeSlot(int slot) {
+  Slot::Held& held = slots_[slot].held;
+  if (Body* body = find(held.number)) {
     body->slot = -1;
     body->moved_away = false;
-    if (!held_[slot].seen) body->not_before_s = time_s_ + kRefusedFor_s;
+    if (!held.seen) body->not_before_s = time_s_ + kRefusedFor_s;
     setWhereabouts(*body, Whereabouts::kOutOfReach);
   }
-  held_[slot] = HeldBody{};
+  held = Slot::Held{};
 }
 
-void BodyRegistry::followSlot(int slot, const TickRecord& record) {
-  HeldBody& held = held_[slot];
+void BodyTable::followSlot(int slot, const TickRecord& record) {
+  Slot::Held& held = slots_[slot].held;
   if (!parked(slot, record)) {
     if (!held.seen) held.since_s = time_s_;
     held.seen = true;
@@ -320,8 +345,8 @@ void BodyRegistry::followSlot(int slot, const TickRecord& record) {
   freeSlot(slot);
 }
 
-void BodyRegistry::keepState(int slot, const BodyState& state) {
-  Body* body = find(held_[slot].number);
+void BodyTable::keepState(int slot, const BodyState& state) {
+  Body* body = find(slots_[slot].held.number);
   if (body == nullptr || body->moved_away) return;
   const Eigen::Vector3d moved = state.position_m.eigen() - body->spawn.pose.position_m.eigen();
   const bool stands = moved.isZero(0.0) && state.velocity_m_s.eigen().isZero(0.0);
@@ -331,30 +356,30 @@ void BodyRegistry::keepState(int slot, const BodyState& state) {
   body->spawn.spin_rad_s = state.angular_velocity_rad_s;
 }
 
-bool BodyRegistry::mustStay(const HeldBody& held) const {
+bool BodyTable::mustStay(const Slot::Held& held) const {
   return !held.seen || time_s_ - held.since_s < kStays_s ||
          (held.touched_s >= 0.0 && time_s_ - held.touched_s < kTouchStays_s);
 }
 
 /// Rank for a slot: distance from the hand, minus kNearer_m for a body in a slot; none: out of
 /// reach.
-std::optional<double> BodyRegistry::rankOf(const Body& body) const {
+std::optional<double> BodyTable::rankOf(const Body& body) const {
   const bool in_slot = body.slot >= 0;
   double speed_m_s = 0.0;
   if (body.spawn.owner == BodyOwner::kLoop) speed_m_s = body.spawn.velocity_m_s.eigen().norm();
   if (body.spawn.owner == BodyOwner::kGame) speed_m_s = kDriven_m_s;
   const double margin_m = kReachWithin_s * speed_m_s + (in_slot ? kLateOut_m : 0.0);
   const HandReach::Distance at =
-      reach_->to(body.spawn.pose.position_m.eigen(), body.radius_m, margin_m);
+      reach_->to(body.spawn.pose.position_m.eigen(), body.shapes->radius_m, margin_m);
   if (at.missed_m > margin_m) return std::nullopt;
   return at.now_m - (in_slot ? kNearer_m : 0.0);
 }
 
-std::vector<BodyRegistry::Candidate> BodyRegistry::candidates() {
+std::vector<BodyTable::Candidate> BodyTable::candidates() {
   std::vector<Candidate> out;
   for (auto& [number, body] : bodies_) {
-    if (body.slot >= 0 && held_[body.slot].leaving) continue;
-    if (body.slot >= 0 && mustStay(held_[body.slot])) {
+    if (body.slot >= 0 && slots_[body.slot].held.leaving) continue;
+    if (body.slot >= 0 && mustStay(slots_[body.slot].held)) {
       out.push_back({-std::numeric_limits<double>::infinity(), number});
       continue;
     }
@@ -373,35 +398,31 @@ std::vector<BodyRegistry::Candidate> BodyRegistry::candidates() {
 
 // Number of movable bodies in slots. Bodies at rest count, because the hand may wake all of them at
 // once.
-int BodyRegistry::movingNow(const TickRecord& record) const {
+int BodyTable::movingNow(const TickRecord& record) const {
   int moving = 0;
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    if (held_[slot].number != 0) {
-      moving += held_[slot].moves ? 1 : 0;
-    } else if (!parked(slot, record) && !fixed_[slot]) {
-      ++moving;
-    }
+    moving += slots_[slot].moves && (holds(slot) || !parked(slot, record)) ? 1 : 0;
   }
   return moving;
 }
 
 // Returns the free slot with the lowest index, because a state message contains the poses up to the
 // last slot in use; -1: none.
-int BodyRegistry::freeOne(const TickRecord& record) const {
+int BodyTable::freeOne(const TickRecord& record) const {
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    const bool others = time_s_ < others_until_s_[slot];
-    if (held_[slot].number == 0 && !others && parked(slot, record)) return slot;
+    const bool others = time_s_ < slots_[slot].others_until_s;
+    if (!holds(slot) && !others && parked(slot, record)) return slot;
   }
   return -1;
 }
 
-void BodyRegistry::choose(const TickRecord& record) {
+void BodyTable::choose(const TickRecord& record) {
   reach_->look(record.q_s, record.theta);
   int slots = budget_.slots, moving = budget_.awake;
-  for (int slot = 0; slot < budget_.slots; ++slot) {  // subtracts slots of other programs
-    if (held_[slot].number != 0 || parked(slot, record)) continue;
+  for (int slot = 0; slot < budget_.slots; ++slot) {  // subtracts what the game itself put there
+    if (holds(slot) || parked(slot, record)) continue;
     --slots;
-    if (!fixed_[slot]) --moving;
+    if (slots_[slot].moves) --moving;
   }
   std::vector<int> wanted;
   for (const Candidate& candidate : candidates()) {
@@ -414,14 +435,14 @@ void BodyRegistry::choose(const TickRecord& record) {
   giveSlots(wanted, record);
 }
 
-void BodyRegistry::giveSlots(const std::vector<int>& wanted, const TickRecord& record) {
+void BodyTable::giveSlots(const std::vector<int>& wanted, const TickRecord& record) {
   std::array<bool, kMaxSlots> stays{};
   for (const int number : wanted) {
     const int slot = bodies_.at(number).slot;
     if (slot >= 0) stays[slot] = true;
   }
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    const HeldBody& held = held_[slot];
+    const Slot::Held& held = slots_[slot].held;
     if (held.number > 0 && !held.leaving && !stays[slot] && !mustStay(held)) leave(slot);
   }
   for (const int number : wanted) {
@@ -435,7 +456,7 @@ void BodyRegistry::giveSlots(const std::vector<int>& wanted, const TickRecord& r
   }
 }
 
-void BodyRegistry::enter(Body& body, int slot) {
+void BodyTable::enter(Body& body, int slot) {
   last_generation_ = last_generation_ < kLastGeneration ? last_generation_ + 1 : kFirstGeneration;
   SpawnOrder order = body.spawn;
   order.slot = slot;
@@ -446,17 +467,15 @@ void BodyRegistry::enter(Body& body, int slot) {
     order.velocity_m_s = Vec3::from(share * order.velocity_m_s.eigen());
   }
   body.slot = slot;
-  held_[slot] = HeldBody{};
-  held_[slot].number = body.spawn.slot;
-  held_[slot].generation = last_generation_;
-  held_[slot].moves = order.owner != BodyOwner::kFixed;
-  held_[slot].since_s = time_s_;
+  slots_[slot].held = {body.spawn.slot, last_generation_, false, false, time_s_, -1.0};
+  slots_[slot].moves = !fixed(order.owner);
+  expect(slot, order);
   for_loop_.push_back(spawnCommand(order));
   setWhereabouts(body, Whereabouts::kInSlot);
 }
 
-void BodyRegistry::leave(int slot) {
-  HeldBody& held = held_[slot];
+void BodyTable::leave(int slot) {
+  Slot::Held& held = slots_[slot].held;
   held.leaving = true;
   held.since_s = time_s_;
   for_loop_.push_back(removeCommand(slot, held.generation));
