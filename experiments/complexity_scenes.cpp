@@ -93,7 +93,6 @@ std::vector<std::pair<double, double>> fromTheMiddle(int wide) {
 
 Shape boxOf(const Vector3d& size_m, const Vector3d& at_m = Vector3d::Zero()) {
   Shape shape;
-  shape.type = ShapeType::kBox;
   shape.half_extents_m = 0.5 * size_m;
   shape.in_body.translation_m = at_m;
   return shape;

@@ -97,8 +97,8 @@ void addRing(std::vector<SurfacePoint>& to, double radius_m, double z_m) {
 
 std::vector<SurfacePoint> roundPoints(const Shape& shape) {
   std::vector<SurfacePoint> points;
-  const bool cylinder = shape.type == ShapeType::kCylinder;
-  const double half_m = shape.type == ShapeType::kSphere ? 0.0 : 0.5 * shape.length_m;
+  const bool cylinder = shape.isCylinder();
+  const double half_m = shape.coreBox().z();
   for (const double z : {-0.8, 0.0, 0.8}) addRing(points, shape.radius_m, z * half_m);
   for (const double side : {-1.0, 1.0}) {
     const Vector3d up = side * Vector3d::UnitZ();
@@ -379,10 +379,9 @@ bool TouchedJoint::moves() const {
 }
 
 std::vector<SurfacePoint> surfacePoints(const Shape& shape) {
-  std::vector<SurfacePoint> points = shape.type == ShapeType::kConvexMesh ? meshPoints(shape)
-                                     : shape.type == ShapeType::kBox
-                                         ? boxPoints(shape.half_extents_m)
-                                         : roundPoints(shape);
+  std::vector<SurfacePoint> points = shape.isMesh()         ? meshPoints(shape)
+                                     : shape.isPolyhedron() ? boxPoints(shape.half_extents_m)
+                                                            : roundPoints(shape);
   for (SurfacePoint& p : points) {
     p.at_m = shape.in_body * p.at_m;
     p.normal = shape.in_body.rotation * p.normal;

@@ -91,7 +91,7 @@ class Writer {
     for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
       const std::vector<Shape>& shapes = scene_.bodies[i].shapes;
       for (std::size_t k = 0; k < shapes.size(); ++k) {
-        if (shapes[k].type != ShapeType::kConvexMesh) continue;
+        if (!shapes[k].isMesh()) continue;
         out_ << "<mesh name='m" << i << '_' << k << "' vertex='";
         for (const Eigen::Vector3d& p : shapes[k].points_m) {
           out_ << p.x() << ' ' << p.y() << ' ' << p.z() << ' ';
@@ -185,22 +185,15 @@ class Writer {
     at.translation_m -= scene_.bodies[body].com_m;
     out_ << "<geom contype='" << kind << "' conaffinity='" << meets << '\'';
     pose(at);
-    switch (shape.type) {
-      case ShapeType::kBox:
-        out_ << " type='box'";
-        vector("size", shape.half_extents_m);
-        break;
-      case ShapeType::kSphere:
-        out_ << " type='sphere' size='" << shape.radius_m << '\'';
-        break;
-      case ShapeType::kCylinder:
-      case ShapeType::kCapsule:
-        out_ << (shape.type == ShapeType::kCapsule ? " type='capsule'" : " type='cylinder'");
-        vector("size", Eigen::Vector2d(shape.radius_m, shape.length_m / 2.0));
-        break;
-      case ShapeType::kConvexMesh:
-        out_ << " type='mesh' mesh='m" << body << '_' << index << '\'';
-        break;
+    out_ << " type='" << shape.kind().name << '\'';  // MuJoCo has the same names
+    if (shape.isMesh()) {
+      out_ << " mesh='m" << body << '_' << index << '\'';
+    } else if (shape.isPolyhedron()) {
+      vector("size", shape.half_extents_m);
+    } else if (shape.kind().length_key == nullptr) {
+      out_ << " size='" << shape.radius_m << '\'';
+    } else {
+      vector("size", Eigen::Vector2d(shape.radius_m, shape.length_m / 2.0));
     }
     out_ << "/>\n";
   }

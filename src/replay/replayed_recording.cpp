@@ -56,10 +56,7 @@ class ShapeGatherer {
 
   void addPiece(const ShapePiece& in) {
     Piece& out = pieces_.emplace_back();
-    out.shape.type = in.type;
-    out.shape.half_extents_m = in.half_extents_m;
-    out.shape.radius_m = in.radius_m;
-    out.shape.length_m = in.length_m;
+    static_cast<ShapeForm&>(out.shape) = in;
     // The loop has the pieces in the frame of the principal axes of inertia; pictures need the
     // frame of the body.
     out.shape.in_body = Pose{head_.from_body.toRotationMatrix(), Eigen::Vector3d::Zero()} *
@@ -88,7 +85,7 @@ class ShapeGatherer {
       const auto finite = [](const Eigen::Vector3d& p) { return p.allFinite(); };
       const auto& points = piece.shape.points_m;
       if (!std::all_of(points.begin(), points.end(), finite)) continue;
-      if (piece.shape.type < ShapeType::kBox || piece.shape.type > ShapeType::kConvexMesh) continue;
+      if (!isShapeType(piece.shape.type)) continue;
       if (piece.vertices > 0) {
         const auto hull = convexHull(piece.shape.points_m);
         if (!hull) continue;

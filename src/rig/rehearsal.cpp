@@ -118,44 +118,19 @@ Eigen::Vector3d middle(const Capsule& capsule, const ArticulatedBody& hand) {
 }
 
 // Bounding box of a body along its own axes.
-struct Box {
-  Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d upper = -lower;
-  void take(const Eigen::Vector3d& p) {
-    lower = lower.cwiseMin(p);
-    upper = upper.cwiseMax(p);
-  }
-};
-
-Box boxOf(const SceneBody& body) {
-  Box box;
-  for (const Shape& shape : body.shapes) {
-    Eigen::Vector3d half = shape.half_extents_m;
-    if (shape.type == ShapeType::kConvexMesh) {
-      for (const Eigen::Vector3d& p : shape.points_m) box.take(shape.in_body * p);
-      continue;
-    }
-    if (shape.type != ShapeType::kBox) {
-      const double ends_m = shape.type == ShapeType::kSphere ? shape.radius_m
-                            : shape.type == ShapeType::kCapsule
-                                ? 0.5 * shape.length_m + shape.radius_m
-                                : 0.5 * shape.length_m;
-      half = {shape.radius_m, shape.radius_m, ends_m};
-    }
-    const Eigen::Vector3d reach = shape.in_body.rotation.cwiseAbs() * half;
-    box.take(shape.in_body.translation_m - reach);
-    box.take(shape.in_body.translation_m + reach);
-  }
+Eigen::AlignedBox3d boxOf(const SceneBody& body) {
+  Eigen::AlignedBox3d box;
+  for (const Shape& shape : body.shapes) box.extend(boxOf(shape));
   return box;
 }
 
 // Point of a body to touch: the middle of a graspable dimension, the nearest point otherwise.
-Eigen::Vector3d target(const Box& box, const Eigen::Vector3d& from_m) {
-  Eigen::Vector3d at = 0.5 * (box.lower + box.upper);
+Eigen::Vector3d target(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& from_m) {
+  Eigen::Vector3d at = box.center();
   for (int i = 0; i < 3; ++i) {
-    if (box.upper[i] - box.lower[i] > kGraspable_m) {
-      at[i] = std::clamp(from_m[i], box.lower[i] + 0.25 * kGraspable_m,
-                         box.upper[i] - 0.25 * kGraspable_m);
+    if (box.sizes()[i] > kGraspable_m) {
+      at[i] = std::clamp(from_m[i], box.min()[i] + 0.25 * kGraspable_m,
+                         box.max()[i] - 0.25 * kGraspable_m);
     }
   }
   return at;
@@ -264,7 +239,7 @@ RehearsalMove RehearsalPlan::move(int body, const Eigen::Vector3d& target_m,
 std::vector<RehearsalMove> RehearsalPlan::movesFor(int index, const TickRecord* observed) const {
   const SceneBody& body = scene_.bodies[index];
   const Pose pose = poseNow(body, index, observed);
-  const Box box = boxOf(body);
+  const Eigen::AlignedBox3d box = boxOf(body);
   std::vector<RehearsalMove> moves;
   const auto add = [&](const Eigen::Vector3d& point_m, double away_m, const Eigen::Vector3d& push,
                        double closed) {
@@ -446,7 +421,8 @@ Shape worstPiece(const GameBudget& budget, double size_m) {
       std::clamp(kLength * size_m, size_m, std::max(size_m, 0.7 * budget.most_m));
   auto mesh = prismMesh(budget.vertices, size_m, length_m);
   if (!mesh) return box(size_m);
-  const double least_m = extents(*mesh).minCoeff(), most_m = extents(*mesh).maxCoeff();
+  const double least_m = ownBox(*mesh).sizes().minCoeff(),
+               most_m = ownBox(*mesh).sizes().maxCoeff();
   const double scale = std::max(1.0, budget.least_m / least_m) * (1.0 + 1e-9);
   if (scale * most_m > budget.most_m) return box(size_m);
   for (Eigen::Vector3d& point : mesh->points_m) point *= scale;
@@ -656,7 +632,7 @@ WorstCaseBodies::WorstCaseBodies(const Models& models, const GameBudget& budget,
 void WorstCaseBodies::makePieces(const GameBudget& budget) {
   const double size_m = std::clamp(kPiece_m, budget.least_m, budget.most_m);
   const Shape piece = worstPiece(budget, size_m);
-  const Eigen::Vector3d extent_m = extents(piece);
+  const Eigen::Vector3d extent_m = ownBox(piece).sizes();
   for (double spacing = kClosest; spacing < 1.0 + kCloser; spacing += kCloser) {
     pieces_.assign(budget.pieces, piece);
     for (int i = 0; i < budget.pieces; ++i) {
@@ -676,7 +652,7 @@ void WorstCaseBodies::centerPieces() {
   }
   for (Shape& piece : pieces_) {
     piece.in_body.translation_m -= middle_m;
-    const double piece_radius_m = 0.5 * extents(piece).norm();
+    const double piece_radius_m = 0.5 * ownBox(piece).sizes().norm();
     radius_m_ = std::max(radius_m_, piece.in_body.translation_m.norm() + piece_radius_m);
   }
 }

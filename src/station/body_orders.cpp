@@ -150,7 +150,7 @@ std::vector<Shape> verified(const std::vector<Shape>& pieces, std::vector<Refuse
   std::vector<Shape> out;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     Shape shape = pieces[i];
-    if (shape.type == ShapeType::kConvexMesh) {
+    if (shape.isMesh()) {
       auto mesh = convexMesh(shape.points_m, shape.triangles);
       if (!mesh) {
         Diagnostics faults = mesh.errors();

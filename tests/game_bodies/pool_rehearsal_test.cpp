@@ -131,7 +131,7 @@ Shape prismMesh(int vertices, const Eigen::Vector3d& size_m) {
 /// Copies of a piece; `spacing` is the distance in extents along each axis.
 std::vector<Shape> row(const Shape& piece, int pieces, const Eigen::Vector3d& spacing) {
   std::vector<Shape> out;
-  const Eigen::Vector3d extent_m = extents(piece);
+  const Eigen::Vector3d extent_m = ownBox(piece).sizes();
   for (int i = 0; i < pieces; ++i) {
     const Eigen::Vector3d at(spacing.y() > 0.0 ? i % 2 : i, i / 2, i);
     Shape& placed = out.emplace_back(piece);

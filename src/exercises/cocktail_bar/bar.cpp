@@ -366,8 +366,7 @@ const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const Sce
     return nullptr;
   }
   const SceneBody& body = scene.bodies[i];
-  const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
-  if (!cylinder || !body.pose.rotation.isIdentity(1e-9)) {
+  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9)) {
     table.fail("body", "is not an upright cylinder in the scene " + printable(scene.path),
                "write shape = \"cylinder\" there, without a rotation");
     return nullptr;
@@ -380,7 +379,7 @@ double sideOf(TomlTable& root, const std::string& name, double side, const Scene
   const int i = scene.bodyIndex(name);
   if (i >= 0) {
     const SceneBody& body = scene.bodies[i];
-    if (body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kBox) {
+    if (body.shapes.size() == 1 && body.shapes[0].kind().has_extents) {
       return body.pose.translation_m.z() + side * body.shapes[0].half_extents_m.z();
     }
   }

@@ -332,8 +332,7 @@ void findObject(TomlTable& root, const std::string& name, Side side, SceneModel&
     return;
   }
   SceneBody& body = scene.bodies[task.body];
-  const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
-  if (!cylinder || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
+  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
     root.fail("object", "is not a fixed upright cylinder in the scene " + printable(scene.path),
               "write shape = \"cylinder\" and fixed = true there, without a rotation");
     return;

@@ -410,8 +410,7 @@ BottleBody findBottle(TomlTable& root, const char* key, const SceneModel& scene)
     return out;
   }
   const SceneBody& body = scene.bodies[out.body];
-  const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
-  if (!cylinder || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
+  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
     root.fail(key, "is not a fixed upright cylinder in the scene " + printable(scene.path),
               "write shape = \"cylinder\" and fixed = true there, without a rotation");
     return out;

@@ -416,9 +416,7 @@ Expected<Shape> convexMesh(const std::vector<Vector3d>& points_m,
   windOutward(mesh, mean(mesh.points_m));
   if (auto d = dentFault(mesh)) return *d;
 
-  Shape shape;
-  shape.type = ShapeType::kConvexMesh;
-  shape.points_m = mesh.points_m;
+  Shape shape = shapeOf({mesh.points_m, {}});
   std::copy_if(mesh.triangles.begin(), mesh.triangles.end(), std::back_inserter(shape.triangles),
                [&](const Vector3i& t) { return !isSliver(mesh, t); });
   const double cube_m3 = mesh.size_m * mesh.size_m * mesh.size_m;

@@ -1,6 +1,7 @@
 #include "files/mesh/convex_pieces.hpp"
 
 #include "files/mesh/convex_hull.hpp"
+#include "files/mesh/convex_mesh.hpp"
 #include "files/mesh/mesh_checks.hpp"
 #include "files/mesh/mesh_file.hpp"
 #include "files/mesh/solid.hpp"
@@ -249,11 +250,7 @@ class Decomposition {
   /// Directions of cuts: the axes, and the principal axes of the part's hull.
   static std::vector<Vector3d> directionsOf(const Part& part) {
     std::vector<Vector3d> directions{Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
-    Shape hull;
-    hull.type = ShapeType::kConvexMesh;
-    hull.points_m = part.hull.points;
-    hull.triangles = part.hull.triangles;
-    const Matrix3d inertia = moments(hull).inertia_m5;
+    const Matrix3d inertia = moments(shapeOf(part.hull)).inertia_m5;
     const Matrix3d axes = principalAxesOf(inertia / inertia.trace()).axes;
     for (int i = 0; i < 3; ++i) directions.emplace_back(axes.col(i));
     return directions;

@@ -168,12 +168,9 @@ class BodyReader {
       shape_wrong_ = !t_.isGood("size_m");
       return shape;
     }
-    shape.type = kind == "sphere"    ? ShapeType::kSphere
-                 : kind == "capsule" ? ShapeType::kCapsule
-                                     : ShapeType::kCylinder;
+    shape.type = *shapeNamed(kind == "disk" ? "cylinder" : kind);
     shape.radius_m = length("radius_m");
-    if (shape.type == ShapeType::kCylinder) shape.length_m = length("height_m");
-    if (shape.type == ShapeType::kCapsule) shape.length_m = length("length_m");
+    if (const char* key = shape.kind().length_key) shape.length_m = length(key);
     return shape;
   }
 
@@ -387,10 +384,10 @@ class BodyReader {
 
   void readSoft(SceneBody& body) {
     if (!t_.has("soft_m")) return;
-    const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
-    const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
+    const Shape* cylinder = body.cylinder();
+    const double most_m = cylinder != nullptr ? cylinder->radius_m - kThinnestCore_m : 10.0;
     body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
-    if (!cylinder && t_.isGood("shape") && !shape_wrong_) {
+    if (cylinder == nullptr && t_.isGood("shape") && !shape_wrong_) {
       t_.fail("soft_m", "is for cylinders and disks only", "take it out");
     }
   }

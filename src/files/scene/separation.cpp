@@ -19,45 +19,14 @@ constexpr double kTiny_m = 1e-10;  ///< cores nearer than this count as overlapp
 constexpr double kGain_m = 1e-9;   ///< the expansion ends when it gains less
 constexpr int kMaxSteps = 256;
 
-/// A shape without its radius: a sphere becomes a point, a capsule a segment.
+/// A shape without its ball: a sphere becomes a point, a capsule a segment.
 struct Core {
   const Shape& shape;
   Pose world;
 
-  [[nodiscard]] double radius_m() const {
-    const bool round = shape.type == ShapeType::kSphere || shape.type == ShapeType::kCapsule;
-    return round ? shape.radius_m : 0.0;
-  }
-
   /// The farthest point in a world direction.
   [[nodiscard]] Vector3d support(const Vector3d& direction) const {
-    return world * localSupport(world.rotation.transpose() * direction);
-  }
-
- private:
-  [[nodiscard]] Vector3d localSupport(const Vector3d& d) const {
-    const double end = std::copysign(shape.length_m / 2.0, d.z());
-    switch (shape.type) {
-      case ShapeType::kSphere:
-        return Vector3d::Zero();
-      case ShapeType::kCapsule:
-        return {0.0, 0.0, end};
-      case ShapeType::kCylinder: {
-        const double across = std::hypot(d.x(), d.y());
-        const double k = across > 0.0 ? shape.radius_m / across : 0.0;
-        return {k * d.x(), k * d.y(), end};
-      }
-      case ShapeType::kBox: {
-        const Vector3d& h = shape.half_extents_m;
-        return {std::copysign(h.x(), d.x()), std::copysign(h.y(), d.y()),
-                std::copysign(h.z(), d.z())};
-      }
-      case ShapeType::kConvexMesh:
-        break;
-    }
-    return *std::max_element(
-        shape.points_m.begin(), shape.points_m.end(),
-        [&](const Vector3d& p, const Vector3d& q) { return p.dot(d) < q.dot(d); });
+    return world * coreSupport(shape, world.rotation.transpose() * direction);
   }
 };
 
@@ -246,7 +215,7 @@ class Polytope {
 
 double separation(const Shape& a, const Pose& body_a, const Shape& b, const Pose& body_b) {
   const Difference difference{{a, body_a * a.in_body}, {b, body_b * b.in_body}};
-  const double radii_m = difference.a.radius_m() + difference.b.radius_m();
+  const double radii_m = a.ball_m() + b.ball_m();
   const double apart_m = originDistance(difference);
   if (apart_m > 0.0) return apart_m - radii_m;
   return -Polytope(difference).depth() - radii_m;

@@ -337,7 +337,7 @@ std::vector<Shape> readRound(const XMLElement& e, ShapeType type, const std::str
   const std::size_t before = faults.all().size();
   Shape shape;
   shape.type = type;
-  const bool long_one = type != ShapeType::kSphere;
+  const bool long_one = shape.kind().length_key != nullptr;
   std::vector<double> sizes = faults.numbers(e, "radius", key, 1);
   if (long_one) sizes.push_back(faults.numbers(e, "length", key, 1).front());
   if (faults.all().size() > before || isToken(e, "radius", key, sizes, meshes)) return {};
@@ -351,10 +351,8 @@ std::vector<Shape> readGeometry(const XMLElement& e, const std::string& key, Urd
                                 UrdfMeshes& meshes) {
   const std::string_view kind = e.Name();
   if (kind == "box") return readBox(e, key, faults, meshes);
-  if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults, meshes);
-  if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults, meshes);
-  if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults, meshes);
   if (kind == "mesh") return readMesh(e, key, faults, meshes);
+  if (const auto type = shapeNamed(kind)) return readRound(e, *type, key, faults, meshes);
   faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
              "must be one of box, sphere, cylinder, capsule, mesh");
   return {};

@@ -20,38 +20,9 @@ Diagnostic fault(std::size_t piece, std::string problem, std::string remedy) {
   return {"", 0, fmt::format("pieces[{}]", piece), "", std::move(problem), std::move(remedy)};
 }
 
-/// Corners of a piece's box in its own frame.
-void boundsInShapeFrame(const Shape& shape, Eigen::Vector3d& low_m, Eigen::Vector3d& high_m) {
-  const double r = shape.radius_m;
-  high_m.setZero();
-  switch (shape.type) {
-    case ShapeType::kBox:
-      high_m = shape.half_extents_m;
-      break;
-    case ShapeType::kSphere:
-      high_m.setConstant(r);
-      break;
-    case ShapeType::kCylinder:
-      high_m = {r, r, 0.5 * shape.length_m};
-      break;
-    case ShapeType::kCapsule:
-      high_m = {r, r, r + 0.5 * shape.length_m};
-      break;
-    case ShapeType::kConvexMesh:
-      if (shape.points_m.empty()) break;
-      low_m = high_m = shape.points_m.front();
-      for (const Eigen::Vector3d& p : shape.points_m) {
-        low_m = low_m.cwiseMin(p);
-        high_m = high_m.cwiseMax(p);
-      }
-      return;
-  }
-  low_m = -high_m;
-}
-
 void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
                 Diagnostics& faults) {
-  const Eigen::Vector3d extent = extents(shape);
+  const Eigen::Vector3d extent = ownBox(shape).sizes();
   if (!extent.allFinite() || !shape.in_body.translation_m.allFinite() ||
       !shape.in_body.rotation.allFinite()) {
     faults.push_back(fault(index, "is not finite", "give finite numbers in metres"));
@@ -63,8 +34,7 @@ void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
         fmt::format("every extent must be in [{:.4g}, {:.4g}] m (budget.size_m)", budget.least_m,
                     budget.most_m)));
   }
-  if (shape.type == ShapeType::kConvexMesh &&
-      std::cmp_greater(shape.points_m.size(), budget.vertices)) {
+  if (shape.isMesh() && std::cmp_greater(shape.points_m.size(), budget.vertices)) {
     faults.push_back(fault(index, fmt::format("has {} vertices", shape.points_m.size()),
                            fmt::format("at most {} (budget.vertices)", budget.vertices)));
   }
@@ -74,14 +44,13 @@ void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
 double shareInOthers(const std::vector<Shape>& pieces, std::size_t piece) {
   constexpr int kSteps = 7;  // grid points along each side
   const Shape& own = pieces[piece];
-  Eigen::Vector3d low_m, high_m;
-  boundsInShapeFrame(own, low_m, high_m);
+  const Eigen::AlignedBox3d box = ownBox(own);
   int inside = 0, shared = 0;
   for (int k = 0; k < kSteps * kSteps * kSteps; ++k) {
     const int across = k % kSteps, along = k / kSteps % kSteps, up = k / kSteps / kSteps;
     const Eigen::Vector3d step(across, along, up);
     const Eigen::Vector3d in_shape_m =
-        low_m + (step.array() + 0.5).matrix().cwiseProduct(high_m - low_m) / kSteps;
+        box.min() + (step.array() + 0.5).matrix().cwiseProduct(box.sizes()) / kSteps;
     const Eigen::Vector3d point_m = own.in_body * in_shape_m;
     if (signedDistance(own, point_m) > 0.0) continue;
     ++inside;
@@ -137,7 +106,7 @@ Command pieceCommand(int set, int index, const Shape& shape) {
   const Eigen::Quaterniond turn(shape.in_body.rotation);
   const Eigen::Vector3d& at = shape.in_body.translation_m;
   const Eigen::Vector3d& half = shape.half_extents_m;
-  const bool mesh = shape.type == ShapeType::kConvexMesh;
+  const bool mesh = shape.isMesh();
   out.numbers = {static_cast<double>(shape.type),
                  half.x(),
                  half.y(),
@@ -156,7 +125,7 @@ Command pieceCommand(int set, int index, const Shape& shape) {
 }
 
 void addVertices(int set, int index, const Shape& shape, std::vector<Command>& commands) {
-  if (shape.type != ShapeType::kConvexMesh) return;
+  if (!shape.isMesh()) return;
   for (std::size_t first = 0; first < shape.points_m.size(); first += kVerticesPerCommand) {
     Command& out = commands.emplace_back(command(CommandType::kShapeVertices, set, index));
     const std::size_t count =
@@ -172,12 +141,6 @@ void addVertices(int set, int index, const Shape& shape, std::vector<Command>& c
 }
 
 }  // namespace
-
-Eigen::Vector3d extents(const Shape& shape) {
-  Eigen::Vector3d low_m, high_m;
-  boundsInShapeFrame(shape, low_m, high_m);
-  return high_m - low_m;
-}
 
 Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const GameBudget& budget) {
   Diagnostics faults;
@@ -209,17 +172,7 @@ Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const G
 double outerRadius(const PreparedShapes& shapes) {
   double radius_m = 0.0;
   for (const Shape& piece : shapes.pieces) {
-    double own_m = 0.0;  // radius about the origin of the piece's frame
-    if (piece.type == ShapeType::kConvexMesh) {
-      for (const Eigen::Vector3d& p : piece.points_m) own_m = std::max(own_m, p.norm());
-    } else if (piece.type == ShapeType::kCapsule) {
-      own_m = piece.radius_m + 0.5 * piece.length_m;
-    } else if (piece.type == ShapeType::kSphere) {
-      own_m = piece.radius_m;
-    } else {
-      own_m = 0.5 * extents(piece).norm();
-    }
-    radius_m = std::max(radius_m, piece.in_body.translation_m.norm() + own_m);
+    radius_m = std::max(radius_m, piece.in_body.translation_m.norm() + outerRadius(piece));
   }
   return radius_m;
 }

@@ -64,9 +64,6 @@ using RegisteredBodies = std::vector<RegisteredBody>;
 /// Commands that transfer the shapes to the loop as shape set `set`; send them in this order.
 [[nodiscard]] std::vector<Command> shapeCommands(int set, const PreparedShapes& shapes);
 
-/// Extents of a piece's box in its own frame [m].
-[[nodiscard]] Eigen::Vector3d extents(const Shape& shape);
-
 // Readers of the commands that shapeCommands() writes, for the loop. Real-time safe.
 
 /// Number of vertices that one command carries.
@@ -80,11 +77,8 @@ struct ShapeSetHead {
 [[nodiscard]] ShapeSetHead shapeSetHeadOf(const Command& command) noexcept;
 
 /// A piece without its vertices.
-struct ShapePiece {
+struct ShapePiece : ShapeForm {
   int piece = 0;
-  ShapeType type = ShapeType::kBox;
-  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();
-  double radius_m = 0.0, length_m = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   int vertices = 0;

@@ -3,7 +3,7 @@
 #include "loop/core/expected.hpp"
 #include "loop/core/geometry.hpp"
 #include "loop/core/real_time.hpp"
-#include "schema_enums.hpp"
+#include "loop/model/shape.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -67,18 +67,6 @@ struct SceneJoint {
          0.5 * joint.latch_energy_j * (1.0 - std::cos(joint.latch_wave * (q - joint.latch_at)));
 }
 
-/// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
-/// scene file is a cylinder.
-struct Shape {
-  ShapeType type = ShapeType::kBox;
-  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();  ///< box
-  double radius_m = 0.0;                                     ///< sphere, cylinder, capsule
-  double length_m = 0.0;  ///< cylinder: height; capsule: distance between the centres of its caps
-  std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
-  std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
-  Pose in_body;
-};
-
 /// A body of the scene.
 struct SceneBody {
   std::string name;
@@ -100,6 +88,10 @@ struct SceneBody {
   /// and with free bodies only; its range of q ends its motion.
   std::optional<SceneJoint> joint;
 
+  /// Its shape if that is a single cylinder; null otherwise.
+  [[nodiscard]] const Shape* cylinder() const {
+    return shapes.size() == 1 && shapes[0].isCylinder() ? shapes.data() : nullptr;
+  }
   /// True when the two bodies never collide: a body on a joint with another such body or with a
   /// fixed body.
   [[nodiscard]] bool passes(const SceneBody& other) const {
@@ -151,26 +143,9 @@ void mirror(SceneModel& scene);
 /// reduced by the soft depth.
 [[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
 
-/// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],
-/// in the body frame.
-struct ShapeMoments {
-  double volume_m3 = 0.0;
-  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d inertia_m5 = Eigen::Matrix3d::Zero();
-};
-[[nodiscard]] ShapeMoments moments(const Shape& shape);
-/// The same for the union of shapes, as a sum. Where shapes overlap, a midpoint sum over a grid
+/// Moments of the union of shapes, as a sum. Where shapes overlap, a midpoint sum over a grid
 /// takes off what the sum counts more than once (within 1 % of the overlap).
 [[nodiscard]] ShapeMoments moments(const std::vector<Shape>& shapes);
-
-/// The smallest box along the body's axes that surely contains a shape [m].
-[[nodiscard]] Eigen::AlignedBox3d boxOf(const Shape& shape);
-/// Points in the body frame whose convex hull contains a shape [m].
-[[nodiscard]] std::vector<Eigen::Vector3d> boundingPoints(const Shape& shape);
-
-/// Distance from a point to the shape's surface, negative inside [m]; point in the body frame. For
-/// a convex mesh, the largest face distance (exact inside and at faces, a lower bound outside).
-[[nodiscard]] double signedDistance(const Shape& shape, const Eigen::Vector3d& point_m);
 
 /// Mass, centre of mass and inertia of a rigid body, all in one frame.
 struct MassProperties {

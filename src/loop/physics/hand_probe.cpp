@@ -16,13 +16,7 @@ constexpr double kBefore = 0.26;
 double boundingRadius(const SceneBody& body) {
   double radius = 0.0;
   for (const Shape& s : body.shapes) {
-    double extent = s.radius_m + s.length_m / 2.0;
-    if (s.type == ShapeType::kBox) extent = s.half_extents_m.norm();
-    if (s.type == ShapeType::kConvexMesh) {
-      extent = 0.0;
-      for (const Eigen::Vector3d& p : s.points_m) extent = std::max(extent, p.norm());
-    }
-    radius = std::max(radius, (s.in_body.translation_m - body.com_m).norm() + extent);
+    radius = std::max(radius, (s.in_body.translation_m - body.com_m).norm() + outerRadius(s));
   }
   return radius;
 }

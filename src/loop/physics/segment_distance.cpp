@@ -54,21 +54,12 @@ PointDistance fromCylinder(double radius_m, double height_m, const Vector3d& p) 
   return side > end ? PointDistance{side, outward} : PointDistance{end, up};
 }
 
+/// Of a shape without vertices.
 PointDistance pointDistance(const Shape& shape, const Vector3d& p) {
-  switch (shape.type) {
-    case ShapeType::kBox:
-      return fromBox(shape.half_extents_m, p);
-    case ShapeType::kCylinder:
-      return fromCylinder(shape.radius_m, shape.length_m, p);
-    case ShapeType::kCapsule: {
-      const double end_m = shape.length_m / 2.0;
-      return fromCenter(p - Vector3d(0.0, 0.0, std::clamp(p.z(), -end_m, end_m)), shape.radius_m);
-    }
-    case ShapeType::kSphere:
-    case ShapeType::kConvexMesh:
-      break;
-  }
-  return fromCenter(p, shape.radius_m);
+  if (shape.isCylinder()) return fromCylinder(shape.radius_m, shape.length_m, p);
+  if (!shape.isRound()) return fromBox(shape.half_extents_m, p);
+  const double end_m = shape.coreBox().z();
+  return fromCenter(p - Vector3d(0.0, 0.0, std::clamp(p.z(), -end_m, end_m)), shape.radius_m);
 }
 
 /// A point of the segment: its parameter, its distance from the shape, and the slope of the
@@ -133,9 +124,8 @@ SegmentDistance segmentDistance(const Shape& shape, const Vector3d& a_m, const V
   const auto enough = [&](double gap_m, double least_m) {
     return gap_m <= kExact_m + share * std::max(least_m - radius_m, 0.0);
   };
-  SegmentDistance result = shape.type == ShapeType::kConvexMesh
-                               ? hullDistance(shape.points_m, a, b, radius_m)
-                               : nearest(shape, a, b, radius_m, kMostSteps, enough);
+  SegmentDistance result = shape.isMesh() ? hullDistance(shape.points_m, a, b, radius_m)
+                                          : nearest(shape, a, b, radius_m, kMostSteps, enough);
   result.normal = turn * result.normal;
   result.bound_normal = turn * result.bound_normal;
   return result;

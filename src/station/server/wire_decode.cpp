@@ -228,16 +228,17 @@ Expected<Done> readShape(const fb::Shape& in, const std::string& key, Shape& out
                    "must be Box, Sphere, Cylinder, Capsule or ConvexMesh");
   }
   out.type = static_cast<ShapeType>(in.type());
-  if (out.type == ShapeType::kBox) {
+  const ShapeKind& kind = out.kind();
+  if (kind.has_extents) {
     if (in.half_extents_m() == nullptr) {
       return refusal(key + ".half_extents_m", "", "is missing", "give metres");
     }
     out.half_extents_m = fromWire(*in.half_extents_m());
-  } else if (out.type == ShapeType::kConvexMesh) {
+  } else if (kind.has_vertices) {
     if (auto mesh = readMesh(in, key, out); !mesh) return mesh.errors();
   } else {
     out.radius_m = static_cast<double>(in.radius_m());
-    if (out.type != ShapeType::kSphere) out.length_m = static_cast<double>(in.length_m());
+    if (kind.length_key != nullptr) out.length_m = static_cast<double>(in.length_m());
   }
   return readPlace(in, key, out);
 }

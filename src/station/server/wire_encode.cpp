@@ -69,7 +69,7 @@ void finish(Builder& b, Offset<T> payload, std::uint16_t schema_version) {
 Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vector3d& com_m) {
   VectorOffset<const fb::Vec3*> points;
   VectorOffset<std::uint32_t> triangles;
-  if (shape.type == ShapeType::kConvexMesh) {
+  if (shape.isMesh()) {
     std::vector<fb::Vec3> p;
     for (const Eigen::Vector3d& point : shape.points_m) p.push_back(toWire(point));
     points = b.CreateVectorOfStructs(p);

@@ -51,7 +51,7 @@ void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets me
   collider->meets = meets;
   collider->form = shape;
   collider->form.in_body = Pose{};
-  const bool closed_form = shape.type != ShapeType::kConvexMesh;
+  const bool closed_form = !shape.isMesh();
   collider->tag = {-1, -1, index_, rigid_.get(), closed_form ? &collider->form : nullptr};
   collider->shape = makeShape(shape);
   collider->in_rigid = toBt(from_body_.inverse() * shape.in_body);
@@ -111,11 +111,8 @@ void BulletBody::setPieces(const SlotPiece* pieces, int count,
       continue;
     }
     const SlotPiece& piece = pieces[i];
-    collider.form.type = piece.type;
-    collider.form.half_extents_m = piece.half_extents_m;
-    collider.form.radius_m = piece.radius_m;
-    collider.form.length_m = piece.length_m;
-    if (piece.type != ShapeType::kConvexMesh) collider.tag.shape = &collider.form;
+    static_cast<ShapeForm&>(collider.form) = piece;
+    if (!piece.isMesh()) collider.tag.shape = &collider.form;
     collider.in_rigid = piece.in_rigid;
     collider.object->setCollisionShape(collider.slot_shape.make(piece));
   }

@@ -3,11 +3,7 @@
 #include "loop/model/principal_axes.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 
-#include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
-#include <BulletCollision/CollisionShapes/btCylinderShape.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <Eigen/LU>
 
@@ -35,33 +31,21 @@ Pose principalFrame(const SceneBody& body, btVector3& moments) {
 }
 
 std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::kBox: {
-      auto box = std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
-      box->setMargin(0.0);  // a margin would round the edges
-      return box;
-    }
-    case ShapeType::kSphere:
-      return std::make_unique<btSphereShape>(shape.radius_m);
-    case ShapeType::kCylinder: {
-      auto cylinder = std::make_unique<btCylinderShapeZ>(
-          btVector3(shape.radius_m, shape.radius_m, shape.length_m / 2.0));
-      cylinder->setMargin(0.0);
-      return cylinder;
-    }
-    case ShapeType::kCapsule:
-      return std::make_unique<btCapsuleShapeZ>(shape.radius_m, shape.length_m);
-    case ShapeType::kConvexMesh: {
-      auto hull = std::make_unique<btConvexHullShape>();
-      for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
-      hull->recalcLocalAabb();
-      // Bullet's default margin would enlarge the mesh by 4 cm; the capsules have a margin of their
-      // own.
-      hull->setMargin(0.0);
-      return hull;
-    }
+  if (!shape.isMesh()) {
+    auto sum = constructSum(
+        shape, [](auto type, const auto&... dimensions) -> std::unique_ptr<btCollisionShape> {
+          return std::make_unique<typename decltype(type)::type>(dimensions...);
+        });
+    if (!shape.isRound()) sum->setMargin(0.0);  // a margin would round the edges
+    return sum;
   }
-  return nullptr;
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
+  hull->recalcLocalAabb();
+  // Bullet's default margin would enlarge the mesh by 4 cm; the capsules have a margin of their
+  // own.
+  hull->setMargin(0.0);
+  return hull;
 }
 
 }  // namespace wholehand::bullet

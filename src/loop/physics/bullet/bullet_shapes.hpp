@@ -2,11 +2,16 @@
 
 #include "loop/core/geometry.hpp"
 #include "loop/model/scene_model.hpp"
+#include "loop/physics/bullet/bullet_types.hpp"
 
-#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <LinearMath/btVector3.h>
 
 #include <memory>
+#include <type_traits>
 
 namespace wholehand::bullet {
 
@@ -18,6 +23,17 @@ namespace wholehand::bullet {
 /// that a box is not rotated by 90 degrees.
 /// @param moments of inertia about these axes; 0 for a fixed body
 [[nodiscard]] Pose principalFrame(const SceneBody& body, btVector3& moments);
+
+/// Constructs the shape of a sum in its own frame by `make(std::type_identity<Shape>, dimensions
+/// ..)`. Real-time safe if `make` is. @pre the form has no vertices
+template <class Make>
+auto constructSum(const ShapeForm& form, const Make& make) {
+  const btVector3 half_m = toBt(form.halfBox());
+  if (form.isCylinder()) return make(std::type_identity<btCylinderShapeZ>{}, half_m);
+  if (!form.isRound()) return make(std::type_identity<btBoxShape>{}, half_m);
+  if (form.coreBox().z() == 0.0) return make(std::type_identity<btSphereShape>{}, form.radius_m);
+  return make(std::type_identity<btCapsuleShapeZ>{}, form.radius_m, form.length_m);
+}
 
 /// Creates the shape in its own frame.
 [[nodiscard]] std::unique_ptr<btCollisionShape> makeShape(const Shape& shape);

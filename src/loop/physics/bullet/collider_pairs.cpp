@@ -97,14 +97,9 @@ void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
   }
 }
 
-/// True for a shape with edges between flat faces.
-bool hasFaces(ShapeType type) {
-  return type == ShapeType::kBox || type == ShapeType::kConvexMesh;
-}
-
 /// Largest speed of a collider's surface due to the rotation of its body [m/s].
 double turningSpeed(const BulletBody::Collider& of) {
-  const bool ball = of.form.type == ShapeType::kSphere;
+  const bool ball = of.form.isRound() && of.form.coreBox().z() == 0.0;
   // A sphere that rotates about its own centre.
   if (ball && of.in_rigid.getOrigin().fuzzyZero()) return 0.0;
   const double turn_rad_s = of.tag.rigid->getAngularVelocity().length();
@@ -112,10 +107,6 @@ double turningSpeed(const BulletBody::Collider& of) {
   const Eigen::Vector3d middle_m = 0.5 * (of.box.low_m + of.box.high_m);
   const double off_m = (middle_m - toEigen(of.tag.rigid->getCenterOfMassPosition())).norm();
   return turn_rad_s * (ball ? off_m : off_m + 0.5 * (of.box.high_m - of.box.low_m).norm());
-}
-
-bool isRound(const BulletBody::Collider& collider) {
-  return collider.form.type == ShapeType::kSphere || collider.form.type == ShapeType::kCapsule;
 }
 
 }  // namespace
@@ -241,7 +232,7 @@ ColliderPairs::Pair ColliderPairs::Target::pairWith(int capsule) const noexcept 
 
 bool ColliderPairs::ofOneSurface(int a, int b) const noexcept {
   const auto fixed = [&](int c) { return targets_[c].collider->tag.rigid->getInvMass() == 0.0; };
-  const auto flat = [&](int c) { return hasFaces(targets_[c].collider->form.type); };
+  const auto flat = [&](int c) { return targets_[c].collider->form.isPolyhedron(); };
   return owner_[a] == owner_[b] || (fixed(a) && fixed(b)) || (flat(a) && flat(b));
 }
 
@@ -253,7 +244,7 @@ void ColliderPairs::removeInnerEdgesOfBodies() noexcept {
   const auto piece = [&](int c) {
     const Collider& is = *targets_[c].collider;
     const auto [first, last] = of_body_[owner_[c]];
-    return last - first > 1 || is.tag.rigid->getInvMass() == 0.0 || hasFaces(is.form.type);
+    return last - first > 1 || is.tag.rigid->getInvMass() == 0.0 || is.form.isPolyhedron();
   };
   for (std::size_t i = 0; i < body_pairs_.size(); ++i) {
     const BodyPair& both = body_pairs_[i];
@@ -468,9 +459,9 @@ void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
   if (passes(*a.tag.rigid, *b.tag.rigid)) return drop(pair);
   const double reach_m = reach(a, &b);
   const bool closed_form = a.tag.shape != nullptr && b.tag.shape != nullptr;
-  if (closed_form && (isRound(a) || isRound(b))) {
-    Collider& round = isRound(a) ? a : b;
-    Collider& other = isRound(a) ? b : a;
+  if (closed_form && (a.form.isRound() || b.form.isRound())) {
+    Collider& round = a.form.isRound() ? a : b;
+    Collider& other = a.form.isRound() ? b : a;
     return keep(patchOf(roundOf(*round.object, round.form), other, reach_m), *round.object,
                 *other.object, pair);
   }

@@ -39,15 +39,21 @@ constexpr double kHeldApart_m = 1e-4;  // gap at which overlapping shapes are he
 constexpr double kSameTurn = 1e-9;     // sine of the angle below which two directions are the same
 constexpr int kMostTurns = 6;          // bound of the iterations for the direction of an overlap
 
-/// A collider with the data of its shape.
+/// A collider with the data of its shape: vertices, or the parts of a sum.
 struct Convex {
   const Shape& form;
   const btTransform& at;
+  const Eigen::Vector3d half_m;
+  const double disk_m, ball_m;
   const btVector3* points = nullptr;  ///< vertices of a convex mesh
   int point_count = 0;
 
   Convex(const btCollisionObject& object, const Shape& shape)
-      : form(shape), at(object.getWorldTransform()) {
+      : form(shape),
+        at(object.getWorldTransform()),
+        half_m(shape.coreBox()),
+        disk_m(shape.disk_m()),
+        ball_m(shape.ball_m()) {
     const btCollisionShape& is = *object.getCollisionShape();
     if (is.getShapeType() == CONVEX_HULL_SHAPE_PROXYTYPE) {
       const auto& hull = static_cast<const btConvexHullShape&>(is);
@@ -63,70 +69,49 @@ struct Convex {
 
 /// Largest extent of a shape along a direction in its own frame.
 double reachAlong(const Convex& of, const btVector3& d) {
-  const Shape& form = of.form;
-  switch (form.type) {
-    case ShapeType::kBox:
-      return std::abs(d.x()) * form.half_extents_m.x() + std::abs(d.y()) * form.half_extents_m.y() +
-             std::abs(d.z()) * form.half_extents_m.z();
-    case ShapeType::kSphere:
-      return form.radius_m * d.length();
-    case ShapeType::kCylinder:
-      return form.radius_m * std::hypot(d.x(), d.y()) + 0.5 * form.length_m * std::abs(d.z());
-    case ShapeType::kCapsule:
-      return form.radius_m * d.length() + 0.5 * form.length_m * std::abs(d.z());
-    case ShapeType::kConvexMesh:
-      break;
+  if (of.form.isMesh()) {
+    double most = -1e30;
+    for (int i = 0; i < of.point_count; ++i) most = std::max(most, of.points[i].dot(d));
+    return most;
   }
-  double most = -1e30;
-  for (int i = 0; i < of.point_count; ++i) most = std::max(most, of.points[i].dot(d));
-  return most;
+  const double core_m = std::abs(d.x()) * of.half_m.x() + std::abs(d.y()) * of.half_m.y() +
+                        std::abs(d.z()) * of.half_m.z();
+  if (of.disk_m > 0.0) return of.disk_m * std::hypot(d.x(), d.y()) + core_m;
+  return of.ball_m > 0.0 ? of.ball_m * d.length() + core_m : core_m;
 }
 
 /// Calls `take` with each corner of a shape that may be farthest along d. Corners and d are in the
 /// shape's own frame.
 template <class Take>
 void eachCorner(const Convex& of, const btVector3& d, const Take& take) {
-  const Shape& form = of.form;
-  switch (form.type) {
-    case ShapeType::kBox: {
-      const Eigen::Vector3d& half = form.half_extents_m;
-      for (int i = 0; i < 8; ++i) {
-        take(btVector3((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
-                       (i & 4) != 0 ? half.z() : -half.z()));
+  const Eigen::Vector3d& half = of.half_m;
+  if (of.form.isMesh()) {
+    for (int i = 0; i < of.point_count; ++i) take(of.points[i]);
+  } else if (of.disk_m > 0.0) {
+    // If d points mainly along the axis: sixteen points of the end's rim, one of which is
+    // farthest along d. Otherwise a line along the side.
+    const double across = std::hypot(d.x(), d.y());
+    const bool leans = across > kUpright;
+    const double c = leans ? d.x() / across : 1.0, s = leans ? d.y() / across : 0.0;
+    constexpr double kA = 0.92387953251128674, kB = 0.70710678118654752, kC = 0.38268343236508977;
+    constexpr std::array<double, 20> kCosine{1,   kA,  kB, kC, 0,  -kC, -kB, -kA, -1, -kA,
+                                             -kB, -kC, 0,  kC, kB, kA,  1,   kA,  kB, kC};
+    const bool on_end = std::abs(d.z()) > across;
+    for (const double end : {-1.0, 1.0}) {
+      if (on_end && end * d.z() < 0.0) continue;
+      for (int i = 0; i < (on_end ? 16 : 1); ++i) {
+        const double x = kCosine[i], y = -kCosine[i + 4];
+        take(btVector3(of.disk_m * (c * x - s * y), of.disk_m * (s * x + c * y), end * half.z()));
       }
-      return;
     }
-    case ShapeType::kSphere:
-      take(d * form.radius_m);
-      return;
-    case ShapeType::kCapsule:
-      for (const double end : {-0.5, 0.5}) {
-        take(d * form.radius_m + btVector3(0, 0, end * form.length_m));
-      }
-      return;
-    case ShapeType::kCylinder: {
-      // If d points mainly along the axis: sixteen points of the end's rim, one of which is
-      // farthest along d. Otherwise a line along the side.
-      const double across = std::hypot(d.x(), d.y());
-      const bool leans = across > kUpright;
-      const double c = leans ? d.x() / across : 1.0, s = leans ? d.y() / across : 0.0;
-      constexpr double kA = 0.92387953251128674, kB = 0.70710678118654752, kC = 0.38268343236508977;
-      constexpr std::array<double, 20> kCosine{1,   kA,  kB, kC, 0,  -kC, -kB, -kA, -1, -kA,
-                                               -kB, -kC, 0,  kC, kB, kA,  1,   kA,  kB, kC};
-      const bool on_end = std::abs(d.z()) > across;
-      for (const double end : {-0.5, 0.5}) {
-        if (on_end && end * d.z() < 0.0) continue;
-        for (int i = 0; i < (on_end ? 16 : 1); ++i) {
-          const double x = kCosine[i], y = -kCosine[i + 4];
-          take(btVector3(form.radius_m * (c * x - s * y), form.radius_m * (s * x + c * y),
-                         end * form.length_m));
-        }
-      }
-      return;
+  } else if (of.ball_m > 0.0) {
+    if (half.z() > 0.0) take(d * of.ball_m + btVector3(0, 0, -half.z()));
+    take(d * of.ball_m + btVector3(0, 0, half.z()));
+  } else {
+    for (int i = 0; i < 8; ++i) {
+      take(btVector3((i & 1) != 0 ? half.x() : -half.x(), (i & 2) != 0 ? half.y() : -half.y(),
+                     (i & 4) != 0 ? half.z() : -half.z()));
     }
-    case ShapeType::kConvexMesh:
-      for (int i = 0; i < of.point_count; ++i) take(of.points[i]);
-      return;
   }
 }
 
@@ -141,7 +126,7 @@ struct Across {
 Outline outlineOf(const Convex& of, const Across& across, double sign) {
   const btVector3 d = across.normal * sign * of.at.getBasis();
   const double most = reachAlong(of, d);
-  const double within_m = of.form.type == ShapeType::kConvexMesh ? kFacet_m : kCorner_m;
+  const double within_m = of.form.isMesh() ? kFacet_m : kCorner_m;
   std::array<Corner, kMostCorners> found;
   int count = 0;
   eachCorner(of, d, [&](const btVector3& corner) {
@@ -332,11 +317,10 @@ void eachFace(const Convex& of, const Convex& other, const Check& check) {
   const auto reach = [&](const btVector3& n) {
     return reachAlong(other, -n * other.at.getBasis());
   };
-  if (of.form.type == ShapeType::kBox || of.form.type == ShapeType::kCylinder) {
+  if (!of.form.isMesh() && !of.form.isRound()) {
     const btVector3 center = of.at.invXform(other.at.getOrigin());
-    for (int i = of.form.type == ShapeType::kBox ? 0 : 2; i < 3; ++i) {
-      const double half_m =
-          of.form.type == ShapeType::kBox ? of.form.half_extents_m[i] : 0.5 * of.form.length_m;
+    for (int i = of.form.isCylinder() ? 2 : 0; i < 3; ++i) {
+      const double half_m = of.half_m[i];
       for (const double sign : {1.0, -1.0}) {
         if (sign * within[i] - half_m < -kSunk_m) continue;
         const btVector3 n = sign * basis.getColumn(i);

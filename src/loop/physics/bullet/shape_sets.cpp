@@ -1,5 +1,6 @@
 #include "loop/physics/bullet/shape_sets.hpp"
 
+#include "loop/physics/bullet/bullet_shapes.hpp"
 #include "loop/physics/bullet/bullet_types.hpp"
 
 #include <algorithm>
@@ -8,26 +9,17 @@
 namespace wholehand::bullet {
 
 btCollisionShape* SlotShape::make(const SlotPiece& piece) noexcept {
-  switch (piece.type) {
-    case ShapeType::kBox:
-      return &shape_.emplace<btBoxShape>(toBt(piece.half_extents_m));
-    case ShapeType::kSphere:
-      return &shape_.emplace<btSphereShape>(piece.radius_m);
-    case ShapeType::kCylinder:
-      return &shape_.emplace<btCylinderShapeZ>(
-          btVector3(piece.radius_m, piece.radius_m, piece.length_m / 2.0));
-    case ShapeType::kCapsule:
-      return &shape_.emplace<btCapsuleShapeZ>(piece.radius_m, piece.length_m);
-    case ShapeType::kConvexMesh: {
-      auto& cloud = shape_.emplace<btConvexPointCloudShape>();
-      // Bullet's default margin would enlarge the mesh by 4 cm. It is set first, because the box
-      // includes it.
-      cloud.setMargin(0.0);
-      cloud.setPoints(piece.vertices, piece.vertex_count);
-      return &cloud;
-    }
+  if (!piece.isMesh()) {
+    return constructSum(piece, [&](auto type, const auto&... dimensions) -> btCollisionShape* {
+      return &shape_.emplace<typename decltype(type)::type>(dimensions...);
+    });
   }
-  return nullptr;
+  auto& cloud = shape_.emplace<btConvexPointCloudShape>();
+  // Bullet's default margin would enlarge the mesh by 4 cm. It is set first, because the box
+  // includes it.
+  cloud.setMargin(0.0);
+  cloud.setPoints(piece.vertices, piece.vertex_count);
+  return &cloud;
 }
 
 namespace {
@@ -42,35 +34,12 @@ bool isLength(double value_m, double most_m) noexcept {
 }
 
 bool hasDimensions(const ShapePiece& p, double most_m) noexcept {
-  switch (p.type) {
-    case ShapeType::kBox:
-      return isLength(p.half_extents_m.minCoeff(), most_m) &&
-             isLength(p.half_extents_m.maxCoeff(), most_m);
-    case ShapeType::kSphere:
-      return isLength(p.radius_m, most_m);
-    case ShapeType::kCylinder:
-    case ShapeType::kCapsule:
-      return isLength(p.radius_m, most_m) && isLength(p.length_m, most_m);
-    case ShapeType::kConvexMesh:
-      return true;
-  }
-  return false;
-}
-
-double reachOf(const ShapePiece& p) noexcept {
-  switch (p.type) {
-    case ShapeType::kBox:
-      return p.half_extents_m.norm();
-    case ShapeType::kSphere:
-      return p.radius_m;
-    case ShapeType::kCylinder:
-      return std::hypot(p.radius_m, p.length_m / 2.0);
-    case ShapeType::kCapsule:
-      return p.radius_m + p.length_m / 2.0;
-    case ShapeType::kConvexMesh:
-      break;
-  }
-  return 0.0;
+  if (!isShapeType(p.type)) return false;
+  const ShapeKind& kind = p.kind();
+  return (!kind.has_extents || (isLength(p.half_extents_m.minCoeff(), most_m) &&
+                                isLength(p.half_extents_m.maxCoeff(), most_m))) &&
+         (!(kind.has_disk || kind.has_ball) || isLength(p.radius_m, most_m)) &&
+         (kind.length_key == nullptr || isLength(p.length_m, most_m));
 }
 
 }  // namespace
@@ -130,24 +99,21 @@ BodyRefusal ShapeSets::begin(int set, const ShapeSetHead& head) noexcept {
 
 BodyRefusal ShapeSets::addPiece(int set, const ShapePiece& in) noexcept {
   Set& s = sets_[set];
-  const bool mesh = in.type == ShapeType::kConvexMesh;
-  const bool vertices = mesh ? in.vertices >= 4 && in.vertices <= most_vertices_ : in.vertices == 0;
+  if (!hasDimensions(in, most_m_)) return BodyRefusal::kBadShapes;
+  const bool vertices =
+      in.isMesh() ? in.vertices >= 4 && in.vertices <= most_vertices_ : in.vertices == 0;
   if (in.piece != s.pieces || s.pieces >= s.announced || !lastPieceIsWhole(set) || !vertices ||
-      !hasDimensions(in, most_m_) || !isUnit(in.orientation) ||
-      !(in.position_m.norm() <= 2.0 * most_m_)) {
+      !isUnit(in.orientation) || !(in.position_m.norm() <= 2.0 * most_m_)) {
     return BodyRefusal::kBadShapes;
   }
   SlotPiece& out = piece(set, s.pieces++);
   s.vertices = 0;
-  out.type = in.type;
-  out.half_extents_m = in.half_extents_m;
-  out.radius_m = in.radius_m;
-  out.length_m = in.length_m;
+  static_cast<ShapeForm&>(out) = in;
   const Eigen::Quaterniond turn = in.orientation.normalized();
   out.in_rigid =
       btTransform(btQuaternion(turn.x(), turn.y(), turn.z(), turn.w()), toBt(in.position_m));
   out.vertex_count = in.vertices;
-  s.radius_m = std::max(s.radius_m, in.position_m.norm() + reachOf(in));
+  s.radius_m = std::max(s.radius_m, in.position_m.norm() + in.outerRadius());
   return BodyRefusal::kNone;
 }
 

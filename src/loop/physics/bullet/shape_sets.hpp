@@ -19,10 +19,7 @@
 namespace wholehand::bullet {
 
 /// A piece of a game's body, in the frame of the rigid body.
-struct SlotPiece {
-  ShapeType type = ShapeType::kBox;
-  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();
-  double radius_m = 0.0, length_m = 0.0;
+struct SlotPiece : ShapeForm {
   btTransform in_rigid = btTransform::getIdentity();
   /// Vertices of a convex mesh; they outlive every use of the piece.
   btVector3* vertices = nullptr;
