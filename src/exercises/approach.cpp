@@ -72,21 +72,6 @@ void limitOpening(const PlayerReach& hand, const AxisPosition& from, double open
   }
 }
 
-void closeBy(const PlayerReach& hand, double wanted_rad_s, double pace, double lower,
-             double opening_rad_s, double period_s, double& rate_rad_s, AxisPosition& q) noexcept {
-  if (hand.fingers < 0) return;
-  double& fingers = q[hand.fingers];
-  const double upper = hand.upper[hand.fingers];
-  double wanted =
-      pace * std::clamp(wanted_rad_s, (lower - fingers) / kToEnd_s, (upper - fingers) / kToEnd_s);
-  wanted = std::max(wanted, -opening_rad_s);
-  rate_rad_s += (wanted - rate_rad_s) * std::min(period_s / kCloseFilter_s, 1.0);
-  fingers += rate_rad_s * period_s;
-  if (hand.thumb < 0) return;
-  q[hand.thumb] = std::clamp(q[hand.thumb] + kThumbAlong * rate_rad_s * period_s,
-                             hand.lower[hand.thumb], hand.upper[hand.thumb]);
-}
-
 void ReachingPlayer::toStart() noexcept {
   q_ = start_;
   qd_ = AxisVelocity(hand_.axes);
@@ -107,6 +92,38 @@ bool ReachingPlayer::steeredByOthers(const TickRecord& record) noexcept {
   q_ = record.intention;
   qd_ = AxisVelocity(hand_.axes);
   return true;
+}
+
+void ClosingPlayer::moveTo(const AxisPosition& goal, bool palm_first) noexcept {
+  rate_rad_s_ = 0.0;
+  reachFor(goal, pace_, palm_first, opening_rad_s_);
+}
+
+void ClosingPlayer::moveOn(std::optional<double> wanted_rad_s, double period_s, AxisPosition& q,
+                           AxisVelocity& qd) noexcept {
+  if (wanted_rad_s) {
+    const AxisPosition before = q_;
+    closeBy(*wanted_rad_s, kHalfBent, period_s);
+    for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
+  } else {
+    reach_.advance(period_s, q_, qd_);
+  }
+  q = q_;
+  qd = qd_;
+}
+
+void ClosingPlayer::closeBy(double wanted_rad_s, double lower, double period_s) noexcept {
+  if (hand_.fingers < 0) return;
+  double& fingers = q_[hand_.fingers];
+  const double upper = hand_.upper[hand_.fingers];
+  double wanted =
+      pace_ * std::clamp(wanted_rad_s, (lower - fingers) / kToEnd_s, (upper - fingers) / kToEnd_s);
+  wanted = std::max(wanted, -opening_rad_s_);
+  rate_rad_s_ += (wanted - rate_rad_s_) * std::min(period_s / kCloseFilter_s, 1.0);
+  fingers += rate_rad_s_ * period_s;
+  if (hand_.thumb < 0) return;
+  q_[hand_.thumb] = std::clamp(q_[hand_.thumb] + kThumbAlong * rate_rad_s_ * period_s,
+                               hand_.lower[hand_.thumb], hand_.upper[hand_.thumb]);
 }
 
 }  // namespace wholehand::approach

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <utility>
 
 /// Postures, speeds and movements shared by the virtual patients of all exercises: the hand
@@ -58,14 +59,6 @@ class Goal {
 WHOLEHAND_RT void limitOpening(const PlayerReach& hand, const AxisPosition& from,
                                double opening_rad_s, Reach& reach) noexcept;
 
-/// Moves fingers and thumb with a low-passed wanted speed that goes to zero at the ends of the
-/// range.
-/// @param rate_rad_s current speed of the fingers, kept between calls
-/// @param pace factor on the speed of this person @param lower lower end for the fingers [rad]
-WHOLEHAND_RT void closeBy(const PlayerReach& hand, double wanted_rad_s, double pace, double lower,
-                          double opening_rad_s, double period_s, double& rate_rad_s,
-                          AxisPosition& q) noexcept;
-
 /// A virtual patient whose hand reaches from pose to pose. After someone else has steered the hand,
 /// the player continues from the hand's position.
 class ReachingPlayer : public Player {
@@ -99,6 +92,28 @@ class ReachingPlayer : public Player {
 
  private:
   bool advanced_ = false;  ///< takesOver() was called since the last record
+};
+
+/// A reaching player that also closes and opens the hand with a rate, while the arm rests.
+class ClosingPlayer : public ReachingPlayer {
+ protected:
+  /// @param opening_rad_s fastest opening without a reflex @param pace of all movements
+  ClosingPlayer(PlayerReach hand, double opening_rad_s, double pace)
+      : ReachingPlayer(std::move(hand)), opening_rad_s_(opening_rad_s), pace_(pace) {}
+
+  /// Begins a movement as ReachingPlayer does, with resting fingers.
+  WHOLEHAND_RT void moveTo(const AxisPosition& goal, bool palm_first) noexcept;
+  /// Advances the movement, or the hand with a wanted rate if there is one.
+  WHOLEHAND_RT void moveOn(std::optional<double> wanted_rad_s, double period_s, AxisPosition& q,
+                           AxisVelocity& qd) noexcept;
+  /// Moves fingers and thumb with a low-passed wanted speed that goes to zero at the ends of the
+  /// range. @param lower lower end for the fingers [rad]
+  WHOLEHAND_RT void closeBy(double wanted_rad_s, double lower, double period_s) noexcept;
+
+  const double opening_rad_s_, pace_;
+
+ private:
+  double rate_rad_s_ = 0.0;  ///< current speed of the fingers
 };
 
 }  // namespace wholehand::approach

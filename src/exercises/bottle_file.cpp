@@ -1,5 +1,7 @@
 #include "exercises/bottle_file.hpp"
 
+#include "loop/core/printable.hpp"
+
 #include <fmt/format.h>
 
 namespace wholehand {
@@ -27,6 +29,26 @@ Bottle readLiquid(TomlTable& table, Bottle bottle) {
                     kLeastFelt_n_s_m));
   }
   return bottle;
+}
+
+int uprightCylinder(TomlTable& table, const char* key, const std::string& name,
+                    const SceneModel& scene, bool fixed) {
+  const int index = scene.bodyIndex(name);
+  const std::string in_scene = "the scene " + printable(scene.path);
+  if (index < 0) {
+    table.fail(key, in_scene + " has no such body", "write the name of one");
+    return -1;
+  }
+  const SceneBody& body = scene.bodies[index];
+  if (body.cylinder() != nullptr && body.pose.rotation.isIdentity(1e-9) && (body.fixed || !fixed)) {
+    return index;
+  }
+  table.fail(
+      key,
+      (fixed ? "is not a fixed upright cylinder in " : "is not an upright cylinder in ") + in_scene,
+      fixed ? "write shape = \"cylinder\" and fixed = true there, without a rotation"
+            : "write shape = \"cylinder\" there, without a rotation");
+  return -1;
 }
 
 }  // namespace wholehand

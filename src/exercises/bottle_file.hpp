@@ -2,6 +2,9 @@
 
 #include "files/toml/toml_file.hpp"
 #include "loop/exercise/finger_cushions.hpp"
+#include "loop/model/scene_model.hpp"
+
+#include <string>
 
 namespace wholehand {
 
@@ -11,5 +14,10 @@ namespace wholehand {
 /// Returns the bottle filled with the table's liquid (viscosity_pa_s). Reports a liquid whose
 /// resistance is too small to be perceived. Not real-time safe.
 [[nodiscard]] Bottle readLiquid(TomlTable& table, Bottle bottle);
+
+/// Index of the named body if it is one upright cylinder, and fixed if it must be; otherwise
+/// reports it at `key` and returns -1. Not real-time safe.
+[[nodiscard]] int uprightCylinder(TomlTable& table, const char* key, const std::string& name,
+                                  const SceneModel& scene, bool fixed);
 
 }  // namespace wholehand

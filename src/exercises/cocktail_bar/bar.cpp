@@ -6,7 +6,6 @@
 #include "files/device/axis_keys.hpp"
 #include "files/toml/toml_file.hpp"
 #include "loop/core/geometry.hpp"
-#include "loop/core/printable.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/model/hand_model.hpp"
 #include "loop/model/scene_model.hpp"
@@ -357,23 +356,6 @@ void takeLevel(const BarParts& parts, Bar& bar) {
   }
 }
 
-/// The named body if it is one upright cylinder; otherwise reports it and returns null.
-const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const SceneModel& scene) {
-  const int i = scene.bodyIndex(name);
-  if (i < 0) {
-    table.fail("body", "the scene " + printable(scene.path) + " has no such body",
-               "write the name of one");
-    return nullptr;
-  }
-  const SceneBody& body = scene.bodies[i];
-  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9)) {
-    table.fail("body", "is not an upright cylinder in the scene " + printable(scene.path),
-               "write shape = \"cylinder\" there, without a rotation");
-    return nullptr;
-  }
-  return &body;
-}
-
 /// z of the upper (+1) or lower (-1) side of a box.
 double sideOf(TomlTable& root, const std::string& name, double side, const SceneModel& scene) {
   const int i = scene.bodyIndex(name);
@@ -394,7 +376,9 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
   if (!root.isGood("glass") || !root.isGood("dispensers")) return;
   TomlTable glass = root.table("glass");
   if (glass.isGood("body")) {
-    if (const SceneBody* body = cylinderOf(glass, bar.glass.body, scene)) {
+    const int glass_body = uprightCylinder(glass, "body", bar.glass.body, scene, false);
+    if (glass_body >= 0) {
+      const SceneBody* body = &scene.bodies[glass_body];
       bar.glass.radius_m = body->shapes[0].radius_m;
       bar.glass.height_m = body->shapes[0].length_m;
       if (!body->fixed)
@@ -413,8 +397,9 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
   for (std::size_t i = 0; i < tables.size() && i < parts.dispensers.size(); ++i) {
     if (!tables[i].isGood("body")) continue;
     BarDispenser& d = parts.dispensers[i];
-    const SceneBody* body = cylinderOf(tables[i], d.body, scene);
-    if (body == nullptr) continue;
+    const int index = uprightCylinder(tables[i], "body", d.body, scene, false);
+    if (index < 0) continue;
+    const SceneBody* body = &scene.bodies[index];
     d.radius_m = body->shapes[0].radius_m;
     d.height_m = body->shapes[0].length_m;
     d.soft_m = body->soft_m;

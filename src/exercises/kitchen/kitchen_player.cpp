@@ -152,11 +152,10 @@ constexpr double kPatience_s = 2.0;
 
 KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
                              const HandModel& hand, const PlayerTraits& traits)
-    : ReachingPlayer(playerReach(device, &hand, 0.0)),
+    : ClosingPlayer(playerReach(device, &hand, 0.0), traits.opening_rad_s,
+                    0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       task_(task),
-      fingertips_(hand, hand_.fingers),
-      opening_rad_s_(traits.opening_rad_s),
-      pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)) {
+      fingertips_(hand, hand_.fingers) {
   start_ = approach::start(hand_);
   // Starts beside the things, so that they are in front of the palm even if the device cannot draw
   // back far.
@@ -170,7 +169,7 @@ KitchenPlayer::KitchenPlayer(const KitchenTask& task, const DeviceModel& device,
 void KitchenPlayer::reset() {
   toStart();
   done_ = false;
-  squeeze_n_ = handle_n_ = rate_rad_s_ = idle_s_ = joint_q_ = aim_q_ = 0.0;
+  squeeze_n_ = handle_n_ = idle_s_ = joint_q_ = aim_q_ = 0.0;
   flexion_rad_ = kHalfBent;
   step_ = met_ = 0;
   meeting_ = Meeting{};
@@ -275,7 +274,7 @@ AxisPosition KitchenPlayer::goalOf(Phase phase) const noexcept {
 
 void KitchenPlayer::go(Phase phase) noexcept {
   phase_ = phase;
-  rate_rad_s_ = idle_s_ = 0.0;
+  idle_s_ = 0.0;
   if (phase == Phase::kAlign) meet();
   if (phase == Phase::kCarry) {
     const Vector3d way_m = now().center_m - bodies_[met_].position_m.eigen();
@@ -284,7 +283,7 @@ void KitchenPlayer::go(Phase phase) noexcept {
     aim_q_ = task_.things[met_].jointed ? joint_q_ : 0.0;
     aside_m_ = baseNow() - pointMet();
   }
-  reachFor(goalOf(phase), pace_, phase == Phase::kTouch, opening_rad_s_);
+  moveTo(goalOf(phase), phase == Phase::kTouch);
 }
 
 void KitchenPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
@@ -337,7 +336,7 @@ double KitchenPlayer::speedFactor() const noexcept {
 
 void KitchenPlayer::close(double period_s) noexcept {
   const double wanted_rad_s = std::clamp(kClosing_rad_s * closing(), -0.2, kClosing_rad_s);
-  closeBy(hand_, wanted_rad_s, pace_, kHooked, opening_rad_s_, period_s, rate_rad_s_, q_);
+  closeBy(wanted_rad_s, kHooked, period_s);
 }
 
 // Leads the thing along its joint's path. The intention moves ahead of the thing until the thing

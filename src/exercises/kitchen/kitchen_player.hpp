@@ -62,7 +62,7 @@ class Fingertips {
 /// A virtual patient who performs any task step by step: it goes beside the thing, meets it as
 /// meetingOf() decides (grasp, push or squeeze), moves it, lets go and draws back. It has no
 /// knowledge of a particular task. The seed sets the pace. Deterministic.
-class KitchenPlayer final : public approach::ReachingPlayer {
+class KitchenPlayer final : public approach::ClosingPlayer {
  public:
   KitchenPlayer(const KitchenTask& task, const DeviceModel& device, const HandModel& hand,
                 const PlayerTraits& traits);
@@ -105,8 +105,6 @@ class KitchenPlayer final : public approach::ReachingPlayer {
 
   KitchenTask task_;
   Fingertips fingertips_;
-  double opening_rad_s_;
-  double pace_;
   Phase phase_ = Phase::kDrawBack;
   Meeting meeting_;
   int met_ = 0;  ///< index of the thing that the hand meets
@@ -121,7 +119,7 @@ class KitchenPlayer final : public approach::ReachingPlayer {
   /// Intended q of the carried thing; without joint: distance along its path [m].
   double aim_q_ = 0.0;
   double flexion_rad_ = 0.0;  ///< observed flexion of the fingers
-  double rate_rad_s_ = 0.0, idle_s_ = 0.0;
+  double idle_s_ = 0.0;
   int step_ = 0;
   bool done_ = false;
 };

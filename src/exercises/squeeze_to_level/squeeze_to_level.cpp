@@ -4,7 +4,6 @@
 #include "exercises/load_exercise.hpp"
 #include "exercises/player_reach.hpp"
 #include "exercises/squeeze_to_level/squeeze_task.hpp"
-#include "loop/core/printable.hpp"
 #include "loop/exercise/grip.hpp"
 
 #include <algorithm>
@@ -27,7 +26,7 @@ constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5;
 /// A virtual patient who follows the instructions of the page. It approaches the object from the
 /// side, closes until the force is in the goal band, releases when instructed, and draws back at
 /// the end. The seed sets the pace and the target position within a band. Deterministic.
-class SqueezePlayer final : public approach::ReachingPlayer {
+class SqueezePlayer final : public approach::ClosingPlayer {
  public:
   SqueezePlayer(const PlayerReach& hand, int body, const PlayerTraits& traits);
 
@@ -40,25 +39,21 @@ class SqueezePlayer final : public approach::ReachingPlayer {
   enum class Phase { kDrawBack, kAlign, kEnter, kTouch, kSqueeze, kOpen, kLeave, kRest };
 
   void go(Phase phase) noexcept;
-  void press(double period_s) noexcept;
+  [[nodiscard]] double pressingRate() const noexcept;
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
 
-  int body_;              ///< index of the object in the scene
-  double opening_rad_s_;  ///< fastest opening without a reflex
-  double pace_, share_;   ///< pace of movements; target position within a band, 0 .. 1
+  int body_;      ///< index of the object in the scene
+  double share_;  ///< target position within a band, 0 .. 1
   Phase phase_ = Phase::kDrawBack;
   Eigen::Vector3d grip_m_ = Eigen::Vector3d::Zero();  ///< target of the hand's base
   bool near_ = false;                   ///< someone else steered the hand to the object
   bool done_ = false, let_go_ = false;  ///< from the last record
   double squeeze_n_ = 0.0, wanted_n_ = 0.0;
-  double rate_rad_s_ = 0.0;  ///< speed of the fingers' target while pressing
 };
 
 SqueezePlayer::SqueezePlayer(const PlayerReach& hand, int body, const PlayerTraits& traits)
-    : ReachingPlayer(hand),
+    : ClosingPlayer(hand, traits.opening_rad_s, 0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       body_(body),
-      opening_rad_s_(traits.opening_rad_s),
-      pace_(0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       share_(0.35 + 0.1 * static_cast<double>(traits.seed / 5 % 4)) {
   start_ = approach::start(hand);
   SqueezePlayer::reset();
@@ -67,7 +62,7 @@ SqueezePlayer::SqueezePlayer(const PlayerReach& hand, int body, const PlayerTrai
 void SqueezePlayer::reset() {
   toStart();
   near_ = done_ = let_go_ = false;
-  squeeze_n_ = wanted_n_ = rate_rad_s_ = 0.0;
+  squeeze_n_ = wanted_n_ = 0.0;
   go(Phase::kDrawBack);
 }
 
@@ -95,33 +90,19 @@ AxisPosition SqueezePlayer::goalOf(Phase phase) const noexcept {
 
 void SqueezePlayer::go(Phase phase) noexcept {
   phase_ = phase;
-  rate_rad_s_ = 0.0;
-  reachFor(goalOf(phase), pace_, phase == Phase::kTouch, opening_rad_s_);
+  moveTo(goalOf(phase), phase == Phase::kTouch);
 }
 
 void SqueezePlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
   if (takesOver()) go(near_ ? Phase::kOpen : Phase::kDrawBack);
-  if (phase_ == Phase::kSqueeze) {
-    press(period_s);
-  } else {
-    reach_.advance(period_s, q_, qd_);
-  }
-  q = q_;
-  qd = qd_;
+  moveOn(phase_ == Phase::kSqueeze ? std::optional(pressingRate()) : std::nullopt, period_s, q, qd);
 }
 
-// Moves fingers and thumb with a rate while the arm rests.
-void SqueezePlayer::press(double period_s) noexcept {
-  double wanted_rad_s = kClosing_rad_s;
-  if (let_go_) {
-    wanted_rad_s = -kClosing_rad_s;
-  } else if (squeeze_n_ > 0.15 * wanted_n_) {
-    wanted_rad_s = std::clamp(kPressing_rad_s * (wanted_n_ - squeeze_n_) / wanted_n_,
-                              -kPressing_rad_s, kPressing_rad_s);
-  }
-  const AxisPosition before = q_;
-  closeBy(hand_, wanted_rad_s, pace_, kHalfBent, opening_rad_s_, period_s, rate_rad_s_, q_);
-  for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
+double SqueezePlayer::pressingRate() const noexcept {
+  if (let_go_) return -kClosing_rad_s;
+  if (squeeze_n_ <= 0.15 * wanted_n_) return kClosing_rad_s;
+  return std::clamp(kPressing_rad_s * (wanted_n_ - squeeze_n_) / wanted_n_, -kPressing_rad_s,
+                    kPressing_rad_s);
 }
 
 void SqueezePlayer::onRecord(const TickRecord& record) noexcept {
@@ -325,18 +306,9 @@ void readBands(TomlTable& root, BandRules& rules) {
 /// Finds the object in the scene and places it for the hand's side.
 void findObject(TomlTable& root, const std::string& name, Side side, SceneModel& scene,
                 SqueezeTask& task) {
-  task.body = scene.bodyIndex(name);
-  if (task.body < 0) {
-    root.fail("object", "the scene " + printable(scene.path) + " has no such body",
-              "write the name of one");
-    return;
-  }
-  SceneBody& body = scene.bodies[task.body];
-  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
-    root.fail("object", "is not a fixed upright cylinder in the scene " + printable(scene.path),
-              "write shape = \"cylinder\" and fixed = true there, without a rotation");
-    return;
-  }
+  task.body = uprightCylinder(root, "object", name, scene, true);
+  if (task.body < 0) return;
+  const SceneBody& body = scene.bodies[task.body];
   task.radius_m = body.shapes[0].radius_m;
   task.height_m = body.shapes[0].length_m;
   task.soft_m = task.wall.walls.soft_m = body.soft_m;

@@ -4,7 +4,6 @@
 #include "exercises/player_reach.hpp"
 #include "exercises/tell_apart/tell_apart_player.hpp"
 #include "exercises/tell_apart/tell_apart_task.hpp"
-#include "loop/core/printable.hpp"
 #include "loop/exercise/grip.hpp"
 
 #include <fmt/format.h>
@@ -403,18 +402,9 @@ BottleBody findBottle(TomlTable& root, const char* key, const SceneModel& scene)
   BottleBody out;
   const std::string name = root.text(key);
   if (!root.isGood(key)) return out;
-  out.body = scene.bodyIndex(name);
-  if (out.body < 0) {
-    root.fail(key, "the scene " + printable(scene.path) + " has no such body",
-              "write the name of one");
-    return out;
-  }
+  out.body = uprightCylinder(root, key, name, scene, true);
+  if (out.body < 0) return out;
   const SceneBody& body = scene.bodies[out.body];
-  if (body.cylinder() == nullptr || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
-    root.fail(key, "is not a fixed upright cylinder in the scene " + printable(scene.path),
-              "write shape = \"cylinder\" and fixed = true there, without a rotation");
-    return out;
-  }
   out.radius_m = body.shapes[0].radius_m;
   out.height_m = body.shapes[0].length_m;
   out.soft_m = body.soft_m;

@@ -20,11 +20,9 @@ constexpr double kAim = 1.12;  // share of the asked depth at which it holds
 
 TellApartPlayer::TellApartPlayer(const PlayerReach& hand, std::array<int, kBottles> bodies,
                                  const PlayerTraits& traits)
-    : ReachingPlayer(hand),
+    : ClosingPlayer(hand, traits.opening_rad_s, 0.9 + 0.1 * static_cast<double>(traits.seed % 3)),
       bodies_(bodies),
-      seed_(traits.seed),
-      opening_rad_s_(traits.opening_rad_s),
-      pace_(0.9 + 0.1 * static_cast<double>(traits.seed % 3)) {
+      seed_(traits.seed) {
   start_ = approach::start(hand);
   TellApartPlayer::reset();
 }
@@ -35,7 +33,7 @@ void TellApartPlayer::reset() {
   at_ = 0;
   to_ = choice_ = -1;
   near_ = done_ = felt_ = false;
-  pressed_ = squeeze_n_ = rate_rad_s_ = 0.0;
+  pressed_ = squeeze_n_ = 0.0;
   go(Phase::kDrawBack);
 }
 
@@ -78,32 +76,18 @@ AxisPosition TellApartPlayer::goalOf(Phase phase) const noexcept {
 
 void TellApartPlayer::go(Phase phase) noexcept {
   phase_ = phase;
-  rate_rad_s_ = 0.0;
-  reachFor(goalOf(phase), pace_, phase == Phase::kTouch, opening_rad_s_);
+  moveTo(goalOf(phase), phase == Phase::kTouch);
 }
 
 void TellApartPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
   if (takesOver()) go(near_ ? Phase::kOpen : Phase::kDrawBack);
-  if (phase_ == Phase::kSqueeze) {
-    press(period_s);
-  } else {
-    reach_.advance(period_s, q_, qd_);
-  }
-  q = q_;
-  qd = qd_;
+  moveOn(phase_ == Phase::kSqueeze ? std::optional(pressingRate()) : std::nullopt, period_s, q, qd);
 }
 
-// Moves fingers and thumb with a rate while the arm rests.
-void TellApartPlayer::press(double period_s) noexcept {
-  double wanted_rad_s = 0.0;
-  if (felt_) {
-    wanted_rad_s = pressed_ <= 0.0 ? kClosing_rad_s
-                                   : std::clamp(4.0 * kPressing_rad_s * (kAim - pressed_),
-                                                -kPressing_rad_s, kPressing_rad_s);
-  }
-  const AxisPosition before = q_;
-  closeBy(hand_, wanted_rad_s, pace_, kHalfBent, opening_rad_s_, period_s, rate_rad_s_, q_);
-  for (int a = 0; a < qd_.size(); ++a) qd_[a] = (q_[a] - before[a]) / period_s;
+double TellApartPlayer::pressingRate() const noexcept {
+  if (!felt_) return 0.0;
+  if (pressed_ <= 0.0) return kClosing_rad_s;
+  return std::clamp(4.0 * kPressing_rad_s * (kAim - pressed_), -kPressing_rad_s, kPressing_rad_s);
 }
 
 void TellApartPlayer::onRecord(const TickRecord& record) noexcept {

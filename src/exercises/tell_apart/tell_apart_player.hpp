@@ -14,7 +14,7 @@ namespace wholehand::tell_apart {
 /// mark, lets go, moves to the other, and squeezes the one again that it takes for more. It feels
 /// ln(second / first) with the noise of Jones's observers (σ 0.222). The seed sets its pace and its
 /// noise. Deterministic.
-class TellApartPlayer final : public approach::ReachingPlayer {
+class TellApartPlayer final : public approach::ClosingPlayer {
  public:
   TellApartPlayer(const PlayerReach& hand, std::array<int, kBottles> bodies,
                   const PlayerTraits& traits);
@@ -29,7 +29,7 @@ class TellApartPlayer final : public approach::ReachingPlayer {
 
   WHOLEHAND_RT void go(Phase phase) noexcept;
   WHOLEHAND_RT void next() noexcept;
-  WHOLEHAND_RT void press(double period_s) noexcept;
+  [[nodiscard]] WHOLEHAND_RT double pressingRate() const noexcept;
   [[nodiscard]] WHOLEHAND_RT AxisPosition goalOf(Phase phase) const noexcept;
   /// The bottle that it takes for more.
   [[nodiscard]] WHOLEHAND_RT int chosen(double x) noexcept;
@@ -37,14 +37,13 @@ class TellApartPlayer final : public approach::ReachingPlayer {
 
   std::array<int, kBottles> bodies_;
   std::uint64_t seed_, random_ = 0;
-  double opening_rad_s_, pace_;
   Phase phase_ = Phase::kDrawBack;
   std::array<Eigen::Vector3d, kBottles> grips_m_{};  ///< targets of the hand's base
   int at_ = 0;                                       ///< bottle where the hand is
   int to_ = -1;                                      ///< bottle to be squeezed; -1: none
   int choice_ = -1;                                  ///< its answer; -1: none yet
   bool near_ = false, done_ = false, felt_ = false;
-  double pressed_ = 0.0, squeeze_n_ = 0.0, rate_rad_s_ = 0.0;
+  double pressed_ = 0.0, squeeze_n_ = 0.0;
 };
 
 }  // namespace wholehand::tell_apart
