@@ -30,27 +30,6 @@ void IslandNewton::projectCoupled(Contact& c) noexcept {
   project(c);
 }
 
-double IslandNewton::evaluateCoupled() noexcept {
-  for (int k = 0; k < body_count_; ++k) gradient_[k] = change_[k];
-  pressed_ = 0.0;
-  for (int i = 0; i < contact_count_; ++i) {
-    Contact& c = contacts_[i];
-    for (int r = 0; r < 3; ++r) {
-      c.free[r] = c.start[r] + (c.goal[r] - c.moved[r]) * c.inverse_softness[r];
-    }
-    projectCoupled(c);
-    pressed_ = std::max(pressed_, c.impulse[0] * c.impulse[0] * c.mobility[0]);
-    for (int r = 0; r < 3; ++r) {
-      if (c.impulse[r] == 0.0) continue;
-      if (c.a >= 0) addScaled(gradient_[c.a], -c.impulse[r], c.along_a[r]);
-      if (c.b >= 0) addScaled(gradient_[c.b], -c.impulse[r], c.along_b[r]);
-    }
-  }
-  double sum = 0.0;
-  for (int k = 0; k < body_count_; ++k) sum += dot(gradient_[k], gradient_[k]);
-  return sum;
-}
-
 void IslandNewton::addCoupled(const Contact& c, const Six& rows_a, const Six& rows_b,
                               const Six& columns_a, const Six& columns_b, double weight) noexcept {
   if (c.a >= 0) addProduct(diagonal_[c.a], rows_a, columns_a, weight);
@@ -210,7 +189,7 @@ bool IslandNewton::couple(int most_steps, double fastest) noexcept {
     moveRows(change_, false);
     bool found = false;
     for (int step = 0; step < kMostCoupledSteps; ++step) {
-      const double gradient = evaluateCoupled();
+      const double gradient = evaluate(true);
       found = gradient <= kCoupled * kCoupled * pressed_ + 1e-40;
       if (found) break;
       if (steps_ >= most_steps || !factorizeCoupled()) return false;

@@ -134,8 +134,9 @@ void IslandNewton::moveRows(std::array<Six, kMostBodies>& by, bool of_step) noex
   }
 }
 
-// Computes the impulses and the gradient w − Σ j x at the present w. @return the gradient's square
-double IslandNewton::evaluate() noexcept {
+// Computes the impulses and the gradient w − Σ j x at the present w. Coupled, limits of friction
+// follow the normal impulses. @return the gradient's square
+double IslandNewton::evaluate(bool coupled) noexcept {
   for (int k = 0; k < body_count_; ++k) gradient_[k] = change_[k];
   pressed_ = 0.0;
   for (int i = 0; i < contact_count_; ++i) {
@@ -143,10 +144,12 @@ double IslandNewton::evaluate() noexcept {
     for (int r = 0; r < 3; ++r) {
       c.free[r] = c.start[r] + (c.goal[r] - c.moved[r]) * c.inverse_softness[r];
     }
-    project(c);
-    pressed_ = std::max({pressed_, c.impulse[0] * c.impulse[0] * c.mobility[0],
-                         c.impulse[1] * c.impulse[1] * c.mobility[1] +
-                             c.impulse[2] * c.impulse[2] * c.mobility[2]});
+    coupled ? projectCoupled(c) : project(c);
+    pressed_ = std::max(pressed_, c.impulse[0] * c.impulse[0] * c.mobility[0]);
+    if (!coupled) {
+      pressed_ = std::max(pressed_, c.impulse[1] * c.impulse[1] * c.mobility[1] +
+                                        c.impulse[2] * c.impulse[2] * c.mobility[2]);
+    }
     for (int r = 0; r < 3; ++r) {
       if (c.impulse[r] == 0.0) continue;
       if (c.a >= 0) addScaled(gradient_[c.a], -c.impulse[r], c.along_a[r]);
@@ -355,20 +358,20 @@ bool IslandNewton::minimise(int most_steps) noexcept {
     }
     solveStep();
     const std::array<Six, kMostBodies> step = step_;
-    const double here = evaluate();
+    const double here = evaluate(false);
     moveRows(step_, true);
     for (int i = 0; i < contact_count_; ++i) {
       for (int r = 0; r < 3; ++r) contacts_[i].moved[r] += contacts_[i].moves[r];
     }
     for (int k = 0; k < body_count_; ++k) addScaled(change_[k], 1.0, step[k]);
-    if (!(evaluate() < here)) {
+    if (!(evaluate(false) < here)) {
       for (int k = 0; k < body_count_; ++k) addScaled(change_[k], -1.0, step[k]);
       moveRows(change_, false);
     }
   }
   bool fresh = !factored_;
   for (int chord = 0; chord < kMostChords; ++chord) {
-    const double gradient = evaluate();
+    const double gradient = evaluate(false);
     if (gradient <= kExact * kExact * pressed_ + 1e-40) return true;
     if (chord > 0 && !(gradient < kLeastGain * kLeastGain * before)) fresh = true;
     if (chord == 0 && factored_ && piecesChanged()) fresh = true;

@@ -89,14 +89,13 @@ class IslandNewton {
   void soften(double softness) noexcept;
   void project(Contact& contact) noexcept;
   void moveRows(std::array<Six, kMostBodies>& by, bool of_step) noexcept;
-  double evaluate() noexcept;
+  double evaluate(bool coupled) noexcept;
   [[nodiscard]] double slopeAt(double share) const noexcept;
   [[nodiscard]] bool piecesChanged() const noexcept;
   [[nodiscard]] double sharing(double approach, double least_impulse) const noexcept;
   void restore() noexcept;
   bool minimise(int most_steps) noexcept;
   [[nodiscard]] bool couple(int most_steps, double fastest) noexcept;
-  double evaluateCoupled() noexcept;
   void projectCoupled(Contact& contact) noexcept;
   void assembleCoupled() noexcept;
   void addCoupled(const Contact& contact, const Six& rows_a, const Six& rows_b,
