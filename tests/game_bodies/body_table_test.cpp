@@ -1,8 +1,9 @@
 // The table of a game's bodies with records that the test writes: which registered bodies get a
 // slot, and when.
+#include "rig/registry/body_table.hpp"
+
 #include "game_bodies/game_tools.hpp"
 #include "loop/dynamics/synergy.hpp"
-#include "rig/registry/body_table.hpp"
 #include "support/seed.hpp"
 
 #include <set>
@@ -375,6 +376,210 @@ TEST(BodyTable, OrdersToABodyInASlot_ReachTheLoop) {
   loop.tick(3);
   EXPECT_FALSE(loop.table.holds(slot));
   EXPECT_EQ(loop.removals, 1);
+}
+
+/// A loop that answers orders as the pool does, after random times and with random faults of its
+/// own.
+struct RandomLoop {
+  struct Body {
+    int generation = 0;  ///< 0: parked
+    SlotState state = SlotState::kParked;
+    bool moves = false, of_table = false;
+    int left_ticks = 0;  ///< until the state changes
+  };
+  RandomLoop(std::mt19937_64& numbers, const Models& models, int slots, int awake)
+      : random(numbers), most_awake(awake), bodies(static_cast<std::size_t>(slots)) {
+    GameBudget budget = models.scene.game;
+    budget.slots = slots;
+    budget.awake = awake;
+    names = models.exercise->description().event_names;
+    table.begin(models.hand, models.device, budget, 0, names);
+    record.q_s = AxisPosition(models.hand.axis_count);
+    Synergy(models.hand).expand(record.q_s, record.theta);
+    record.body_count = slots;
+  }
+  void report(const char* event, int slot, int value) {
+    const auto type = std::find(names.begin(), names.end(), event) - names.begin();
+    record.exercise.events[record.exercise.event_count++] = {static_cast<std::int32_t>(type), slot,
+                                                             static_cast<double>(value)};
+  }
+  void refuse(int slot, BodyRefusal why) { report("refused", slot, static_cast<int>(why)); }
+  void leave(int slot) {
+    report("left", slot, bodies[slot].generation);
+    bodies[slot] = Body{};
+  }
+  [[nodiscard]] int moving() const {
+    return static_cast<int>(std::count_if(
+        bodies.begin(), bodies.end(), [](const Body& b) { return b.generation != 0 && b.moves; }));
+  }
+  void spawn(const SpawnOrder& order, bool of_table) {
+    Body& body = bodies[order.slot];
+    if (body.generation != 0) return refuse(order.slot, BodyRefusal::kSlotTaken);
+    if (random() % 10 == 0) return refuse(order.slot, BodyRefusal::kBadMass);
+    const bool moves = order.owner != BodyOwner::kFixed;
+    EXPECT_TRUE(!of_table || !moves || moving() < most_awake) << "more move than may";
+    body = {order.generation, SlotState::kGhost, moves, of_table, static_cast<int>(random() % 20)};
+    record.bodies[order.slot].position_m = order.pose.position_m;
+    report("appeared", order.slot, order.generation);
+  }
+  void obey(const Command& command, bool of_table) {
+    if (command.type == CommandType::kSpawn) return spawn(spawnOrderOf(command), of_table);
+    Body& body = bodies[command.index];
+    if (body.generation == 0 || body.generation != static_cast<int>(command.value)) {
+      return refuse(command.index, BodyRefusal::kWrongGeneration);
+    }
+    if (command.type == CommandType::kSetOwner && body.state != SlotState::kLettingGo) {
+      body.moves = spawnOrderOf(command).owner != BodyOwner::kFixed;
+    }
+    if (command.type != CommandType::kRemove || body.state == SlotState::kLettingGo) return;
+    if (random() % 2 == 0) return leave(command.index);
+    body.state = SlotState::kLettingGo;
+    body.left_ticks = static_cast<int>(random() % 60);
+    report("letting_go", command.index, body.generation);
+  }
+  /// @return the slot whose body the loop removed because it was too fast; -1: none
+  int tick(std::deque<Command>& own) {
+    record.command_count = 0;
+    record.exercise.event_count = 0;
+    int lost = -1;
+    for (std::deque<Command>* from : {&own, &table.forLoop()}) {
+      for (; !from->empty() && record.command_count < kMaxCommands; from->pop_front()) {
+        obey(from->front(), from != &own);
+        record.commands[record.command_count++] = from->front();
+      }
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      Body& body = bodies[i];
+      const int slot = static_cast<int>(i);
+      const bool over = body.left_ticks-- <= 0;
+      if (body.state == SlotState::kGhost && over) {
+        body.state = SlotState::kSolid;
+        report("solid", slot, body.generation);
+      } else if (body.state == SlotState::kLettingGo && over) {
+        leave(slot);
+      } else if (lost < 0 && body.state == SlotState::kSolid && random() % 3000 == 0) {
+        lost = body.of_table ? slot : -1;
+        leave(slot);
+      }
+      if (body.generation == 0) record.bodies[i].position_m = kParked;
+    }
+    ++record.tick;
+    record.time_s = 1e-3 * static_cast<double>(record.tick);
+    record.contact_count = random() % 30 == 0 ? 1 : 0;
+    record.contacts[0].body = static_cast<int>(random() % bodies.size());
+    table.onRecord(record);
+    return lost;
+  }
+
+  std::mt19937_64& random;
+  int most_awake;
+  std::vector<Body> bodies;
+  std::vector<std::string> names;
+  BodyTable table;
+  TickRecord record;
+};
+
+/// Random orders of a game that names slots itself, for fixed bodies, and registers others.
+class RandomGame {
+ public:
+  RandomGame(std::mt19937_64& random, const Models& models)
+      : random_(random),
+        loop_(random, models, 4 + static_cast<int>(random() % 5),
+              1 + static_cast<int>(random() % 3)) {
+    prepare(0);
+    prepare(1);
+  }
+  void tick() {
+    if (random_() % 10 == 0) order();
+    if (random_() % 200 == 0) prepare(static_cast<int>(random_() % 2));
+    const RegisteredBodies before = loop_.table.registered();
+    const int lost = loop_.tick(own_);
+    for (const RegisteredBody& body : before) {
+      // A body that the loop removes is not registered any more, unless it was leaving its slot.
+      if (lost >= 0 && body.slot == lost) lost_.insert(body.number);
+    }
+    check();
+  }
+
+ private:
+  void prepare(int set) {
+    GameShapes ball;
+    ball.id = ++last_id_;
+    ball.radius_m = 0.03;
+    const bool used = std::any_of(registered_.begin(), registered_.end(),
+                                  [&](const auto& at) { return at.second.shape_set == set; });
+    const BodyRefusal is = loop_.table.prepare(set, std::make_shared<const GameShapes>(ball));
+    if (used) EXPECT_EQ(is, BodyRefusal::kShapesBusy) << "a registered body has the set";
+  }
+  void order() {
+    const bool own = random_() % 3 == 0;
+    const int index =
+        own ? static_cast<int>(random_() % 3) : kFirstNumber + static_cast<int>(random_() % 12);
+    const auto kind = random_() % 5;
+    SpawnOrder spawn = spawnOf(index, static_cast<int>(random_() % 2),
+                               own ? BodyOwner::kFixed : static_cast<BodyOwner>(random_() % 3),
+                               poseAt(somewhere(random_, random_() % 2 == 0 ? 0.3 : 2.0)));
+    spawn.generation = generations_[index] + (kind < 2 ? 1 : 0);
+    Command command = spawnCommand(spawn);
+    if (kind == 2) command = removeCommand(index, spawn.generation);
+    if (kind == 3) command = teleportCommand(index, spawn.generation, spawn.pose);
+    if (kind == 4)
+      command = setOwnerCommand(index, spawn.generation, own ? BodyOwner::kFixed : spawn.owner);
+    if (loop_.table.order(command) != BodyRefusal::kNone) return;
+    generations_[index] = spawn.generation;
+    if (own) return own_.push_back(command);
+    if (kind < 2) registered_[index] = spawn;
+    if (kind == 2) registered_.erase(index);
+  }
+  void check() {
+    // Registered is what was ordered, except what the loop removed.
+    std::set<int> slots;
+    std::map<int, SpawnOrder> missing = registered_;
+    for (const RegisteredBody& body : loop_.table.registered()) {
+      ASSERT_EQ(missing.erase(body.number), 1U) << "nobody registered " << body.number;
+      ASSERT_EQ(body.slot >= 0, body.whereabouts == Whereabouts::kInSlot);
+      if (body.slot < 0) continue;
+      ASSERT_TRUE(loop_.table.holds(body.slot));
+      ASSERT_TRUE(slots.insert(body.slot).second) << "two bodies have slot " << body.slot;
+    }
+    for (const auto& [number, spawn] : missing) {
+      ASSERT_TRUE(lost_.count(number)) << number << " is no longer registered";
+      registered_.erase(number);
+    }
+    lost_.clear();
+    // Clients see what the loop has.
+    std::vector<std::array<int, 3>> is, shown;
+    for (std::size_t i = 0; i < loop_.bodies.size(); ++i) {
+      const RandomLoop::Body& body = loop_.bodies[i];
+      if (body.generation == 0) continue;
+      is.push_back({static_cast<int>(i), body.generation, static_cast<int>(body.state)});
+    }
+    for (const GameBody& body : loop_.table.inSlots() ? *loop_.table.inSlots() : GameBodies{}) {
+      shown.push_back({body.slot, body.generation, static_cast<int>(body.state)});
+      ASSERT_NE(body.shapes, nullptr);
+    }
+    ASSERT_EQ(shown, is);
+  }
+
+  std::mt19937_64& random_;
+  RandomLoop loop_;
+  std::deque<Command> own_;
+  std::map<int, SpawnOrder> registered_;
+  std::map<int, int> generations_;
+  std::set<int> lost_;
+  std::uint32_t last_id_ = 0;
+};
+
+// Laws: nobody has two slots; clients see what the loop has; registered is what was ordered; at
+// most budget.awake bodies move; a set of shapes that a body has is kept.
+TEST(BodyTable, RandomOrdersAndAnswers_KeepTheLaws) {
+  auto random = seededRandom(6301);
+  const Models models = gameModels();
+  for (int n = cases(400); n > 0; --n) {
+    RandomGame game(random, models);
+    for (int k = 0; k < 1000; ++k) game.tick();
+    if (HasFatalFailure()) return;
+  }
 }
 
 }  // namespace
