@@ -422,7 +422,7 @@ struct RandomLoop {
     record.bodies[order.slot].position_m = order.pose.position_m;
     report("appeared", order.slot, order.generation);
   }
-  void obey(const Command& command, bool of_table) {
+  void apply(const Command& command, bool of_table) {
     if (command.type == CommandType::kSpawn) return spawn(spawnOrderOf(command), of_table);
     Body& body = bodies[command.index];
     if (body.generation == 0 || body.generation != static_cast<int>(command.value)) {
@@ -444,7 +444,7 @@ struct RandomLoop {
     int lost = -1;
     for (std::deque<Command>* from : {&own, &table.forLoop()}) {
       for (; !from->empty() && record.command_count < kMaxCommands; from->pop_front()) {
-        obey(from->front(), from != &own);
+        apply(from->front(), from != &own);
         record.commands[record.command_count++] = from->front();
       }
     }

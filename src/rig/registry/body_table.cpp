@@ -79,7 +79,7 @@ void BodyTable::clear() {
   if (!bodies_.empty()) ++version_;
   bodies_.clear();
   for (Slot& slot : slots_) {
-    if (slot.held.number != 0) slot.held.number = -1;
+    if (slot.holder.number != 0) slot.holder.number = -1;
   }
 }
 
@@ -208,9 +208,9 @@ BodyRefusal BodyTable::orderRegistered(const Command& command) {
 
 BodyRefusal BodyTable::orderInSlot(Body& body, const Command& command) {
   Slot& slot = slots_[body.slot];
-  Slot::Held& held = slot.held;
-  if (held.leaving) {  // the body is leaving its slot: the command applies after it has left
-    if (command.type == CommandType::kRemove) held.number = -1;
+  Slot::Holder& holder = slot.holder;
+  if (holder.leaving) {  // the body is leaving its slot: the command applies after it has left
+    if (command.type == CommandType::kRemove) holder.number = -1;
     const bool moves =
         command.type == CommandType::kTeleport || command.type == CommandType::kBodyTarget;
     body.moved_away = body.moved_away || moves;
@@ -218,18 +218,19 @@ BodyRefusal BodyTable::orderInSlot(Body& body, const Command& command) {
   }
   Command order = command;
   order.index = body.slot;
-  order.value = held.generation;
+  order.value = holder.generation;
   if (command.type == CommandType::kSetOwner) {
     const bool moves = !fixed(spawnOrderOf(command).owner);
-    const auto moving = std::count_if(slots_.begin(), slots_.end(),
-                                      [](const Slot& s) { return s.held.number != 0 && s.moves; });
+    const auto moving = std::count_if(slots_.begin(), slots_.end(), [](const Slot& s) {
+      return s.holder.number != 0 && s.moves;
+    });
     if (moves && !slot.moves && moving >= budget_.awake) return BodyRefusal::kBudget;
     slot.moves = slot.moves || moves;
   }
   if (command.type == CommandType::kRemove) {
-    held.number = -1;
-    held.leaving = true;
-    held.since_s = time_s_;
+    holder.number = -1;
+    holder.leaving = true;
+    holder.since_s = time_s_;
   }
   for_loop_.push_back(order);
   return BodyRefusal::kNone;
@@ -264,7 +265,7 @@ void BodyTable::take(const ExerciseEvent& event) {
   if (!refusesSpawn(static_cast<BodyRefusal>(static_cast<int>(event.value)))) return;
   Slot& slot = slots_[event.index];
   slot.next = Slot::Next{};
-  if (holds(event.index) && !slot.held.seen) freeSlot(event.index);
+  if (holds(event.index) && !slot.holder.seen) freeSlot(event.index);
 }
 
 void BodyTable::takeState(Event what, int slot, int generation) {
@@ -306,7 +307,7 @@ void BodyTable::noteRecord(const TickRecord& record) {
   }
   for (int i = 0; i < record.contact_count; ++i) {
     const int slot = record.contacts[i].body - first_body_;
-    if (slot >= 0 && slot < budget_.slots) slots_[slot].held.touched_s = time_s_;
+    if (slot >= 0 && slot < budget_.slots) slots_[slot].holder.touched_s = time_s_;
   }
 }
 
@@ -316,37 +317,37 @@ bool BodyTable::parked(int slot, const TickRecord& record) const {
 }
 
 void BodyTable::freeSlot(int slot) {
-  Slot::Held& held = slots_[slot].held;
-  if (Body* body = find(held.number)) {
+  Slot::Holder& holder = slots_[slot].holder;
+  if (Body* body = find(holder.number)) {
     body->slot = -1;
     body->moved_away = false;
-    if (!held.seen) body->not_before_s = time_s_ + kRefusedFor_s;
+    if (!holder.seen) body->not_before_s = time_s_ + kRefusedFor_s;
     setWhereabouts(*body, Whereabouts::kOutOfReach);
   }
-  held = Slot::Held{};
+  holder = Slot::Holder{};
 }
 
 void BodyTable::followSlot(int slot, const TickRecord& record) {
-  Slot::Held& held = slots_[slot].held;
+  Slot::Holder& holder = slots_[slot].holder;
   if (!parked(slot, record)) {
-    if (!held.seen) held.since_s = time_s_;
-    held.seen = true;
+    if (!holder.seen) holder.since_s = time_s_;
+    holder.seen = true;
     return keepState(slot, record.bodies[first_body_ + slot]);
   }
-  if (!held.seen) {
-    if (time_s_ - held.since_s < kAnswered_s) return;
+  if (!holder.seen) {
+    if (time_s_ - holder.since_s < kAnswered_s) return;
     // The loop may still execute the spawn later, so the slot is cleared.
-    for_loop_.push_back(removeCommand(slot, held.generation));
-  } else if (!held.leaving && find(held.number) != nullptr) {
+    for_loop_.push_back(removeCommand(slot, holder.generation));
+  } else if (!holder.leaving && find(holder.number) != nullptr) {
     // The loop removed the body because it was too fast or outside the world.
-    bodies_.erase(held.number);
+    bodies_.erase(holder.number);
     ++version_;
   }
   freeSlot(slot);
 }
 
 void BodyTable::keepState(int slot, const BodyState& state) {
-  Body* body = find(slots_[slot].held.number);
+  Body* body = find(slots_[slot].holder.number);
   if (body == nullptr || body->moved_away) return;
   const Eigen::Vector3d moved = state.position_m.eigen() - body->spawn.pose.position_m.eigen();
   const bool stands = moved.isZero(0.0) && state.velocity_m_s.eigen().isZero(0.0);
@@ -356,9 +357,9 @@ void BodyTable::keepState(int slot, const BodyState& state) {
   body->spawn.spin_rad_s = state.angular_velocity_rad_s;
 }
 
-bool BodyTable::mustStay(const Slot::Held& held) const {
-  return !held.seen || time_s_ - held.since_s < kStays_s ||
-         (held.touched_s >= 0.0 && time_s_ - held.touched_s < kTouchStays_s);
+bool BodyTable::mustStay(const Slot::Holder& holder) const {
+  return !holder.seen || time_s_ - holder.since_s < kStays_s ||
+         (holder.touched_s >= 0.0 && time_s_ - holder.touched_s < kTouchStays_s);
 }
 
 /// Rank for a slot: distance from the hand, minus kNearer_m for a body in a slot; none: out of
@@ -378,8 +379,8 @@ std::optional<double> BodyTable::rankOf(const Body& body) const {
 std::vector<BodyTable::Candidate> BodyTable::candidates() {
   std::vector<Candidate> out;
   for (auto& [number, body] : bodies_) {
-    if (body.slot >= 0 && slots_[body.slot].held.leaving) continue;
-    if (body.slot >= 0 && mustStay(slots_[body.slot].held)) {
+    if (body.slot >= 0 && slots_[body.slot].holder.leaving) continue;
+    if (body.slot >= 0 && mustStay(slots_[body.slot].holder)) {
       out.push_back({-std::numeric_limits<double>::infinity(), number});
       continue;
     }
@@ -442,8 +443,8 @@ void BodyTable::giveSlots(const std::vector<int>& wanted, const TickRecord& reco
     if (slot >= 0) stays[slot] = true;
   }
   for (int slot = 0; slot < budget_.slots; ++slot) {
-    const Slot::Held& held = slots_[slot].held;
-    if (held.number > 0 && !held.leaving && !stays[slot] && !mustStay(held)) leave(slot);
+    const Slot::Holder& holder = slots_[slot].holder;
+    if (holder.number > 0 && !holder.leaving && !stays[slot] && !mustStay(holder)) leave(slot);
   }
   for (const int number : wanted) {
     Body& body = bodies_.at(number);
@@ -467,7 +468,7 @@ void BodyTable::enter(Body& body, int slot) {
     order.velocity_m_s = Vec3::from(share * order.velocity_m_s.eigen());
   }
   body.slot = slot;
-  slots_[slot].held = {body.spawn.slot, last_generation_, false, false, time_s_, -1.0};
+  slots_[slot].holder = {body.spawn.slot, last_generation_, false, false, time_s_, -1.0};
   slots_[slot].moves = !fixed(order.owner);
   expect(slot, order);
   for_loop_.push_back(spawnCommand(order));
@@ -475,10 +476,10 @@ void BodyTable::enter(Body& body, int slot) {
 }
 
 void BodyTable::leave(int slot) {
-  Slot::Held& held = slots_[slot].held;
-  held.leaving = true;
-  held.since_s = time_s_;
-  for_loop_.push_back(removeCommand(slot, held.generation));
+  Slot::Holder& holder = slots_[slot].holder;
+  holder.leaving = true;
+  holder.since_s = time_s_;
+  for_loop_.push_back(removeCommand(slot, holder.generation));
 }
 
 }  // namespace wholehand

@@ -63,7 +63,7 @@ class BodyTable {
   [[nodiscard]] std::deque<Command>& forLoop() noexcept { return for_loop_; }
 
   /// True while a registered body has this slot or is entering or leaving it.
-  [[nodiscard]] bool holds(int slot) const { return slots_[slot].held.number != 0; }
+  [[nodiscard]] bool holds(int slot) const { return slots_[slot].holder.number != 0; }
   [[nodiscard]] bool isRegisteredSet(int set) const;  ///< a registered body has these shapes
   /// Shapes of this session; null: none with this number.
   [[nodiscard]] std::shared_ptr<const GameShapes> shapesOf(int set) const;
@@ -103,12 +103,12 @@ class BodyTable {
       GameBody body;  ///< generation 0: none
     } now;
     /// The registered body that has the slot.
-    struct Held {
+    struct Holder {
       int number = 0;      ///< 0: none; -1: its body is no longer registered
       int generation = 0;  ///< generation in the loop
       bool seen = false, leaving = false;
       double since_s = 0.0, touched_s = -1.0;
-    } held;
+    } holder;
     bool moves = true;            ///< false: the body in the slot is fixed
     double others_until_s = 0.0;  ///< kept for a spawn of the game itself until then
   };
@@ -137,7 +137,7 @@ class BodyTable {
   [[nodiscard]] std::optional<double> rankOf(const Body& body) const;
   [[nodiscard]] std::vector<Candidate> candidates();
   void giveSlots(const std::vector<int>& wanted, const TickRecord& record);
-  [[nodiscard]] bool mustStay(const Slot::Held& held) const;
+  [[nodiscard]] bool mustStay(const Slot::Holder& holder) const;
   [[nodiscard]] int freeOne(const TickRecord& record) const;
   [[nodiscard]] int movingNow(const TickRecord& record) const;
   void enter(Body& body, int slot);
