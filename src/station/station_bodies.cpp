@@ -147,29 +147,33 @@ OrderReply StationBodies::take(CheckedOrders& orders, std::size_t waiting, const
     orders.commands.clear();
     return busy(waiting, where);
   }
-  if (orders.shapes) {
-    const bool registered = table_.isRegisteredSet(orders.shape_set);
-    const BodyRefusal refusal = table_.prepare(orders.shape_set, orders.shapes);
-    if (refusal != BodyRefusal::kNone) {
-      orders.refused.push_back(
-          {0, -1, refusal,
-           fmt::format("shape set {} belongs to a {}: remove the body first, or use another set",
-                       orders.shape_set, registered ? "registered body" : "body in the world")});
-      orders.commands.clear();
-      orders.shapes.reset();
-    }
-    return replyFor(std::move(orders.refused));
-  }
-  std::erase_if(orders.commands, [&](const Command& command) {
+  const auto refuse = [&](const Command& command) {
     const BodyRefusal refusal = table_.order(command);
     if (refusal != BodyRefusal::kNone) {
       orders.refused.push_back({orders.item_of_slot[command.index], command.index, refusal,
                                 reasonOf(refusal, command, table_)});
     }
     return refusal != BodyRefusal::kNone || isRegistered(command.index);
-  });
+  };
+  if (orders.shapes) {
+    prepare(orders);
+  } else {
+    std::erase_if(orders.commands, refuse);
+  }
   publish();
   return replyFor(std::move(orders.refused));
+}
+
+void StationBodies::prepare(CheckedOrders& orders) {
+  const bool registered = table_.isRegisteredSet(orders.shape_set);
+  const BodyRefusal refusal = table_.prepare(orders.shape_set, orders.shapes);
+  if (refusal == BodyRefusal::kNone) return;
+  orders.refused.push_back(
+      {0, -1, refusal,
+       fmt::format("shape set {} belongs to a {}: remove the body first, or use another set",
+                   orders.shape_set, registered ? "registered body" : "body in the world")});
+  orders.commands.clear();
+  orders.shapes.reset();
 }
 
 void StationBodies::takeBack(CheckedOrders& orders) {

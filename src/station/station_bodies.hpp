@@ -47,6 +47,7 @@ class StationBodies {
   using Clock = std::chrono::steady_clock;
 
   [[nodiscard]] OrderReply take(CheckedOrders& orders, std::size_t waiting, const char* where);
+  void prepare(CheckedOrders& orders);
   void takeBack(CheckedOrders& orders);
   bool takeBack(const Command& removal);
   void noteKept();
