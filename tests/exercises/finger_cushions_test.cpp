@@ -1,9 +1,6 @@
 #include "loop/exercise/finger_cushions.hpp"
 
 #include "exercises/bar_table.hpp"
-#include "support/contains.hpp"
-#include "support/file_bytes.hpp"
-#include "support/folder.hpp"
 #include "support/seed.hpp"
 
 #include <cmath>
@@ -126,41 +123,6 @@ TEST(FingerCushions, AxisWithoutAWall_ReleasesItsCushion) {
     travel = press.travel;
   }
   EXPECT_NEAR(travel[0], 0.1 * std::exp(-1.0), 2e-4);  // air_s
-}
-
-struct CushionFault {
-  std::string find, with, key, expected;
-};
-
-TEST(BottleFile, EveryFault_NamesKeyValueAndRemedy) {
-  const std::vector<CushionFault> faults = {
-      {"viscosity_pa_s = 2.0", "viscosity_pa_s = 0.0", "bottle.viscosity_pa_s", "(0, 1000] Pa·s"},
-      {"viscosity_pa_s = 2.0", "viscosity_pa_s = nan", "bottle.viscosity_pa_s", "nan"},
-      {"nozzle_radius_m = 0.002", "nozzle_radius_m = -0.002", "bottle.nozzle_radius_m", "-0.002"},
-      {"nozzle_length_m = 0.02", "nozzle_length_m = 0", "bottle.nozzle_length_m", "(0, 1] m"},
-      {"area_m2 = 4.0e-4", "area_m2 = 0.0", "bottle.area_m2", "(0, 0.01] m²"},
-      {"opening_n = 0.25", "opening_n = -1.0", "bottle.opening_n", "[0, 10] N"},
-      {"stiffness_tip_n_m = 280.0", "stiffness_tip_n_m = 280.0\ndamping_tip_n_s_m = 0.2",
-       "wall.axes[finger_flexion].damping_tip_n_s_m", "viscosity_pa_s says how fast"},
-      {"[bottle]", "[bottel]", "bottel", "did you mean bottle?"},
-      {"nozzle_radius_m = 0.002", "nozzle_radius_m = 0.02", "bottle", "not felt"},
-  };
-  for (const CushionFault& fault : faults) {
-    SCOPED_TRACE(fault.find + " -> " + fault.with);
-    const Folder folder;
-    folder.write("scenes/squeeze-to-level.toml",
-                 bytesOfFile(config("scenes/squeeze-to-level.toml")));
-    std::string text = bytesOfFile(config("exercises/squeeze-to-level.toml"));
-    const std::size_t at = text.find(fault.find);
-    ASSERT_NE(at, std::string::npos);
-    text.replace(at, fault.find.size(), fault.with);
-    const std::string path = folder.write("exercises/squeeze.toml", text);
-    const auto loaded = loadExercise(path, 1, shippedDevice(), shippedHand());
-    ASSERT_FALSE(loaded.ok());
-    const std::string words = format(loaded.errors());
-    EXPECT_TRUE(contains(words, fault.key)) << words;
-    EXPECT_TRUE(contains(words, fault.expected)) << words;
-  }
 }
 
 }  // namespace

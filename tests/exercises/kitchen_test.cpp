@@ -5,7 +5,6 @@
 #include "rig/run/run.hpp"
 #include "support/contains.hpp"
 #include "support/figure.hpp"
-#include "support/file_bytes.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
@@ -360,73 +359,11 @@ lead = { en = "a", fr = "a", de = "a" }
   }
 }
 
-/// A folder with the shipped drawer, with one of its files changed.
-struct FaultyDrawer {
-  std::string task = bytesOfFile(config("exercises/drawer.toml")),
-              scene = bytesOfFile(config("scenes/drawer.toml")),
-              urdf = bytesOfFile(config("scenes/assets/drawer.urdf"));
-
-  /// The faults; without any, the notices.
-  [[nodiscard]] std::string refusal(int level = 1) const {
-    const Folder folder;
-    folder.write("scenes/drawer.toml", scene);
-    folder.write("scenes/assets/drawer.urdf", urdf);
-    const std::string path = folder.write("exercises/drawer.toml", task);
-    const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
-    return format(loaded.ok() ? loaded->scene.notices : loaded.errors());
-  }
-};
-
-TEST(Kitchen, FaultyFiles_AreReportedWithKeyValueAndRemedy) {
-  enum File { kTask, kScene, kUrdf };
-  struct Case {
-    File file;
-    std::string find, with, expected, remedy;
-  };
-  const Case cases[] = {
-      {kTask, "verb = \"take\"", "verb = \"grab\"", "steps[1].verb", "reach"},
-      {kTask, "thing = \"drawer\"\nwithin_m", "thing = \"door\"\nwithin_m", "steps[0].thing",
-       "add it there"},
-      {kTask, "body = \"drawer\"", "body = \"worktop\"", "is fixed", "give it a joint"},
-      {kTask, "body = \"drawer\"", "body = \"nothing\"", "has no such body", "write the name"},
-      {kTask, "to_m = 0.1\n", "to_m = 0.4\n", "beyond the joint's range", "0 .. 0.12"},
-      {kTask, "to_m = 0.1\n", "to_rad = 0.1\n", "to_rad", ""},
-      {kTask, "force_n = 1.0", "force_n = 0.0", "force_n", "40] N"},
-      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "has no direction",
-       "[0, 0, 1]"},
-      {kScene, "axis = [-1.0, 0.0, 0.0]", "axis = [nan, 0.0, 0.0]", "axis", ""},
-      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.12, 0.0]", "range_m", ""},
-      {kScene, "range_m = [0.0, 0.12]", "range_m = [0.02, 0.12]", "does not contain 0",
-       "move the body"},
-      {kScene, "range_m = [0.0, 0.12]", "", "range_m", ""},
-      {kScene, "friction_n = 2.0", "friction_n = -2.0", "friction_n", "[0, 100] N"},
-      {kScene, "friction_n = 2.0", "friction_nm = 2.0", "friction_nm", ""},
-      {kScene, "type = \"slide\"", "type = \"screw\"", "type", "hinge"},
-      {kUrdf, "ixx=\"1.3e-2\" iyy=\"1.1e-2\" izz=\"1.9e-2\"", "ixx=\"much\" iyy=\"0\" izz=\"0\"",
-       "drawer.urdf", "must be a finite number"},
-      // The bar stands 10 mm in front of the panel, so that no finger passes behind it.
-      {kUrdf, "<origin xyz=\"0.074 0 0\"/>", "<origin xyz=\"0.034 0 0\"/>", "is buried",
-       "leave 18 mm free behind its radius of 15 mm"},
-      // Level 1 halves it; the device has 20 N along x.
-      {kScene, "friction_n = 2.0", "friction_n = 60.0",
-       "its slide resists with 30 N where the hand takes it; this device pushes with 20 N there",
-       "lower friction_n of its joint"},
-  };
-  for (const Case& c : cases) {
-    SCOPED_TRACE(c.find + " -> " + c.with);
-    FaultyDrawer faulty;
-    std::string& text = c.file == kTask    ? faulty.task
-                        : c.file == kScene ? faulty.scene
-                                           : faulty.urdf;
-    const std::size_t at = text.find(c.find);
-    ASSERT_NE(at, std::string::npos);
-    text.replace(at, c.find.size(), c.with);
-    const std::string said = faulty.refusal();
-    EXPECT_TRUE(test::contains(said, c.expected)) << said;
-    EXPECT_TRUE(test::contains(said, c.remedy)) << said;
-  }
-  EXPECT_EQ(FaultyDrawer().refusal(), "");
-  EXPECT_TRUE(test::contains(FaultyDrawer().refusal(4), "ask for 1 .. 3"));
+TEST(Kitchen, UnknownLevel_IsRefusedWithThoseThatAre) {
+  const std::string drawer = config("exercises/drawer.toml");
+  EXPECT_TRUE(loadExercise(drawer, 3, shippedDevice(), shippedHand()).ok());
+  EXPECT_TRUE(
+      test::refusedWith(loadExercise(drawer, 4, shippedDevice(), shippedHand()), "ask for 1 .. 3"));
 }
 
 TEST(Mirror, MirroringASceneTwice_RestoresTheScene) {

@@ -13,7 +13,6 @@
 #include <gtest/gtest.h>
 
 #include <iterator>
-#include <sstream>
 
 namespace wholehand::test {
 namespace {
@@ -204,114 +203,6 @@ stiffness_n_m = [[50, -50], [-50, 50]]
   EXPECT_NEAR(f[1], 50.0 * 0.01 - (15.0 + 1.0) * 0.2, tolerance(1e-12));
   EXPECT_EQ(f[2], 0.0);
 }
-
-// ---- mistakes
-
-struct Mistake {
-  std::string patient, find, replace;  ///< the shipped file with this text replaced by that
-  std::string key, value, expected;
-};
-
-class WrongLinks : public testing::TestWithParam<Mistake> {};
-
-TEST_P(WrongLinks, OneMistake_IsOneMessageWithFileLineKeyValueAndRemedy) {
-  const Mistake& c = GetParam();
-  const std::string text = replaced(textOf(c.patient), c.find, c.replace);
-  const auto loaded = load(text, deviceNamed("wrist-9axis"));
-  ASSERT_FALSE(loaded.ok());
-  ASSERT_EQ(loaded.errors().size(), 1U) << format(loaded.errors());
-  const Diagnostic& fault = loaded.errors().front();
-  EXPECT_EQ(fault.key, c.key) << format(fault);
-  EXPECT_TRUE(contains(fault.file, "p.toml"));
-  EXPECT_TRUE(contains(fault.value, c.value)) << format(fault);
-  EXPECT_TRUE(contains((fault.problem + "; " + fault.remedy), c.expected)) << format(fault);
-  EXPECT_FALSE(fault.remedy.empty());
-  // The line that holds the key, or the table if the key is missing.
-  std::istringstream lines(text);
-  std::string line;
-  for (int i = 0; i < fault.line; ++i) std::getline(lines, line);
-  const std::string word = fault.key.substr(fault.key.rfind('.') + 1);
-  const bool of_table = c.expected == "missing" || word == "links[1]";
-  EXPECT_TRUE(contains(line, of_table ? "[[links]]" : word));
-}
-
-const std::string kRow = "[-0.15,  0.45, -0.30],\n                     [-0.75, -0.30,  1.05]]";
-const std::string kKey = "links[0].damping_tip_n_s_m";
-INSTANTIATE_TEST_SUITE_P(
-    Mistakes, WrongLinks,
-    testing::ValuesIn(std::vector<Mistake>{
-        {"enslaved-fingers", kRow,
-         "[-0.15,  0.45, -0.30],\n                     [-0.75, -0.31,  1.05]]", kKey, "[[",
-         "not symmetric: thumb_circumduction to thumb_flexion is -0.3, thumb_flexion to "
-         "thumb_circumduction is -0.31"},
-        {"enslaved-fingers", kRow, "[-0.15,  0.45, -0.30]]", kKey, "[[",
-         "has 2 rows; must be 3 rows of 3 numbers"},
-        {"enslaved-fingers", kRow, "[-0.15,  0.45],\n                     [-0.75, -0.30,  1.05]]",
-         kKey, "[[", "row 1 has 2 elements; must be 3 rows of 3 numbers"},
-        {"enslaved-fingers", kRow,
-         "[-0.15,  nan, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "nan",
-         "row 1 element 1 is not finite"},
-        {"enslaved-fingers", kRow,
-         "[-0.15,  inf, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "inf",
-         "N·s/m at the tip"},
-        {"enslaved-fingers", kRow,
-         "[-0.15,  2e4, -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "20000",
-         "row 1 element 1 is out of range; each must be in [-10000, 10000]"},
-        {"enslaved-fingers", kRow,
-         "[-0.15,  \"a\", -0.30],\n                     [-0.75, -0.30,  1.05]]", kKey, "a",
-         "row 1 element 1 is a text"},
-        {"enslaved-fingers", kRow, "3, [-0.75, -0.30,  1.05]]", kKey, "[[", "row 1 is a number"},
-        {"enslaved-fingers",
-         "stiffness_tip_n_m = [[ 30.0,  -5.0, -25.0],\n                     [ -5.0,  15.0, "
-         "-10.0],\n"
-         "                     [-25.0, -10.0,  35.0]]",
-         "stiffness_tip_n_m = 3", "links[0].stiffness_tip_n_m", "3", "is a number; must be 3 rows"},
-        {"holds-a-ball", "[[500.0, 500.0],\n                     [500.0, 500.0]]",
-         "[[500.0, 900.0], [900.0, 500.0]]", "links[0].stiffness_tip_n_m", "[[500, 900]",
-         "moved together, finger_flexion and thumb_flexion would generate energy"},
-        {"holds-a-ball", "[[0.05, 0.05],\n               [0.05, 0.05]]",
-         "[[-9, 0.05], [0.05, 0.05]]", "links[1].mass_tip_kg", "-9", "y has -8 on the diagonal"},
-        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"finger_flexoin\"",
-         "links[0].axes", "finger_flexoin", "did you mean finger_flexion?"},
-        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"elbow\"", "links[0].axes",
-         "elbow", "elbow is neither an axis of the device"},
-        {"enslaved-fingers", "axes = [\"finger_flexion\"", "axes = [\"thumb_flexion\"",
-         "links[0].axes", "thumb_flexion", "thumb_flexion is listed twice"},
-        {"holds-a-ball", "axes = [\"y\", \"pitch\"]", "axes = [\"y\"]", "links[1].axes", "y",
-         "name two axes or more"},
-        {"holds-a-ball", "axes = [\"y\", \"pitch\"]", "axes = [\"y\", 3]", "links[1].axes", "y",
-         "texts"},
-        {"holds-a-ball", "axes = [\"y\", \"pitch\"]\n", "", "links[1].axes", "", "missing"},
-        {"holds-a-ball", "lever_m = { pitch = 0.08 }\n", "", "links[1].mass_tip_kg", "0.05",
-         "needs a lever arm, which pitch does not have; add lever_m = { pitch"},
-        {"holds-a-ball", "lever_m = { pitch = 0.08 }", "lever_m = { pitch = 0.08, y = 1.0 }",
-         "links[1].lever_m.y", "1", "not a rotation among these axes"},
-        {"holds-a-ball", "lever_m = { pitch = 0.08 }", "lever_m = { pitch = 80.0 }",
-         "links[1].lever_m.pitch", "80", "[-1, 1] m"},
-        {"holds-a-ball", "mass_tip_kg = [[0.05, 0.05]", "mass_kg = [[0.05, 0.05]",
-         "links[1].mass_kg", "0.05", "translations and rotations; write mass_tip_kg"},
-        {"enslaved-fingers", "damping_tip_n_s_m = [[ 0.90", "damping_n_s_m = [[ 0.90",
-         "links[0].damping_n_s_m", "0.9", "these axes are rotations; write damping_nm_s_rad"},
-        {"holds-a-ball", "lever_m = { pitch = 0.08 }\nmass_tip_kg",
-         "lever_m = { pitch = 0.08 }\nmas_tip_kg", "links[1].mas_tip_kg", "0.05", "mass_tip_kg"},
-        {"holds-a-ball", "mass_tip_kg = [[0.05, 0.05],\n               [0.05, 0.05]]", "",
-         "links[1]", "", "links nothing: it gives no mass, damping or stiffness"},
-        {"enslaved-fingers", "axes = [", "lever_m = { x = 0.1 }\naxes = [", "links[0].lever_m.x",
-         "0.1", "not a rotation among these axes"},
-        {"pill-rolling", "lever_m = { roll = 0.08 }", "", "tremor.along_tip_n", "[0.4",
-         "needs a lever arm, which roll does not have"},
-        {"pill-rolling",
-         "along_tip_n = [0.4, 1.0, -0.6, 0.6,   1.0,              -0.5,                  "
-         "-0.8]\n",
-         "", "tremor.axes", "x", "have no amplitude of tremor"},
-        {"pill-rolling", "along_tip_n = [0.4, 1.0,", "along_tip_n = [1.0,", "tremor.along_tip_n",
-         "[1, ", "7 numbers"},
-        {"pill-rolling", "along_tip_n = [0.4,", "along_tip_n = [40,", "tremor.along_tip_n", "40",
-         "[-10, 10] N at the tip"},
-        {"pill-rolling", "axes        = [\"x\",", "axes        = [\"w\",", "tremor.axes", "w",
-         "w is neither an axis of the device"},
-        {"spastic-fist", "together = true", "together = \"yes\"", "reflex.together", "yes",
-         "true or false"}}));
 
 /// Checks that the suggested remedy works: the off-diagonal value times the named share is
 /// accepted.
