@@ -239,7 +239,7 @@ TEST(SoftTouches, HandAroundACylinder_HasThoseThatPressByClosing) {
   const auto touches = [&](double fingers_rad) {
     q[3] = fingers_rad;
     posed.pose(q);
-    return posed.posture.softTouches(body, 0.025, 0.2, axesOfCapsules(model));
+    return posed.posture.softTouches(body, 0.025, 0.2);
   };
   EXPECT_FALSE(touches(0.2)[3].presses);
   bool pressed = false;

@@ -32,7 +32,6 @@ class CocktailBar final : public Exercise {
       : bar_(std::move(bar)),
         device_(device),
         hand_(hand),
-        axes_of_capsule_(axesOfCapsules(hand)),
         parameters_(bar_, makeBarLayout(bar_, device_, &hand_)),
         posture_(hand_),
         serving_(bar_),
@@ -190,10 +189,10 @@ class CocktailBar final : public Exercise {
     if (at_ >= 0 && closed_on_to == at_) {
       const BarDispenser& d = bar_.dispensers[at_];
       sight.closure = seen.closure;
-      sight.touching = touchingAxes(seen, d.body_index, axes_of_capsule_);
+      sight.touching = posture_.touchingAxes(seen, d.body_index);
       if (d.soft_m > 0.0) {
         const BodyState& body = seen.bodies[d.body_index];
-        soft_touches_ = posture_.softTouches(body, d.radius_m, d.height_m, axes_of_capsule_);
+        soft_touches_ = posture_.softTouches(body, d.radius_m, d.height_m);
       }
       for (int a = 0; a < bar_.walls.axes; ++a) {
         if (soft_touches_[a].presses) sight.inside |= 1U << a;
@@ -218,8 +217,7 @@ class CocktailBar final : public Exercise {
     const double over_n = pouring_.squeeze_n(at_) - from_n;
     const bool squeezed = over_n > 0.0 && held() == at_ && !paused_;
     const double slit = squeezed ? std::min(over_n / (kOpens * from_n), 1.0) : 1.0;
-    std::uint32_t open =
-        palmarAxes(*input.observed, bar_.dispensers[at_].body_index, posture_, axes_of_capsule_);
+    std::uint32_t open = posture_.palmarAxes(*input.observed, bar_.dispensers[at_].body_index);
     for (int a = 0; a < bar_.walls.axes; ++a) {
       if (soft_touches_[a].palmar_depth_m > 0.0) open |= 1U << a;
     }
@@ -276,7 +274,6 @@ class CocktailBar final : public Exercise {
   const Bar bar_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
-  const std::vector<std::uint32_t> axes_of_capsule_;
   const BarParameters parameters_;
   HandPosture posture_;
   BodySet targets_;

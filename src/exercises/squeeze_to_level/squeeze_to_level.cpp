@@ -137,7 +137,6 @@ class SqueezeToLevel final : public Exercise {
       : task_(std::move(task)),
         device_(device),
         hand_(hand),
-        axes_of_capsule_(axesOfCapsules(hand)),
         posture_(hand_),
         cushions_(cushionsOf(task_.bottle, task_.wall.walls)),
         steps_(task_.rules) {
@@ -204,9 +203,8 @@ class SqueezeToLevel final : public Exercise {
     touches_ = SoftTouches{};
     if (near_) {  // the closure is valid for this object
       sight.closure = seen.closure;
-      sight.touching = touchingAxes(seen, task_.body, axes_of_capsule_);
-      touches_ = posture_.softTouches(seen.bodies[task_.body], task_.radius_m, task_.height_m,
-                                      axes_of_capsule_);
+      sight.touching = posture_.touchingAxes(seen, task_.body);
+      touches_ = posture_.softTouches(seen.bodies[task_.body], task_.radius_m, task_.height_m);
       for (int a = 0; a < task_.wall.walls.axes; ++a) {
         const std::uint32_t bit = 1U << static_cast<unsigned>(a);
         if (task_.soft_m > 0.0 && touches_[a].presses) sight.inside |= bit;
@@ -273,7 +271,6 @@ class SqueezeToLevel final : public Exercise {
   const SqueezeTask task_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
-  const std::vector<std::uint32_t> axes_of_capsule_;
   HandPosture posture_;
   const Cushions cushions_;
   BandSteps steps_;

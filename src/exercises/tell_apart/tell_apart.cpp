@@ -56,7 +56,6 @@ class TellApart final : public Exercise {
       : task_(std::move(task)),
         device_(device),
         hand_(hand),
-        axes_of_capsule_(axesOfCapsules(hand)),
         compares_start_(task_.with(1.0).start_m != task_.least.start_m),
         posture_(hand_),
         cushions_(cushionsOf(task_.bottle, task_.wall.walls)),
@@ -197,9 +196,8 @@ class TellApart final : public Exercise {
     if (at_ >= 0 && closed_on_to_ == at_) {  // the closure is valid for this bottle
       const BottleBody& b = task_.bottles[at_];
       sight.closure = seen.closure;
-      sight.touching = touchingAxes(seen, b.body, axes_of_capsule_);
-      touches_ =
-          posture_.softTouches(seen.bodies[b.body], b.radius_m, b.height_m, axes_of_capsule_);
+      sight.touching = posture_.touchingAxes(seen, b.body);
+      touches_ = posture_.softTouches(seen.bodies[b.body], b.radius_m, b.height_m);
       for (int a = 0; a < walls.axes; ++a) {
         const std::uint32_t bit = 1U << static_cast<unsigned>(a);
         if (touches_[a].presses) sight.inside |= bit;
@@ -292,8 +290,8 @@ class TellApart final : public Exercise {
   [[nodiscard]] bool squeezesOther(const TickRecord& seen) const noexcept {
     if (at_ < 0 || released()) return false;
     const BottleBody& other = task_.bottles[1 - at_];
-    const SoftTouches touches = posture_.softTouches(seen.bodies[other.body], other.radius_m,
-                                                     other.height_m, axes_of_capsule_);
+    const SoftTouches touches =
+        posture_.softTouches(seen.bodies[other.body], other.radius_m, other.height_m);
     return std::any_of(touches.begin(), touches.end(),
                        [](const SoftTouch& touch) { return touch.palmar_depth_m > kBoth_m; });
   }
@@ -372,7 +370,6 @@ class TellApart final : public Exercise {
   const TellApartTask task_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
-  const std::vector<std::uint32_t> axes_of_capsule_;
   const bool compares_start_;
   HandPosture posture_;
   Cushions cushions_;  ///< its effort_cap is the felt bottle's

@@ -59,41 +59,7 @@ double follow(double wall, double target, const Finger& finger, double reach, co
   return std::max({target, wall - reach, finger.touches ? target : std::min(wall, finger.now)});
 }
 
-/// True when the axis moves the link relative to the palm.
-bool moves(const HandModel& hand, int link, int axis) {
-  for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
-    const int joint = hand.links[i].joint;
-    if (joint >= 0 && hand.synergy(joint, axis) != 0.0) return true;
-  }
-  return false;
-}
-
 }  // namespace
-
-std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand) {
-  std::vector<std::uint32_t> out;
-  for (const Capsule& capsule : hand.capsules) {
-    std::uint32_t& axes = out.emplace_back(0U);
-    for (int a = 0; a < hand.axis_count; ++a) {
-      if (moves(hand, capsule.link, a)) axes |= 1U << a;
-    }
-  }
-  return out;
-}
-
-std::uint32_t touchingAxes(const TickRecord& record, int body,
-                           const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
-  std::uint32_t axes = 0;
-  for (int i = 0; i < record.contact_count; ++i) {
-    const Contact& c = record.contacts[i];
-    const bool bears = c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
-    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is out of range
-    if (bears && c.body == body && capsule < axes_of_capsule.size()) {
-      axes |= axes_of_capsule[capsule];
-    }
-  }
-  return axes;
-}
 
 FingerWallState followClosure(const FingerWallState& state, const FingerWallInput& seen,
                               double lead_in_m, double alpha, const FingerWallConfig& config,

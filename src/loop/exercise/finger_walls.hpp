@@ -3,13 +3,10 @@
 #include "loop/control/transition.hpp"
 #include "loop/core/axis_array.hpp"
 #include "loop/core/real_time.hpp"
-#include "loop/core/tick_record.hpp"
 #include "loop/exercise/exercise.hpp"
 #include "loop/model/device_model.hpp"
-#include "loop/model/hand_model.hpp"
 
 #include <cstdint>
-#include <vector>
 
 namespace wholehand {
 
@@ -39,15 +36,6 @@ struct FingerWallInput {
   /// Bit a: axis a is in the target's soft shell, and closing presses it deeper.
   std::uint32_t inside = 0;
 };
-
-/// For each capsule of the hand: bit a where axis a moves it relative to the palm.
-[[nodiscard]] std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand);
-
-/// The axes that move a link in contact with the body, as in FingerWallInput::touching. Real-time
-/// safe.
-/// @param axes_of_capsule from axesOfCapsules()
-[[nodiscard]] WHOLEHAND_RT std::uint32_t touchingAxes(
-    const TickRecord& record, int body, const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
 
 /// Updates the walls. The target of each wall lies lead_in_m of fingertip path before the first
 /// touch. It exists for fingers that have not reached this touch or that press into the soft shell

@@ -95,9 +95,30 @@ void forPalmarContacts(const TickRecord& record, int body, const HandPosture& po
   }
 }
 
+/// True when the axis moves the link relative to the palm.
+bool moves(const HandModel& hand, int link, int axis) {
+  for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
+    const int joint = hand.links[i].joint;
+    if (joint >= 0 && hand.synergy(joint, axis) != 0.0) return true;
+  }
+  return false;
+}
+
+std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand) {
+  std::vector<std::uint32_t> out;
+  for (const Capsule& capsule : hand.capsules) {
+    std::uint32_t& axes = out.emplace_back(0U);
+    for (int a = 0; a < hand.axis_count; ++a) {
+      if (moves(hand, capsule.link, a)) axes |= 1U << a;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
-HandPosture::HandPosture(const HandModel& hand) : hand_(hand) {
+HandPosture::HandPosture(const HandModel& hand)
+    : hand_(hand), axes_of_capsule_(axesOfCapsules(hand)) {
   for (const Capsule& c : hand_.capsules) palmar_.push_back(palmarOf(c, hand_.side));
 }
 
@@ -119,17 +140,37 @@ AxisEffort HandPosture::opposingEffort(int capsule, const Vector3d& point_m,
   return out;
 }
 
-SoftTouches HandPosture::softTouches(
-    const BodyState& body, double radius_m, double height_m,
-    const std::vector<std::uint32_t>& axes_of_capsule) const noexcept {
+std::uint32_t HandPosture::touchingAxes(const TickRecord& record, int body) const noexcept {
+  std::uint32_t axes = 0;
+  for (int i = 0; i < record.contact_count; ++i) {
+    const Contact& c = record.contacts[i];
+    const bool bears = c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
+    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is out of range
+    if (bears && c.body == body && capsule < axes_of_capsule_.size()) {
+      axes |= axes_of_capsule_[capsule];
+    }
+  }
+  return axes;
+}
+
+std::uint32_t HandPosture::palmarAxes(const TickRecord& record, int body) const noexcept {
+  std::uint32_t axes = 0;
+  forPalmarContacts(record, body, *this, [&](const Contact& c, double) {
+    axes |= axes_of_capsule_[static_cast<std::size_t>(c.capsule)];
+  });
+  return axes;
+}
+
+SoftTouches HandPosture::softTouches(const BodyState& body, double radius_m,
+                                     double height_m) const noexcept {
   SoftTouches out;
   if (posed_ == nullptr) return out;
   const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
   const auto in_body = [&](const Vector3d& p) -> Vector3d {
     return turn.transpose() * (p - body.position_m.eigen());
   };
-  for (std::size_t i = 0; i < hand_.capsules.size() && i < axes_of_capsule.size(); ++i) {
-    if (axes_of_capsule[i] == 0) continue;
+  for (std::size_t i = 0; i < hand_.capsules.size(); ++i) {
+    if (axes_of_capsule_[i] == 0) continue;
     const Capsule& c = hand_.capsules[i];
     const Pose& link = posed_->linkPose(c.link);
     const Way is = wayFromUpright(in_body(link * c.a_m), in_body(link * c.b_m), 0.5 * height_m);
@@ -140,7 +181,7 @@ SoftTouches HandPosture::softTouches(
     const int capsule = static_cast<int>(i);
     const AxisEffort opposing = opposingEffort(capsule, point_m, normal);
     for (int a = 0; a < hand_.axis_count; ++a) {
-      if ((axes_of_capsule[i] >> a & 1U) == 0U) continue;
+      if ((axes_of_capsule_[i] >> a & 1U) == 0U) continue;
       if (!(opposing[a] > kPressing_m)) continue;
       SoftTouch& touch = out[a];
       touch.presses = true;
@@ -163,15 +204,6 @@ double HandPosture::clearance_m(const Vector3d& center_m, double radius_m,
     least_m = std::min(least_m, apart_m - c.radius_m - radius_m);
   }
   return least_m;
-}
-
-std::uint32_t palmarAxes(const TickRecord& record, int body, const HandPosture& posture,
-                         const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
-  std::uint32_t axes = 0;
-  forPalmarContacts(record, body, posture, [&](const Contact& c, double) {
-    axes |= axes_of_capsule[static_cast<std::size_t>(c.capsule)];
-  });
-  return axes;
 }
 
 double gripForce_n(const TickRecord& record, int body, const HandPosture& posture) noexcept {

@@ -46,9 +46,15 @@ class HandPosture {
 
   /// Finds for every axis its contact with the side of an upright cylindrical shell into which
   /// closing presses it.
-  [[nodiscard]] WHOLEHAND_RT SoftTouches
-  softTouches(const BodyState& body, double radius_m, double height_m,
-              const std::vector<std::uint32_t>& axes_of_capsule) const noexcept;
+  [[nodiscard]] WHOLEHAND_RT SoftTouches softTouches(const BodyState& body, double radius_m,
+                                                     double height_m) const noexcept;
+
+  /// The axes that move a link in contact with a body, as in FingerWallInput::touching.
+  [[nodiscard]] WHOLEHAND_RT std::uint32_t touchingAxes(const TickRecord& record,
+                                                        int body) const noexcept;
+  /// Those whose links press on it with their palmar side.
+  [[nodiscard]] WHOLEHAND_RT std::uint32_t palmarAxes(const TickRecord& record,
+                                                      int body) const noexcept;
 
   /// Smallest distance of any capsule from an upright cylinder with rounded rims; never more than
   /// the true one [m]. 0 for an unknown posture.
@@ -59,14 +65,10 @@ class HandPosture {
   HandModel hand_;
   /// Palmar direction of each capsule: unit vector in its link's frame.
   std::vector<Eigen::Vector3d> palmar_;
+  /// For each capsule: bit a where axis a moves it relative to the palm.
+  std::vector<std::uint32_t> axes_of_capsule_;
   const ArticulatedBody* posed_ = nullptr;
 };
-
-/// The axes whose links press on a body with their palmar side. Real-time safe.
-/// @param axes_of_capsule from axesOfCapsules()
-[[nodiscard]] WHOLEHAND_RT std::uint32_t palmarAxes(
-    const TickRecord& record, int body, const HandPosture& posture,
-    const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
 
 /// Grip force on a body [N]: the sum of the normal forces of palmar contacts, at most five times
 /// the weaker of two opposing sides. Real-time safe.
