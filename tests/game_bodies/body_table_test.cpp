@@ -525,7 +525,14 @@ class RandomGame {
     if (kind == 3) command = teleportCommand(index, spawn.generation, spawn.pose);
     if (kind == 4)
       command = setOwnerCommand(index, spawn.generation, own ? BodyOwner::kFixed : spawn.owner);
-    if (loop_.table.order(command) != BodyRefusal::kNone) return;
+    const bool taken = own && kind < 2 &&
+                       (loop_.table.holds(index) ||
+                        std::any_of(own_.begin(), own_.end(), [&](const Command& waiting) {
+                          return waiting.type == CommandType::kSpawn && waiting.index == index;
+                        }));
+    const BodyRefusal refusal = loop_.table.order(command);
+    if (taken) EXPECT_EQ(refusal, BodyRefusal::kSlotTaken) << "slot " << index;
+    if (refusal != BodyRefusal::kNone) return;
     generations_[index] = spawn.generation;
     if (own) return own_.push_back(command);
     if (kind < 2) registered_[index] = spawn;
