@@ -69,28 +69,28 @@ std::string trialColumns(Database& db) {
 
 namespace {
 
+/// What is measured in a trial, and what stands for it where it was not.
+Json notMeasured() {
+  return {{"active_s", nullptr},     {"helped_s", nullptr},      {"led_s", nullptr},
+          {"helped_share", nullptr}, {"results", Json::array()}, {"peak_speed_m_s", nullptr},
+          {"path_ratio", nullptr},   {"reach_s", nullptr},       {"ended_by", ""}};
+}
+
 Json damagedTrial(std::int64_t id) {
-  return {{"id", id},
-          {"item", 0},
-          {"exercise", ""},
-          {"level", 0},
-          {"recording", ""},
-          {"began_us", 0},
-          {"duration_s", nullptr},
-          {"side", ""},
-          {"active_s", nullptr},
-          {"helped_s", nullptr},
-          {"led_s", nullptr},
-          {"helped_share", nullptr},
-          {"results", Json::array()},
-          {"peak_speed_m_s", nullptr},
-          {"path_ratio", nullptr},
-          {"reach_s", nullptr},
-          {"ended_by", ""},
-          {"state", "failed"},
-          {"why", fmt::format("row {} of trial in clinic.db is damaged: end the program and run"
-                              " wholehand-clinic rebuild",
-                              id)}};
+  Json trial = notMeasured();
+  trial.update({{"id", id},
+                {"item", 0},
+                {"exercise", ""},
+                {"level", 0},
+                {"recording", ""},
+                {"began_us", 0},
+                {"duration_s", nullptr},
+                {"side", ""},
+                {"state", "failed"},
+                {"why", fmt::format("row {} of trial in clinic.db is damaged: end the program and"
+                                    " run wholehand-clinic rebuild",
+                                    id)}});
+  return trial;
 }
 
 }  // namespace
@@ -106,25 +106,18 @@ Json trialsIn(Statement rows, const Plan& plan) {
     const auto item = static_cast<std::size_t>(rows.integer(0));
     const bool planned = item < plan.size();
     const Json recording = m.value("recording", Json::object());
-    trials.push_back({{"id", rows.integer(6)},
-                      {"item", item},
-                      {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
-                      {"level", m.value("level", Json(planned ? plan[item].level : 0))},
-                      {"recording", rows.text(1)},
-                      {"began_us", rows.integer(2)},
-                      {"duration_s", recording.value("duration_s", Json())},
-                      {"side", sideOfHand(m)},
-                      {"active_s", m.value("active_s", Json())},
-                      {"helped_s", m.value("helped_s", Json())},
-                      {"led_s", m.value("led_s", Json())},
-                      {"helped_share", m.value("helped_share", Json())},
-                      {"results", m.value("results", Json::array())},
-                      {"peak_speed_m_s", m.value("peak_speed_m_s", Json())},
-                      {"path_ratio", m.value("path_ratio", Json())},
-                      {"reach_s", m.value("reach_s", Json())},
-                      {"ended_by", m.value("ended_by", Json(""))},
-                      {"state", rows.text(3)},
-                      {"why", rows.text(4)}});
+    Json& trial = trials.emplace_back(notMeasured());
+    for (auto& [key, value] : trial.items()) value = m.value(key, value);
+    trial.update({{"id", rows.integer(6)},
+                  {"item", item},
+                  {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
+                  {"level", m.value("level", Json(planned ? plan[item].level : 0))},
+                  {"recording", rows.text(1)},
+                  {"began_us", rows.integer(2)},
+                  {"duration_s", recording.value("duration_s", Json())},
+                  {"side", sideOfHand(m)},
+                  {"state", rows.text(3)},
+                  {"why", rows.text(4)}});
   }
   return trials;
 }
