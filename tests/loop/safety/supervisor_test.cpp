@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -55,64 +56,60 @@ class DeviceWatch : public ::testing::Test {
   DeviceWatchState state_;
 };
 
-TEST_F(DeviceWatch, AtRest_NeverFindsAFault) {
-  for (int k = 0; k < 5000; ++k) ASSERT_EQ(check(at(0.05)).faults, Fault::kNone) << k;
-}
-
 TEST_F(DeviceWatch, AtRestAtAHundredHertz_NeverFindsAFault) {
-  DeviceModel device = threeAxes();
-  config_ = makeSupervisor(device, 0.01, false);
+  config_ = makeSupervisor(threeAxes(), 0.01, false);
   ASSERT_GT(config_.watch.late_in_a_row, 0);
   for (int k = 0; k < 1000; ++k) ASSERT_EQ(check(at(0.05)).faults, Fault::kNone) << k;
 }
 
-// |Δq| = v T + 2 δ is allowed: 1.5 mm and two encoder counts.
-TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNoFault) {
-  check(at(0.0));
-  EXPECT_EQ(check(at(1.5e-3 + 2.0 * kCount - 1e-9)).faults, Fault::kNone);
-  EXPECT_EQ(check(at(0.0)).faults, Fault::kNone);  // backwards too
-}
+/// Way between two readings: as far as `speeds` times the speed limit leads in these periods, and
+/// two encoder counts; a little more or less.
+struct Way {
+  double speeds = 0.0;
+  bool more = false;
+  Fault found = Fault::kNone;
+  int periods = 1;
+};
+struct Trace {
+  const char* what;
+  std::vector<Way> ways;  ///< after a first reading
+};
+constexpr bool kLess = false, kMore = true;
+const Trace kTraces[] = {
+    {"rests", {{}, {}, {}}},
+    {"just below the limit, and back", {{1, kLess}, {-1, kLess}}},
+    {"above it once: a reading may be late", {{1, kMore}, {}}},
+    {"above it twice", {{1, kMore}, {1, kMore, Fault::kSpeedLimit}}},
+    {"below three times it, twice", {{3, kLess}, {3, kLess, Fault::kSpeedLimit}}},
+    {"above three times it: no motion", {{3, kMore, Fault::kEncoderJump}}},
+    {"skipped periods count",
+     {{1, kLess, Fault::kNone, 4}, {1, kMore, Fault::kNone, 4}, {1, kMore, Fault::kSpeedLimit, 4}}},
+};
 
-TEST_F(DeviceWatch, JustAboveTheSpeedLimit_IsASpeedFaultOfThatAxis) {
-  for (const double sign : {1.0, -1.0}) {
-    state_ = DeviceWatchState{};
-    const double way = 1.5e-3 + 2.0 * kCount + 1e-9;
-    check(at(0.0));
-    EXPECT_EQ(check(at(sign * way)).faults, Fault::kNone);  // one reading may be late
-    const Finding finding = check(at(sign * 2.0 * way));
-    EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
-    EXPECT_EQ(finding.axis, 0);
+TEST_F(DeviceWatch, EveryTrace_FindsItsFaultOnEveryAxisInBothDirectionsAtEveryRate) {
+  const DeviceModel device = threeAxes();
+  for (const double rate_hz : {200.0, 1000.0, 8000.0}) {
+    config_ = makeSupervisor(device, 1.0 / rate_hz, false);
+    for (int k = 0; k < 6; ++k) {
+      const int axis = k / 2;
+      const DeviceAxis& limits = device.axes[axis];
+      for (const Trace& trace : kTraces) {
+        SCOPED_TRACE(testing::Message() << trace.what << ", axis " << k << " at " << rate_hz);
+        state_ = DeviceWatchState{};
+        AxisPosition q = at(0.0);
+        check(q);
+        for (const Way& way : trace.ways) {
+          const double length = std::abs(way.speeds) * way.periods * limits.speed_limit / rate_hz +
+                                2.0 * limits.encoder_step + (way.more ? 1e-9 : -1e-9);
+          const double sign = way.speeds * (k % 2 == 0 ? 1.0 : -1.0);
+          if (sign != 0.0) q[axis] += std::copysign(length, sign);
+          const Finding is = check(q, way.periods);
+          ASSERT_EQ(is.faults, way.found);
+          if (way.found != Fault::kNone) EXPECT_EQ(is.axis, axis);
+        }
+      }
+    }
   }
-}
-
-TEST_F(DeviceWatch, FingerTooFast_NamesTheFinger) {
-  const double way = 1e-2 + 2e-4 + 1e-7;
-  check(at(0.0));
-  check(at(0.0, 0.0, 1.0 + way));
-  const Finding finding = check(at(0.0, 0.0, 1.0 + 2.0 * way));
-  EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
-  EXPECT_EQ(finding.axis, 2);
-}
-
-// Three times that distance, 3 v T + 2 δ, is no motion but a jump and is reported in the first
-// tick.
-TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpAboveAndASpeedFaultBelow) {
-  const double jump = 4.5e-3 + 2.0 * kCount;
-  check(at(0.0));
-  check(at(jump - 1e-9));
-  EXPECT_EQ(check(at(2.0 * (jump - 1e-9))).faults, Fault::kSpeedLimit);
-  state_ = DeviceWatchState{};
-  check(at(0.0));
-  const Finding finding = check(at(jump + 1e-9));
-  EXPECT_EQ(finding.faults, Fault::kEncoderJump);
-  EXPECT_EQ(finding.axis, 0);
-}
-
-TEST_F(DeviceWatch, AfterSkippedPeriods_AllowsTheirDistanceToo) {
-  check(at(0.0));
-  EXPECT_EQ(check(at(4.0 * 1.5e-3), 4).faults, Fault::kNone);
-  EXPECT_EQ(check(at(8.0 * 1.5e-3 + 1e-4), 4).faults, Fault::kNone);
-  EXPECT_EQ(check(at(12.0 * 1.5e-3 + 2e-4), 4).faults, Fault::kSpeedLimit);  // the second one
 }
 
 TEST_F(DeviceWatch, FirstReading_HasNoSpeed) {
