@@ -70,17 +70,6 @@ ShapeMoments meshMoments(const Shape& shape) {
   return {volume_m3, origin + center, central.trace() * Matrix3d::Identity() - central};
 }
 
-double boxDistance(const Vector3d& half_m, const Vector3d& p) {
-  const Vector3d d = p.cwiseAbs() - half_m;
-  return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
-}
-
-double cylinderDistance(double radius_m, double height_m, const Vector3d& p) {
-  const double side = p.head<2>().norm() - radius_m;
-  const double end = std::abs(p.z()) - height_m / 2.0;
-  return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
-}
-
 double meshDistance(const Shape& shape, const Vector3d& p) {
   double largest = -std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3i& t : shape.triangles) {
@@ -118,9 +107,7 @@ ShapeMoments moments(const Shape& shape) {
 
 double signedDistance(const Shape& shape, const Vector3d& point_m) {
   const Vector3d p = shape.in_body.rotation.transpose() * (point_m - shape.in_body.translation_m);
-  if (shape.isMesh()) return meshDistance(shape, p);
-  if (shape.isCylinder()) return cylinderDistance(shape.radius_m, shape.length_m, p);
-  return boxDistance(shape.coreBox(), p) - shape.ball_m();
+  return shape.isMesh() ? meshDistance(shape, p) : pointDistance(shape, p).distance_m;
 }
 
 Eigen::AlignedBox3d ownBox(const Shape& shape) {

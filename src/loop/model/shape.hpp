@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -72,6 +73,58 @@ struct ShapeForm {
     return (kind().has_disk ? std::hypot(radius_m, half_m.z()) : half_m.norm()) + ball_m();
   }
 };
+
+/// Distance of a point from a surface, negative inside, and its gradient, in the shape's own frame.
+struct PointDistance {
+  double distance_m;
+  Eigen::Vector3d normal;
+};
+
+// Of each part of a sum.
+
+inline PointDistance ballDistance(const Eigen::Vector3d& p, double radius_m) noexcept {
+  const double away_m = p.norm();
+  const Eigen::Vector3d normal =
+      away_m > 0.0 ? Eigen::Vector3d(p / away_m) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  return {away_m - radius_m, normal};
+}
+
+inline PointDistance boxDistance(const Eigen::Vector3d& half_m, const Eigen::Vector3d& p) noexcept {
+  const Eigen::Vector3d over = p.cwiseAbs() - half_m;
+  const Eigen::Vector3d sign(std::copysign(1.0, p.x()), std::copysign(1.0, p.y()),
+                             std::copysign(1.0, p.z()));
+  const Eigen::Vector3d out = over.cwiseMax(0.0);
+  const double away_m = out.norm();
+  if (away_m > 0.0) return {away_m, out.cwiseProduct(sign) / away_m};
+  int face = 0;
+  const double depth_m = over.maxCoeff(&face);
+  return {depth_m, sign[face] * Eigen::Vector3d::Unit(face)};
+}
+
+inline PointDistance cylinderDistance(double radius_m, double height_m,
+                                      const Eigen::Vector3d& p) noexcept {
+  const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  const Eigen::Vector3d outward = across > 0.0
+                                      ? Eigen::Vector3d(p.x() / across, p.y() / across, 0.0)
+                                      : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  const Eigen::Vector3d up(0.0, 0.0, std::copysign(1.0, p.z()));
+  const double side = across - radius_m;
+  const double end = std::abs(p.z()) - height_m / 2.0;
+  if (side > 0.0 && end > 0.0) {
+    const double away_m = std::sqrt(side * side + end * end);
+    return {away_m, (side * outward + end * up) / away_m};
+  }
+  return side > end ? PointDistance{side, outward} : PointDistance{end, up};
+}
+
+/// Of a shape without vertices. Real-time safe.
+inline PointDistance pointDistance(const ShapeForm& shape, const Eigen::Vector3d& p) noexcept {
+  if (shape.isCylinder()) return cylinderDistance(shape.radius_m, shape.length_m, p);
+  if (!shape.isRound()) return boxDistance(shape.half_extents_m, p);
+  const double end_m = shape.coreBox().z();
+  return ballDistance(p - Eigen::Vector3d(0.0, 0.0, std::clamp(p.z(), -end_m, end_m)),
+                      shape.radius_m);
+}
 
 /// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
 /// scene file is a cylinder.

@@ -16,52 +16,6 @@ constexpr int kMostSteps = 24;
 constexpr double kContactExact_m = 1e-13;  // accuracy of contactDistance()
 constexpr int kMostContactSteps = 40;
 
-/// Distance of a point from a surface and its gradient, in the shape's own frame.
-struct PointDistance {
-  double distance_m;
-  Vector3d normal;
-};
-
-PointDistance fromCenter(const Vector3d& p, double radius_m) {
-  const double away_m = p.norm();
-  const Vector3d normal = away_m > 0.0 ? Vector3d(p / away_m) : Vector3d(Vector3d::UnitX());
-  return {away_m - radius_m, normal};
-}
-
-PointDistance fromBox(const Vector3d& half_m, const Vector3d& p) {
-  const Vector3d over = p.cwiseAbs() - half_m;
-  const Vector3d sign(std::copysign(1.0, p.x()), std::copysign(1.0, p.y()),
-                      std::copysign(1.0, p.z()));
-  const Vector3d out = over.cwiseMax(0.0);
-  const double away_m = out.norm();
-  if (away_m > 0.0) return {away_m, out.cwiseProduct(sign) / away_m};
-  int face = 0;
-  const double depth_m = over.maxCoeff(&face);
-  return {depth_m, sign[face] * Vector3d::Unit(face)};
-}
-
-PointDistance fromCylinder(double radius_m, double height_m, const Vector3d& p) {
-  const double across = std::sqrt(p.x() * p.x() + p.y() * p.y());
-  const Vector3d outward =
-      across > 0.0 ? Vector3d(p.x() / across, p.y() / across, 0.0) : Vector3d(Vector3d::UnitX());
-  const Vector3d up(0.0, 0.0, std::copysign(1.0, p.z()));
-  const double side = across - radius_m;
-  const double end = std::abs(p.z()) - height_m / 2.0;
-  if (side > 0.0 && end > 0.0) {
-    const double away_m = std::sqrt(side * side + end * end);
-    return {away_m, (side * outward + end * up) / away_m};
-  }
-  return side > end ? PointDistance{side, outward} : PointDistance{end, up};
-}
-
-/// Of a shape without vertices.
-PointDistance pointDistance(const Shape& shape, const Vector3d& p) {
-  if (shape.isCylinder()) return fromCylinder(shape.radius_m, shape.length_m, p);
-  if (!shape.isRound()) return fromBox(shape.half_extents_m, p);
-  const double end_m = shape.coreBox().z();
-  return fromCenter(p - Vector3d(0.0, 0.0, std::clamp(p.z(), -end_m, end_m)), shape.radius_m);
-}
-
 /// A point of the segment: its parameter, its distance from the shape, and the slope of the
 /// distance along the segment.
 struct Probe {
