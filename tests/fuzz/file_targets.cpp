@@ -163,6 +163,10 @@ std::vector<FuzzTarget> fileTargets() {
           {firstLines(bytesOfFile(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096),
            std::string("# columns: Wrist Position X = x, up = z\n") + kMotive,
            std::string("# columns: RWRI X = x_mm\n") + kNexus,
+           "sep=;\nTime (s);x (mm)\n0,00;1,5\n0,01;2,5\n",
+           "# columns: X = x_m, Part = only 1, rate_hz = "
+           "9\nFrame,Part,X\n0,1,2\n0,2,3\n1,1,2\n1,2,3\n",
+           "time_s\tx_m\ty_m\n0\t0,5\t1\n1\t0,5\t1\n",
            "#timestamp,Hand x,Hand y,Hand z,qx,qy,qz,qw\n5,1,2,3,0,0,0,1\n6,nan,2,3,0,0,0,1\n",
            "Objects\n100\n,,A:B,,,,,,\nFrame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ,\n,,,,,,mm,mm,mm,\n"
            "1,0,0,0,0,1,1,2,3,\n2,0,0,0,0,1,1,2,3,\n"},

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -140,17 +141,20 @@ std::string unitOf(const MotionHead& head, std::size_t first, std::size_t count,
   return length ? (si ? "_m" : "_mm") : (si ? "_rad" : "_deg");
 }
 
+/// True for a text with one of the words of a hand's place.
+bool isOfHand(const std::string& text) {
+  constexpr std::array<std::string_view, 3> kHand = {"hand", "palm", "wrist"};
+  const std::string name = lower(text);
+  return std::any_of(kHand.begin(), kHand.end(),
+                     [&](std::string_view word) { return name.find(word) != name.npos; });
+}
+
 /// The first of three columns of the hand's place, else of any place.
 std::optional<std::size_t> likeliestPlace(const std::vector<std::string>& names) {
-  constexpr std::array<std::string_view, 3> kHand = {"hand", "palm", "wrist"};
   std::optional<std::size_t> found;
   for (std::size_t first = 0; first < names.size(); ++first) {
     if (!isPlace(names, first)) continue;
-    const std::string name = lower(names[first]);
-    if (std::any_of(kHand.begin(), kHand.end(),
-                    [&](std::string_view word) { return name.find(word) != name.npos; })) {
-      return first;
-    }
+    if (isOfHand(names[first])) return first;
     if (!found) found = first;
   }
   return found;
@@ -212,7 +216,72 @@ std::string timeEntry(const MotionHead& head) {
   return "rate_hz = 120";
 }
 
+using Rows = std::vector<std::vector<Cell>>;
+
+/// Rows of the first two frames, told apart by a column; empty: it numbers each row.
+std::array<Rows, 2> firstFrames(const MotionHead& head, std::size_t column) {
+  std::array<Rows, 2> frames;
+  std::size_t frame = 0;
+  for (const std::vector<Cell>& row : head.rows) {
+    if (row.size() != head.names.size()) return {};
+    if (!frames[frame].empty() && row[column].text != frames[frame].back()[column].text) ++frame;
+    if (frame == frames.size()) break;
+    frames[frame].push_back(row);
+  }
+  return frames[0].size() > 1 && !frames[1].empty() ? frames : std::array<Rows, 2>{};
+}
+
+std::set<std::string> valuesIn(const Rows& rows, std::size_t column) {
+  std::set<std::string> values;
+  for (const std::vector<Cell>& row : rows) values.insert(row[column].text);
+  return values;
+}
+
+/// True for the name of a column that may tell parts of a hand apart.
+bool mayNumberParts(const std::string& text) {
+  constexpr std::array<std::string_view, 12> kWords = {"landmark", "joint", "bone",  "hand",
+                                                       "marker",   "part",  "point", "finger",
+                                                       "segment",  "label", "name",  "id"};
+  const std::string name = lower(text);
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [&](std::string_view word) { return name.find(word) != name.npos; });
+}
+
+/// True for a column that numbers the parts of each frame: no value has a point, and the second
+/// frame, which may be cut off, has no other ones.
+bool numbersParts(const std::array<Rows, 2>& frames, std::size_t column) {
+  const std::set<std::string> values = valuesIn(frames[0], column),
+                              again = valuesIn(frames[1], column);
+  const bool whole = std::none_of(values.begin(), values.end(), [](const std::string& value) {
+    return value.empty() || value.find('.') != value.npos;
+  });
+  return whole && values.size() > 1 &&
+         std::includes(values.begin(), values.end(), again.begin(), again.end());
+}
+
 }  // namespace
+
+std::map<std::string, std::string> partsOfFrame(const MotionHead& head) {
+  for (std::size_t i = 0; i < head.names.size(); ++i) {
+    const bool counts = lower(head.names[i]).find("frame") != std::string::npos;
+    if (!counts && likenessToTime(head.names[i]) == 0) continue;
+    const std::array<Rows, 2> frames = firstFrames(head, i);
+    if (frames[0].empty()) continue;
+    std::map<std::string, std::string> parts;
+    Rows left = frames[0];
+    for (std::size_t k = 0; k < head.names.size(); ++k) {
+      if (k == i || !mayNumberParts(head.names[k]) || !numbersParts(frames, k)) continue;
+      const auto of_hand =
+          std::find_if(left.begin(), left.end(),
+                       [&](const std::vector<Cell>& row) { return isOfHand(row[k].text); });
+      const std::string value = (of_hand != left.end() ? *of_hand : left.front())[k].text;
+      parts[head.names[k]] = value;
+      std::erase_if(left, [&](const std::vector<Cell>& row) { return row[k].text != value; });
+      if (left.size() == 1) return parts;
+    }
+  }
+  return {};
+}
 
 bool isColumnMap(std::string_view line) {
   return line.starts_with(kBegin);
@@ -241,6 +310,8 @@ Diagnostics readColumnMap(std::string_view line, ColumnMap& map) {
       if (!whole || !(map.rate_hz > 0.0 && map.rate_hz <= kMostRate_hz)) {
         fail(cell.text, "is no rate", "must be in (0, 100000] Hz");
       }
+    } else if (constexpr std::string_view kOnly = "only "; value.starts_with(kOnly)) {
+      map.only[name] = trimmed(std::string_view(value).substr(kOnly.size()));
     } else if (!map.columns.emplace(name, value).second) {
       fail(cell.text, "names this column twice", "name it once");
     }
@@ -259,10 +330,20 @@ std::string takeName(ColumnMap& map, const std::string& text) {
   return name;
 }
 
-std::string exampleOfMap(const MotionHead& head) {
-  std::vector<std::string> entries;
+std::string exampleOfMap(const MotionHead& all) {
+  MotionHead head = all;
+  std::vector<std::string> entries, only;
+  for (const auto& part : partsOfFrame(all)) {
+    const auto column = static_cast<std::size_t>(
+        std::find(all.names.begin(), all.names.end(), part.first) - all.names.begin());
+    only.push_back(fmt::format("{} = only {}", leftSide(part.first), part.second));
+    std::erase_if(head.rows, [&](const std::vector<Cell>& row) {
+      return row.size() <= column || row[column].text != part.second;
+    });
+  }
   if (!head.has_axis) entries = axisEntries(head);
   if (!head.has_axis && entries.empty()) return {};
+  entries.insert(entries.end(), only.begin(), only.end());
   if (!head.has_time) entries.push_back(timeEntry(head));
   return entries.empty() ? "" : fmt::format("{} {}", kBegin, fmt::join(entries, ", "));
 }

@@ -18,11 +18,13 @@ namespace wholehand {
 ///
 /// On the left stands a name as the motion has it, on the right one that motions have here. `up` is
 /// the axis that points up, `rate_hz` the samples a second where no column is a time. A name with a
-/// comma stands in double quotes.
+/// comma stands in double quotes. `Landmark = only 0` keeps the rows that have 0 there, of a motion
+/// with a row for each part of a hand.
 struct ColumnMap {
   std::map<std::string, std::string> columns;
-  double rate_hz = 0.0;  ///< 0: a column is the time
-  char up = 0;           ///< 'y' or 'z'; 0: not given
+  std::map<std::string, std::string> only;  ///< what a column has in the rows that are read
+  double rate_hz = 0.0;                     ///< 0: a column is the time
+  char up = 0;                              ///< 'y' or 'z'; 0: not given
 };
 
 /// True for a line that readColumnMap() reads.
@@ -43,6 +45,10 @@ struct MotionHead {
   /// Columns that have the name of an axis and no unit; true: a translation.
   std::vector<std::pair<std::size_t, bool>> bare;
 };
+
+/// Columns that number the parts of a frame, where the first rows have several for each frame or
+/// time, and what they have in the likeliest of these: to be read alone. Empty: a row is a frame.
+[[nodiscard]] std::map<std::string, std::string> partsOfFrame(const MotionHead& head);
 
 /// The line that makes a motion playable: it names three columns that differ in x, y, z and may be
 /// a place, of the hand if its name says so, else axes without a unit, else the last column that

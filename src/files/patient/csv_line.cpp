@@ -1,6 +1,7 @@
 #include "files/patient/csv_line.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace wholehand {
@@ -24,19 +25,18 @@ std::size_t characterBytes(std::string_view text) {
 
 }  // namespace
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+  const std::size_t first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-std::vector<Cell> cells(std::string_view line) {
+std::vector<Cell> cells(std::string_view line, char separator) {
   std::vector<Cell> found(1);
   bool inside = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
     Cell& cell = found.back();
-    if (line[i] == ',' && !inside) {
+    if (line[i] == separator && !inside) {
       found.emplace_back();
     } else if (line[i] != '"' || !(inside || trimmed(cell.text).empty())) {
       cell.text += line[i];
@@ -49,6 +49,26 @@ std::vector<Cell> cells(std::string_view line) {
   }
   for (Cell& cell : found) cell.text = std::string(trimmed(cell.text));
   return found;
+}
+
+char separatorOf(std::string_view line) {
+  constexpr std::string_view kSeparators = ",;\t";
+  std::array<int, kSeparators.size()> count{};
+  bool inside = false;
+  for (const char c : line) {
+    if (c == '"') inside = !inside;
+    const std::size_t at = inside ? kSeparators.npos : kSeparators.find(c);
+    if (at != kSeparators.npos) ++count[at];
+  }
+  const auto most = std::max_element(count.begin(), count.end());
+  return *most == 0 ? '\0' : kSeparators[static_cast<std::size_t>(most - count.begin())];
+}
+
+std::string withPoint(std::string text) {
+  const std::size_t comma = text.find(',');
+  const bool number = text.find_first_not_of("+-,0123456789eE") == text.npos;
+  if (number && comma != text.npos && text.find(',', comma + 1) == text.npos) text[comma] = '.';
+  return text;
 }
 
 bool holdsControl(std::string_view text) {

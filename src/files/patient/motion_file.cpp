@@ -48,13 +48,12 @@ bool isOfMotion(std::string_view text) {
   return name.unit != nullptr || isTime(name.stem);
 }
 
-/// True for a header that other separators than commas divide.
-bool isDividedOtherwise(const std::vector<Cell>& names) {
+/// True for a header that blanks divide.
+bool isDividedByBlanks(const std::vector<Cell>& names) {
   if (names.size() != 1) return false;
   const std::string& text = names.front().text;
   const std::size_t blank = text.find(' ');
-  return text.find_first_of(";\t") != text.npos ||
-         (blank != text.npos && isOfMotion(text.substr(0, blank)));
+  return blank != text.npos && isOfMotion(text.substr(0, blank));
 }
 
 /// Reason why a first line is not the header of a motion file; empty if it is one.
@@ -64,7 +63,7 @@ std::string noHeader(const std::vector<Cell>& names) {
   return any ? "" : "is not a motion: its first line names neither a time nor an axis";
 }
 
-/// True for a first line that names columns of another program: words between commas.
+/// True for a first line that names columns of another program: words between separators.
 bool mayBeMapped(const std::vector<Cell>& names) {
   constexpr std::size_t kFewest = 3;
   return names.size() >= kFewest && std::none_of(names.begin(), names.end(), [](const Cell& cell) {
@@ -76,7 +75,7 @@ bool mayBeMapped(const std::vector<Cell>& names) {
 /// True for "#timestamp [ns],x [m],...": names of columns after the sign of a comment.
 bool isNamesAfterSign(std::string_view text) {
   if (!text.starts_with('#')) return false;
-  const std::vector<Cell> names = cells(text.substr(1));
+  const std::vector<Cell> names = cells(text.substr(1), separatorOf(text));
   const ColumnName first = nameOf(names.front().text);
   return mayBeMapped(names) && isTime(first.stem) && (first.unit != nullptr || text[1] != ' ');
 }
@@ -135,7 +134,12 @@ class Reader {
   void readComment(std::string_view comment);
   void checkUp();
   void row(std::string_view line);
-  std::optional<double> number(const std::string& cell, std::size_t place);
+  /// Values of a line, by what divides the file's columns.
+  [[nodiscard]] std::vector<Cell> valuesOf(std::string_view text) const;
+  /// A number as it is read: with a decimal point, unless commas divide the columns.
+  [[nodiscard]] std::string numeral(std::string cell) const;
+  std::optional<double> number(const std::string& written, std::size_t place);
+  void checkDecimals();
   void checkTime(double time_s, std::string_view cell);
   /// Refuses a file that is not a motion file. If its format is known, the message names it.
   void refuse(const std::string& problem, const char* remedy = kGiveMotion);
@@ -158,9 +162,11 @@ class Reader {
   std::size_t unreported_ = 0;
   std::size_t incomplete_ = 0;  // rows without a value that is read, left out
   int line_ = 0;
-  std::vector<std::string> header_;  // the columns as written
-  std::vector<double> factor_;       // for each column, to s, m or rad; 0: it is not read
-  std::vector<bool> foreign_;        // for each axis column: named in another program's way
+  char separator_ = 0;                         // of columns; 0: no line with one yet
+  int decimal_comma_ = 0, decimal_point_ = 0;  // the first line with either; 0: none
+  std::vector<std::string> header_;            // the columns as written
+  std::vector<double> factor_;                 // for each column, to s, m or rad; 0: it is not read
+  std::vector<bool> foreign_;  // for each axis column: named in another program's way
   std::optional<std::size_t> time_place_;
   std::size_t unnamed_ = 0;  // number of values in a row before those that the header names
   std::vector<int> lines_;   // line of each sample
@@ -171,8 +177,9 @@ class Reader {
   static constexpr std::size_t kEarlyRows = 50;
   bool judged_ = false;
   int header_line_ = 0;
-  std::vector<std::pair<int, std::string>> early_;  // line and text
-  bool mapped_ = false;                             // the column has its name from the map
+  std::vector<std::pair<int, std::string>> early_;         // line and text
+  std::vector<std::pair<std::size_t, std::string>> only_;  // place, and text of rows that are read
+  bool mapped_ = false;                                    // the column has its name from the map
   bool of_other_program_ = false;  // names or head are: cells may be empty or too few
   int rows_ = 0;
 };
@@ -297,6 +304,16 @@ void Reader::checkUp() {
 void Reader::header(const std::vector<Cell>& names) {
   header_line_ = line_;
   of_other_program_ = mocap_.begun() || !map_.columns.empty();
+  for (const auto& only : map_.only) {
+    const auto at = std::find_if(names.begin(), names.end(),
+                                 [&](const Cell& cell) { return cell.text == only.first; });
+    if (at == names.end()) {
+      fault("# columns", only.first + " = only " + only.second, "names no column of the motion",
+            "give a name as the motion has it");
+    } else {
+      only_.emplace_back(at - names.begin(), only.second);
+    }
+  }
   // Reads the columns and finds the time.
   factor_.resize(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -343,7 +360,10 @@ void Reader::checkColumns() {
     return isTime(nameOf(text).stem);
   });
   MotionHead head{header_, {}, !none, time_place_ || map_.rate_hz > 0.0, map_.up != 0, bare_};
-  for (const auto& early : early_) head.rows.push_back(cells(early.second));
+  for (const auto& early : early_) {
+    head.rows.push_back(valuesOf(early.second));
+    for (Cell& cell : head.rows.back()) cell.text = numeral(std::move(cell.text));
+  }
   const std::string line = exampleOfMap(head);
   if (none && faults_.empty() && unmapped_.size() > 1) {
     fault("", "",
@@ -360,6 +380,14 @@ void Reader::checkColumns() {
     fault("# columns", fmt::format("rate_hz = {:g}", map_.rate_hz),
           "stands beside a time: the column " + shown(header_[*time_place_]),
           "take the rate out, or name the column otherwise");
+  }
+  // With a time, such rows are refused since it does not increase.
+  if (const auto parts = partsOfFrame(head);
+      !parts.empty() && only_.empty() && !time_place_ && map_.rate_hz > 0.0) {
+    const auto& [name, value] = *parts.begin();
+    fault("# columns", fmt::format("rate_hz = {:g}", map_.rate_hz),
+          fmt::format("is given where each frame has several rows, by the column {}", shown(name)),
+          fmt::format("keep those of one, e.g. {} = only {}", shown(name), shown(value)));
   }
   if (!time_place_ && map_.rate_hz == 0.0) {
     fault("time_s", "",
@@ -413,7 +441,12 @@ bool Reader::line(std::string_view text) {
     }
     return true;
   }
-  const std::vector<Cell> names = cells(text);
+  if (separator_ == 0) separator_ = separatorOf(text);
+  if (text.size() == 5 && text.starts_with("sep=")) {  // Excel's hint
+    separator_ = text.back();
+    return true;
+  }
+  const std::vector<Cell> names = valuesOf(text);
   other_section_ =
       (other_section_ || MocapHead::isOtherSection(names)) && !MocapHead::begins(names);
   if (other_section_) return true;
@@ -429,9 +462,9 @@ bool Reader::line(std::string_view text) {
     header(columns);
     return true;
   }
-  if (isDividedOtherwise(names)) {
-    refuse("is not a CSV file of commas: its columns are divided by something else",
-           "divide the columns by commas, and write numbers with a point: 0.125");
+  if (isDividedByBlanks(names)) {
+    refuse("is not a CSV file: its columns are divided by blanks",
+           "divide the columns by commas, semicolons or tabs");
     return false;
   }
   if (std::string why = noHeader(names);
@@ -443,8 +476,20 @@ bool Reader::line(std::string_view text) {
   return true;
 }
 
-std::optional<double> Reader::number(const std::string& cell, std::size_t place) {
+std::vector<Cell> Reader::valuesOf(std::string_view text) const {
+  return cells(text, separator_ == 0 ? ',' : separator_);
+}
+
+std::string Reader::numeral(std::string cell) const {
+  return separator_ == ',' ? cell : withPoint(std::move(cell));
+}
+
+std::optional<double> Reader::number(const std::string& written, std::size_t place) {
   const std::string& key = header_[place];
+  const std::string cell = numeral(written);
+  const bool comma = cell != written;
+  if (comma && decimal_comma_ == 0) decimal_comma_ = line_;
+  if (!comma && decimal_point_ == 0 && cell.find('.') != cell.npos) decimal_point_ = line_;
   double value = 0.0;
   // from_chars ignores the locale, unlike strtod, but accepts no leading plus.
   std::string_view digits = cell;
@@ -475,7 +520,7 @@ void Reader::checkTime(double time_s, std::string_view cell) {
 
 void Reader::row(std::string_view line) {
   ++rows_;
-  std::vector<Cell> values = cells(line);
+  std::vector<Cell> values = valuesOf(line);
   // Motion capture leaves out cells at the end of a row, or adds empty ones.
   const auto is_empty = [](const Cell& cell) { return cell.text.empty(); };
   if (of_other_program_ &&
@@ -490,6 +535,13 @@ void Reader::row(std::string_view line) {
           "has " + counted(values.size(), "value") + ", the header names " +
               counted(header_.size(), "column"),
           "give every row one value a column");
+    return;
+  }
+  const bool other_part = std::any_of(only_.begin(), only_.end(), [&](const auto& only) {
+    return values[only.first + unnamed_].text != only.second;
+  });
+  if (other_part) {
+    --rows_;
     return;
   }
   // Motion capture leaves cells empty while it does not see a marker.
@@ -621,7 +673,23 @@ void Reader::checkPace() {
   motion_.notices.push_back(std::move(notice));
 }
 
+/// "1,234" is 1.234 in one file and 1234 in another.
+void Reader::checkDecimals() {
+  if (decimal_comma_ == 0) return;
+  line_ = decimal_comma_;
+  if (decimal_point_ > 0) {
+    fault("", "", fmt::format("has decimal commas, and decimal points in line {}", decimal_point_),
+          "write all numbers with a point, and none with commas between thousands");
+  } else {
+    Diagnostic notice =
+        fileFault(motion_.path, "has decimal commas: \"0,5\" is read as 0.5", "nothing to do");
+    notice.line = line_;
+    motion_.notices.push_back(std::move(notice));
+  }
+}
+
 void Reader::checkWhole() {
+  checkDecimals();
   line_ = 0;
   if (header_.empty() && other_section_) {
     fault("", "", "holds no positions: only a section such as Devices or Events",
@@ -629,7 +697,9 @@ void Reader::checkWhole() {
   } else if (header_.empty()) {
     fault("", "", "is empty", "the first line names the columns: time_s, x_m, ...");
   } else if (rows_ < 2) {
-    fault("", "", rows_ == 0 ? "has no row of samples" : "has only 1 row of samples",
+    fault("", "",
+          std::string(rows_ == 0 ? "has no row of samples" : "has only 1 row of samples") +
+              (only_.empty() ? "" : " that its line # columns keeps"),
           "at least 2 are needed");
   } else if (faults_.empty() && motion_.samples.size() < 2) {
     fault("", "",
@@ -682,7 +752,8 @@ Expected<MotionFile> Reader::read() {
       ++line_;
       std::string_view text = std::string_view(whole).substr(begin, end - begin);
       if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-      text = trimmed(text);
+      // A tab at an end may divide an empty cell from the others.
+      text = trimmed(text).empty() ? std::string_view() : trimmed(text, " ");
       if (text.starts_with('#') && header_.empty()) readComment(text);
       if (header_.empty() && isNamesAfterSign(text)) text = trimmed(text.substr(1));
       if (text.empty() && mocap_.hasSections() && (rows_ > 0 || !early_.empty())) return finish();

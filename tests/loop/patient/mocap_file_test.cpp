@@ -6,7 +6,9 @@
 #include "support/folder.hpp"
 #include "support/mocap_files.hpp"
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -145,6 +147,107 @@ const char* const kOtherHeads[] = {
     "time,x,y,z\n0,10,20,30\n0.01,11,20,30\n0.02,12,20,30\n",
     "time,palm_x,palm_y,palm_z,pinch\n0.01,1,2,3,0\n0.02,,,,\n0.03,nan,nan,nan,0\n0.04,1,2,3,0\n",
 };
+
+// Spreadsheets divide columns by semicolons or tabs where the comma is the decimal point. Each
+// drawn table is written both ways: the same values are read, or both are refused.
+TEST_F(Motions, DividedBySemicolonsOrTabs_AreReadAsThoseOfCommas) {
+  auto random = seededRandom(6211);
+  for (int n = 0; n < cases(60); ++n) {
+    const int rows = 2 + static_cast<int>(random() % 60);
+    const char divider = random() % 2 == 0 ? ';' : '\t', point = random() % 3 > 0 ? ',' : '.';
+    const bool named = random() % 2 == 0;  // as another program names them
+    std::vector<std::string> lines{named ? "Time (s),X (mm),Y (mm),Z (mm)" : "time_s,x_m,y_m,z_m"};
+    for (int i = 0; i < rows; ++i) {
+      lines.push_back(fmt::format("{:.3f}", 0.01 * i));
+      for (int axis = 0; axis < 3; ++axis) {
+        lines.back() += fmt::format(",{:.{}f}", uniform(random, -0.5, 0.5), random() % 5);
+      }
+    }
+    const std::string head = named ? "# up = y\n" : "";
+    std::string commas = head, others = head;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      commas += lines[i] + "\n";
+      for (const char c : lines[i]) others += c == ',' ? divider : c == '.' && i > 0 ? point : c;
+      others += "\r\n";
+    }
+    const auto a = read(commas), b = read(others);
+    ASSERT_TRUE(a) << format(a.errors());
+    ASSERT_TRUE(b) << format(b.errors());
+    EXPECT_EQ(a->samples, b->samples);
+    EXPECT_EQ(a->time_s, b->time_s);
+    EXPECT_EQ(contains(format(b->notices), "has decimal commas: \"0,5\" is read as 0.5"),
+              point == ',');
+  }
+}
+
+TEST_F(Motions, DividedBySemicolons_AreNotReadWhereACommaMayStandBetweenThousands) {
+  const std::string head = "time_s;x_mm\n";
+  EXPECT_TRUE(contains(refusal(head + "0;1,234\n0.5;1,235\n"),
+                       ":2: has decimal commas, and decimal points in line 3"));
+  EXPECT_TRUE(contains(refusal(head + "0;1.234,5\n1;1.235,5\n"), "= 1.234,5: is not a number"));
+  EXPECT_TRUE(contains(refusal(head + "0;1,234,567\n1;1,234,568\n"), "is not a number"));
+  EXPECT_TRUE(contains(refusal("time_s,x_mm\n0,1,5\n1,2,5\n"), "has 3 values"));
+  const auto read_motion = read("sep=;\n\"time_s\";\"x_m\"\n0;\"0,25\"\n1;\"0,5\"\n");
+  ASSERT_TRUE(read_motion) << format(read_motion.errors());
+  EXPECT_EQ(read_motion->samples, (std::vector<std::vector<double>>{{0.25}, {0.5}}));
+}
+
+// An empty cell before a tab is a cell: a row of a marker that was not seen is not shifted.
+TEST_F(Motions, DividedByTabs_KeepEmptyCellsAtTheEnds) {
+  const auto motion = read("Tip X\tTip Y\tTip Z\n\t5\t6\n1\t2\t3\n4\t5\t\n7\t8\t9\n",
+                           "Tip X = x_m, Tip Y = y_m, Tip Z = z_m, up = z, rate_hz = 100");
+  ASSERT_TRUE(motion) << format(motion.errors());
+  EXPECT_EQ(motion->samples, (std::vector<std::vector<double>>{{1, 2, 3}, {7, 8, 9}}));
+  EXPECT_EQ(motion->time_s, (std::vector<double>{0.01, 0.03}));
+}
+
+// A motion with a row for each landmark of each hand, in drawn numbers, orders and names. The line
+// of the refusal keeps one of them; without it the parts would play one after the other.
+TEST_F(Motions, WithARowForEachPartOfAHand_ArePlayedByOneOfThem) {
+  auto random = seededRandom(6212);
+  for (int n = 0; n < cases(40); ++n) {
+    const int hands = 1 + static_cast<int>(random() % 2),
+              parts = 2 + static_cast<int>(random() % 20);
+    const bool numbered = random() % 2 == 0, timed = random() % 2 == 0;
+    const int kept = numbered ? 0 : static_cast<int>(random() % parts);  // the wrist
+    std::string content = timed ? "timestamp,Hand,Part,X,Y,Z\n" : "Frame,Hand,Part,X,Y,Z\n";
+    std::vector<std::vector<double>> expected;
+    for (int frame = 0; frame < 6; ++frame) {
+      for (int hand = 0; hand < hands; ++hand) {
+        for (int part = 0; part < parts; ++part) {
+          const std::string name = numbered       ? std::to_string(part)
+                                   : part == kept ? "wrist"
+                                                  : "tip" + std::to_string(part);
+          const double x = 0.001 * (frame + part) + 0.1 * hand;
+          content += fmt::format(
+              "{},{},{},{:.4f},0.2,0.3\n",
+              timed ? fmt::format("{:.3f}", 0.01 * frame) : std::to_string(frame), hand, name, x);
+          if (hand == 0 && part == kept) expected.push_back({x, -0.3, 0.2});
+        }
+      }
+    }
+    const std::string why = refusal(content), mark = "# columns: ";
+    const auto begin = why.find(mark);
+    ASSERT_NE(begin, std::string::npos) << content << why;
+    const std::string line = why.substr(begin + mark.size());
+    const auto motion = read(content, line.substr(0, line.find('\n')));
+    ASSERT_TRUE(motion) << format(motion.errors()) << line;
+    ASSERT_EQ(motion->samples.size(), 6U) << line;
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(motion->samples[i][k], expected[i][k], 1e-12) << line;
+      }
+    }
+    EXPECT_TRUE(contains(refusal(content, "X = x_m, Y = y_m, Z = z_m, up = y, rate_hz = 30"),
+                         timed ? "several rows" : "each frame has several rows"));
+  }
+  EXPECT_TRUE(
+      contains(refusal("Frame,Part,X\n0,a,1\n1,a,2\n", "X = x_m, Part = only b, rate_hz = 9"),
+               "has no row of samples that its line # columns keeps"));
+  EXPECT_TRUE(
+      contains(refusal("Frame,Part,X\n0,a,1\n1,a,2\n", "X = x_m, Par = only a, rate_hz = 9"),
+               "Par = only a: names no column of the motion"));
+}
 
 // A user writes the line that the refusal prints, and the motion plays.
 TEST_F(Motions, OfEveryKind_ArePlayedWithTheLineOfTheRefusal) {
