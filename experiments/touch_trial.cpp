@@ -36,8 +36,9 @@ constexpr int kLongest = 60000;                            // ticks of a touch
 constexpr int kMostPoints = 12;                            // that are tried
 constexpr double kLeastLever = 0.02;                       // of the longest one
 constexpr double kMostRubbing =
-    -0.3;                          // cosine between normal and way beyond which nothing is tried
-constexpr double kFriction = 0.6;  // least friction between ball and link that is reckoned with
+    -0.3;  // cosine between normal and way beyond which nothing is tried
+// Friction between ball and link that is reckoned with: at most this, and this share of what it is.
+constexpr double kFriction = 0.6, kSurely = 0.9;
 
 /// A hand of one ball on three slides.
 HandModel fingertip() {
@@ -83,6 +84,11 @@ Pose poseOf(const SceneBody& body, const BodyState& state) {
 Vector3d wayOf(const SceneJoint& joint, const Pose& at, const Vector3d& p) {
   const Vector3d axis = at.rotation * joint.axis;
   return joint.isHinge() ? axis.cross(p - at * joint.point_m).eval() : axis;
+}
+
+/// Coulomb coefficient between ball and body.
+double frictionWith(const SceneModel& scene, int body) {
+  return std::sqrt(scene.hand_friction * scene.bodies[body].friction);
 }
 
 /// Adds points of a circle about z, at heights of z, with the normal outward.
@@ -166,6 +172,29 @@ std::vector<int> carriedBy(const SceneModel& scene, int joint) {
     }
   }
   return found;
+}
+
+/// The largest effort on a joint that a force of kMostForce_n has within the cone of friction at
+/// any point of what the joint carries [N·m or N].
+double mostEffort(const SceneModel& scene, int joint) {
+  const SceneBody& moved = scene.bodies[joint];
+  double most = 0.0;
+  for (const int i : carriedBy(scene, joint)) {
+    const SceneBody& body = scene.bodies[i];
+    const double friction = frictionWith(scene, i);
+    for (const Shape& shape : body.shapes) {
+      for (const SurfacePoint& s : surfacePoints(shape)) {
+        const Vector3d way = wayOf(*moved.joint, moved.pose, body.pose * s.at_m);
+        const double against = std::abs((body.pose.rotation * s.normal).dot(way));
+        const double across = std::sqrt(std::max(0.0, way.squaredNorm() - against * against));
+        // The force along the way, if the cone contains it, else at the cone's edge.
+        const bool along = across <= friction * against;
+        const double at_edge = (against + friction * across) / std::hypot(1.0, friction);
+        most = std::max(most, kMostForce_n * (along ? way.norm() : at_edge));
+      }
+    }
+  }
+  return most;
 }
 
 /// True when a ball of the finger's size would overlap a body there.
@@ -266,6 +295,7 @@ class Finger {
         place_(place),
         sign_(sign),
         wanted_(wanted),
+        friction_(std::min(kFriction, kSurely * frictionWith(scene, place.body))),
         carried_(carriedBy(scene, joint)) {
     const std::vector<int> recorded = scene.recordedJoints();
     row_ = static_cast<int>(std::find(recorded.begin(), recorded.end(), joint) - recorded.begin());
@@ -307,7 +337,8 @@ class Finger {
     // Presses as much as the cone of friction needs.
     const double against = std::clamp(-normal.dot(along), -1.0, 1.0);
     const double across = std::sqrt(1.0 - against * against);
-    const double press_n = std::max(kLight_n, push_n * (across / kFriction - against));
+    const double wanted_n = friction_ > 0.0 ? push_n * (across / friction_ - against) : 0.0;
+    const double press_n = std::max(kLight_n, wanted_n);
     Vector3d force_n = push_n * along - press_n * normal;
     if (force_n.norm() > kMostForce_n) force_n *= kMostForce_n / force_n.norm();
     drive(contact, way * sign_ * state_.body_qd[row_], force_n);
@@ -346,7 +377,7 @@ class Finger {
   const HandModel& hand_;
   const int joint_;
   const Place place_;
-  const double sign_, wanted_;
+  const double sign_, wanted_, friction_;
   double q_ = 0.0;  ///< the joint's position, counted along the touch
   const std::vector<int> carried_;
   int row_ = 0;
@@ -376,6 +407,11 @@ Expected<Touch> touchOneWay(const SceneModel& scene, const HandModel& hand,
 
 bool TouchedJoint::moves() const {
   return reached_most >= most * (1.0 - kWithin) && reached_least <= least * (1.0 - kWithin);
+}
+
+bool TouchedJoint::cannotMove() const {
+  constexpr double kNone = 1e-6;  // of rounding
+  return !follows && most_effort <= std::max(dry_friction, kNone);
 }
 
 std::vector<SurfacePoint> surfacePoints(const Shape& shape) {
@@ -416,10 +452,12 @@ Expected<Done> touchWay(const SceneModel& scene, const HandModel& hand, const st
   return Done{};
 }
 
-TouchedJoint asked(const SceneBody& body) {
+TouchedJoint asked(const SceneModel& scene, int body) {
   TouchedJoint out;
-  out.body = body.name;
-  const SceneJoint& joint = *body.joint;
+  out.body = scene.bodies[body].name;
+  const SceneJoint& joint = *scene.bodies[body].joint;
+  out.most_effort = mostEffort(scene, body);
+  out.dry_friction = joint.dry_friction;
   out.hinge = joint.isHinge();
   const double far = out.hinge ? kWholeTurn_rad : kFar_m;
   out.no_least = !(joint.least >= -far), out.no_most = !(joint.most <= far);
@@ -436,7 +474,7 @@ Expected<std::vector<TouchedJoint>> touchJoints(const SceneModel& scene,
   std::vector<int> at(scene.bodies.size(), -1);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (!scene.bodies[i].joint) continue;
-    TouchedJoint joint = asked(scene.bodies[i]);
+    TouchedJoint joint = asked(scene, static_cast<int>(i));
     joint.follows = scene.bodies[i].joint->follows >= 0;
     for (const double sign : {1.0, -1.0}) {
       if (joint.follows) break;

@@ -26,8 +26,14 @@ struct TouchedJoint {
   TouchHelp help = TouchHelp::kNone;
   std::string in_the_way;  ///< a body that the finger met where it got no further; empty: none
   double force_n = 0.0;    ///< largest force of a touch
+  /// The largest effort on the joint that the finger's force has at any point, and the joint's dry
+  /// friction [N·m or N].
+  double most_effort = 0.0, dry_friction = 0.0;
 
   [[nodiscard]] bool moves() const;  ///< through its range, within 1 %
+  /// No touch can move it: its dry friction is more than the finger's effort, or its surface is
+  /// round about the axis and has no friction.
+  [[nodiscard]] bool cannotMove() const;
 };
 
 /// Moves each joint of a scene's bodies through its range with one ball of a fingertip's size. The

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -112,8 +113,30 @@ TEST(Touch, DryFrictionOfASlide_HoldsBeyondTheForceOfTheFinger) {
                 joint("prismatic", "case", "drawer", "-1 0 0", "-0.5 0 0", 0.0, 0.2, friction_n));
     ASSERT_EQ(slides.size(), 1U);
     EXPECT_EQ(slides[0].moves(), friction_n < 100.0);
+    EXPECT_EQ(slides[0].cannotMove(), friction_n > 100.0);
+    EXPECT_NEAR(slides[0].most_effort, 100.0, 1e-9);
     EXPECT_LE(slides[0].force_n, 100.0 + 1e-9);
     if (friction_n > 100.0) EXPECT_LT(slides[0].reached_most, 1e-4);
+  }
+}
+
+// A wheel without friction has no surface that a force can push round its axis: its effort is 0.
+// With friction µ at the rim a force of F has µ F r / √(1 + µ²) at most.
+TEST(Touch, WheelWithoutFriction_CannotBeTurned) {
+  const double radius_m = 0.03;
+  for (const double friction : {0.0, 0.5}) {
+    const auto wheels = touched(
+        shell(0.4, 0.4, 0.4) + "<link name=\"wheel\">" +
+        fmt::format("<contact><lateral_friction value=\"{}\"/></contact>", friction) +
+        fmt::format("<collision><geometry><cylinder radius=\"{}\" length=\"0.02\"/></geometry>"
+                    "</collision></link>",
+                    radius_m) +
+        joint("continuous", "case", "wheel", "0 0 1", "-0.5 0 0", -1.0, 1.0, 0.001));
+    ASSERT_EQ(wheels.size(), 1U);
+    EXPECT_EQ(wheels[0].moves(), friction > 0.0);
+    EXPECT_EQ(wheels[0].cannotMove(), friction == 0.0);
+    const double between = std::sqrt(0.8 * friction);  // of hand and wheel
+    EXPECT_NEAR(wheels[0].most_effort, 100.0 * radius_m * between / std::hypot(1.0, between), 1e-9);
   }
 }
 

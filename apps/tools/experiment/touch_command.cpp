@@ -22,6 +22,13 @@ std::string placeOf(const TouchedJoint& joint, double value) {
 std::string verdict(const TouchedJoint& joint) {
   std::string text = joint.moves() ? "through its range" : "NOT through its range";
   if (joint.follows) return text + ", as it follows";
+  if (joint.cannotMove()) {
+    return text +
+           (joint.dry_friction > 0.0
+                ? fmt::format(": its dry friction of {:g} {} holds against the finger's {:.3g}",
+                              joint.dry_friction, joint.hinge ? "N·m" : "N", joint.most_effort)
+                : ": it is round about its axis and has no friction");
+  }
   if (joint.help == TouchHelp::kHeld) text += ", the other joints held";
   if (joint.help == TouchHelp::kCleared) text += ", without the other parts";
   if (!joint.in_the_way.empty() && (!joint.moves() || joint.help == TouchHelp::kCleared)) {
@@ -37,7 +44,7 @@ int touchCommand(const TouchOptions& options) {
     return refuse(writable.errors());
   }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  int joints = 0, moved = 0;
+  int joints = 0, moved = 0, held = 0;
   Diagnostics errors;
   for (const std::string& file : options.files) {
     const auto scene = loadSceneFile(file);
@@ -51,6 +58,7 @@ int touchCommand(const TouchOptions& options) {
     for (const TouchedJoint& joint : *touched) {
       ++joints;
       moved += joint.moves() ? 1 : 0;
+      held += !joint.moves() && joint.cannotMove() ? 1 : 0;
       std::printf("  %-30s %11s .. %-11s of %11s .. %-11s %5.1f N  %s\n",
                   printable(joint.body).c_str(), placeOf(joint, joint.reached_least).c_str(),
                   placeOf(joint, joint.reached_most).c_str(), placeOf(joint, joint.least).c_str(),
@@ -68,14 +76,17 @@ int touchCommand(const TouchOptions& options) {
                               : joint.help == TouchHelp::kHeld ? "held"
                                                                : "cleared"},
                      {"in_the_way", joint.in_the_way},
-                     {"force_n", joint.force_n}});
+                     {"force_n", joint.force_n},
+                     {"cannot_move", joint.cannotMove()}});
     }
     std::fflush(stdout);
   }
   if (!options.json.empty()) {
     if (auto done = writeText(options.json, jsonText(out)); !done) return refuse(done.errors());
   }
-  std::printf("%d of %d joints move through their range\n", moved, joints);
+  std::printf("%d of %d joints move through their range", moved, joints);
+  if (held > 0) std::printf("; %d cannot be moved by any touch", held);
+  std::printf("\n");
   if (!errors.empty()) return refuse(errors);
   return moved == joints ? kExitDone : kExitNotMoved;
 }
