@@ -76,6 +76,19 @@ TEST_F(UrdfLimits, OrdinaryRanges_AreNotRemarked) {
   }
 }
 
+// 100 N at the lid's edge, 70.7 mm from the axis, are 7.07 N·m.
+TEST_F(UrdfLimits, DryFrictionThatNoHandOvercomes_IsNamed) {
+  const auto said = [&](const std::string& type, double friction) {
+    return format(orThrow(load(type, "<limit lower=\"0\" upper=\"1\"/><dynamics friction=\"" +
+                                         std::to_string(friction) + "\"/>"))
+                      .notices);
+  };
+  EXPECT_FALSE(contains(said("revolute", 7.0), "is held by"));
+  EXPECT_FALSE(contains(said("prismatic", 99.0), "is held by"));
+  EXPECT_TRUE(contains(said("revolute", 7.1), "link[lid]: is held by a dry friction of 7.1 N·m"));
+  EXPECT_TRUE(contains(said("prismatic", 100.0), "link[lid]: is held by a dry friction of 100 N:"));
+}
+
 // A drawer of 150 mm, and a door of 90 degrees, are no placeholders.
 TEST_F(UrdfLimits, EndsThatMayBeOfAnotherUnit_AreRefused) {
   const struct {

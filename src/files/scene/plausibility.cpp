@@ -80,6 +80,23 @@ std::optional<Diagnostic> densityNotice(const SceneBody& body) {
       "check its size (m) and its mass (kg)", DiagnosticCode::kRange);
 }
 
+std::string heldProblem(const SceneBody& body) {
+  constexpr double kHand_n = 100.0;
+  const SceneJoint& joint = *body.joint;
+  double lever_m = 0.0;
+  for (const Shape& shape : body.shapes) {
+    for (const Vector3d& p : boundingPoints(shape)) {
+      lever_m = std::max(lever_m, joint.axis.cross(p - joint.point_m).norm());
+    }
+  }
+  const double most = kHand_n * (joint.isHinge() ? lever_m : 1.0);
+  if (body.shapes.empty() || joint.dry_friction < most) return {};
+  return fmt::format(
+      "is held by a dry friction of {:g} {}: {:g} N at its outermost point, which is "
+      "more than a hand's, do not move it",
+      joint.dry_friction, joint.isHinge() ? "N·m" : "N", kHand_n);
+}
+
 std::string inertialProblem(const std::vector<Shape>& shapes,
                             const std::vector<Vector3d>& ballast_m, const MassProperties& m,
                             const std::vector<Vector3d>& seen_m) {

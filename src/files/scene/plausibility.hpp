@@ -25,6 +25,10 @@ struct FarPlace {
 /// Notice of a body lighter than air or heavier than any matter; empty: plausible.
 [[nodiscard]] std::optional<Diagnostic> densityNotice(const SceneBody& body);
 
+/// Notice of a body whose joint has so much dry friction that a hand's 100 N at the body's
+/// outermost point do not move it; empty: it moves.
+[[nodiscard]] std::string heldProblem(const SceneBody& body);
+
 /// Reason why no body of this mass within these colliders, points of ballast and points that it
 /// shows can have these mass properties; empty: possible. Along a principal axis, mass between -a
 /// and b of its centre has a second moment of at most m·a·b (Bhatia and Davis, 2000); 10 % more is

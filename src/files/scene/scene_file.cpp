@@ -345,6 +345,9 @@ class BodyReader {
     if (body.joint->dry_friction == 0.0 && mover.follows < 0) {
       note("moves without dry friction: it opens at a touch", "give its joint <dynamics friction>");
     }
+    if (const std::string problem = heldProblem(body); !problem.empty()) {
+      note(problem, "give its joint a smaller <dynamics friction>");
+    }
     Mover moving{std::move(body), -1, -1, keyFault(path, key, "", "", "")};
     moving.link.line = mover.line;
     checkName(moving);
