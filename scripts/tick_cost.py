@@ -49,6 +49,7 @@ COMPARED = [
     ("close-50", "close-50-bare", "physics step", 1.10, 0, "self-contacts and armature in free motion"),
     ("close-100", "close-100-bare", "physics step", 2.1, 0, "the same, into a pinch and out of it"),
     ("squeeze", "squeeze-bare", None, 1.10, 0, "self-contacts, armature and energy tank"),
+    ("drawer-tree", "drawer", None, 1.5, 0, "two flaps on the drawer under the hand"),
 ]
 ORDERS, ORDER_P50, ORDER_WORST = 600, 45_000, 1.5  # the last is the allowed ratio of p99.9 to p50
 # Functions that the tick calls, and the stage of each. The first match counts.
