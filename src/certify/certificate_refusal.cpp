@@ -480,8 +480,12 @@ double bearableWallShare(const AxisCase& c) {
   return 0.0;
 }
 
+bool isCertified(const CertificateInput& input) {
+  return axesHold(input) && handHolds(input);
+}
+
 Diagnostics refuseUncertified(const CertificateInput& input) {
-  if (axesHold(input) && handHolds(input)) return {};
+  if (isCertified(input)) return {};
   const Certificate judged = certify(input);
   Diagnostics out;
   for (const AxisCertificate& a : judged.axes) {

@@ -78,7 +78,7 @@ Diagnostics namingOthers(Diagnostics faults, const std::string& path) {
 }  // namespace
 
 Expected<LoadedExercise> loadExercise(const std::string& path, int level, const DeviceModel& device,
-                                      const HandModel& hand) {
+                                      const HandModel& hand, BearsWalls bears) {
   TomlFile file(path, "exercise");
   if (!file.readable()) return namingOthers(file.finish(), path);
   TomlTable& root = file.root();
@@ -95,6 +95,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.level = level;
   source.device = &device;
   source.hand = &hand;
+  source.bears = std::move(bears);
   const std::string scene_path = scenePath(root, path);
   if (!root.isGood("exercise")) {
     root.ignoreUnknownKeys();  // the keys of an unknown kind cannot be checked

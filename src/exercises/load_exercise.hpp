@@ -8,6 +8,7 @@
 #include "loop/model/hand_model.hpp"
 #include "loop/model/scene_model.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,6 +25,9 @@ struct LoadedExercise {
   ExercisePanel panel;
 };
 
+/// True when device, gains and hand bear these walls (docs/certificate.md).
+using BearsWalls = std::function<bool(const std::vector<ExerciseWall>& walls)>;
+
 /// Input of an exercise kind's loader.
 struct ExerciseSource {
   std::string path;  ///< path of the exercise file
@@ -34,6 +38,7 @@ struct ExerciseSource {
   /// Scene that the file names; the kind adapts it to the level. Null: the scene cannot be loaded,
   /// which loadExercise() reports.
   SceneModel* scene = nullptr;
+  BearsWalls bears;  ///< empty: not known; a kind then offers all that its file asks
 };
 
 /// A kind of exercise: a folder of src/exercises, whose <kind>.cpp defines `load`.
@@ -50,7 +55,7 @@ struct ExerciseKind {
 /// @param level 1 .. number of levels
 [[nodiscard]] Expected<LoadedExercise> loadExercise(const std::string& path, int level,
                                                     const DeviceModel& device,
-                                                    const HandModel& hand);
+                                                    const HandModel& hand, BearsWalls bears = {});
 
 /// An exercise file in a folder.
 struct ExerciseFile {

@@ -33,6 +33,11 @@ const std::map<std::string, std::string> kMissing = {
     {"misses_catches", "differences that everybody feels were missed"},
     {"beyond_range", "the differences were too small"}};
 
+/// Largest threshold that is stated when |x| is at most most_x, as a ratio.
+double mostRatio(double most_x) {
+  return ratioAtThreeOfFour(most_x / kSigmasInRange);
+}
+
 Json missingOf(const ThresholdFinding& finding) {
   Json out = Json::array();
   const auto add = [&out](bool is_missing, const char* key) {
@@ -90,6 +95,7 @@ Json comparedJson(const AnswerLog& log) {
               {"least_x", log.least_x()},     {"most_x", log.most_x()},    {"list", list},
               {"points", pointsOf(answers)}};
   out["persons"] = persons;
+  out["most_ratio"] = mostRatio(log.most_x());
   const ThresholdFinding finding = findThreshold(answers, {log.least_x(), log.most_x()});
   out["missing"] = missingOf(finding);
   out["missing_answers"] = finding.missing;
@@ -128,6 +134,10 @@ std::string comparedText(const Json& compared) {
     std::string missing;
     for (const Json& key : compared["missing"]) {
       missing += (missing.empty() ? "" : "; ") + kMissing.at(key.get<std::string>());
+      if (key == "beyond_range") {
+        missing += fmt::format(" (with them, thresholds up to {:.0f} % are stated)",
+                               100.0 * (compared["most_ratio"].get<double>() - 1.0));
+      }
     }
     return fmt::format("not enough for a threshold ({} answers): {}", answers, missing);
   }

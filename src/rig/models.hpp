@@ -11,6 +11,7 @@
 #include "loop/model/scene_model.hpp"
 #include "loop/patient/motion.hpp"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,6 +31,7 @@ struct ModelFiles {
   std::string motion;
   std::string exercise;  ///< exercise file, which names its own scene; empty: only the scene above
   int level = 1;         ///< level of the exercise
+  double period_s = 1e-3;  ///< an exercise offers at most what is certified at this period
 
   /// All paths; unused ones are empty.
   [[nodiscard]] std::vector<std::string> all() const {
@@ -96,5 +98,13 @@ struct SampledInertia {
 
 /// Input of certify(): device, hand, rendering and the walls of the exercise.
 [[nodiscard]] CertificateInput certificateInput(const Models& models, double period_s);
+
+/// isCertified(), computed once in this process. Sessions, rehearsals and levels need the same
+/// certificate, which takes most of the time of building a rig. Any thread.
+[[nodiscard]] bool passesCertificate(const CertificateInput& input);
+
+/// Tells whether device, gains and hand bear walls (BearsWalls). @pre models outlive the result
+[[nodiscard]] std::function<bool(const std::vector<ExerciseWall>& walls)> bearsWalls(
+    const Models& models, double period_s);
 
 }  // namespace wholehand

@@ -15,8 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <mutex>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -265,22 +263,8 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   return rig;
 }
 
-/// Calls refuseUncertified() unless the input already passed in this process. Sessions, rehearsals
-/// and levels need the same certificate, which takes most of the time of building a rig.
 Diagnostics refuseUnlessPassed(const CertificateInput& input) {
-  constexpr std::size_t kMost = 1000;
-  static std::mutex mutex;
-  static std::set<std::string> passed;
-  std::string key = fmt::format("{:.17g} {}", input.period_s, static_cast<int>(input.persons));
-  for (const FingerprintPart& part : fingerprintOf(input).parts) key += " " + part.hash;
-  {
-    const std::lock_guard lock(mutex);
-    if (passed.contains(key)) return {};
-  }
-  Diagnostics refused = refuseUncertified(input);
-  const std::lock_guard lock(mutex);
-  if (refused.empty() && passed.size() < kMost) passed.insert(key);
-  return refused;
+  return passesCertificate(input) ? Diagnostics{} : refuseUncertified(input);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "certify/certificate.hpp"
 #include "exercises/tell_apart/comparing.hpp"
 #include "loop/psychometrics/answer_log.hpp"
 #include "loop/psychometrics/threshold.hpp"
@@ -7,6 +8,8 @@
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -417,6 +420,30 @@ TEST(TellApart, Answer_IsCalledRightOrWrongOnlyWhereTheFileSaysSo) {
       session.runUntil("answering", 0.0);
     }
   }
+}
+
+/// The file asks for walls of up to 900 N/m at the tip. The largest level is the one whose walls
+/// pass the certificate, while those of the next one do not.
+TEST(TellApart, RangeBeyondTheCertificate_IsLoweredToIt) {
+  const Folder folder;
+  const ModelFiles files =
+      changedFiles(folder, "firmer", "stiffness_tip_n_m = 120.0", "stiffness_tip_n_m = 300.0");
+  const Models models = orThrow(loadModels(files));
+  const double most_x =
+      nlohmann::json::parse(models.exercise->description().json).at("most_x").get<double>();
+  EXPECT_LT(most_x, std::log(2.9));
+  EXPECT_GT(most_x, 0.02);
+  EXPECT_TRUE(certify(certificateInput(models, 1e-3)).certified);
+  const LevelScale scale;
+  const double step = scale.at(scale.nearest(most_x) + 1) - most_x;
+  Models stiffer = models;
+  for (ExerciseWall& wall : stiffer.exercise_walls) wall.stiffness *= std::exp(step);
+  EXPECT_FALSE(certify(certificateInput(stiffer, 1e-3)).certified);
+  // The shipped file is borne whole.
+  const Models shipped = orThrow(loadModels(exerciseFiles("tell-apart-firmer")));
+  EXPECT_NEAR(
+      nlohmann::json::parse(shipped.exercise->description().json).at("most_x").get<double>(),
+      std::log(3.0), 1e-5);
 }
 
 TEST(TellApart, FaultyFiles_AreRefusedWithTheRemedy) {

@@ -44,18 +44,21 @@ Expected<Models> loadFiles(const CertifyOptions& o) {
   const auto hand_file = loadHandFile(o.hand);
   collect(device, errors);
   collect(hand_file, errors);
+  bool rendering = false;
   if (device) {
     models.device = *device;
-    const auto rendering = loadRenderingFile(o.rendering, *device);
-    collect(rendering, errors);
-    if (rendering) models.rendering = *rendering;
+    const auto gains = loadRenderingFile(o.rendering, *device);
+    collect(gains, errors);
+    rendering = static_cast<bool>(gains);
+    if (rendering) models.rendering = *gains;
   }
   if (device && hand_file) {
     const auto hand = assembleHand(*hand_file, *device);
     collect(hand, errors);
     if (hand) models.hand = *hand;
     if (hand && !o.exercise.empty()) {
-      auto exercise = loadExercise(o.exercise, o.level, *device, *hand);
+      auto exercise = loadExercise(o.exercise, o.level, *device, *hand,
+                                   rendering ? bearsWalls(models, 1.0 / o.rate_hz) : BearsWalls{});
       collect(exercise, errors);
       if (exercise) takeWalls(std::move(*exercise), models);
     }

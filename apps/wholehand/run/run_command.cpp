@@ -319,6 +319,7 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
     if (run->count("--rendering") == 0 && !findGains(o.files.device, o.files.rendering, code)) {
       return;
     }
+    o.files.period_s = 1.0 / o.rate_hz;
     if (auto read = pages ? readTokens(o.token_file, o.tokens) : Expected<Done>(Done{}); !read) {
       code = refuse(read.errors());
       return;

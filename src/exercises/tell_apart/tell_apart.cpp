@@ -449,6 +449,29 @@ std::vector<ExerciseWall> stiffestWalls(const TellApartTask& task) {
   return walls;
 }
 
+/// Lowers the largest level to one whose walls are borne. Leaves it where not even the least one
+/// is: the certificate then refuses the file with the axis.
+void offerWhatIsBorne(TellApartTask& task, const BearsWalls& bears) {
+  ComparingRules& rules = task.rules;
+  const bool stiffer = task.with(1.0).stiffness != task.least.stiffness;
+  if (!bears || !stiffer || bears(stiffestWalls(task))) return;
+  const int asked = rules.most_level;
+  int borne = rules.least_level, refused = asked;
+  const auto bearsLevel = [&](int level) {
+    rules.most_level = level;
+    return bears(stiffestWalls(task));
+  };
+  if (!bearsLevel(borne)) {
+    rules.most_level = asked;
+    return;
+  }
+  while (refused - borne > 1) {
+    const int middle = (borne + refused) / 2;
+    (bearsLevel(middle) ? borne : refused) = middle;
+  }
+  rules.most_level = borne;
+}
+
 /// Refuses a file whose bottles cannot be what it says.
 void checkTask(TomlTable& root, const TellApartTask& task) {
   const Stimulus most = task.with(task.rules.scale.at(task.rules.most_level));
@@ -517,6 +540,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   while (rules.least_level < rules.most_level && rules.scale.at(rules.least_level) < least_x) {
     ++rules.least_level;
   }
+  offerWhatIsBorne(task, source.bears);
   LoadedExercise out;
   out.walls = stiffestWalls(task);
   out.exercise = std::make_unique<TellApart>(std::move(task), *source.device, *source.hand);

@@ -277,7 +277,6 @@ double ratioAtThreeOfFour(double sigma) noexcept {
 }
 
 ThresholdFinding findThreshold(std::span<const Comparison> answers, const OfferedRange& offered) {
-  constexpr double kSigmasInRange = 1.8;
   ThresholdFinding out;
   out.missing = std::max(0, kLeastAnswers - static_cast<int>(answers.size()));
   if (answers.empty()) return out;

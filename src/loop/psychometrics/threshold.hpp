@@ -64,6 +64,9 @@ inline constexpr int kLeastAnswers = 30;
 /// second / first of which a person with this σ tells three of four: e^(√2 σ z(3/4)).
 [[nodiscard]] double ratioAtThreeOfFour(double sigma) noexcept;
 
+/// A threshold is stated up to a σ of the largest difference over this.
+inline constexpr double kSigmasInRange = 1.8;
+
 /// Range of |x| that was offered.
 struct OfferedRange {
   double least = 0.0, most = 0.0;

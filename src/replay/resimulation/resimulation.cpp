@@ -64,7 +64,7 @@ bool mirrorsAnother(const fs::path& path) {
 
 // Restores the recorded files in their folder structure. Each file states its kind.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
-  ModelFiles files{"", "", "", "", "", "", "", meta.level};
+  ModelFiles files{"", "", "", "", "", "", "", meta.level, meta.period_s};
   for (const auto& [name, text] : meta.files) {
     const fs::path path = (folder / name).lexically_normal();
     const fs::path inside = path.lexically_relative(folder);

@@ -14,7 +14,7 @@ const percent = (ratio: number): string => fixed(100 * (ratio - 1), 0);
 /** The threshold, or what is missing for one. */
 export function thresholdWords(of: Compared): string {
   const t = texts().compared;
-  if (!of.enough) return fill(t.notEnough, { why: of.missing.map((key) => fill(t.why[key] ?? key, { n: of.missingAnswers })).join('; ') });
+  if (!of.enough) return fill(t.notEnough, { why: of.missing.map((key) => fill(t.why[key] ?? key, { n: of.missingAnswers, most: percent(of.mostRatio) })).join('; ') });
   const interval = of.openBelow ? fill(t.below, { n: percent(of.high) }) : of.openAbove ? fill(t.above, { n: percent(of.low) }) : fill(t.between, { a: percent(of.low), b: percent(of.high) });
   return `${fill(t.threshold, { n: percent(of.ratio), interval })}${of.atDeviceLimit ? ` ${t.atLimit}` : ''}`;
 }

@@ -42,7 +42,7 @@ export interface Compared {
   readonly enough: boolean; readonly missing: readonly string[]; readonly missingAnswers: number;
   /** second / first of which three of four are told apart, and its 95 % interval. */
   readonly ratio: number; readonly low: number; readonly high: number; readonly openBelow: boolean; readonly openAbove: boolean;
-  readonly atDeviceLimit: boolean; readonly otherRight: number; readonly mostX: number;
+  readonly atDeviceLimit: boolean; readonly otherRight: number; readonly mostX: number; readonly mostRatio: number;
   /** x = ln(second / first): number of answers there, and of those "the second". */
   readonly points: readonly (readonly [x: number, answers: number, second: number])[];
   readonly curve: readonly (readonly [x: number, share: number])[];
@@ -147,7 +147,7 @@ function readCompared(json: Json): Compared {
     answers: number(json.answers), persons: json.persons === true, enough: json.enough === true, missingAnswers: number(json.missing_answers),
     saidBy: Object.fromEntries(Object.entries(asJson(json.said_by)).map(([by, count]) => [by, number(count)])), missing: (Array.isArray(json.missing) ? json.missing : []).map(text),
     ratio: number(json.ratio), low: number(json.ratio_low), high: number(json.ratio_high), openBelow: json.open_below === true, openAbove: json.open_above === true,
-    atDeviceLimit: json.at_device_limit === true, otherRight: number(json.other_right), mostX: number(json.most_x),
+    atDeviceLimit: json.at_device_limit === true, otherRight: number(json.other_right), mostX: number(json.most_x), mostRatio: number(json.most_ratio),
     points: pairs(json.points).map(([x, answers, second]) => [number(x), number(answers), number(second)]), curve: pairs(json.curve).map(([x, share]) => [number(x), number(share)]),
   };
 }

@@ -35,7 +35,7 @@ export const de: ReportTexts = {
   compared: {
     title: 'Unterschiede gespürt', threshold: 'Drei von vier Unterschieden von {n} % werden gespürt ({interval}).', between: '95 %: {a} bis {b} %', below: '95 %: unter {n} %', above: '95 %: über {n} %', atLimit: 'Das ist die Grenze des Geräts.',
     notEnough: 'Nicht genug für eine Schwelle: {why}.', answers: 'Antworten: {n}{by}.', other: 'Wer nur die Tiefe des Drucks vergleicht, hat in {n} % recht.', notPersons: 'Nicht von einer Person: jemand anderes bewegte die Hand.',
-    why: { answers: 'es fehlen {n} Antworten', guesses: 'die Antworten folgen den Unterschieden nicht', one_answer: 'fast alle Antworten sind gleich', compares_other: 'die Tiefe des Drucks erklärt die Antworten besser', misses_catches: 'grosse Unterschiede wurden verpasst', beyond_range: 'es bräuchte grössere Unterschiede' } as Record<string, string>,
+    why: { answers: 'es fehlen {n} Antworten', guesses: 'die Antworten folgen den Unterschieden nicht', one_answer: 'fast alle Antworten sind gleich', compares_other: 'die Tiefe des Drucks erklärt die Antworten besser', misses_catches: 'grosse Unterschiede wurden verpasst', beyond_range: 'mit diesen Unterschieden sind nur Schwellen bis {most} % bestimmbar' } as Record<string, string>,
     by: { squeeze: '{n} durch Drücken', player: '{n} mit Taste oder Berührung', therapist: '{n} vom Therapeuten gesagt', earlier: '{n} vor einer Pause' } as Record<string, string>,
     chart: '«Die zweite war mehr», je nach Unterschied', fitted: 'angepasst', points: 'Antworten',
   },

@@ -34,7 +34,7 @@ export const en = {
   compared: {
     title: 'Told apart', threshold: 'Three of four differences of {n} % are felt ({interval}).', between: '95 %: {a} to {b} %', below: '95 %: below {n} %', above: '95 %: above {n} %', atLimit: 'This is at the device’s limit.',
     notEnough: 'Not enough for a threshold: {why}.', answers: 'Answers: {n}{by}.', other: 'Who compares only the depth of the squeeze is right in {n} %.', notPersons: 'Not a person’s: somebody else moved the hand.',
-    why: { answers: '{n} more answers are needed', guesses: 'the answers do not follow the differences', one_answer: 'nearly all answers are the same', compares_other: 'the depth of the squeeze explains the answers better', misses_catches: 'large differences were missed', beyond_range: 'larger differences would be needed' } as Record<string, string>,
+    why: { answers: '{n} more answers are needed', guesses: 'the answers do not follow the differences', one_answer: 'nearly all answers are the same', compares_other: 'the depth of the squeeze explains the answers better', misses_catches: 'large differences were missed', beyond_range: 'with these differences only thresholds up to {most} % are stated' } as Record<string, string>,
     by: { squeeze: '{n} by squeezing', player: '{n} by key or touch', therapist: '{n} said by the therapist', earlier: '{n} before a rest' } as Record<string, string>,
     chart: '“The second was more”, by how much it was', fitted: 'fitted', points: 'answers',
   },

@@ -35,7 +35,7 @@ export const fr: ReportTexts = {
   compared: {
     title: 'Différences senties', threshold: 'Trois différences de {n} % sur quatre sont senties ({interval}).', between: '95 % : {a} à {b} %', below: '95 % : moins de {n} %', above: '95 % : plus de {n} %', atLimit: 'C’est la limite de l’appareil.',
     notEnough: 'Pas assez pour un seuil : {why}.', answers: 'Réponses : {n}{by}.', other: 'Qui ne compare que la profondeur de la pression a raison dans {n} %.', notPersons: 'Pas celles d’une personne : quelqu’un d’autre bougeait la main.',
-    why: { answers: 'il manque {n} réponses', guesses: 'les réponses ne suivent pas les différences', one_answer: 'presque toutes les réponses sont les mêmes', compares_other: 'la profondeur de la pression explique mieux les réponses', misses_catches: 'de grandes différences ont échappé', beyond_range: 'il faudrait de plus grandes différences' } as Record<string, string>,
+    why: { answers: 'il manque {n} réponses', guesses: 'les réponses ne suivent pas les différences', one_answer: 'presque toutes les réponses sont les mêmes', compares_other: 'la profondeur de la pression explique mieux les réponses', misses_catches: 'de grandes différences ont échappé', beyond_range: 'ces différences ne montrent que des seuils jusqu’à {most} %' } as Record<string, string>,
     by: { squeeze: '{n} en pressant', player: '{n} par touche', therapist: '{n} dites par le thérapeute', earlier: '{n} avant un repos' } as Record<string, string>,
     chart: '« La deuxième était plus », selon la différence', fitted: 'ajustée', points: 'réponses',
   },
