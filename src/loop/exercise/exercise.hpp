@@ -1,5 +1,6 @@
 #pragma once
 
+#include "loop/control/corridor.hpp"
 #include "loop/core/body_order.hpp"
 #include "loop/core/real_time.hpp"
 #include "loop/core/tick_record.hpp"
@@ -56,6 +57,8 @@ class Exercise {
   virtual ~Exercise() = default;
 
   [[nodiscard]] const ExerciseDescription& description() const noexcept { return description_; }
+  /// Where the movement under way goes; a prescription may have a corridor to it.
+  [[nodiscard]] const MovementGoal& goal() const noexcept { return goal_; }
 
   /// Resets to the start. Called when the loop is armed. Not real-time safe.
   virtual void reset() = 0;
@@ -73,6 +76,7 @@ class Exercise {
 
  protected:
   ExerciseDescription description_;  ///< filled in when it is made
+  MovementGoal goal_;                ///< set in tick() and reset()
 };
 
 /// Clears the output of a tick: no effort, no wall, no values, no bodies to place.
