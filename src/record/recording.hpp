@@ -13,6 +13,9 @@ namespace wholehand {
 
 /// Schema version of recordings, and the oldest one that is read; files of others are refused.
 inline constexpr std::uint64_t kRecordingSchema = 10, kOldestSchema = 9;
+/// The version of a recording with a prescription. Its tables are those of kRecordingSchema; an
+/// earlier program would run it again without the walls of the prescription.
+inline constexpr std::uint64_t kPrescribedSchema = 11;
 
 /// Everything needed to understand a recording and to repeat the run; written once into its /meta.
 struct RecordingMeta {

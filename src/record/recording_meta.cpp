@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -107,13 +108,31 @@ constexpr const char *kVisit = "clinic_visit", *kItem = "clinic_item";
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 constexpr std::int32_t kMostContactsDropped = 1'000'000;
 
+/// True when a line of a TOML text is `kind = "prescription"`.
+bool statesPrescription(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::erase_if(line, [](char c) { return c == ' ' || c == '\t' || c == '\'' || c == '"'; });
+    if (line.starts_with("kind=prescription")) return true;
+  }
+  return false;
+}
+
+/// True when a file of the recording is a prescription.
+bool isPrescribed(const RecordingMeta& meta) {
+  return std::any_of(meta.files.begin(), meta.files.end(), [](const auto& file) {
+    return file.first.ends_with(".toml") && statesPrescription(file.second);
+  });
+}
+
 }  // namespace
 
 bool writeMeta(hid_t file, const RecordingMeta& meta) {
   const Handle group(H5Gcreate2(file, "meta", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   const hid_t id = group.get();
   bool ok = group.ok() && hdf5::writeAttribute(id, "format", std::string(kFormat)) &&
-            hdf5::writeAttribute(id, "schema_version", kRecordingSchema) &&
+            hdf5::writeAttribute(id, "schema_version",
+                                 isPrescribed(meta) ? kPrescribedSchema : kRecordingSchema) &&
             visitMeta(Writer(id), meta);
   if (meta.clinic_visit != 0) {
     ok = ok && hdf5::writeAttribute(id, kVisit, meta.clinic_visit) &&

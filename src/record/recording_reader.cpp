@@ -156,15 +156,15 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
     return fileFault(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
   meta_.schema = version;
-  if (version < kOldestSchema || version > kRecordingSchema) {
-    const bool newer = version > kRecordingSchema;
+  if (version < kOldestSchema || version > kPrescribedSchema) {
+    const bool newer = version > kPrescribedSchema;
     std::string by;
     const bool said =
         !apart && readAttribute(group.get(), "git_version", by) && isPrintable(by, 500);
     auto d =
         fileFault(path, newer ? "was written by a newer Wholehand" : "is of an earlier version",
-                  "this program reads schema versions " + std::to_string(kOldestSchema) + " and " +
-                      std::to_string(kRecordingSchema) +
+                  "this program reads schema versions " + std::to_string(kOldestSchema) + " to " +
+                      std::to_string(kPrescribedSchema) +
                       (newer ? "; update it"
                              : "; record anew, or read it with a program of its time" +
                                    (said ? ": " + by : "")));

@@ -7,10 +7,12 @@
 #include "files/hand/hand_file.hpp"
 #include "files/patient/motion_file.hpp"
 #include "files/patient/patient_file.hpp"
+#include "files/patient/prescription_file.hpp"
 #include "files/scene/scene_file.hpp"
 #include "loop/dynamics/articulated_body.hpp"
 #include "loop/dynamics/synergy.hpp"
 #include "loop/patient/motion.hpp"
+#include "rig/prescribed_guides.hpp"
 
 #include <fmt/format.h>
 
@@ -49,6 +51,13 @@ void takeExercise(Expected<LoadedExercise> from, Models& models, Diagnostics& er
   models.exercise_panel = std::move(loaded.panel);
 }
 
+void takePrescription(const std::string& path, Models& models, Diagnostics& errors) {
+  Prescription prescription;
+  if (take(loadPrescriptionFile(path, models.device), prescription, errors)) {
+    models.prescription = std::move(prescription);
+  }
+}
+
 std::vector<std::string> pathsOf(const Models& models) {
   std::vector<std::string> paths{models.files.hand, models.files.device, models.files.rendering,
                                  models.files.patient};
@@ -56,6 +65,7 @@ std::vector<std::string> pathsOf(const Models& models) {
   if (models.files.exercise.empty()) paths.push_back(models.files.scene);
   paths.insert(paths.end(), models.exercise_files.begin(), models.exercise_files.end());
   if (!models.files.motion.empty()) paths.push_back(models.files.motion);
+  if (models.prescription) paths.push_back(models.prescription->path);
   paths.insert(paths.end(), models.scene.assets.begin(), models.scene.assets.end());
   return paths;
 }
@@ -101,12 +111,16 @@ Expected<Models> loadModels(const ModelFiles& files) {
     const bool have_gains =
         take(loadRenderingFile(files.rendering, models.device), models.rendering, errors);
     take(loadPatientFile(files.patient, models.device), models.patient, errors);
+    if (!files.prescription.empty()) takePrescription(files.prescription, models, errors);
     if (have_hand && take(assembleHand(hand_file, models.device), models.hand, errors) &&
         !files.exercise.empty()) {
       takeExercise(loadExercise(files.exercise, files.level, models.device, models.hand,
                                 have_gains ? bearsWalls(models, files.period_s) : BearsWalls{}),
                    models, errors);
     }
+  }
+  if (errors.empty() && models.prescription) {
+    errors = refuseOtherSide(*models.prescription, models.hand);
   }
   if (!errors.empty()) return errors;
   return models;
@@ -234,7 +248,7 @@ void addWalls(CertificateInput& input, const std::vector<ExerciseWall>& walls) {
 
 }  // namespace
 
-CertificateInput certificateInput(const Models& models, double period_s) {
+CertificateInput certificateInputWithoutGuides(const Models& models, double period_s) {
   SampledInertia inertia = sampleInertia(models.hand, models.device);
   CertificateInput input;
   input.device = models.device;
@@ -249,6 +263,12 @@ CertificateInput certificateInput(const Models& models, double period_s) {
     input.exercise = exercise.name;
     input.level = exercise.levels > 1 ? exercise.level : 0;
   }
+  return input;
+}
+
+CertificateInput certificateInput(const Models& models, double period_s) {
+  CertificateInput input = certificateInputWithoutGuides(models, period_s);
+  addGuideWalls(input, guideStiffnesses(models, input));
   return input;
 }
 

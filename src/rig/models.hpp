@@ -7,6 +7,7 @@
 #include "loop/model/exercise_panel.hpp"
 #include "loop/model/hand_model.hpp"
 #include "loop/model/patient_config.hpp"
+#include "loop/model/prescription.hpp"
 #include "loop/model/rendering_config.hpp"
 #include "loop/model/scene_model.hpp"
 #include "loop/patient/motion.hpp"
@@ -31,11 +32,12 @@ struct ModelFiles {
   std::string motion;
   std::string exercise;  ///< exercise file, which names its own scene; empty: only the scene above
   int level = 1;         ///< level of the exercise
-  double period_s = 1e-3;  ///< an exercise offers at most what is certified at this period
+  std::string prescription;  ///< file of kind "prescription"; empty: none
+  double period_s = 1e-3;    ///< an exercise offers at most what is certified at this period
 
   /// All paths; unused ones are empty.
   [[nodiscard]] std::vector<std::string> all() const {
-    return {scene, hand, device, rendering, patient, motion, exercise};
+    return {scene, hand, device, rendering, patient, motion, exercise, prescription};
   }
 };
 
@@ -57,6 +59,7 @@ struct Models {
   PatientConfig patient;
   SceneModel scene;
   std::optional<MotionFile> motion;
+  std::optional<Prescription> prescription;
   /// Null without an exercise. It is stateful and shared by copies of these models, so only one rig
   /// at a time may use them.
   std::shared_ptr<Exercise> exercise;
@@ -96,8 +99,10 @@ struct SampledInertia {
 };
 [[nodiscard]] SampledInertia sampleInertia(const HandModel& hand, const DeviceModel& device);
 
-/// Input of certify(): device, hand, rendering and the walls of the exercise.
+/// Input of certify(): device, hand, rendering, the walls of the exercise and, behind them, those
+/// of the prescription.
 [[nodiscard]] CertificateInput certificateInput(const Models& models, double period_s);
+[[nodiscard]] CertificateInput certificateInputWithoutGuides(const Models& models, double period_s);
 
 /// isCertified(), computed once in this process. Sessions, rehearsals and levels need the same
 /// certificate, which takes most of the time of building a rig. Any thread.

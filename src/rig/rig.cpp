@@ -9,6 +9,7 @@
 #include "loop/safety/neutral_ramp.hpp"
 #include "rig/arming.hpp"
 #include "rig/models.hpp"
+#include "rig/prescribed_guides.hpp"
 
 #include <fmt/format.h>
 
@@ -49,6 +50,12 @@ Diagnostics refuseTooLarge(const Models& m) {
   refuseAbove(kMaxJoints, std::max(m.hand.joint_count, 0), "joints", "joints in a hand", refused);
   const std::size_t axes = std::max(m.hand.axis_count, 0);
   refuseAbove(kMaxAxes, std::max(axes, m.device.axes.size()), "axes", "axes of a device", refused);
+  for (const Prescription::Limit& limit :
+       m.prescription ? m.prescription->limits : std::vector<Prescription::Limit>{}) {
+    if (limit.axis >= 0 && limit.axis < m.device.axisCount()) continue;
+    refused.push_back(keyFault(m.prescription->path, "limits", std::to_string(limit.axis),
+                               "is the index of no axis of the device", "read the file anew"));
+  }
   if (m.exercise == nullptr) return refused;
   const ExerciseDescription& exercise = m.exercise->description();
   refuseAbove(kMaxLiveParameters - kMostLiveSettings, exercise.parameters.size(), "parameters",
@@ -224,6 +231,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
   if (models.exercise) config.safety.ramp.fade_out_s = models.exercise->description().fade_out_s;
   config.safety.tank = makeEnergyTank(device, period_s);
   config.safety.supervisor = makeSupervisor(device, period_s, simulated);
+  if (models.prescription) config.guides = guidesOf(models, period_s);
   config.live = LiveSettings(device, config.damping);
   return config;
 }
@@ -345,6 +353,12 @@ std::string rehearsalFingerprint(const Models& models, const RigOptions& options
   std::string text = options.engine + ";";
   add(text, {options.period_s});
   for (const FingerprintPart& part : certified.parts) text += part.name + ":" + part.hash + ";";
+  // Stiffnesses are part of the certificate. Narrower limits need no new rehearsal.
+  if (models.prescription) {
+    const PersonGuidesConfig guides = guidesOf(models, options.period_s);
+    for (const double most : guides.walls.most) add(text, {most});
+    if (guides.corridor) add(text, {guides.corridor->most_n});
+  }
   addDevice(text, models.device);
   addHand(text, models.hand);
   addScene(text, models.scene);

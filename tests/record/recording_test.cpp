@@ -370,12 +370,12 @@ TEST(RecordingReader, OtherHdf5AndOtherSchemas_AreRefused) {
   writer(path)->close();
   ASSERT_EQ(withH5py(other, "f['x'] = 1", "w"), "");
   expectRefused(other, "no Wholehand recording");
-  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 11"), "");
-  expectRefused(path, "schema_version = 11: was written by a newer Wholehand");
+  ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 12"), "");
+  expectRefused(path, "schema_version = 12: was written by a newer Wholehand");
   ASSERT_EQ(withH5py(path, "f['meta'].attrs['schema_version'] = 8"), "");
   expectRefused(
       path,
-      "this program reads schema versions 9 and 10; record anew, or read it with a program "
+      "this program reads schema versions 9 to 11; record anew, or read it with a program "
       "of its time: 7c1e90a");
 }
 

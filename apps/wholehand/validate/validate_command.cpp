@@ -11,6 +11,7 @@
 #include "files/hand/hand_file.hpp"
 #include "files/patient/motion_file.hpp"
 #include "files/patient/patient_file.hpp"
+#include "files/patient/prescription_file.hpp"
 #include "files/scene/object_scene.hpp"
 #include "files/scene/scene_file.hpp"
 #include "files/toml/toml_file.hpp"
@@ -70,6 +71,7 @@ class Validation {
       if (kind == "hand") checkHand(file);
       if (kind == "rendering") remark = checkRendering(file);
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
+      if (kind == "prescription") checkWithDevice(file, loadPrescriptionFile);
       if (kind == "scene" || kind == "object") remark = checkScene(file);
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
@@ -162,9 +164,9 @@ class Validation {
       add(toml.finish());
       return;
     }
-    toml.root().choice("kind",
-                       {"hand", "device", "rendering", "patient", "scene", "exercise", "passport",
-                        "device-check", "device-enablings", "sweep", "clinic-presets"});
+    toml.root().choice(
+        "kind", {"hand", "device", "rendering", "patient", "prescription", "scene", "exercise",
+                 "passport", "device-check", "device-enablings", "sweep", "clinic-presets"});
     if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());

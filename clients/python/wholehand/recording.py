@@ -17,7 +17,7 @@ if typing.TYPE_CHECKING:
     import pandas
     import xarray
 
-SCHEMAS = (9, 10)
+SCHEMAS = (9, 10, 11)
 
 
 class Recording(h5py.File):  # type: ignore[misc]

@@ -137,6 +137,7 @@ class SqueezeToLevel final : public Exercise {
       : task_(std::move(task)),
         device_(device),
         hand_(hand),
+        grip_m_(playerReach(device, &hand, task_.radius_m).grip_m),
         posture_(hand_),
         cushions_(cushionsOf(task_.bottle, task_.wall.walls)),
         steps_(task_.rules) {
@@ -160,6 +161,7 @@ class SqueezeToLevel final : public Exercise {
     travel_ = AxisPosition{};
     squeeze_n_ = flow_ml_s_ = 0.0;
     near_ = paused_ = false;
+    goal_ = MovementGoal{};
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -177,6 +179,7 @@ class SqueezeToLevel final : public Exercise {
     push(input, elapsed_s, out);
     feel(seen, out, elapsed_s);
     if (!paused_) advanceSteps(input.parameters[kLevelRatio], elapsed_s, out);
+    sayGoal(seen);
     show(input.parameters[kLevelRatio], out);
   }
 
@@ -252,6 +255,16 @@ class SqueezeToLevel final : public Exercise {
     if (news.done) addEvent(out, kLevelDone, -1, steps_.score());
   }
 
+  /// The grip of the object is the goal until the hand is near it.
+  void sayGoal(const TickRecord& seen) noexcept {
+    const bool away = !near_ && !steps_.done();
+    if (away && !goal_.known) {
+      ++goal_.movement;
+      goal_.at_m = Vec3::from(seen.bodies[task_.body].position_m.eigen() - grip_m_);
+    }
+    goal_.known = away;
+  }
+
   void show(double ratio, ExerciseRecord& out) const noexcept {
     const Band goal = steps_.goal(ratio);
     out.values[kInstruction] = static_cast<double>(steps_.instruction());
@@ -271,6 +284,7 @@ class SqueezeToLevel final : public Exercise {
   const SqueezeTask task_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
+  const Eigen::Vector3d grip_m_;  ///< from the hand's base to the centre of the held object
   HandPosture posture_;
   const Cushions cushions_;
   BandSteps steps_;

@@ -56,6 +56,7 @@ class TellApart final : public Exercise {
       : task_(std::move(task)),
         device_(device),
         hand_(hand),
+        grip_m_(playerReach(device, &hand, task_.bottles[0].radius_m).grip_m),
         compares_start_(task_.with(1.0).start_m != task_.least.start_m),
         posture_(hand_),
         cushions_(cushionsOf(task_.bottle, task_.wall.walls)),
@@ -86,6 +87,7 @@ class TellApart final : public Exercise {
     said_ = GivenAnswer{};
     paused_ = begun_ = fresh_ = swapped_ = false;
     said_second_ = 0.0;
+    goal_ = MovementGoal{};
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -107,6 +109,7 @@ class TellApart final : public Exercise {
     feel(elapsed_s, out);
     const Comparison asked = comparing_.now();
     if (!paused_) compare(seen, elapsed_s, out);
+    sayGoal(seen);
     show(asked, out);
   }
 
@@ -324,6 +327,15 @@ class TellApart final : public Exercise {
     }
   }
 
+  /// The grip of the bottle to be squeezed is the goal.
+  void sayGoal(const TickRecord& seen) noexcept {
+    const int bottle = comparing_.wanted();
+    goal_.known = bottle >= 0 && !paused_;
+    if (!goal_.known) return;
+    goal_.movement = static_cast<std::uint64_t>(kBottles * comparing_.answers() + bottle);
+    goal_.at_m = Vec3::from(seen.bodies[task_.bottles[bottle].body].position_m.eigen() - grip_m_);
+  }
+
   [[nodiscard]] double pressed() const noexcept {
     return fresh_ && felt_.depth_m > 0.0 ? std::max(0.0, depth_m_ / felt_.depth_m) : 0.0;
   }
@@ -370,6 +382,7 @@ class TellApart final : public Exercise {
   const TellApartTask task_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
+  const Eigen::Vector3d grip_m_;  ///< from the hand's base to the centre of a held bottle
   const bool compares_start_;
   HandPosture posture_;
   Cushions cushions_;  ///< its effort_cap is the felt bottle's

@@ -46,6 +46,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       dynamics_(hand, config.gains.armature),
       probe_(std::make_unique<HandProbe>(hand, scene)),
       avatar_damping_(config.gains.axes) {
+  if (config.guides) guides_.emplace(*config.guides);
   // An engine that does not report the joints of bodies leaves them unknown.
   state_.body_joint_count = static_cast<int>(scene.recordedJoints().size());
   state_.body_q.fill(std::numeric_limits<double>::quiet_NaN());
@@ -91,11 +92,13 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   couple(record);
   lap(Stage::kControl);
   exercise(record);
+  if (guides_) guide(record);
   damp(record);
   lap(Stage::kExercise);
-  safety_.watchEnergy(avatarEnergy(record), record);
+  safety_.watchEnergy(avatarEnergy(record), guides_ ? &guides_->stored_j() : nullptr, record);
   record.rendered =
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
+  if (guides_) record.rendered = sum(record.rendered, guides_->effort());
   safety_.limitEffort(record);
   lap(Stage::kSafety);
   writeDevice(record);  // before the solver, whose computing time would delay the effort (ADR 2)
@@ -225,6 +228,18 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   query_ = exercise_->query();
 }
 
+// Computes the efforts of the prescription.
+void HapticRenderer::guide(TickRecord& record) noexcept {
+  if (any(record.faults & kStoppingFaults)) {
+    guides_->clear();
+    return;
+  }
+  guides_->boundExercise(record.q_m, record.exercise);
+  guides_->advance(record.q_m, exercise_ != nullptr ? exercise_->goal() : MovementGoal{},
+                   mayPush(record) && safety_.rendering(),
+                   record.elapsed_periods * config_.period_s);
+}
+
 // Computes the adaptive damping by Algorithm 1, and its effort -Φ K_dm q̇_m,f, the last term of Eq.
 // (3) but one.
 void HapticRenderer::damp(TickRecord& record) noexcept {
@@ -232,7 +247,9 @@ void HapticRenderer::damp(TickRecord& record) noexcept {
   record.damping = AxisEffort(gains.axes);
   record.phi = damping_.phi;
   if (any(record.faults & kStoppingFaults)) return;
-  damping_ = adaptDamping(damping_, sum(record.coupling, record.exercise.effort), damping_config_,
+  AxisEffort pushed = sum(record.coupling, record.exercise.effort);
+  if (guides_) pushed = sum(pushed, guides_->effort());
+  damping_ = adaptDamping(damping_, pushed, damping_config_,
                           static_cast<int>(record.elapsed_periods), config_.period_s);
   record.phi = damping_.phi;
   for (int i = 0; i < gains.axes; ++i) {
@@ -388,6 +405,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   query_ = WorldQuery{};
   probe_->reset();
   holder_alive_ = true;
+  if (guides_) guides_->begin(armed_position_);
   if (exercise_ != nullptr) {
     exercise_->reset();
     query_ = exercise_->query();

@@ -14,6 +14,7 @@
 #include "loop/model/scene_model.hpp"
 #include "loop/physics/physics_world.hpp"
 #include "loop/renderer/live_settings.hpp"
+#include "loop/renderer/person_guides.hpp"
 #include "loop/safety/safety_chain.hpp"
 
 #include <Eigen/Core>
@@ -65,6 +66,7 @@ struct RendererConfig {
   AdaptiveDampingConfig damping;
   SafetyConfig safety;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  std::optional<PersonGuidesConfig> guides;  ///< of a prescription; empty: none
   LiveSettings live;          ///< parameters that may change while it runs; default: none
   std::string rehearsal;      ///< fingerprint that a rehearsal of this rig carries
                               ///< (RehearsalPassed::of())
@@ -156,6 +158,7 @@ class HapticRenderer {
   void probeHand(TickRecord& record) noexcept;
   void couple(TickRecord& record) noexcept;
   void exercise(TickRecord& record) noexcept;
+  void guide(TickRecord& record) noexcept;
   void damp(TickRecord& record) noexcept;
   [[nodiscard]] double avatarEnergy(const TickRecord& record) const noexcept;
   void writeDevice(TickRecord& record) noexcept;
@@ -191,6 +194,7 @@ class HapticRenderer {
   VelocityState velocity_;
   AxisDamping avatar_damping_;  ///< D in the current posture
   AdaptiveDampingState damping_;
+  std::optional<PersonGuides> guides_;
   bool device_open_ = false, was_open_ = false;  ///< now, and before prepare()
   bool prepared_ = false;
   bool first_tick_ = false;  ///< the next tick is the first one after arm()

@@ -34,14 +34,18 @@ AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit
 }
 
 // Energy stored in an exercise's walls: half their effort times the penetration. The energy of the
-// spring that restores a shell is not counted, as if it were lost.
-AxisEnergy wallStored(const TickRecord& record) noexcept {
+// spring that restores a shell is not counted, as if it were lost. Walls and corridor of a
+// prescription add what they say they store.
+AxisEnergy wallStored(const TickRecord& record, const AxisEnergy* guides_j) noexcept {
   const ExerciseRecord& exercise = record.exercise;
   AxisEnergy out(exercise.wall_active.size());
   for (int i = 0; i < out.size(); ++i) {
     if (!exercise.wall_active[i]) continue;
     out[i] = 0.5 * std::abs(exercise.effort[i] * (record.q_m[i] - exercise.wall[i]));
   }
+  if (guides_j == nullptr) return out;
+  if (out.size() < guides_j->size()) out = AxisEnergy(guides_j->size());
+  for (int i = 0; i < guides_j->size(); ++i) out[i] += (*guides_j)[i];
   return out;
 }
 
@@ -157,15 +161,16 @@ void SafetyChain::checkWorld(const Contact* contacts, int contact_count, const P
   }
 }
 
-void SafetyChain::watchEnergy(double avatar_j, TickRecord& record) noexcept {
+void SafetyChain::watchEnergy(double avatar_j, const AxisEnergy* guides_j,
+                              TickRecord& record) noexcept {
   record.tank_effort = AxisEffort(gains_.axes);
   record.tank = tank_.energy;
   if (config_.tank.axes == 0 || any(record.faults & kStoppingFaults)) return;
   WorldEnergy world = bodies_.energy();
   world.held_j += avatar_j;
   const EnergyTankStep step =
-      advanceTank(tank_, record.q_m, record.q_s, wallStored(record), world, gains_, config_.tank,
-                  record.effort_limit, elapsedOf(record), period_s_);
+      advanceTank(tank_, record.q_m, record.q_s, wallStored(record, guides_j), world, gains_,
+                  config_.tank, record.effort_limit, elapsedOf(record), period_s_);
   tank_ = step.state;
   record.tank = tank_.energy;
   // While the effort is blended in, the springs hold energy that the person has not received yet.

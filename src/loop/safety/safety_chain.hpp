@@ -131,7 +131,8 @@ class SafetyChain {
   /// 3. Advances the energy tank. record.tank_effort becomes its damping, to be added to the
   /// rendered effort.
   /// @param avatar_j kinetic energy of the avatar
-  WHOLEHAND_RT void watchEnergy(double avatar_j, TickRecord& record) noexcept;
+  WHOLEHAND_RT void watchEnergy(double avatar_j, const AxisEnergy* guides_j,
+                                TickRecord& record) noexcept;
   /// 4. to 7. Computes record.sent from record.rendered: the therapist's limits
   /// (record.effort_limit) and those of the device, authority, power, slew. A requested stop, and
   /// every stopping fault of the tick, starts the ramp to neutral here (advanceRamp()).

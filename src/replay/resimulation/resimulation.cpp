@@ -64,7 +64,7 @@ bool mirrorsAnother(const fs::path& path) {
 
 // Restores the recorded files in their folder structure. Each file states its kind.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
-  ModelFiles files{"", "", "", "", "", "", "", meta.level, meta.period_s};
+  ModelFiles files{"", "", "", "", "", "", "", meta.level, "", meta.period_s};
   for (const auto& [name, text] : meta.files) {
     const fs::path path = (folder / name).lexically_normal();
     const fs::path inside = path.lexically_relative(folder);
@@ -83,6 +83,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     if (*kind == "device") files.device = path.string();
     if (*kind == "rendering") files.rendering = path.string();
     if (*kind == "patient") files.patient = path.string();
+    if (*kind == "prescription") files.prescription = path.string();
   }
   // Refuses a recording without one of the required files.
   const std::pair<const char*, const std::string*> needed[] = {{"scene", &files.scene},
@@ -125,7 +126,7 @@ Expected<Models> recordedModels(const RecordingMeta& meta, const std::string& re
   if (!models) return named(models.errors(), folder.path(), recording);
   for (std::string* file :
        {&models->files.scene, &models->files.hand, &models->files.device, &models->files.rendering,
-        &models->files.patient, &models->files.exercise}) {
+        &models->files.patient, &models->files.exercise, &models->files.prescription}) {
     if (file->empty()) continue;
     *file = recording + ": " + fs::path(*file).lexically_relative(folder.path()).string();
   }

@@ -259,6 +259,9 @@ namespace {
 bool printRendered(const ModelFiles& files, const Rig& rig) {
   const auto again = loadModels(files);
   if (!again) return false;
+  const auto& now = again->prescription;
+  const auto& then = rig.models.prescription;
+  if (now.has_value() != then.has_value() || (now && !now->sameAs(*then))) return false;
   const auto certified = fingerprintOf(certificateInput(*again, rig.options.period_s));
   return rehearsalFingerprint(*again, rig.options, certified) == rig.renderer->config().rehearsal;
 }

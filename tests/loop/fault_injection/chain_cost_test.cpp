@@ -12,7 +12,7 @@ namespace {
 void run(SafetyChain& chain, TickRecord& record) {
   chain.checkReading(Fault::kNone, record);
   chain.checkWorld(record.contacts.data(), record.contact_count, {}, record);
-  chain.watchEnergy(0.0, record);
+  chain.watchEnergy(0.0, nullptr, record);
   chain.limitEffort(record);
   chain.checkWrite(Fault::kNone, record);
   chain.checkStep(Fault::kNone, record);
