@@ -104,6 +104,24 @@ Prepared play(const std::string& exercise, std::uint64_t seed, int ticks_before,
   return {orThrow(buildRig(std::move(models), std::move(player), options)), ticks_before};
 }
 
+/// *Squeeze to a level*, from its start; perhaps with a prescription of limits on every axis and a
+/// corridor.
+Prepared playGuided(bool guided, const RigOptions& options) {
+  ModelFiles files = barFiles();
+  files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/squeeze-to-level.toml";
+  Models models = orThrow(loadModels(files));
+  if (guided) {
+    Prescription all;
+    for (int a = 0; a < models.device.axisCount(); ++a) {
+      all.limits.push_back({a, models.device.axes[a].lower, models.device.axes[a].upper});
+    }
+    all.corridor = {0.02, 100.0};
+    models.prescription = all;
+  }
+  auto player = makeExercisePlayer(models, 3);
+  return {orThrow(buildRig(std::move(models), std::move(player), options)), 0};
+}
+
 /// The drawer of `drawer` with two flaps on hinges at its front: a tree of three coordinates under
 /// the hand.
 Prepared pullTree(int ticks_before, const RigOptions& options) {
@@ -234,13 +252,15 @@ Prepared prepareScene(const std::string& scene, bool bare, const RigOptions& opt
   if (const int n = counted("pile-"); n >= 0) return swayAmong(ComplexityKind::kPile, n, options);
   if (const int n = counted("far-"); n >= 0) return swayAmong(ComplexityKind::kFar, n, options);
   if (scene == "drawer") return play(scene, 1, 4000, options);  // the handle is grasped and pulled
+  if (scene == "guided" || scene == "unguided") return playGuided(scene == "guided", options);
   if (scene == "drawer-tree") return pullTree(4000, options);
   if (scene.starts_with("play-")) {
     return play("cocktail-bar", std::stoull(scene.substr(5)), 0, options);
   }
   throw std::runtime_error(
       "scene \"" + scene +
-      "\" is none of approach, squeeze, near, drawer, drawer-tree, slots, no-slots, orders, "
+      "\" is none of approach, squeeze, near, drawer, drawer-tree, guided, unguided, slots, "
+      "no-slots, orders, "
       "hold-cube, "
       "hold-cylinder, hold-sphere, hold-disk, close-PERCENT, pile-BALLS, far-BODIES, play-SEED; "
       "squeeze and close-PERCENT also with -bare");

@@ -48,6 +48,7 @@ COMPARED = [
     ("slots", "no-slots", None, 1.0, 9000, "64 parked slots"),
     ("close-50", "close-50-bare", "physics step", 1.10, 0, "self-contacts and armature in free motion"),
     ("close-100", "close-100-bare", "physics step", 2.1, 0, "the same, into a pinch and out of it"),
+    ("guided", "unguided", None, 1.02, 0, "a prescription: limits on every axis, and a corridor"),
     ("squeeze", "squeeze-bare", None, 1.10, 0, "self-contacts, armature and energy tank"),
     ("drawer-tree", "drawer", None, 1.5, 0, "two flaps on the drawer under the hand"),
 ]
