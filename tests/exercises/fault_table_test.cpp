@@ -130,7 +130,7 @@ class ChangedConfig {
       if (words == "TYPE") {
         EXPECT_EQ(fault.code, DiagnosticCode::kType) << format(fault);
       } else {
-        EXPECT_TRUE(contains(format(fault), words));
+        EXPECT_TRUE(contains(fault.value + ": " + fault.problem + "; " + fault.remedy, words));
       }
     }
     EXPECT_TRUE(contains(fault.remedy, row.remedy)) << format(fault);
