@@ -21,6 +21,8 @@ inline std::string config(const std::string& name) {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
 }
 
+inline constexpr double kTick_s = 1e-3;
+
 /// Values of "stage".
 inline constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDrinkDone = 4,
                         kLevelDone = 5, kDrawBack = 6, kBreathe = 7;

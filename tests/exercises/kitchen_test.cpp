@@ -20,8 +20,6 @@ using kitchen::TaskSteps;
 using kitchen::ThingObservation;
 using kitchen::Verb;
 
-constexpr double kTick_s = 1e-3;
-
 Step stepOf(Verb verb) {
   Step step;
   step.verb = verb;

@@ -1,3 +1,4 @@
+#include "exercises/bar_table.hpp"
 #include "exercises/squeeze_to_level/squeeze_task.hpp"
 #include "rig/run/run.hpp"
 #include "support/rig_tools.hpp"
@@ -12,7 +13,6 @@ using squeeze_to_level::BandSteps;
 using squeeze_to_level::Instruction;
 
 const BandRules kRules{{{1.0, 2.0}, {3.0, 4.0}}, 0.5, 0.2};
-constexpr double kTick_s = 1e-3;
 
 int ticks(BandSteps& steps, double squeeze_n, int count) {
   int held = 0;
