@@ -266,6 +266,41 @@ TEST(FirstTry, TouchingConvexParts_ArePieces) {
   }
 }
 
+// A mesh in centimetres whose largest part is beyond 10 m: nothing of it is left out in its place.
+TEST(FirstTry, PartsOfAWrongUnit_AreRefusedTogether) {
+  auto random = seededRandom(6204);
+  for (int n = 0; n < cases(20); ++n) {
+    const double tall = uniform(random, 11.0, 30.0), low = uniform(random, 0.1, 5.0);
+    MeshFile file;
+    const std::vector<std::array<Vector3d, 2>> boxes = {
+        {Vector3d::Zero(), Vector3d(7.0, 7.0, tall)},
+        {Vector3d(0.0, 8.0, 0.0), Vector3d(low, 8.0 + low, low)}};
+    file.surface = surfaceOf(boxes, false);
+    file.part.assign(12, 0);
+    file.part.resize(24, 1);
+    const auto mesh = meshCollider(file);
+    ASSERT_FALSE(mesh.ok());
+    EXPECT_TRUE(contains(format(mesh.errors()), "must be 0.001 to 10 m across"));
+  }
+}
+
+// A dump in hexadecimal digits is no file that was cut off.
+TEST(FirstTry, TextThatIsNoStl_IsSaidToBeOne) {
+  const Folder folder;
+  std::string dump;
+  for (int line = 0; line < 20; ++line) {
+    dump += fmt::format("{:08x}: 434f 4c4f 523d 7f7f 7f20 4d41 5445 5249  COLOR=... MATERI\n",
+                        16 * line);
+  }
+  const auto mesh = loadMeshCollider(folder.write("dump.stl", dump), Vector3d::Ones());
+  ASSERT_FALSE(mesh.ok());
+  EXPECT_TRUE(contains(format(mesh.errors()), "is a text that does not begin as an STL"));
+  std::string cut = std::string(80, ' ') + "\xFF\xFF" + std::string(2, '\0');
+  const auto binary = loadMeshCollider(folder.write("cut.stl", cut), Vector3d::Ones());
+  ASSERT_FALSE(binary.ok());
+  EXPECT_TRUE(contains(format(binary.errors()), "is cut off")) << format(binary.errors());
+}
+
 TEST(FirstTry, PlyWithFacesBeforeItsCorners_IsRead) {
   const Folder folder;
   std::string points, faces;

@@ -332,11 +332,14 @@ std::optional<MeshCollider> convexParts(const MeshSurface& mesh, const std::vect
     found.shapes.push_back(std::move(one.shape));
   }
   if (std::abs(is_m3 / was_m3 - 1.0) > kConvexShare) {
-    found.notices.push_back(
-        fileFault("",
-                  fmt::format("has {} parts whose convex hulls take their place, {}",
-                              found.shapes.size(), volumeChange(is_m3, was_m3)),
-                  "where this is too much, give convex parts"));
+    found.notices.push_back(fileFault(
+        "",
+        fmt::format(
+            "has {} whose convex {}, {}",
+            found.shapes.size() == 1 ? "1 part" : fmt::format("{} parts", found.shapes.size()),
+            found.shapes.size() == 1 ? "hull takes its place" : "hulls take their place",
+            volumeChange(is_m3, was_m3)),
+        "where this is too much, give convex parts"));
   }
   const std::size_t inner = with_volume - found.shapes.size(),
                     left_out = parts.size() - with_volume;
@@ -428,6 +431,14 @@ Expected<Shape> convexMesh(const std::vector<Vector3d>& points_m,
 Expected<MeshCollider> meshCollider(const MeshFile& file) {
   const MeshSurface& mesh = file.surface;
   if (auto d = inputFault(mesh.points, mesh.triangles, kMaxMeshTriangles)) return *d;
+  // Parts are judged one by one below. One that is too large must not be left out as too small.
+  WeldedMesh whole;
+  for (const Vector3i& t : mesh.triangles) {
+    for (const int corner : t) whole.points_m.push_back(mesh.points[corner]);
+  }
+  whole.size_m = diagonal(whole.points_m);
+  const auto size = sizeFault(whole);
+  if (size && whole.size_m > 0.0) return *size;
   Expected<Shape> itself = convexMesh(mesh.points, mesh.triangles);
   if (itself) return MeshCollider{{std::move(*itself)}, {}};
   std::vector<int> part = file.part;

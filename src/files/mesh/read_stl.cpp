@@ -82,11 +82,22 @@ MeshFile readStlText(std::string_view text) {
   return file;
 }
 
+/// True for bytes of a text alone, such as a dump of a binary file.
+bool isText(std::string_view bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](unsigned char c) {
+    return (c >= ' ' && c != 0x7F) || c == '\n' || c == '\r' || c == '\t';
+  });
+}
+
 MeshFile readStlBinary(std::string_view bytes, std::uint32_t count) {
   MeshFile file;
   const std::size_t present = (bytes.size() - kStlHead_bytes) / kStlTriangle_bytes;
   // Programs that write to a pipe do not know the number of triangles and leave 0.
   const std::size_t triangles = count == 0 ? present : count;
+  if (triangles > present && isText(bytes.substr(0, kStlHead_bytes))) {
+    throw UnreadableMesh{"is a text that does not begin as an STL, with \"solid\"",
+                         "export it again, as STL"};
+  }
   if (triangles > present) {
     throw UnreadableMesh{
         fmt::format("is cut off: it announces {} triangles and holds {}", triangles, present),
