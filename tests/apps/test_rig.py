@@ -292,6 +292,7 @@ class BadInputs(unittest.TestCase):
                                 ([good], ValueError, r"shape \(1, 6\); must be \(6,\)"),
                                 (numpy.nan * good, ValueError, r"aim\[0\] \(x\) = -?nan: is not finite"),
                                 ([0, 0, 0, 0, 0, numpy.inf], ValueError, r"aim\[5\] \(thumb_flexion\) = inf: is not finite"),
+                                (numpy.ma.array(good, mask=[0, 1, 0, 0, 0, 0]), ValueError, "aim has masked values"),
                                 ("up", TypeError, "aim = 'up': is not an array of numbers")):
             with self.assertRaisesRegex(error, why):
                 rig.step(aim)
@@ -299,6 +300,7 @@ class BadInputs(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"n = {n!r}: must be a whole number >= 1"):
                 rig.step(good, n)
         self.assertEqual(rig.step(good.tolist(), 2), 2, "a refusal changes nothing")
+        self.assertEqual(Rig().step(numpy.ma.array(good, mask=False)), 1, "nothing is masked")
         self.assertEqual(rig.tick, 1)
         for seed, allowed in ((-1, ">= 0"), (2.5, ">= 0"), (2**64, r"in \[0, 18446744073709551615\]")):
             with self.assertRaisesRegex(ValueError, rf"^seed = {seed}: must be a whole number {allowed}$"):

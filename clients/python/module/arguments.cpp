@@ -136,6 +136,11 @@ std::vector<std::uint64_t> seedsOf(const py::object& seeds, int rigs) {
 
 Numbers aimsOf(py::handle aim, const Models& models, py::ssize_t rigs) {
   const py::ssize_t axes = models.device.axisCount();
+  // Of a masked array NumPy would hand over the values beneath the mask.
+  if (py::hasattr(aim, "mask") &&
+      py::cast<bool>(py::module_::import("numpy").attr("any")(aim.attr("mask")))) {
+    throw py::value_error("aim has masked values; fill them: aim.filled(...)");
+  }
   const py::object given = py::array::ensure(aim);
   PyErr_Clear();
   // Numbers as texts, and complex ones, would be converted.
