@@ -10,7 +10,6 @@
 #include "files/patient/motion_file.hpp"
 #include "files/patient/patient_file.hpp"
 #include "files/scene/scene_file.hpp"
-#include "files/urdf/urdf.hpp"
 #include "fuzz_targets.hpp"
 #include "loop/model/device_model.hpp"
 #include "loop/model/patient_config.hpp"
@@ -32,6 +31,22 @@ namespace {
 constexpr std::size_t kMostFaults = 20;  // of one file; one more line says how many were left out
 
 const std::string kSource = WHOLEHAND_SOURCE_DIR;
+
+/// A stand with a tree of joints, one that follows, and what public files write for no end.
+constexpr const char* kTree =
+    R"(<robot name="r"><link name="stand"><collision><geometry><box size="0.4 0.3 0.6"/></geometry>
+</collision></link><link name="one"><contact><lateral_friction value="0.5"/></contact><inertial>
+<mass value="0.1"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" iyx="0"/></inertial><collision>
+<origin xyz="0.2 0 0" rpy="0 0 1"/><geometry><capsule radius="0.02" length="0.1"/></geometry>
+</collision><visual><geometry><sphere radius="0.05"/></geometry></visual></link><link name="bare"/>
+<link name="two"><collision><geometry><cylinder radius="0.02" length="0.1"/></geometry></collision>
+</link><joint name="a" type="revolute"><parent link="stand"/><child link="one"/>
+<origin xyz="0.2 0 0"/><axis xyz="0 0 1"/><limit lower="0.2" upper="1.5"/>
+<dynamics damping="0.1" friction="100"/></joint><joint name="b" type="prismatic">
+<parent link="one"/><child link="bare"/><axis xyz="1 0 0"/><limit lower="-15" upper="15"/>
+<safety_controller soft_lower_limit="-0.5"/></joint><joint name="c" type="continuous">
+<parent link="bare"/><child link="two"/><axis xyz="0 1 0"/><mimic joint="a" multiplier="-0.5"/>
+</joint><gazebo reference="one"><mu1>0.7</mu1></gazebo></robot>)";
 
 using Load = std::function<Diagnostics(const std::string& path)>;
 
@@ -171,8 +186,8 @@ std::vector<FuzzTarget> fileTargets() {
            "Objects\n100\n,,A:B,,,,,,\nFrame,Sub Frame,RX,RY,RZ,RW,TX,TY,TZ,\n,,,,,,mm,mm,mm,\n"
            "1,0,0,0,0,1,1,2,3,\n2,0,0,0,0,1,1,2,3,\n"},
           "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
-      fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
-                 [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
+      fileTarget("urdf", {bytesOfFile(kSource + "/config/scenes/assets/mug.urdf"), kTree}, "a.urdf",
+                 [](const std::string& p) { return faultsOf(loadSceneFile(p)); })};
   for (const char* ending : {"stl", "obj", "ply", "dae", "glb"}) {
     targets.push_back(meshTarget(ending));
     targets.back().sampled = 100;
