@@ -6,6 +6,7 @@
 #include "support/figure.hpp"
 #include "support/folder.hpp"
 #include "support/seed.hpp"
+#include "support/shipped.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -103,6 +104,24 @@ TEST(Touch, DrawnFurniture_MovesThroughItsRange) {
   }
   figure("joints of drawn furniture", joints, "");
   figure("of them moved only with others held or cleared", helped, "");
+}
+
+// Every joint of every scene that ships, in the scene as it is.
+TEST(Touch, JointsOfTheShippedScenes_MoveThroughTheirRanges) {
+  int joints = 0;
+  for (const std::string& name : shipped("scenes")) {
+    const auto scene = loadSceneFile(WHOLEHAND_SOURCE_DIR "/config/scenes/" + name + ".toml");
+    ASSERT_TRUE(scene) << format(scene.errors());
+    if (scene->recordedJoints().empty()) continue;
+    const auto touched = touchJoints(*scene, defaultEngine());
+    ASSERT_TRUE(touched) << format(touched.errors());
+    for (const TouchedJoint& joint : *touched) {
+      ++joints;
+      EXPECT_TRUE(joint.moves()) << name << ": " << joint.body;
+      EXPECT_EQ(joint.help, TouchHelp::kNone) << name << ": " << joint.body;
+    }
+  }
+  EXPECT_GE(joints, 6);
 }
 
 // The finger pushes with 100 N at most: dry friction below moves, above holds.
