@@ -452,8 +452,8 @@ TEST(TellApart, FaultyFiles_AreRefusedWithTheRemedy) {
     const char *quantity, *find, *with, *expected;
   };
   for (const Case& c : std::initializer_list<Case>{
-           // A level outside the certificate: 600 N/m times 3.
-           {"firmer", "stiffness_tip_n_m = 120.0", "stiffness_tip_n_m = 600.0", "finger_flexion"},
+           // Not even the least level is within the certificate.
+           {"firmer", "stiffness_tip_n_m = 120.0", "stiffness_tip_n_m = 1000.0", "finger_flexion"},
            {"firmer", "quantity = \"firmer\"", "quantity = \"softer\"", "heavier"},
            {"firmer", "quantity = \"firmer\"", "quantity = \"heavier\"", "heavier most_n"},
            {"firmer", "quantity = \"firmer\"", "quantity = \"thicker\"", "opens_s"},
