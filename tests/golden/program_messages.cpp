@@ -44,10 +44,10 @@ wire::Bytes bodiesBeyondSlots() {
   const auto at = [](double x_m) { return BodyPose{{x_m, 0.5, -0.25}, {0.6, 0.0, 0.0, 0.8}}; };
   return wire::gameBodiesMessage(
       4, {{3, 1 << 23, SlotState::kGhost, shapes}}, {shapes},
-      {{{1000, 5, 0, -1, Whereabouts::kOutOfReach, at(3.0)}, shapes},
-       {{1001, 1, 0, -1, Whereabouts::kLeftOut, at(0.1)}, shapes},
-       {{1002, 7, 0, 3, Whereabouts::kInSlot, at(0.2)}, shapes},
-       {{32767, 2, 0, -1, Whereabouts::kOutOfReach, at(0.3)}, nullptr}});  // no longer registered
+      {{1000, 5, -1, Whereabouts::kOutOfReach, at(3.0), shapes},
+       {1001, 1, -1, Whereabouts::kLeftOut, at(0.1), shapes},
+       {1002, 7, 3, Whereabouts::kInSlot, at(0.2), shapes},
+       {32767, 2, -1, Whereabouts::kOutOfReach, at(0.3), nullptr}});  // no longer registered
 }
 
 CommissioningFacts failedStep() {
