@@ -285,8 +285,9 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
   run->add_flag("--without-passport", o.without_passport,
                 "Take a real device that was not commissioned; NOBODY MAY BE ATTACHED (recorded)");
   run->add_option("--patient", o.files.patient, "Virtual patient file")->capture_default_str();
-  run->add_option("--prescription", o.files.prescription,
-                  "Limits of one person as walls, and a corridor to each goal (docs/prescription.md)");
+  run->add_option(
+      "--prescription", o.files.prescription,
+      "Limits of one person as walls, and a corridor to each goal (docs/prescription.md)");
   run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
       ->capture_default_str();
   addEngine(*run, o.engine);

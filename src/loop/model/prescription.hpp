@@ -12,8 +12,8 @@ namespace wholehand {
 /// Width of the wall at an end of a person's range.
 inline constexpr double kLimitBand_m = 0.010, kLimitBand_rad = 5.0 * kDeg;
 
-/// What a therapist allows one person: a file of kind "prescription" (docs/prescription.md). It only
-/// resists and narrows; nothing in it moves a hand.
+/// What a therapist allows one person: a file of kind "prescription" (docs/prescription.md). It
+/// only resists and narrows; nothing in it moves a hand.
 struct Prescription {
   /// The part of an axis's range that is the person's. Its ends are walls.
   struct Limit {

@@ -78,7 +78,10 @@ SegmentDistance segmentDistance(const Shape& shape, const Vector3d& a_m, const V
   const auto enough = [&](double gap_m, double least_m) {
     return gap_m <= kExact_m + share * std::max(least_m - radius_m, 0.0);
   };
-  SegmentDistance result = shape.isMesh() ? hullDistance(shape.points_m, a, b, radius_m)
+  const auto points = [&] {
+    return PointRow{shape.points_m.front().data(), static_cast<int>(shape.points_m.size())};
+  };
+  SegmentDistance result = shape.isMesh() ? hullDistance(points(), a, b, radius_m)
                                           : nearest(shape, a, b, radius_m, kMostSteps, enough);
   result.normal = turn * result.normal;
   result.bound_normal = turn * result.bound_normal;
@@ -179,21 +182,21 @@ bool reduce(Simplex& simplex) {
 
 }  // namespace
 
-SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector3d& a_m,
-                             const Vector3d& b_m, double radius_m) noexcept {
+SegmentDistance hullDistance(const PointRow& points_m, const Vector3d& a_m, const Vector3d& b_m,
+                             double radius_m) noexcept {
   // The corner of the difference that is farthest towards the origin, seen from `from`.
   const auto support = [&](const Vector3d& from) -> Corner {
-    const Vector3d* farthest = &points_m.front();  // stays when all numbers are NaN
+    int farthest = 0;  // stays when all numbers are NaN
     double most = -std::numeric_limits<double>::infinity();
-    for (const Vector3d& p : points_m) {
-      const double along = p.dot(from);
-      if (along > most) most = along, farthest = &p;
+    for (int i = 0; i < points_m.count; ++i) {
+      const double along = points_m[i].dot(from);
+      if (along > most) most = along, farthest = i;
     }
     const bool at_b = b_m.dot(from) < a_m.dot(from);
-    return {(at_b ? b_m : a_m) - *farthest, at_b ? 1.0 : 0.0};
+    return {(at_b ? b_m : a_m) - points_m[farthest], at_b ? 1.0 : 0.0};
   };
   Simplex simplex;
-  simplex.corners[0] = support(0.5 * (a_m + b_m) - points_m.front());
+  simplex.corners[0] = support(0.5 * (a_m + b_m) - points_m[0]);
   simplex.weights[0] = 1.0;
   simplex.size = 1;
   simplex.nearest_m = simplex.corners[0].at_m;

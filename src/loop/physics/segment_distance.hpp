@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <vector>
+#include <cstddef>
 
 namespace wholehand {
 
@@ -39,14 +39,27 @@ struct SegmentDistance {
                                                            const Eigen::Vector3d& b_m,
                                                            double radius_m, double far_m) noexcept;
 
+/// Points in a row of memory: x, y, z of each, and numbers that do not count between them.
+struct PointRow {
+  const double* first = nullptr;
+  int count = 0;   ///< > 0
+  int stride = 3;  ///< numbers from one point to the next
+
+  [[nodiscard]] Eigen::Vector3d operator[](int i) const noexcept {
+    const double* at = first + static_cast<std::ptrdiff_t>(stride) * i;
+    return {at[0], at[1], at[2]};
+  }
+};
+
 /// Distance of a capsule (segment and radius) from the convex hull of points, to 0.1 µm (Gilbert,
 /// Johnson, Keerthi 1988, with a bound on the steps: `least_m` is valid however early it ends).
 /// When the segment itself intersects the hull: minus the radius, without a normal. For the tick,
 /// on fixed storage; files/scene/separation.hpp also computes the penetration depth, but only at
 /// load. Real-time safe.
-/// @pre points_m not empty; all in one frame
-[[nodiscard]] WHOLEHAND_RT SegmentDistance
-hullDistance(const std::vector<Eigen::Vector3d>& points_m, const Eigen::Vector3d& a_m,
-             const Eigen::Vector3d& b_m, double radius_m) noexcept;
+/// @pre all in one frame
+[[nodiscard]] WHOLEHAND_RT SegmentDistance hullDistance(const PointRow& points_m,
+                                                        const Eigen::Vector3d& a_m,
+                                                        const Eigen::Vector3d& b_m,
+                                                        double radius_m) noexcept;
 
 }  // namespace wholehand

@@ -169,7 +169,9 @@ Nearest nearestOfRound(const Convex& round, const Convex& mesh, double sign) {
   const Eigen::Vector3d from = toEigen(into * btVector3(0.0, 0.0, -half_m));
   const Eigen::Vector3d to = toEigen(into * btVector3(0.0, 0.0, half_m));
   const double radius_m = round.form.radius_m;
-  const SegmentDistance is = hullDistance(mesh.form.points_m, from, to, radius_m);
+  const SegmentDistance is =
+      hullDistance({mesh.points->m_floats, mesh.point_count, sizeof(btVector3) / sizeof(double)},
+                   from, to, radius_m);
   if (is.normal.isZero()) return {};
   const Eigen::Vector3d core_m = from + is.along * (to - from);
   const Eigen::Vector3d on_b =
