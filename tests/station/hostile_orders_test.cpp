@@ -5,6 +5,7 @@
 #include "support/seed.hpp"
 
 #include <condition_variable>
+#include <functional>
 
 namespace wholehand::test {
 namespace {
@@ -28,6 +29,20 @@ TEST_F(HostileOrders, BlockedLog_DelaysNoStop) {
     std::unique_lock lock(mutex);
     released.wait(lock, [&] { return !stands_still; });
   };
+  // However the test ends, the log no longer waits and no longer refers to local variables.
+  const std::function<void()> end = [&] {
+    {
+      const std::lock_guard lock(mutex);
+      stands_still = false;
+    }
+    released.notify_all();
+    (void)quit();
+    station_.reset();
+  };
+  struct AtEnd {
+    const std::function<void()>& run;
+    ~AtEnd() { run(); }
+  } at_end{end};
   load(config);
   run(false);
   for (const orders::Any& stop : kStops) {
@@ -40,13 +55,6 @@ TEST_F(HostileOrders, BlockedLog_DelaysNoStop) {
     EXPECT_LT(largest(record.sent), 1e-3)
         << kAlways;  // if the last record was dropped, this is the one before
   }
-  {
-    const std::lock_guard lock(mutex);
-    stands_still = false;
-  }
-  released.notify_all();
-  (void)quit();
-  station_.reset();  // the log callback refers to local variables
 }
 
 TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {

@@ -470,17 +470,17 @@ void offerWhatIsBorne(TellApartTask& task, const BearsWalls& bears) {
   if (!bears || !stiffer || bears(stiffestWalls(task))) return;
   const int asked = rules.most_level;
   int borne = rules.least_level, refused = asked;
-  const auto bearsLevel = [&](int level) {
+  const auto bears_level = [&](int level) {
     rules.most_level = level;
     return bears(stiffestWalls(task));
   };
-  if (!bearsLevel(borne)) {
+  if (!bears_level(borne)) {
     rules.most_level = asked;
     return;
   }
   while (refused - borne > 1) {
     const int middle = (borne + refused) / 2;
-    (bearsLevel(middle) ? borne : refused) = middle;
+    (bears_level(middle) ? borne : refused) = middle;
   }
   rules.most_level = borne;
 }

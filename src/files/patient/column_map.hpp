@@ -55,6 +55,6 @@ struct MotionHead {
 /// may be the angle of a finger; and the time, or a rate. Units that no column names are judged by
 /// the first rows. Rates, accelerations and quaternions are no places. Empty: nothing may be an
 /// axis, or nothing lacks.
-[[nodiscard]] std::string exampleOfMap(const MotionHead& head);
+[[nodiscard]] std::string exampleOfMap(const MotionHead& all);
 
 }  // namespace wholehand

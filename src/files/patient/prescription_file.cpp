@@ -71,8 +71,8 @@ Prescription::Corridor readCorridor(TomlTable table, const DeviceModel& device) 
   Prescription::Corridor out;
   out.radius_m = table.number("radius_m", between(0.005, 0.2, "m"));
   out.stiffness_n_m = table.number("stiffness_n_m", between(10.0, 1000.0, "N/m"));
-  constexpr std::array names = {"x", "y", "z"};
-  if (std::none_of(names.begin(), names.end(),
+  constexpr std::array kNames = {"x", "y", "z"};
+  if (std::none_of(kNames.begin(), kNames.end(),
                    [&](const char* name) { return device.axisIndex(name) >= 0; })) {
     table.fail("",
                "is for a hand that is carried, and the device " + printable(device.path) +
