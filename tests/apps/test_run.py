@@ -49,6 +49,16 @@ class WhatItWrites(AppTest):
         self.check_recording(summary)
         self.check_report()
 
+    def test_run_says_what_a_prescription_allows_and_what_the_device_does_not_bear(self):
+        # Half of what desktop-3axis bears is less than 300 N/m.
+        prescription = self.write("p.toml", 'kind = "prescription"\nversion = 1\nname = "p"\nside = "right"\n'
+                                  '[[limits]]\naxis = "x"\nwithin_m = [-0.04, 0.03]\n'
+                                  '[corridor]\nradius_m = 0.03\nstiffness_n_m = 300.0\n')
+        result = self.run_app("run", "--scene", CONFIG / "scenes/four-shapes.toml", "--device",
+                              CONFIG / "devices/desktop-3axis.toml", "--prescription", prescription, "--simulated-clock",
+                              "--duration", "0.5", "--json", "run.json")
+        self.expect(result, DONE, "allowed  p: x -40 to 30 mm (", " of 300: the device bears no more")
+
     def check_summary(self, summary):
         for key in ("ticks", "missed_deadlines", "faults", "contacts_max"):
             self.assertIs(type(summary[key]), int, key)

@@ -5,6 +5,7 @@
 #include "loop/core/printable.hpp"
 #include "loop/runtime/statistics.hpp"
 #include "record/recording.hpp"
+#include "rig/prescribed_guides.hpp"
 
 #include <fmt/format.h>
 
@@ -57,6 +58,34 @@ nlohmann::ordered_json rehearsalJson(const Rehearsal& r) {
           {"attempts", r.attempts}};
 }
 
+/// What holds a person back in this run: a device may bear less than the prescription asks.
+void printPrescription(const Models& models) {
+  const Prescription& prescription = *models.prescription;
+  const PersonGuidesConfig guides = guidesOf(models, models.files.period_s);
+  std::vector<std::string> parts;
+  for (const Prescription::Limit& limit : prescription.limits) {
+    const DeviceAxis& axis = models.device.axes[limit.axis];
+    const bool turns = axis.kind == AxisKind::kRotation;
+    const double scale = turns ? 1.0 / kDeg : 1e3;
+    const double stiffness = guides.walls.stiffness[limit.axis];
+    const std::string wall = stiffness > 0.0
+                                 ? fmt::format("{:.3g} {}", stiffness, turns ? "N·m/rad" : "N/m")
+                                 : "no wall: the device bears none";
+    parts.push_back(fmt::format("{} {:.0f} to {:.0f}{} ({})", axis.name, scale * limit.lower,
+                                scale * limit.upper, turns ? "°" : " mm", wall));
+  }
+  if (prescription.corridor) {
+    const double asked = prescription.corridor->stiffness_n_m;
+    const double is = guides.corridor ? guides.corridor->stiffness_n_m : 0.0;
+    const bool whole = is >= asked * (1.0 - 1e-9);
+    parts.push_back(
+        fmt::format("corridor {:.3g} N/m{}", is,
+                    whole ? "" : fmt::format(" of {:.3g}: the device bears no more", asked)));
+  }
+  std::printf("  allowed  %s: %s\n", printable(prescription.name).c_str(),
+              fmt::format("{}", fmt::join(parts, "; ")).c_str());
+}
+
 }  // namespace
 
 std::string titleOf(const Models& models) {
@@ -80,6 +109,7 @@ void printOpening(const Models& models, bool real_device) {
               models.scene.bodies.size() == 1 ? "body" : "bodies");
   constexpr int kBelowTheScene = 11;
   printNotices(models.scene.notices, kBelowTheScene);
+  if (models.prescription) printPrescription(models);
 }
 
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,

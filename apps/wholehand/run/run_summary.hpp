@@ -24,7 +24,7 @@ struct RunSafety {
 /// Title of a run: "cocktail-bar, level 1 of 4"; "Four shapes, reach-grasp-00".
 [[nodiscard]] std::string titleOf(const Models& models);
 
-/// Prints the models before a run: device, patient, hand, scene.
+/// Prints the models before a run: device, patient, hand, scene, prescription.
 void printOpening(const Models& models, bool real_device = false);
 
 /// Prints the results, and the files written.
