@@ -165,7 +165,7 @@ class NearestPoints {
 /// the mesh. @param sign 1: from the mesh to the round shape, -1: the reverse
 Nearest nearestOfRound(const Convex& round, const Convex& mesh, double sign) {
   const btTransform into = mesh.at.inverseTimes(round.at);
-  const double half_m = round.form.type == ShapeType::kCapsule ? 0.5 * round.form.length_m : 0.0;
+  const double half_m = round.form.coreBox().z();
   const Eigen::Vector3d from = toEigen(into * btVector3(0.0, 0.0, -half_m));
   const Eigen::Vector3d to = toEigen(into * btVector3(0.0, 0.0, half_m));
   const double radius_m = round.form.radius_m;
@@ -192,20 +192,17 @@ Nearest nearest(const btCollisionObject& object_a, const btCollisionObject& obje
   const Nearest as_they_are = points.apart({0.0, 0.0, 0.0});
   // Points that nearly coincide give no reliable direction: the shapes would not be apart along it.
   if (sure(as_they_are)) return as_they_are;
-  btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
   // For meshes the search may have ended at a simplex that is nearly flat, with points that are not
   // the nearest ones. The search against a capsule's axis does not. For other shapes, it ends
   // elsewhere from another guess.
-  const auto round = [](const Convex& of) {
-    return of.form.type == ShapeType::kCapsule || of.form.type == ShapeType::kSphere;
-  };
-  if (round(a) && b.point_count > 0) {
-    const Nearest exact = nearestOfRound(a, b, 1.0);
+  const bool a_is_mesh = a.point_count > 0, b_is_mesh = b.point_count > 0;
+  const bool with_round = a_is_mesh ? b.form.isRound() : b_is_mesh && a.form.isRound();
+  if (with_round) {
+    const Nearest exact = a_is_mesh ? nearestOfRound(b, a, -1.0) : nearestOfRound(a, b, 1.0);
     if (sure(exact)) return exact;
-  } else if (round(b) && a.point_count > 0) {
-    const Nearest exact = nearestOfRound(b, a, -1.0);
-    if (sure(exact)) return exact;
-  } else if (as_they_are.found && (a.point_count > 0 || b.point_count > 0)) {
+  }
+  btVector3 along = before != nullptr ? *before : leastOverlap(a, b);
+  if (as_they_are.found && !with_round && (a_is_mesh || b_is_mesh)) {
     const btMatrix3x3& basis = object_b.getWorldTransform().getBasis();
     const btVector3 x = basis.getColumn(0), y = basis.getColumn(1), z = basis.getColumn(2);
     for (const btVector3& guess : {along, as_they_are.point.normal, x, y, z, -x, -y, -z}) {
