@@ -118,7 +118,8 @@ TEST(PersonGuides, HandThatHasNotMovedSinceArming_FeelsNothing) {
   }
 }
 
-TEST(PersonGuides, SilentClient_LetsTheEffortFallAndBeginAnew) {
+/// Limits of ±50 mm on one axis, armed in the middle: bands of 10 mm, 300 N/m, at most 5 N.
+PersonGuides oneAxis() {
   PersonGuidesConfig config;
   config.walls = {1,
                   AxisPosition(1, -0.05),
@@ -128,6 +129,11 @@ TEST(PersonGuides, SilentClient_LetsTheEffortFallAndBeginAnew) {
                   AxisEffort(1, 5.0)};
   PersonGuides guides(config);
   guides.begin(AxisPosition(1, 0.0));
+  return guides;
+}
+
+TEST(PersonGuides, SilentClient_LetsTheEffortFallAndBeginAnew) {
+  PersonGuides guides = oneAxis();
   const AxisPosition pressed(1, 0.05);
   guides.advance(pressed, {}, true, 1e-3);
   EXPECT_NEAR(guides.effort()[0], -3.0, 1e-12);
@@ -147,15 +153,7 @@ TEST(PersonGuides, SilentClient_LetsTheEffortFallAndBeginAnew) {
 }
 
 TEST(PersonGuides, EffortOfAnExercise_DoesNotRiseWithinABand) {
-  PersonGuidesConfig config;
-  config.walls = {1,
-                  AxisPosition(1, -0.05),
-                  AxisPosition(1, 0.05),
-                  AxisPosition(1, 0.01),
-                  AxisStiffness(1, 300.0),
-                  AxisEffort(1, 5.0)};
-  PersonGuides guides(config);
-  guides.begin(AxisPosition(1, 0.0));
+  PersonGuides guides = oneAxis();
   const auto bounded = [&](double q, double effort) {
     ExerciseRecord exercise;
     exercise.effort = AxisEffort(1, effort);
