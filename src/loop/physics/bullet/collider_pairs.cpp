@@ -99,7 +99,7 @@ void removeEdges(btPersistentManifold& at, btPersistentManifold& beside,
 
 /// Largest speed of a collider's surface due to the rotation of its body [m/s].
 double turningSpeed(const BulletBody::Collider& of) {
-  const bool ball = of.form.isRound() && of.form.coreBox().z() == 0.0;
+  const bool ball = of.form.isRound() && of.form.kind().length_key == nullptr;
   // A sphere that rotates about its own centre.
   if (ball && of.in_rigid.getOrigin().fuzzyZero()) return 0.0;
   const double turn_rad_s = of.tag.rigid->getAngularVelocity().length();
