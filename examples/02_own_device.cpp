@@ -15,10 +15,12 @@ using namespace wholehand;
 
 int main(int argc, char** argv) {
   const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
-  auto models = loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
-                            config + "devices/desktop-3axis.toml",  // describes the three axes
-                            config + "rendering/desktop-3axis.toml",
-                            config + "patients/no-arm.toml", "", "", 1});
+  auto models =
+      loadModels({.scene = config + "scenes/empty.toml",
+                  .hand = config + "hands/adult-median-right.toml",
+                  .device = config + "devices/desktop-3axis.toml",  // describes the three axes
+                  .rendering = config + "rendering/desktop-3axis.toml",
+                  .patient = config + "patients/no-arm.toml"});
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   SceneBody wall;
   wall.name = "wall";

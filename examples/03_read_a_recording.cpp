@@ -16,10 +16,11 @@ using namespace wholehand;
 
 Expected<RunOutcome> recordHalfASecond(const std::string& path) {
   const std::string config = WHOLEHAND_SOURCE_DIR "/config/";
-  auto models =
-      loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
-                  config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
-                  config + "patients/relaxed-adult.toml", "", "", 1});
+  auto models = loadModels({.scene = config + "scenes/empty.toml",
+                            .hand = config + "hands/adult-median-right.toml",
+                            .device = config + "devices/lambda-pride.toml",
+                            .rendering = config + "rendering/lambda-pride.toml",
+                            .patient = config + "patients/relaxed-adult.toml"});
   if (!models) return models.errors();
   AxisPosition begin(models->device.axisCount()), end = begin;
   end[models->device.axisIndex("x")] = 0.05;

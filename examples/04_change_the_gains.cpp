@@ -14,10 +14,11 @@ using namespace wholehand;
 
 int main(int argc, char** argv) {
   const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
-  auto models =
-      loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
-                  config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
-                  config + "patients/relaxed-adult.toml", "", "", 1});
+  auto models = loadModels({.scene = config + "scenes/empty.toml",
+                            .hand = config + "hands/adult-median-right.toml",
+                            .device = config + "devices/lambda-pride.toml",
+                            .rendering = config + "rendering/lambda-pride.toml",
+                            .patient = config + "patients/relaxed-adult.toml"});
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   const int x = models->device.axisIndex("x");
   // Simulates a device that may change its effort faster, because the slew limit also bounds the

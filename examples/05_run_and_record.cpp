@@ -20,10 +20,11 @@ int fail(const Diagnostics& why) {
 int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "which file is to be recorded?\n"), 2;
   const std::string config = (argc > 3 ? argv[3] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
-  auto models =
-      loadModels({config + "scenes/four-shapes.toml", config + "hands/adult-median-right.toml",
-                  config + "devices/desktop-3axis.toml", config + "rendering/desktop-3axis.toml",
-                  config + "patients/no-arm.toml", "", "", 1});
+  auto models = loadModels({.scene = config + "scenes/four-shapes.toml",
+                            .hand = config + "hands/adult-median-right.toml",
+                            .device = config + "devices/desktop-3axis.toml",
+                            .rendering = config + "rendering/desktop-3axis.toml",
+                            .patient = config + "patients/no-arm.toml"});
   if (!models) return fail(models.errors());
   const InterruptScope signals;  // from here on Ctrl-C is remembered
   auto rig = buildRig(*models, std::make_unique<Rails>(1, 1.0), RigOptions{});

@@ -29,11 +29,12 @@ struct ModelFiles {
   std::string device = "config/devices/lambda-pride.toml";
   std::string rendering = "config/rendering/lambda-pride.toml";
   std::string patient = "config/patients/relaxed-adult.toml";
-  std::string motion;
-  std::string exercise;  ///< exercise file, which names its own scene; empty: only the scene above
-  int level = 1;         ///< level of the exercise
-  std::string prescription;  ///< file of kind "prescription"; empty: none
-  double period_s = 1e-3;    ///< an exercise offers at most what is certified at this period
+  // Each member has an initializer, so that a caller names only the files of their own.
+  std::string motion = {};
+  std::string exercise = {};  ///< exercise file, which names its own scene; empty: the scene above
+  int level = 1;              ///< level of the exercise
+  std::string prescription = {};  ///< file of kind "prescription"; empty: none
+  double period_s = 1e-3;         ///< an exercise offers at most what is certified at this period
 
   /// All paths; unused ones are empty.
   [[nodiscard]] std::vector<std::string> all() const {
