@@ -1,6 +1,7 @@
 #include "apps/wholehand/device_host/device_host_command.hpp"
 #include "apps/wholehand/doctor/doctor.hpp"
 #include "apps/wholehand/measures/measures_command.hpp"
+#include "apps/wholehand/prescribe/prescribe_command.hpp"
 #include "apps/wholehand/replay/replay_command.hpp"
 #include "apps/wholehand/report/report_command.hpp"
 #include "apps/wholehand/run/run_command.hpp"
@@ -87,7 +88,16 @@ struct Measured {
   std::string recording, answers;
 };
 
-void addOthers(CLI::App& app, ReportOptions& report, Measured& measured, int& code) {
+std::string isCode(const std::string& text) {
+  const bool good = !text.empty() && text.size() <= 100 &&
+                    text.find_first_not_of(
+                        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                        "0123456789-_") == std::string::npos;
+  return good ? "" : "must be a code of letters, digits, - and _, not a person's name";
+}
+
+void addOthers(CLI::App& app, ReportOptions& report, Measured& measured,
+               PrescribeOptions& prescribed, int& code) {
   CLI::App* p =
       app.add_subcommand("report", "Make the report of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
@@ -104,6 +114,17 @@ void addOthers(CLI::App& app, ReportOptions& report, Measured& measured, int& co
   m->add_option("--answers", measured.answers,
                 "Write the answers of an exercise that compares to this CSV file");
   m->callback([&] { code = measuresCommand(measured.recording, measured.answers); });
+
+  CLI::App* l = app.add_subcommand(
+      "prescribe", "Make a prescription: limits at the ends of a person's own movement");
+  l->add_option("recordings", prescribed.recordings,
+                "HDF5 files of the exercise own-range; a later one replaces what it measured again")
+      ->required();
+  l->add_option("--name", prescribed.name, "Code of the person")
+      ->check(CLI::Validator(isCode, "letters, digits, - and _"))
+      ->capture_default_str();
+  l->add_option("--out", prescribed.output, "Write it to this file");
+  l->callback([&] { code = prescribeCommand(prescribed); });
 
   CLI::App* d = app.add_subcommand("doctor", "Check whether this machine may drive a device");
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
@@ -137,7 +158,8 @@ int runProgram(int argc, char** argv) {
   admit.device = shippedFile("config/devices/lambda-pride.toml");
   addValidate(app, files, admit, code);
   Measured measured;
-  addOthers(app, report, measured, code);
+  PrescribeOptions prescribed;
+  addOthers(app, report, measured, prescribed, code);
   // Copies the arguments before hideSecrets() overwrites the tokens.
   return parseCommandLine(app, argc, argv, code);
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <sstream>
 #include <utility>
@@ -69,6 +70,7 @@ Json resultsOf(const RecordingMeta& meta, const TickRecord& last) {
         meta.value_names.begin();
     if (at >= last.exercise.value_count) continue;
     const double shown = last.exercise.values[at] * meta.result_factors[i];
+    if (!std::isfinite(shown)) continue;  // not measured
     results.push_back({{"name", meta.result_names[i]},
                        {"label", meta.result_labels[i]},
                        {"unit", meta.result_units[i]},

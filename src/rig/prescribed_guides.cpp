@@ -127,8 +127,9 @@ PersonGuidesConfig guidesOf(const Models& models, double period_s) {
   walls.most = AxisEffort(axes);
   for (const Prescription::Limit& limit : models.prescription->limits) {
     const DeviceAxis& axis = models.device.axes[limit.axis];
-    walls.lower[limit.axis] = limit.lower;
-    walls.upper[limit.axis] = limit.upper;
+    // An end at the device's own end narrows nothing.
+    if (limit.lower > axis.lower) walls.lower[limit.axis] = limit.lower;
+    if (limit.upper < axis.upper) walls.upper[limit.axis] = limit.upper;
     if (axis.kind == AxisKind::kRotation) walls.band[limit.axis] = kLimitBand_rad;
     walls.stiffness[limit.axis] = stiffness[limit.axis].wall;
     walls.most[limit.axis] =

@@ -14,6 +14,11 @@ namespace wholehand {
 [[nodiscard]] Expected<Prescription> loadPrescriptionFile(const std::string& path,
                                                           const DeviceModel& device);
 
+/// Text of a prescription's file. Numbers are rounded to a tenth of a millimetre and a milliradian,
+/// and stay within the device's range.
+[[nodiscard]] std::string prescriptionText(const Prescription& prescription,
+                                           const DeviceModel& device);
+
 /// One fault when the prescription is for the other hand; else none.
 [[nodiscard]] Diagnostics refuseOtherSide(const Prescription& prescription, const HandModel& hand);
 

@@ -1,9 +1,10 @@
 #include "loop/psychometrics/own_range.hpp"
 
+#include "loop/core/geometry.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace wholehand {
 namespace {
@@ -14,70 +15,85 @@ constexpr double kOuter = 0.6;
 constexpr double kAsSteady = 1.5;
 /// A held end changes within a window by at most this share of the fastest one's change.
 constexpr double kHeldSpeed = 0.25;
+/// A smaller way of the outermost median is no advance [share of the allowed spread].
+constexpr double kAdvance = 1.0 / 16.0;
 
-double quantileOf(std::span<const double> q, double share) {
-  std::vector<double> values(q.begin(), q.end());
-  const auto rank = std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
+/// The value of this rank among n.
+template <std::size_t Size>
+double ranked(std::array<double, Size> values, int n, double share) noexcept {
+  const auto rank = std::lround(share * (n - 1));
+  std::nth_element(values.begin(), values.begin() + rank, values.begin() + n);
   return values[static_cast<std::size_t>(rank)];
-}
-
-struct Window {
-  double middle = 0.0, spread = 0.0;
-  double change = 0.0;  ///< slow change, by the medians of both halves: a tremor cancels
-};
-
-Window look(std::span<const double> q) {
-  const std::size_t half = q.size() / 2;
-  return {quantileOf(q, 0.5), quantileOf(q, 0.9) - quantileOf(q, 0.1),
-          2.0 * std::abs(quantileOf(q.subspan(half), 0.5) - quantileOf(q.first(half), 0.5))};
 }
 
 }  // namespace
 
 RangeRules rangeRulesOf(bool translation) noexcept {
-  constexpr double kDegree = 0.017453292519943295;
-  return translation ? RangeRules{0.012, 0.01} : RangeRules{8.0 * kDegree, 5.0 * kDegree};
+  return translation ? RangeRules{0.012, 0.01} : RangeRules{8.0 * kDeg, 5.0 * kDeg};
 }
 
-RangeTry judgeTry(std::span<const double> q, double period_s, int direction,
-                  const RangeRules& rules) {
-  const auto length = static_cast<std::size_t>(std::lround(RangeRules::kWindow_s / period_s));
-  if (length < 2 || q.size() < length) return {};
-  const double start = direction * q.front();
-  double furthest = start;
-  for (const double at : q) furthest = std::max(furthest, direction * at);
-  if (!(furthest - start >= rules.least)) return {};
-  const double outer = start + kOuter * (furthest - start);
-  const std::size_t hop = std::max<std::size_t>(1, length / 25);
-  std::vector<Window> ends;
+void RangeMeter::begin(const RangeRules& rules, int direction, double q) noexcept {
+  rules_ = rules;
+  direction_ = direction;
+  samples_ = windows_ = since_advance_ = 0;
+  start_ = furthest_ = advanced_to_ = direction * q;
+}
+
+RangeMeter::Window RangeMeter::closeWindow() const noexcept {
+  const int first = samples_ % kWindow;  // the oldest sample
+  std::array<double, kWindow> early{}, late{};
+  constexpr int kHalf = kWindow / 2;
+  for (int i = 0; i < kWindow; ++i) {
+    const double at = last_[(first + i) % kWindow];
+    (i < kHalf ? early[i] : late[i - kHalf]) = at;
+  }
+  return {ranked(last_, kWindow, 0.5), ranked(last_, kWindow, 0.9) - ranked(last_, kWindow, 0.1),
+          2.0 * std::abs(ranked(late, kWindow - kHalf, 0.5) - ranked(early, kHalf, 0.5))};
+}
+
+void RangeMeter::add(double q) noexcept {
+  if (samples_ >= kMostSamples) return;
+  const double at = direction_ * q;
+  last_[samples_ % kWindow] = at;
+  furthest_ = std::max(furthest_, at);
+  ++samples_;
+  if (samples_ < kWindow) return;
+  const Window window = closeWindow();
+  window_[windows_++] = window;
+  since_advance_ = isTry() ? since_advance_ + 1 : 0;
+  if (window.middle <= advanced_to_ + kAdvance * rules_.steady) return;
+  advanced_to_ = window.middle;
+  since_advance_ = 0;
+}
+
+RangeTry RangeMeter::judge() const noexcept {
+  if (windows_ == 0 || !isTry()) return {};
+  const std::span<const Window> windows(window_.data(), static_cast<std::size_t>(windows_));
+  const double outer = start_ + kOuter * (furthest_ - start_);
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;
-  for (std::size_t first = 0; first + length <= q.size(); first += hop) {
-    const Window window = look(q.subspan(first, length));
+  for (const Window& window : windows) {
     fastest = std::max(fastest, window.change);
-    if (direction * window.middle < outer) continue;
-    ends.push_back(window);
-    least = std::min(least, window.spread);
+    if (window.middle >= outer) least = std::min(least, window.spread);
   }
-  if (!(least <= rules.steady)) return {TryKind::kJerk, 0.0};
+  if (!(least <= rules_.steady)) return {TryKind::kJerk, 0.0};
   const Window* best = nullptr;
-  for (const Window& end : ends) {
-    if (end.spread > kAsSteady * least) continue;
-    if (best == nullptr || direction * end.middle > direction * best->middle) best = &end;
+  for (const Window& end : windows) {
+    if (end.middle < outer || end.spread > kAsSteady * least) continue;
+    if (best == nullptr || end.middle > best->middle) best = &end;
   }
-  return {best->change > kHeldSpeed * fastest ? TryKind::kDrift : TryKind::kHeld, best->middle};
+  return {best->change > kHeldSpeed * fastest ? TryKind::kDrift : TryKind::kHeld,
+          direction_ * best->middle};
 }
 
-OwnEnd ownEnd(std::span<const RangeTry> tries) {
-  std::vector<double> held;
+OwnEnd ownEnd(std::span<const RangeTry> tries) noexcept {
+  std::array<double, kMostTries> held{};
+  int n = 0;
   for (const RangeTry& one : tries) {
-    if (one.kind == TryKind::kHeld) held.push_back(one.value);
+    if (one.kind == TryKind::kHeld && n < kMostTries) held[n++] = one.value;
   }
-  if (held.size() < 2) return {};
-  std::sort(held.begin(), held.end());
-  const std::size_t middle = held.size() / 2;
-  if (held.size() % 2 == 1) return {true, held[middle]};
-  return {true, 0.5 * (held[middle - 1] + held[middle])};
+  if (n < 2) return {};
+  std::sort(held.begin(), held.begin() + n);
+  return {true, 0.5 * (held[(n - 1) / 2] + held[n / 2])};
 }
 
 }  // namespace wholehand

@@ -244,6 +244,7 @@ std::vector<ResultValue> exerciseResults(const Models& models, const TickSummary
     const auto at = std::find(names.begin(), names.end(), reported.name) - names.begin();
     if (!reported.result || at >= summary.value_count) continue;
     const double value = summary.values[at];
+    if (!std::isfinite(value)) continue;  // not measured
     std::string shown =
         fmt::format("{} {:.{}f}", reported.label.en, value * reported.factor, reported.decimals);
     if (!reported.unit.empty()) shown += " " + reported.unit;

@@ -14,7 +14,15 @@
 namespace wholehand::test {
 namespace {
 
-constexpr double kSample_s = 1e-3;
+constexpr double kSample_s = RangeMeter::kSample_s;
+
+/// Measures a try of these samples, from rest on.
+RangeTry judgeTry(const std::vector<double>& q, int direction, const RangeRules& rules) {
+  RangeMeter meter;
+  meter.begin(rules, direction, q.empty() ? 0.0 : q.front());
+  for (const double at : q) meter.add(at);
+  return meter.judge();
+}
 
 /// A patient who moves to the end of the own range and holds it: with tone (a slow approach),
 /// tremor, a hand that sinks, and jerks beyond the end.
@@ -38,7 +46,7 @@ std::vector<double> tryOf(const RangePatient& p, int direction, std::mt19937_64&
   const double phase = uniform(random, 0.0, 6.28), jerk_at_s = uniform(random, 1.0, 3.0);
   const double end = p.end + p.scale * uniform(random, -0.5, 0.5);
   std::vector<double> q;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 200; ++i) {
     const double t = i * kSample_s - 0.5;
     double at = t > 0.0 ? end * (1.0 - std::exp(-t / p.tone_s)) : 0.0;
     if (t > 1.0) at -= p.sinks_per_s * (t - 1.0);
@@ -51,25 +59,25 @@ std::vector<double> tryOf(const RangePatient& p, int direction, std::mt19937_64&
 
 TEST(OwnRange, OneTry_IsItsHeldEndAndNeverItsPeak) {
   const RangeRules rules = rangeRulesOf(false);
-  std::vector<double> q(3000, 0.0);
-  for (std::size_t i = 500; i < q.size(); ++i) q[i] = 40.0 * kDeg;
-  for (std::size_t i = 1500; i < 1600; ++i) q[i] = 90.0 * kDeg;  // a jerk of 0.1 s
-  const RangeTry held = judgeTry(q, kSample_s, 1, rules);
+  std::vector<double> q(150, 0.0);
+  for (std::size_t i = 25; i < q.size(); ++i) q[i] = 40.0 * kDeg;
+  for (std::size_t i = 75; i < 80; ++i) q[i] = 90.0 * kDeg;  // a jerk of 0.1 s
+  const RangeTry held = judgeTry(q, 1, rules);
   // The jerk moves the outer part beyond what is held: 0.6 · 90 > 40.
   EXPECT_EQ(held.kind, TryKind::kJerk);
-  for (std::size_t i = 1500; i < 1600; ++i) q[i] = 55.0 * kDeg;
-  EXPECT_EQ(judgeTry(q, kSample_s, 1, rules).kind, TryKind::kHeld);
-  EXPECT_NEAR(judgeTry(q, kSample_s, 1, rules).value, 40.0 * kDeg, 1e-12);
+  for (std::size_t i = 75; i < 80; ++i) q[i] = 55.0 * kDeg;
+  EXPECT_EQ(judgeTry(q, 1, rules).kind, TryKind::kHeld);
+  EXPECT_NEAR(judgeTry(q, 1, rules).value, 40.0 * kDeg, 1e-12);
   for (double& at : q) at = -at;
-  EXPECT_NEAR(judgeTry(q, kSample_s, -1, rules).value, -40.0 * kDeg, 1e-12);
+  EXPECT_NEAR(judgeTry(q, -1, rules).value, -40.0 * kDeg, 1e-12);
 }
 
 TEST(OwnRange, WhatIsNoTry_IsToldApart) {
   const RangeRules rules = rangeRulesOf(false);
   const auto kindOf = [&](auto at) {
     std::vector<double> q;
-    for (int i = 0; i < 6000; ++i) q.push_back(at(i * kSample_s) * kDeg);
-    return judgeTry(q, kSample_s, 1, rules).kind;
+    for (int i = 0; i < 300; ++i) q.push_back(at(i * kSample_s) * kDeg);
+    return judgeTry(q, 1, rules).kind;
   };
   EXPECT_EQ(kindOf([](double) { return 0.0; }), TryKind::kNoMovement);
   EXPECT_EQ(kindOf([](double t) { return 4.0 * std::min(t, 1.0); }), TryKind::kNoMovement);
@@ -79,7 +87,24 @@ TEST(OwnRange, WhatIsNoTry_IsToldApart) {
   EXPECT_EQ(kindOf([](double t) { return 60.0 * std::min(1.0, 2.0 * t); }), TryKind::kHeld);
   // A person who falls asleep: the hand stays down.
   EXPECT_EQ(kindOf([](double t) { return 0.3 * std::sin(t); }), TryKind::kNoMovement);
-  EXPECT_EQ(judgeTry(std::vector<double>{}, kSample_s, 1, rules).kind, TryKind::kNoMovement);
+  EXPECT_EQ(judgeTry(std::vector<double>{}, 1, rules).kind, TryKind::kNoMovement);
+}
+
+/// A person who approaches the end slowly, e^(−t/τ), is not interrupted before it: when the meter
+/// has seen no advance for a second, what is left of the way is below 1°.
+TEST(OwnRange, SlowPerson_IsWaitedFor) {
+  for (const double tone_s : {0.1, 0.5, 1.0, 2.0}) {
+    RangeMeter meter;
+    meter.begin(rangeRulesOf(false), 1, 0.0);
+    double left = 0.0;
+    for (int i = 0; meter.sinceAdvance_s() < 1.0; ++i) {
+      ASSERT_LT(i, RangeMeter::kMostSamples);
+      left = 100.0 * kDeg * std::exp(-i * kSample_s / tone_s);
+      meter.add(100.0 * kDeg - left);
+    }
+    EXPECT_LT(left, 1.0 * kDeg) << tone_s;
+    EXPECT_NEAR(meter.judge().value, 100.0 * kDeg, 1.0 * kDeg) << tone_s;
+  }
 }
 
 TEST(OwnRange, SeveralTries_GiveTheMiddleOne) {
@@ -102,8 +127,8 @@ TEST(OwnRange, DrawnPatients_AreMeasured) {
     const RangePatient patient = drawnPatient(random, translation);
     std::vector<RangeTry> tries;
     for (int n = 0; n < 3; ++n) {
-      tries.push_back(judgeTry(tryOf(patient, direction, random), kSample_s, direction,
-                               rangeRulesOf(translation)));
+      tries.push_back(
+          judgeTry(tryOf(patient, direction, random), direction, rangeRulesOf(translation)));
     }
     const OwnEnd end = ownEnd(tries);
     if (!end.steady) {

@@ -57,7 +57,9 @@ export class ExercisePanel {
 
   values(state: WorldStateT): PanelValueView[] {
     const done = this.done(state);
-    return (this.scene.panel?.values ?? []).map((reported) => {
+    // A value that is not measured yet is NaN.
+    const known = (this.scene.panel?.values ?? []).filter(({ name }) => !Number.isNaN(this.figures.get(state, String(name))));
+    return known.map((reported) => {
       const value = this.figures.get(state, String(reported.name));
       const share = (of: number): number => Math.min(1, Math.max(0, (of - reported.lower) / (reported.upper - reported.lower)));
       const low = this.figures.get(state, String(reported.goalLower ?? ''), NaN);

@@ -1,0 +1,88 @@
+#include "exercises/own_range/measuring.hpp"
+
+#include <span>
+#include <utility>
+
+namespace wholehand::own_range {
+
+void Measuring::beginAt(int direction) noexcept {
+  direction_ = direction;
+  measured_.fill({});
+  toAskedDirection();
+}
+
+void Measuring::toAskedDirection() noexcept {
+  while (!done() && now().axis < 0) ++direction_;
+  tries_ = 0;
+  relax();
+}
+
+void Measuring::relax() noexcept {
+  moving_ = false;
+  waited_s_ = 0.0;
+}
+
+void Measuring::dropTry() noexcept {
+  relax();
+}
+
+void Measuring::skip() noexcept {
+  if (!done()) endDirection();
+}
+
+void Measuring::endDirection() noexcept {
+  const std::span<const RangeTry> tries(try_.data(), static_cast<std::size_t>(tries_));
+  Measured& out = measured_[direction_];
+  out = {ownEnd(tries), 0, true};
+  for (const RangeTry& one : tries) {
+    if (one.kind != TryKind::kHeld) continue;
+    if (!out.end.steady) out.end.value = one.value;
+    ++out.held;
+  }
+  ++direction_;
+  toAskedDirection();
+}
+
+bool Measuring::cameBack(double q) const noexcept {
+  return tries_ == 0 || now().sign * (left_at_ - q) >= now().rules.least;
+}
+
+MeasuringChange Measuring::tick(const AxisPosition& q, double elapsed_s) noexcept {
+  MeasuringChange news;
+  if (done()) return news;
+  const double at = q[now().axis];
+  waited_s_ += elapsed_s;
+  if (!moving_) {
+    if (waited_s_ < rules_.rest_s || (!cameBack(at) && waited_s_ < rules_.return_s)) return news;
+    moving_ = true;
+    waited_s_ = since_sample_s_ = 0.0;
+    meter_.begin(now().rules, now().sign, at);
+    return news;
+  }
+  since_sample_s_ += elapsed_s;
+  if (since_sample_s_ < RangeMeter::kSample_s) return news;
+  since_sample_s_ = 0.0;
+  meter_.add(at);
+  if (waited_s_ < rules_.try_s && meter_.sinceAdvance_s() < rules_.held_s) return news;
+  news.tried = direction_;
+  news.result = try_[tries_++] = meter_.judge();
+  left_at_ = at;
+  if (tries_ < rules_.tries) {
+    relax();
+    return news;
+  }
+  news.direction_done = direction_;
+  endDirection();
+  news.done = done();
+  return news;
+}
+
+int Measuring::instruction() const noexcept {
+  if (done()) return kFinished;
+  if (!moving_) return kRelax;
+  constexpr double kHolds_s = 0.3;
+  return meter_.sinceAdvance_s() > kHolds_s ? static_cast<int>(kHold)
+                                            : kFirstDirection + direction_;
+}
+
+}  // namespace wholehand::own_range
