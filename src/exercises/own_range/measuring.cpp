@@ -1,13 +1,14 @@
 #include "exercises/own_range/measuring.hpp"
 
+#include <cmath>
 #include <span>
-#include <utility>
 
 namespace wholehand::own_range {
 
 void Measuring::beginAt(int direction) noexcept {
   direction_ = direction;
   measured_.fill({});
+  left_ = {};
   toAskedDirection();
 }
 
@@ -19,7 +20,7 @@ void Measuring::toAskedDirection() noexcept {
 
 void Measuring::relax() noexcept {
   moving_ = false;
-  waited_s_ = 0.0;
+  waited_s_ = rested_s_ = 0.0;
 }
 
 void Measuring::dropTry() noexcept {
@@ -43,8 +44,15 @@ void Measuring::endDirection() noexcept {
   toAskedDirection();
 }
 
-bool Measuring::cameBack(double q) const noexcept {
-  return tries_ == 0 || now().sign * (left_at_ - q) >= now().rules.least;
+bool Measuring::rests(const AxisPosition& q, double elapsed_s) noexcept {
+  const double at = q[now().axis];
+  if (std::abs(at - rest_at_) > 0.5 * now().rules.least) {
+    rest_at_ = at;
+    rested_s_ = 0.0;
+  }
+  rested_s_ += elapsed_s;
+  const bool back = left_.axis < 0 || left_.sign * (left_at_ - q[left_.axis]) >= left_.rules.least;
+  return back && rested_s_ >= rules_.rest_s;
 }
 
 MeasuringChange Measuring::tick(const AxisPosition& q, double elapsed_s) noexcept {
@@ -53,7 +61,7 @@ MeasuringChange Measuring::tick(const AxisPosition& q, double elapsed_s) noexcep
   const double at = q[now().axis];
   waited_s_ += elapsed_s;
   if (!moving_) {
-    if (waited_s_ < rules_.rest_s || (!cameBack(at) && waited_s_ < rules_.return_s)) return news;
+    if (!rests(q, elapsed_s) && waited_s_ < rules_.return_s) return news;
     moving_ = true;
     waited_s_ = since_sample_s_ = 0.0;
     meter_.begin(now().rules, now().sign, at);
@@ -66,6 +74,7 @@ MeasuringChange Measuring::tick(const AxisPosition& q, double elapsed_s) noexcep
   if (waited_s_ < rules_.try_s && meter_.sinceAdvance_s() < rules_.held_s) return news;
   news.tried = direction_;
   news.result = try_[tries_++] = meter_.judge();
+  left_ = now();
   left_at_ = at;
   if (tries_ < rules_.tries) {
     relax();

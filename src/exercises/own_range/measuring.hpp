@@ -21,7 +21,7 @@ struct Direction {
 struct MeasuringRules {
   std::vector<Direction> directions;  ///< at most kMostDirections
   int tries = 3;                      ///< in each direction, at most kMostTries
-  double rest_s = 1.0;                ///< least time between two tries
+  double rest_s = 1.0;                ///< so long the hand rests before a try
   double return_s = 8.0;              ///< so long a hand is waited for that does not come back
   double try_s = 10.0;                ///< a try ends then ...
   double held_s = 1.0;                ///< ... or when it got no further for so long
@@ -46,8 +46,8 @@ struct MeasuringChange {
 };
 
 /// State machine of the measurement: relax, move as far as possible, hold; some times in each
-/// direction. A new try begins when the hand has come back by the least way of a try. Pure;
-/// real-time safe.
+/// direction. A new try begins when the hand has come back by the least way of a try and rests.
+/// Pure; real-time safe.
 class Measuring {
  public:
   /// @pre rules outlives this
@@ -75,13 +75,15 @@ class Measuring {
   void relax() noexcept;
   void endDirection() noexcept;
   void toAskedDirection() noexcept;
-  [[nodiscard]] bool cameBack(double q) const noexcept;
+  [[nodiscard]] bool rests(const AxisPosition& q, double elapsed_s) noexcept;
 
   const MeasuringRules& rules_;
   int direction_ = 0, tries_ = 0;
   bool moving_ = false;
   double waited_s_ = 0.0, since_sample_s_ = 0.0;
-  double left_at_ = 0.0;  ///< position at the end of the last try
+  double rest_at_ = 0.0, rested_s_ = 0.0;  ///< where and for how long the hand rests
+  Direction left_;                         ///< of the last try; no axis: there was none
+  double left_at_ = 0.0;                   ///< position at its end
   RangeMeter meter_;
   std::array<RangeTry, kMostTries> try_{};
   std::array<Measured, kMostDirections> measured_{};

@@ -249,7 +249,7 @@ Threshold fitThreshold(std::span<const Comparison> answers) {
 
 ThresholdDoubts doubtsAbout(std::span<const Comparison> answers) {
   // Bounds, in ln of a ratio of likelihoods: `experiment thresholds` shows what they flag.
-  constexpr double kBetterThanChance = 3.4, kBetterByOther = 1.0;
+  constexpr double kBetterThanChance = 2.8, kBetterByOther = 1.0;
   constexpr double kNearlyAlways = 0.9, kUnlikely = 0.002;
   ThresholdDoubts out;
   const Observer fitted = peakOf(answers, Compared::kX).observer;
