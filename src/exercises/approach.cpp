@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kBack_m = 0.006;  // distance of the withdrawn hand from the end of the x axis
 constexpr double kStart_m = -0.07;
+constexpr double kClears_m = 0.115;  // from the grip to where half-bent fingers are clear of it
 constexpr double kShortest_s = 0.3, kCloseFilter_s = 0.05, kToEnd_s = 0.2;
 
 }  // namespace
@@ -39,7 +40,7 @@ const AxisPosition& Goal::pose(const Eigen::Vector3d& base_m, double fingers,
 
 const AxisPosition& Goal::drawBack() noexcept {
   put(reach_.x, back_m(reach_));
-  return hand(kHalfBent, kTurnedAside);
+  return hand(isNarrow(reach_) ? kStretched : kHalfBent, kTurnedAside);
 }
 
 double back_m(const PlayerReach& hand) noexcept {
@@ -52,6 +53,17 @@ AxisPosition start(const PlayerReach& hand) {
   goal.put(hand.fingers, kHalfBent);
   goal.put(hand.turn, kTurnedAside);
   return goal.at();
+}
+
+bool isNarrow(const PlayerReach& hand) noexcept {
+  return hand.x >= 0 && hand.upper[hand.x] - hand.lower[hand.x] < kClears_m;
+}
+
+AxisPosition startAt(const PlayerReach& hand, const Eigen::Vector3d& base_m) {
+  if (!isNarrow(hand)) return start(hand);
+  Goal goal(hand, AxisPosition(hand.axes));
+  return goal.pose({back_m(hand), base_m.y() - hand.beside * kBeside_m, base_m.z()}, kStretched,
+                   kTurnedAside);
 }
 
 double durationTo(const PlayerReach& hand, const AxisPosition& from,

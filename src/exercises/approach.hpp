@@ -36,7 +36,8 @@ class Goal {
   const AxisPosition& hand(double fingers, double turn, double thumb = 0.0) noexcept;
   const AxisPosition& base(const Eigen::Vector3d& at_m) noexcept;
   const AxisPosition& pose(const Eigen::Vector3d& base_m, double fingers, double turn) noexcept;
-  const AxisPosition& drawBack() noexcept;  ///< straight back with a half-bent hand
+  /// Straight back with a half-bent hand; with a stretched one where isNarrow().
+  const AxisPosition& drawBack() noexcept;
   [[nodiscard]] const AxisPosition& at() const noexcept { return at_; }
 
  private:
@@ -47,8 +48,18 @@ class Goal {
 /// x of the withdrawn hand [m].
 [[nodiscard]] WHOLEHAND_RT double back_m(const PlayerReach& hand) noexcept;
 
+/// Lateral distance from the palm's contact with an object of a hand that passes beside it.
+inline constexpr double kBeside_m = 0.024;
+
+/// True where the hand cannot draw back until its half-bent fingers are clear of an object: a
+/// person's limits may be narrower. It then stays beside the object with stretched fingers.
+[[nodiscard]] WHOLEHAND_RT bool isNarrow(const PlayerReach& hand) noexcept;
+
 /// Start posture: a half-bent hand, nearly withdrawn.
 [[nodiscard]] AxisPosition start(const PlayerReach& hand);
+/// The same in front of an object; beside it where isNarrow(). @param base_m of the hand that
+/// grips it
+[[nodiscard]] AxisPosition startAt(const PlayerReach& hand, const Eigen::Vector3d& base_m);
 
 /// Duration of a movement at pace 1 [s].
 [[nodiscard]] WHOLEHAND_RT double durationTo(const PlayerReach& hand, const AxisPosition& from,

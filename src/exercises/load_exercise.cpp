@@ -48,7 +48,14 @@ Expected<LoadedExercise> loadWithScene(TomlFile& file, const ExerciseKind& kind,
                                        ExerciseSource source, const std::string& scene_path) {
   Expected<SceneModel> scene = Diagnostics{};
   if (!scene_path.empty()) scene = loadSceneFile(scene_path);
-  if (scene) source.scene = &*scene;
+  if (scene) {
+    // For a left hand the kind mirrors the scene in y afterwards.
+    const double mirror = source.hand->side == Side::kLeft ? -1.0 : 1.0;
+    for (SceneBody& body : scene->bodies) {
+      body.pose.translation_m += source.moved_m.cwiseProduct(Eigen::Vector3d(1.0, mirror, 1.0));
+    }
+    source.scene = &*scene;
+  }
   Expected<LoadedExercise> loaded = loadWithPanel(file, kind, source);
   if (!scene) {
     Diagnostics faults = loaded.errors();
@@ -58,6 +65,7 @@ Expected<LoadedExercise> loadWithScene(TomlFile& file, const ExerciseKind& kind,
   if (!loaded) return loaded;
   loaded->files = {source.path, scene->path};
   loaded->scene = std::move(*scene);
+  loaded->moved_m = source.moved_m;
   return loaded;
 }
 
@@ -75,27 +83,20 @@ Diagnostics namingOthers(Diagnostics faults, const std::string& path) {
   return faults;
 }
 
-}  // namespace
-
-Expected<LoadedExercise> loadExercise(const std::string& path, int level, const DeviceModel& device,
-                                      const HandModel& hand, BearsWalls bears) {
+/// Loads the exercise with its scene moved by `moved_m`.
+Expected<LoadedExercise> loadAt(const std::string& path, ExerciseSource source) {
   TomlFile file(path, "exercise");
   if (!file.readable()) return namingOthers(file.finish(), path);
   TomlTable& root = file.root();
   std::vector<std::string> names;
   for (const ExerciseKind& kind : kExerciseKinds) names.emplace_back(kind.name);
   const std::string wanted = root.choice("exercise", names);
-  ExerciseSource source;
   source.path = path;
   source.name = root.text("name");
   if (source.name.find('/') != std::string::npos || source.name.size() > kLongestName) {
     root.fail("name", "cannot be part of a file's name, as that of a recording",
               "at most 100 bytes, without a slash");
   }
-  source.level = level;
-  source.device = &device;
-  source.hand = &hand;
-  source.bears = std::move(bears);
   const std::string scene_path = scenePath(root, path);
   if (!root.isGood("exercise")) {
     root.ignoreUnknownKeys();  // the keys of an unknown kind cannot be checked
@@ -103,6 +104,29 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();
   return loadWithScene(file, kExerciseKinds[at], source, scene_path);
+}
+
+}  // namespace
+
+Expected<LoadedExercise> loadExercise(const std::string& path, int level, const DeviceModel& device,
+                                      const HandModel& hand, BearsWalls bears,
+                                      const Prescription* prescription) {
+  ExerciseSource source;
+  source.level = level;
+  source.device = &device;
+  source.hand = &hand;
+  source.bears = std::move(bears);
+  if (prescription == nullptr) return loadAt(path, source);
+  const DeviceModel within = deviceWithin(device, *prescription);
+  source.device = &within;
+  Expected<LoadedExercise> loaded = loadAt(path, source);
+  if (!loaded) return loaded;
+  const auto moved_m =
+      placeWithin(loaded->needs, within, loaded->exercise->description().name, *prescription);
+  if (!moved_m) return moved_m.errors();
+  if (moved_m->isZero()) return loaded;
+  source.moved_m = *moved_m;
+  return loadAt(path, source);
 }
 
 std::vector<ExerciseFile> listExercises(const std::string& folder) {

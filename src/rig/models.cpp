@@ -49,6 +49,7 @@ void takeExercise(Expected<LoadedExercise> from, Models& models, Diagnostics& er
   models.exercise_files = std::move(loaded.files);
   models.exercise_walls = std::move(loaded.walls);
   models.exercise_panel = std::move(loaded.panel);
+  models.exercise_moved_m = loaded.moved_m;
 }
 
 void takePrescription(const std::string& path, Models& models, Diagnostics& errors) {
@@ -115,7 +116,8 @@ Expected<Models> loadModels(const ModelFiles& files) {
     if (have_hand && take(assembleHand(hand_file, models.device), models.hand, errors) &&
         !files.exercise.empty()) {
       takeExercise(loadExercise(files.exercise, files.level, models.device, models.hand,
-                                have_gains ? bearsWalls(models, files.period_s) : BearsWalls{}),
+                                have_gains ? bearsWalls(models, files.period_s) : BearsWalls{},
+                                models.prescription ? &*models.prescription : nullptr),
                    models, errors);
     }
   }

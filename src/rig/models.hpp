@@ -67,6 +67,8 @@ struct Models {
   std::vector<std::string> exercise_files;   ///< exercise and scene
   std::vector<ExerciseWall> exercise_walls;  ///< walls that the certificate must cover
   ExercisePanel exercise_panel;              ///< panel of the exercise
+  /// How far its scene was moved to be within the prescription's limits [m].
+  Eigen::Vector3d exercise_moved_m = Eigen::Vector3d::Zero();
 };
 
 /// Loads all files; every fault of every file is reported at once.

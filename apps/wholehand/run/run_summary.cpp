@@ -84,6 +84,10 @@ void printPrescription(const Models& models) {
   }
   std::printf("  allowed  %s: %s\n", printable(prescription.name).c_str(),
               fmt::format("{}", fmt::join(parts, "; ")).c_str());
+  const Eigen::Vector3d mm = (1e3 * models.exercise_moved_m).array().round() + 0.0;
+  if (mm.isZero()) return;
+  std::printf("  placed   within them: the scene is moved by x %.0f, y %.0f, z %.0f mm\n", mm.x(),
+              mm.y(), mm.z());
 }
 
 }  // namespace

@@ -31,7 +31,6 @@ using namespace approach;
 constexpr double kDrawnBack_m = 0.001;  // tolerance of a withdrawn hand
 constexpr double kHeldBack_m = 0.01;    // a hand farther than this from its withdrawn position ...
 constexpr double kHeldBack_s = 1.0;     // ... after this time is blocked by something
-constexpr double kBeside_m = 0.024;     // lateral distance from the palm's contact
 
 // Motion of the fingers' target while pressing.
 constexpr double kGripFilter_s = 0.05;

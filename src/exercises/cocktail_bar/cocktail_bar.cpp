@@ -342,10 +342,46 @@ void CocktailBar::show(const BarObservation& senses, const ExerciseInput& input,
 
 }  // namespace
 
+namespace {
+
+/// Height of the nozzle above the glass while a carried dispenser pours.
+constexpr double kPours_m = 0.02;
+/// Least way back from a dispenser: the half-bent fingers are clear of it.
+constexpr double kWithdraws_m = 0.115;
+constexpr double kAtEnd_m = 0.006;  // a hand at the end of its range is drawn back
+
+/// Places of the hand: at the dispensers, drawn back, and where a carried one pours. A row that
+/// slides comes to the hand (BarParameters::reach()).
+TaskNeeds needsOf(const Bar& bar, const ExerciseSource& source) {
+  TaskNeeds needs;
+  const Eigen::Vector3d glass_m = source.scene->bodies[bar.glass.body_index].pose.translation_m;
+  for (const BarDispenser& d : bar.dispensers) {
+    const PlayerReach reach = playerReach(*source.device, source.hand, d.radius_m);
+    needs.addGrasp(reach, *source.hand, d.radius_m);
+    const Eigen::Vector3d base_m = d.home_m + d.grip_m - reach.grip_m;
+    needs.add(reach.x, std::max(bar.drawn_back.x_m, base_m.x() - kWithdraws_m));
+    needs.add(reach.x, base_m.x());
+    needs.add(reach.z, base_m.z());
+    if (!bar.row.slides) needs.add(reach.y, base_m.y());
+    if (!d.free) continue;
+    Eigen::Vector3d pours_m = glass_m - d.nozzle_m;
+    pours_m.z() += 0.5 * bar.glass.height_m + kPours_m;
+    needs.addBase(reach, pours_m + d.grip_m - reach.grip_m);
+  }
+  return needs;
+}
+
+}  // namespace
+
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   Expected<Bar> bar = loadBar(file, source);
   if (!bar) return bar.errors();
   LoadedExercise out;
+  out.needs = needsOf(*bar, source);
+  if (bar->x_axis >= 0) {
+    const double back_m = source.device->axes[bar->x_axis].lower + kAtEnd_m;
+    bar->drawn_back.x_m = std::max(bar->drawn_back.x_m + source.moved_m.x(), back_m);
+  }
   out.walls = stiffestCushions(filledWith(bar->bottle, thinnest_pa_s(bar->liquids)), bar->walls);
   bar->reach = reachOf(makeBarLayout(*bar, *source.device, source.hand), bar->transition.engage_m);
   out.exercise = std::make_unique<CocktailBar>(std::move(*bar), *source.device, *source.hand);

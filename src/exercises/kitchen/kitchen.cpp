@@ -1,6 +1,7 @@
 #include "exercises/kitchen/kitchen_player.hpp"
 #include "exercises/kitchen/kitchen_task.hpp"
 #include "exercises/load_exercise.hpp"
+#include "exercises/player_reach.hpp"
 #include "loop/core/printable.hpp"
 #include "loop/exercise/grip.hpp"
 
@@ -27,6 +28,10 @@ enum Parameter : std::int32_t { kForceRatio };
 /// Things return to their places when the palm is farther than this from all of them and the hand
 /// touches none.
 constexpr double kClear_m = 0.06;
+/// Places of the hand along a way: a crank's radius of 40 mm changes by 0.1 mm between two.
+constexpr double kSamplesARad = 20.0;
+/// A hand that squeezes a thing comes from behind it and beside it.
+constexpr double kBehind_m = 0.065, kLane_m = 0.05;
 static_assert(kMaxPlacements >= kMostThings);
 
 Json numbers(const Vector3d& v) {
@@ -235,6 +240,36 @@ class Kitchen final : public Exercise {
   bool returns_ = true;  ///< things must return to their start poses
 };
 
+/// Adds all positions at which the hand meets the things, along the way of each step.
+void addNeeds(const KitchenTask& task, const PlayerReach& reach, const HandModel& hand,
+              const KitchenPlayer& player, TaskNeeds& needs) {
+  std::vector<double> q(task.things.size(), 0.0);
+  for (int i = 0; i < static_cast<int>(task.steps.size()); ++i) {
+    const Step& step = task.steps[i];
+    if (step.verb == Verb::kLetGo) continue;
+    const Thing& thing = task.things[step.thing];
+    if (step.verb == Verb::kTake) needs.addGrasp(reach, hand, thing.radius_m);
+    const double from = q[step.thing];
+    const bool moves = step.verb == Verb::kMove || step.verb == Verb::kHold;
+    if (moves) q[step.thing] = step.to;
+    const int samples = 1 + static_cast<int>(kSamplesARad * std::abs(q[step.thing] - from));
+    for (int k = 0; k <= samples; ++k) {
+      const double at = from + (q[step.thing] - from) * k / samples;
+      const Pose pose = thing.jointed ? poseOn(thing.joint, thing.start, at) : thing.start;
+      const auto met = player.metAt(i, at, pose * thing.com_m);
+      const Vector3d base_m = pose * (thing.grip_m + thing.com_m + met.meeting.side_m) + met.base_m;
+      needs.addBase(reach, base_m);
+      if (met.meeting.means != Means::kSqueeze || k > 0) continue;
+      needs.add(reach.x, base_m.x() - kBehind_m);
+      needs.add(reach.y, base_m.y() - reach.beside * kLane_m);
+    }
+    if (step.verb == Verb::kPut) {
+      const auto met = player.metAt(i, 0.0, step.center_m);
+      needs.addBase(reach, step.center_m + thing.grip_m + met.base_m);
+    }
+  }
+}
+
 constexpr const char* kBaseAxes[] = {"x", "y", "z"};
 /// Half of the space that a finger needs behind a bar.
 constexpr double kFinger_m = 0.009;
@@ -330,6 +365,9 @@ class TaskReader {
     return v;
   }
 
+  /// A place in the world.
+  Vector3d placeInScene(TomlTable& t, const char* key) { return place(t, key) + source_.moved_m; }
+
   /// True for a body whose joint is moved by, or moves, that of another one.
   [[nodiscard]] bool movesOthers(int body) const {
     for (const std::vector<int>& chain : jointChains(scene_.bodies)) {
@@ -397,7 +435,7 @@ class TaskReader {
         readGoal(t, step, thing);
         break;
       case Verb::kPut:
-        step.center_m = place(t, "center_m");
+        step.center_m = placeInScene(t, "center_m");
         step.half_size_m = 0.5 * vectorFrom(t.numbers("size_m", 3, between(0.005, 2.0, "m")));
         break;
       case Verb::kLetGo:
@@ -468,6 +506,8 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   const Diagnostics faults = file.finish();
   if (!faults.empty() || source.scene == nullptr) return faults;
   LoadedExercise out;
+  addNeeds(task, playerReach(*source.device, source.hand, 0.0), *source.hand,
+           KitchenPlayer(task, *source.device, *source.hand, {}), out.needs);
   out.exercise = std::make_unique<Kitchen>(std::move(task), source.level, levels, *source.device,
                                            *source.hand);
   return out;

@@ -6,6 +6,8 @@
 #include "loop/exercise/finger_walls.hpp"
 #include "loop/model/scene_model.hpp"
 
+#include <Eigen/Core>
+
 #include <cstdint>
 #include <iterator>
 #include <string>
@@ -73,7 +75,8 @@ struct SqueezeTask {
   std::string name;
   int body = -1;  ///< body to squeeze: index in the scene
   double radius_m = 0.0, height_m = 0.0, soft_m = 0.0;
-  double filter_hz = 5.0;  ///< low-pass of the squeeze
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();  ///< of the body
+  double filter_hz = 5.0;                              ///< low-pass of the squeeze
   BandRules rules;
   FingerWallFile wall;
   Bottle bottle;  ///< the squeezed object

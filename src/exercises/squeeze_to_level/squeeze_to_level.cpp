@@ -19,7 +19,6 @@ namespace {
 
 using namespace approach;
 
-constexpr double kBeside_m = 0.024;  // lateral distance from the palm's contact
 // Speeds of the fingers' target while pressing.
 constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5;
 
@@ -28,7 +27,9 @@ constexpr double kClosing_rad_s = 1.0, kPressing_rad_s = 0.5;
 /// the end. The seed sets the pace and the target position within a band. Deterministic.
 class SqueezePlayer final : public approach::ClosingPlayer {
  public:
-  SqueezePlayer(const PlayerReach& hand, int body, const PlayerTraits& traits);
+  /// @param center_m centre of the object at the start
+  SqueezePlayer(const PlayerReach& hand, int body, const Eigen::Vector3d& center_m,
+                const PlayerTraits& traits);
 
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
@@ -51,11 +52,12 @@ class SqueezePlayer final : public approach::ClosingPlayer {
   double squeeze_n_ = 0.0, wanted_n_ = 0.0;
 };
 
-SqueezePlayer::SqueezePlayer(const PlayerReach& hand, int body, const PlayerTraits& traits)
+SqueezePlayer::SqueezePlayer(const PlayerReach& hand, int body, const Eigen::Vector3d& center_m,
+                             const PlayerTraits& traits)
     : ClosingPlayer(hand, traits.opening_rad_s, 0.8 + 0.1 * static_cast<double>(traits.seed % 5)),
       body_(body),
       share_(0.35 + 0.1 * static_cast<double>(traits.seed / 5 % 4)) {
-  start_ = approach::start(hand);
+  start_ = approach::startAt(hand, center_m - hand.grip_m);
   SqueezePlayer::reset();
 }
 
@@ -185,7 +187,7 @@ class SqueezeToLevel final : public Exercise {
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const override {
     return std::make_unique<SqueezePlayer>(playerReach(device_, &hand_, task_.radius_m), task_.body,
-                                           traits);
+                                           task_.center_m, traits);
   }
 
  private:
@@ -326,6 +328,7 @@ void findObject(TomlTable& root, const std::string& name, Side side, SceneModel&
   if (side == Side::kLeft) {
     for (SceneBody& other : scene.bodies) other.pose.translation_m.y() *= -1.0;
   }
+  task.center_m = body.pose.translation_m;
 }
 
 }  // namespace
@@ -350,6 +353,10 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   if (!faults.empty() || source.scene == nullptr) return faults;
   LoadedExercise out;
   out.walls = stiffestCushions(task.bottle, task.wall.walls);
+  const PlayerReach reach = playerReach(*source.device, source.hand, task.radius_m);
+  out.needs.addBase(reach, task.center_m - reach.grip_m);
+  out.needs.add(reach.y, task.center_m.y() - reach.grip_m.y() - reach.beside * approach::kBeside_m);
+  out.needs.addGrasp(reach, *source.hand, task.radius_m);
   out.exercise = std::make_unique<SqueezeToLevel>(std::move(task), *source.device, *source.hand);
   return out;
 }

@@ -116,7 +116,8 @@ class TellApart final : public Exercise {
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const override {
     return std::make_unique<TellApartPlayer>(
         playerReach(device_, &hand_, task_.bottles[0].radius_m),
-        std::array{task_.bottles[0].body, task_.bottles[1].body}, traits);
+        std::array{task_.bottles[0].body, task_.bottles[1].body}, task_.bottles[0].center_m,
+        traits);
   }
 
  private:
@@ -540,6 +541,9 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
     if (source.hand->side == Side::kLeft) {
       for (SceneBody& body : source.scene->bodies) body.pose.translation_m.y() *= -1.0;
     }
+    for (BottleBody& one : task.bottles) {
+      if (one.body >= 0) one.center_m = source.scene->bodies[one.body].pose.translation_m;
+    }
   } else {
     (void)root.text("first"), (void)root.text("second");
   }
@@ -556,6 +560,11 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   offerWhatIsBorne(task, source.bears);
   LoadedExercise out;
   out.walls = stiffestWalls(task);
+  for (const BottleBody& one : task.bottles) {
+    const PlayerReach reach = playerReach(*source.device, source.hand, one.radius_m);
+    out.needs.addBase(reach, one.center_m - reach.grip_m);
+    out.needs.addGrasp(reach, *source.hand, one.radius_m);
+  }
   out.exercise = std::make_unique<TellApart>(std::move(task), *source.device, *source.hand);
   return out;
 }

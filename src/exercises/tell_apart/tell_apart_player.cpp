@@ -11,19 +11,18 @@ namespace {
 
 using namespace approach;
 
-constexpr double kBeside_m = 0.024;  // lateral distance of an open hand from the palm's contact
-constexpr double kNoise = 0.222;     // σ of Jones's observers of viscosity
+constexpr double kNoise = 0.222;  // σ of Jones's observers of viscosity
 constexpr double kClosing_rad_s = 1.2, kPressing_rad_s = 0.8;
 constexpr double kAim = 1.12;  // share of the asked depth at which it holds
 
 }  // namespace
 
 TellApartPlayer::TellApartPlayer(const PlayerReach& hand, std::array<int, kBottles> bodies,
-                                 const PlayerTraits& traits)
+                                 const Eigen::Vector3d& center_m, const PlayerTraits& traits)
     : ClosingPlayer(hand, traits.opening_rad_s, 0.9 + 0.1 * static_cast<double>(traits.seed % 3)),
       bodies_(bodies),
       seed_(traits.seed) {
-  start_ = approach::start(hand);
+  start_ = approach::startAt(hand, center_m - hand.grip_m);
   TellApartPlayer::reset();
 }
 

@@ -16,8 +16,9 @@ namespace wholehand::tell_apart {
 /// noise. Deterministic.
 class TellApartPlayer final : public approach::ClosingPlayer {
  public:
+  /// @param center_m centre of the first bottle at the start
   TellApartPlayer(const PlayerReach& hand, std::array<int, kBottles> bodies,
-                  const PlayerTraits& traits);
+                  const Eigen::Vector3d& center_m, const PlayerTraits& traits);
 
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;

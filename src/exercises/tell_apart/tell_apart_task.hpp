@@ -5,6 +5,8 @@
 #include "exercises/tell_apart/stimulus.hpp"
 #include "loop/exercise/finger_cushions.hpp"
 
+#include <Eigen/Core>
+
 #include <array>
 #include <cstdint>
 #include <iterator>
@@ -16,6 +18,7 @@ namespace wholehand::tell_apart {
 struct BottleBody {
   int body = -1;  ///< index in the scene
   double radius_m = 0.0, height_m = 0.0, soft_m = 0.0;
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
 };
 
 /// Data of the exercise, from its file and scene. Immutable during play.
