@@ -46,8 +46,10 @@ class CocktailBar final : public Exercise {
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);
-    for (const BarDispenser& d : bar_.dispensers) {
+    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+      const BarDispenser& d = bar_.dispensers[i];
       targets_.set(d.body_index);
+      grips_m_[i] = playerReach(device_, &hand_, d.radius_m).grip_m;
       const double viscosity_pa_s = bar_.liquids[d.liquid].viscosity_pa_s;
       cushions_.push_back(cushionsOf(filledWith(bar_.bottle, viscosity_pa_s), bar_.walls));
     }
@@ -68,6 +70,7 @@ class CocktailBar final : public Exercise {
     untouched_s_ = {};
     untouched_s_.fill(kInfinite);
     paused_ = false;
+    forgetGoal();
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -95,6 +98,7 @@ class CocktailBar final : public Exercise {
     if (!paused_) {
       recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
     }
+    sayGoal(seen);
     show(senses, input, out);
   }
 
@@ -260,6 +264,16 @@ class CocktailBar final : public Exercise {
     }
   }
 
+  /// The grip of the wanted dispenser is the goal until the hand is near it.
+  void sayGoal(const TickRecord& seen) noexcept {
+    const int wanted = recipe_.order().dispenser;
+    const bool goes = recipe_.stage() == BarStage::kReach && !paused_ && wanted >= 0 &&
+                      near_ != wanted && !serving_.pending();
+    if (!goes) return goFor(-1, {});
+    const BarDispenser& d = bar_.dispensers[wanted];
+    goFor(wanted, worldPoint(seen.bodies[d.body_index], d.grip_m) - grips_m_[wanted]);
+  }
+
   void addUpsetEvents(ExerciseRecord& out) const noexcept {
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
       const int index = static_cast<int>(i);
@@ -290,6 +304,8 @@ class CocktailBar final : public Exercise {
   int near_ = -1;             ///< dispenser for the next closure query
   int approached_ = -1;       ///< last approach reported
   std::array<double, kMaxDispensers> untouched_s_{};
+  /// From the hand's base to the grip of each dispenser.
+  std::array<Eigen::Vector3d, kMaxDispensers> grips_m_{};
   bool paused_ = false;
 };
 

@@ -28,6 +28,7 @@ enum Parameter : std::int32_t { kForceRatio };
 /// Things return to their places when the palm is farther than this from all of them and the hand
 /// touches none.
 constexpr double kClear_m = 0.06;
+constexpr double kTouches_n = 0.1;  // a larger force of the hand is a touch
 /// Places of the hand along a way: a crank's radius of 40 mm changes by 0.1 mm between two.
 constexpr double kSamplesARad = 20.0;
 /// A hand that squeezes a thing comes from behind it and beside it.
@@ -94,14 +95,19 @@ Json taskJson(const KitchenTask& task, const KitchenPlayer& player) {
 class Kitchen final : public Exercise {
  public:
   Kitchen(KitchenTask task, int level, int levels, const DeviceModel& device, const HandModel& hand)
-      : task_(std::move(task)), device_(device), hand_(hand), posture_(hand_), steps_(task_) {
+      : task_(std::move(task)),
+        device_(device),
+        hand_(hand),
+        meets_(task_, device_, hand_, {}),
+        posture_(hand_),
+        steps_(task_) {
     description_.name = task_.name;
     description_.level = level;
     description_.levels = levels;
     description_.parameters = {{"force_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
     description_.event_names = {"step_done", "level_done", "restarted"};
-    description_.json = taskJson(task_, KitchenPlayer(task_, device_, hand_, {})).dump();
+    description_.json = taskJson(task_, meets_).dump();
     Kitchen::reset();
   }
 
@@ -112,6 +118,7 @@ class Kitchen final : public Exercise {
     paused_ = false;
     returns_ = true;
     last_ = ThingObservation{};
+    forgetGoal();
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -136,6 +143,7 @@ class Kitchen final : public Exercise {
       addEvent(out, kStepDone, steps_.step() - 1, steps_.score());
       if (steps_.done()) addEvent(out, kLevelDone, -1, steps_.score());
     }
+    sayGoal(seen);
     show(out, ratio);
   }
 
@@ -145,6 +153,18 @@ class Kitchen final : public Exercise {
 
  private:
   [[nodiscard]] const Thing& nowThing() const noexcept { return task_.things[steps_.now().thing]; }
+
+  /// The place where the hand meets the thing is the goal, until it is near it or touches it.
+  void sayGoal(const TickRecord& seen) noexcept {
+    const bool goes = !steps_.done() && !paused_ && !returns_ &&
+                      steps_.now().verb != Verb::kLetGo && last_.palm_m > kClear_m &&
+                      handle_n_.norm() < kTouches_n;
+    if (!goes) return goFor(-1, {});
+    const Thing& thing = nowThing();
+    const auto met = meets_.metAt(steps_.step(), last_.q, last_.center_m);
+    const Vector3d met_m = worldPoint(seen.bodies[thing.body], thing.grip_m + met.meeting.side_m);
+    goFor(steps_.step(), met_m + met.base_m);
+  }
 
   /// Updates what the tick shows of the current step's thing. Forces are low-passed. They are
   /// divided by `ratio`, the therapist's factor on the required force.
@@ -230,6 +250,7 @@ class Kitchen final : public Exercise {
   const KitchenTask task_;
   const DeviceModel device_;  ///< device and hand are inputs of makePlayer()
   const HandModel hand_;
+  const KitchenPlayer meets_;  ///< knows how the hand meets the things
   HandPosture posture_;
   TaskSteps steps_;
   ThingObservation last_;

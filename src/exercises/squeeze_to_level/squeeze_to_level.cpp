@@ -163,7 +163,7 @@ class SqueezeToLevel final : public Exercise {
     travel_ = AxisPosition{};
     squeeze_n_ = flow_ml_s_ = 0.0;
     near_ = paused_ = false;
-    goal_ = MovementGoal{};
+    forgetGoal();
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -181,7 +181,8 @@ class SqueezeToLevel final : public Exercise {
     push(input, elapsed_s, out);
     feel(seen, out, elapsed_s);
     if (!paused_) advanceSteps(input.parameters[kLevelRatio], elapsed_s, out);
-    sayGoal(seen);
+    // The grip of the object is the goal until the hand is near it.
+    goFor(near_ || steps_.done() ? -1 : 0, seen.bodies[task_.body].position_m.eigen() - grip_m_);
     show(input.parameters[kLevelRatio], out);
   }
 
@@ -255,16 +256,6 @@ class SqueezeToLevel final : public Exercise {
     if (news.entered) addEvent(out, kEntered, band, squeeze_n_);
     if (news.held >= 0) addEvent(out, kBandHeld, news.held, steps_.score());
     if (news.done) addEvent(out, kLevelDone, -1, steps_.score());
-  }
-
-  /// The grip of the object is the goal until the hand is near it.
-  void sayGoal(const TickRecord& seen) noexcept {
-    const bool away = !near_ && !steps_.done();
-    if (away && !goal_.known) {
-      ++goal_.movement;
-      goal_.at_m = Vec3::from(seen.bodies[task_.body].position_m.eigen() - grip_m_);
-    }
-    goal_.known = away;
   }
 
   void show(double ratio, ExerciseRecord& out) const noexcept {

@@ -87,7 +87,7 @@ class TellApart final : public Exercise {
     said_ = GivenAnswer{};
     paused_ = begun_ = fresh_ = swapped_ = false;
     said_second_ = 0.0;
-    goal_ = MovementGoal{};
+    forgetGoal();
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
@@ -330,11 +330,10 @@ class TellApart final : public Exercise {
 
   /// The grip of the bottle to be squeezed is the goal.
   void sayGoal(const TickRecord& seen) noexcept {
-    const int bottle = comparing_.wanted();
-    goal_.known = bottle >= 0 && !paused_;
-    if (!goal_.known) return;
-    goal_.movement = static_cast<std::uint64_t>(kBottles * comparing_.answers() + bottle);
-    goal_.at_m = Vec3::from(seen.bodies[task_.bottles[bottle].body].position_m.eigen() - grip_m_);
+    const int bottle = paused_ ? -1 : comparing_.wanted();
+    if (bottle < 0) return goFor(-1, {});
+    const Eigen::Vector3d center_m = seen.bodies[task_.bottles[bottle].body].position_m.eigen();
+    goFor(kBottles * comparing_.answers() + bottle, center_m - grip_m_);
   }
 
   [[nodiscard]] double pressed() const noexcept {

@@ -75,8 +75,26 @@ class Exercise {
   [[nodiscard]] virtual std::unique_ptr<Player> makePlayer(const PlayerTraits& traits) const = 0;
 
  protected:
+  /// Names the goal of a movement. It is taken at the movement's begin and stays until another one
+  /// begins. @param to what the hand goes to; -1: none
+  WHOLEHAND_RT void goFor(int to, const Eigen::Vector3d& at_m) noexcept {
+    if (to >= 0 && to != goes_for_) {
+      ++goal_.movement;
+      goal_.at_m = Vec3::from(at_m);
+    }
+    goal_.known = to >= 0;
+    goes_for_ = to;
+  }
+  void forgetGoal() noexcept {
+    goal_ = MovementGoal{};
+    goes_for_ = -1;
+  }
+
   ExerciseDescription description_;  ///< filled in when it is made
   MovementGoal goal_;                ///< set in tick() and reset()
+
+ private:
+  int goes_for_ = -1;
 };
 
 /// Clears the output of a tick: no effort, no wall, no values, no bodies to place.
