@@ -264,7 +264,8 @@ StationReply StationClient::open(const VisitOrder& order) {
     }
     const auto open = fb::CreateOpenVisitDirect(
         b, order.visit, order.item, order.exercise.c_str(), static_cast<std::uint16_t>(order.level),
-        order.hand.c_str(), order.hand_file.c_str(), helpOf(order.help), &parameters);
+        order.hand.c_str(), order.hand_file.c_str(), helpOf(order.help), &parameters,
+        order.prescription_file.c_str());
     return {fb::Order::OpenVisit, open.Union()};
   });
 }

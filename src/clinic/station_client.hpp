@@ -36,6 +36,7 @@ struct VisitOrder {
   std::string hand, hand_file;
   std::string help;  ///< "full", "some", "none"
   std::map<std::string, double> parameters;
+  std::string prescription_file = {};
 };
 
 struct StationReply {

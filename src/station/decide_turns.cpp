@@ -21,6 +21,12 @@ OrderReply visitOpen(std::uint64_t visit) {
                  fmt::format("visit {} is open: close it in the clinic's records first", visit));
 }
 
+/// True for the plain name of a file that ends in .toml, without a folder.
+bool isTomlName(const std::string& text) {
+  const fs::path name(text);
+  return !name.empty() && name.filename() == name && name.extension() == ".toml";
+}
+
 /// True while the live session renders and nothing is known to end it.
 bool renders(const StationState& state) {
   return state.live && state.run_state == RunState::kRendering && !state.loop_ends;
@@ -171,13 +177,16 @@ OrderReply Decider::openVisit(const orders::OpenVisit& order) {
   if (order.visit == 0) return refused(Refusal::kOther, "a visit has a number other than 0");
   if (s_.visit.number != 0 && s_.visit.number != order.visit) return visitOpen(s_.visit.number);
   if (order.exercise.empty()) return refused(Refusal::kOther, "a visit names its exercise");
-  const fs::path name(order.hand_file);
-  if (order.hand.empty() &&
-      (name.empty() || name.filename() != name || name.extension() != ".toml")) {
+  if (order.hand.empty() && !isTomlName(order.hand_file)) {
     return refused(Refusal::kUnknownHand,
                    fmt::format("\"{}\" is no hand file: a visit names one of the hands, or a file "
                                "name that ends in .toml",
                                printable(order.hand_file)));
+  }
+  if (!order.prescription_file.empty() && !isTomlName(order.prescription_file)) {
+    return refused(Refusal::kCannotLoad,
+                   fmt::format("\"{}\" is no prescription file: a file name that ends in .toml",
+                               printable(order.prescription_file)));
   }
   Profile settings;
   settings.help = order.help;
@@ -185,7 +194,7 @@ OrderReply Decider::openVisit(const orders::OpenVisit& order) {
   s_.under_way->profile = settings;
   s_.under_way->visit = Visit{order.visit, order.item};
   s_.work = work::ReadModels{order.exercise, order.hand, order.hand.empty() ? order.hand_file : "",
-                             order.level};
+                             order.level,    false,      order.prescription_file};
   return {true, ""};
 }
 

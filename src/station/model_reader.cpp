@@ -52,6 +52,10 @@ OrderReply ModelReader::find(const Names& names, ModelFiles& files) const {
     files.hand = config_ + "/hands/" + names.hand + ".toml";
   }
   if (!names.hand_file.empty()) files.hand = (fs::path(visit_hands_) / names.hand_file).string();
+  if (names.prescription_file) {
+    const std::string& name = *names.prescription_file;
+    files.prescription = name.empty() ? "" : (fs::path(visit_hands_) / name).string();
+  }
   if (names.level > 0) files.level = names.level;
   return {true, ""};
 }

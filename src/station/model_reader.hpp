@@ -6,6 +6,7 @@
 #include "vocabulary/backend.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ class ModelReader {
     std::string exercise, hand;
     std::string hand_file;  ///< file among the visits' hands; used when not empty
     int level = 0;
+    /// File among the visits' hands; empty: no prescription; nullopt: as in use.
+    std::optional<std::string> prescription_file = {};
   };
   /// Resolves names to files, which are not read yet.
   [[nodiscard]] OrderReply find(const Names& names, ModelFiles& files) const;

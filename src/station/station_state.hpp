@@ -59,6 +59,8 @@ struct ReadModels {
   std::string hand_file;       ///< file among the visits' hands; used when not empty
   int level = 0;               ///< 0: as in use
   bool first = false;          ///< the station's first models instead
+  /// File among the visits' hands; empty: no prescription; nullopt: as in use.
+  std::optional<std::string> prescription_file = {};
 };
 struct Rehearse {
   bool next = false;  ///< the models read last; else those in use

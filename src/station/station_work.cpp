@@ -96,7 +96,8 @@ events::Any Station::Core::perform(const work::PublishScene&) {
 events::Any Station::Core::perform(const work::ReadModels& work) {
   ModelFiles files = work.first ? config_.files : models_.files;
   events::ModelsRead read;
-  read.reply = reader_.find({work.exercise, work.hand, work.hand_file, work.level}, files);
+  read.reply = reader_.find(
+      {work.exercise, work.hand, work.hand_file, work.level, work.prescription_file}, files);
   if (read.reply.accepted) read.reply = reader_.read(files, next_models_);
   if (!read.reply.accepted) return read;
   read.facts = sceneOf(next_models_);

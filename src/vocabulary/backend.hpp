@@ -244,6 +244,7 @@ struct OpenVisit {
   int level = 1;
   Help help = Help::kUnspecified;
   std::map<std::string, double> parameters;  ///< by name, in their own units
+  std::string prescription_file;  ///< file in the same folder; empty: the person has no limits
 };
 struct CloseVisit {
   std::uint64_t visit = 0;

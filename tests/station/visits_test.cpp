@@ -329,6 +329,47 @@ TEST_F(Visits, HandFileOfTheVisit_IsLoadedFromTheRecordsFolder) {
   }
 }
 
+/// A person's limits hold in the visit and end with it; a program's own prescription is another
+/// person's.
+TEST_F(Visits, PrescriptionOfTheVisit_HoldsFromOpeningToClosing) {
+  begin();
+  std::filesystem::create_directories(folder_ + "/hands");
+  const auto write = [&](const std::string& name, const std::string& side) {
+    std::ofstream(folder_ + "/hands/" + name)
+        << "kind = \"prescription\"\nversion = 1\nname = \"visit-9\"\nside = \"" << side
+        << "\"\n[[limits]]\naxis = \"x\"\nwithin_m = [-0.07, 0.07]\n";
+  };
+  write("visit-9-limits.toml", "right");
+  write("visit-9-left.toml", "left");
+  const auto recordedSchema = [&] {
+    EXPECT_TRUE(ask(orders::Arm{}).accepted);
+    EXPECT_TRUE(rendersOn());
+    const std::string path = station_->recordingPath(station_->scene()->recording);
+    EXPECT_TRUE(ask(orders::Stop{}).accepted);
+    EXPECT_TRUE(becomes(RunState::kStopped));
+    return orThrow(RecordingReader::open(path))->meta().schema;
+  };
+  orders::OpenVisit visit = ofVisit(9);
+  visit.prescription_file = "visit-9-left.toml";
+  EXPECT_EQ(open(visit).refusal, Refusal::kCannotLoad) << "the other side";
+  for (const char* file : {"../a.toml", "/etc/passwd", "a.txt", "not-there.toml"}) {
+    visit.prescription_file = file;
+    EXPECT_EQ(open(visit).refusal, Refusal::kCannotLoad) << file;
+  }
+  visit.prescription_file = "visit-9-limits.toml";
+  const OrderReply reply = open(visit);
+  ASSERT_TRUE(reply.accepted) << reply.reason;
+  EXPECT_TRUE(ask(orders::LoadExercise{.level = 2}).accepted) << "the limits stay";
+  EXPECT_EQ(recordedSchema(), kPrescribedSchema);
+  visit.prescription_file = "";
+  ASSERT_TRUE(open(visit).accepted) << "the therapist took them away";
+  EXPECT_EQ(recordedSchema(), kRecordingSchema);
+  visit.prescription_file = "visit-9-limits.toml";
+  ASSERT_TRUE(open(visit).accepted);
+  ASSERT_TRUE(ask(orders::CloseVisit{9}).accepted);
+  EXPECT_EQ(recordedSchema(), kRecordingSchema);
+}
+
 TEST_F(Visits, VisitOrdersWhileArmed_AreRefusedAndTheRecordingHoldsOnlyNumbers) {
   begin();
   orders::OpenVisit visit = ofVisit(1'234'567'890'123);

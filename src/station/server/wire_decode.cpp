@@ -129,9 +129,15 @@ orders::HoldToMove read(const fb::HoldToMove& in) {
 
 Expected<orders::OpenVisit> read(const fb::OpenVisit& in) {
   if (!isKnown(in.help())) return unknown("help", in.help());
-  orders::OpenVisit visit{
-      in.visit(),           in.item(),  text(in.exercise()),          text(in.hand()),
-      text(in.hand_file()), in.level(), static_cast<Help>(in.help()), {}};
+  orders::OpenVisit visit{in.visit(),
+                          in.item(),
+                          text(in.exercise()),
+                          text(in.hand()),
+                          text(in.hand_file()),
+                          in.level(),
+                          static_cast<Help>(in.help()),
+                          {},
+                          text(in.prescription_file())};
   if (in.parameters() == nullptr) return visit;
   if (in.parameters()->size() > kMaxLiveParameters) {
     return refusal("parameters", std::to_string(in.parameters()->size()), "are too many",
