@@ -301,7 +301,11 @@ void removeUnnamedHandFiles(Database& db, const std::string& folder) {
   for (const fs::path& path : filesIn(folder + "/hands")) {
     const std::string name = path.filename().string();
     if (visitInName(name) == 0) continue;
-    if (db.number("SELECT COUNT(*) FROM visit WHERE hand_file = ?", name) != 0) continue;
+    // The limits of an open visit are read again at its next item.
+    if (db.number("SELECT COUNT(*) FROM visit WHERE hand_file = ? OR (id = ? AND state = 'open')",
+                  name, static_cast<std::int64_t>(visitInName(name))) != 0) {
+      continue;
+    }
     std::error_code ignored;
     fs::remove(path, ignored);
   }

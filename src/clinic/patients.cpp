@@ -1,5 +1,6 @@
 #include "clinic/patients.hpp"
 
+#include "clinic/limits.hpp"
 #include "clinic/row_digests.hpp"
 #include "clinic/rows.hpp"
 #include "clinic/text.hpp"
@@ -42,7 +43,9 @@ Json readHand(const Json& hands, const std::string& side) {
   }
   const double breadth_m =
       numberOf(breadth, field + ".breadth_m", kNarrowestHand_m, kBroadestHand_m, "m");
-  return {{"length_m", length_m}, {"breadth_m", breadth_m}};
+  Json out{{"length_m", length_m}, {"breadth_m", breadth_m}};
+  if (hand.contains("limits")) out["limits"] = readLimits(hand["limits"], field + ".limits");
+  return out;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "clinic/visits.hpp"
 
+#include "clinic/limits.hpp"
 #include "clinic/row_digests.hpp"
+#include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@ namespace wholehand::clinic {
 namespace {
 
 /// A shorter difference between station and database means that an order is still on its way.
+constexpr std::string_view kOwnMovement = "own-range";
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
 
 std::string sideOf(const Json& body) {
@@ -57,7 +60,27 @@ VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
       order.parameters[name] = value;
   }
   for (const auto& [name, value] : now.parameters) order.parameters[name] = value;
+  // Own movement is measured without any effort of ours.
+  if (now.exercise != kOwnMovement) order.prescription_file = writeLimits(visit);
   return order;
+}
+
+/// Writes the limits of the visit's hand to a file that the station reads. Returns its name; empty
+/// for a person without limits.
+std::string Visits::writeLimits(const VisitRow& visit) {
+  if (!visit.patient) return {};
+  Statement row = records_.db().query("SELECT hands FROM patient WHERE id = ?", *visit.patient);
+  row.step();
+  const Json hand = Json::parse(row.text(0)).value(visit.side, Json::object());
+  const Json limits = hand.value("limits", Json::array());
+  if (limits.empty()) return {};
+  const std::string name = fmt::format("visit-{}-limits.toml", visit.id);
+  const std::string path = records_.options().folder + "/hands/" + name;
+  const std::string text = prescriptionText(limits, visit.id, visit.side);
+  auto written = prepareFiles({path});
+  if (written) written = writeText(path, text);
+  if (!written) throw RequestRefusal{503, "database", format(written.errors()), "hands"};
+  return name;
 }
 
 /// Settings that the station will have after the order: within a visit, a later item does not raise

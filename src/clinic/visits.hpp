@@ -64,6 +64,7 @@ class Visits {
   void setAside(std::int64_t account, std::int64_t visit);
   void chooseHand(VisitRow& visit);
   void fitToPerson(VisitRow& visit);
+  [[nodiscard]] std::string writeLimits(const VisitRow& visit);
   void removeHandFile(const std::string& name) const;
   void refuseOtherSide(std::int64_t patient, const std::string& side);
   void refuseWhileOpen();

@@ -113,7 +113,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
                                       const Prescription* prescription) {
   ExerciseSource source;
   source.level = level;
-  source.device = &device;
+  source.device = source.whole = &device;
   source.hand = &hand;
   source.bears = std::move(bears);
   if (prescription == nullptr) return loadAt(path, source);

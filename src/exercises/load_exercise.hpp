@@ -38,6 +38,7 @@ struct ExerciseSource {
   std::string name;                     ///< name of the exercise
   int level = 1;                        ///< requested level; the kind checks it against the file
   const DeviceModel* device = nullptr;  ///< its ranges are those that the task may use
+  const DeviceModel* whole = nullptr;   ///< the same device with its own ranges
   const HandModel* hand = nullptr;
   /// Scene that the file names; the kind adapts it to the level. Null: the scene cannot be loaded,
   /// which loadExercise() reports.

@@ -1,6 +1,8 @@
 #include "clinic/text.hpp"
 #include "clinic/trials.hpp"
 #include "clinic_bench.hpp"
+#include "files/device/device_file.hpp"
+#include "files/patient/prescription_file.hpp"
 
 #include <algorithm>
 #include <map>
@@ -80,6 +82,58 @@ TEST(Visits, BeginOfAVisit_SendsThePersonsLimitsHandAndItem) {
   b.post(fmt::format("/api/visits/{}/item", order.visit), {{"item", 1}});
   EXPECT_EQ(b.station.orders.at(1).parameters.at("level_ratio"), 0.5);
   EXPECT_EQ(b.station.orders.at(1).parameters.at("effort_limit_hand_tip_n"), 3.0);
+}
+
+/// Limits belong to a hand of the person: they go to the station with each item, except for the one
+/// that measures own movement.
+TEST(Visits, LimitsOfTheHand_GoToTheStationAsAPrescription) {
+  Bench b;
+  Json body = patientOf("P-001");
+  body["hands"]["right"]["limits"] = {{{"axis", "x"}, {"within_m", {-0.05, 0.06}}},
+                                      {{"axis", "finger_flexion"}, {"within_rad", {0.3, 2.5}}}};
+  const std::int64_t id = b.post("/api/patients", body)["id"];
+  EXPECT_EQ(b.get(fmt::format("/api/patients/{}", id))["hands"], body["hands"]);
+  Json plan = planOf(2);
+  plan[1]["exercise"] = "own-range";
+  const Json visit =
+      b.post(fmt::format("/api/patients/{}/visits", id), {{"side", "right"}, {"plan", plan}});
+  ASSERT_EQ(b.status, 200);
+  const VisitOrder order = b.station.orders.at(0);
+  EXPECT_EQ(order.prescription_file, fmt::format("visit-{}-limits.toml", order.visit));
+  const std::string path = b.options.folder + "/hands/" + order.prescription_file;
+  const auto device =
+      loadDeviceFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/lambda-pride.toml");
+  const auto read = loadPrescriptionFile(path, *device);
+  ASSERT_TRUE(read.ok()) << format(read.errors());
+  ASSERT_EQ(read->limits.size(), 2U);
+  EXPECT_EQ(read->limits[1].upper, 2.5);
+  EXPECT_EQ(read->side, Side::kRight);
+  EXPECT_EQ(textOf(path).find("Keller"), std::string::npos) << "a file names no person";
+  b.post(fmt::format("/api/visits/{}/item", order.visit), {{"item", 1}});
+  EXPECT_EQ(b.station.orders.at(1).prescription_file, "");
+}
+
+TEST(Visits, FaultyLimits_AreRefusedAtTheirField) {
+  Bench b;
+  const auto refusedWith = [&](const Json& limits) {
+    Json body = patientOf("P-001");
+    body["hands"]["right"]["limits"] = limits;
+    const Json reply = b.post("/api/patients", body);
+    EXPECT_EQ(reply["refused"], "bad_value") << limits;
+    return reply.value("field", "");
+  };
+  const std::string at = "hands.right.limits";
+  EXPECT_EQ(refusedWith("none"), at);
+  EXPECT_EQ(refusedWith({{{"axis", "x\"\n"}, {"within_m", {0.0, 0.1}}}}), at + ".0.axis");
+  EXPECT_EQ(refusedWith({{{"within_m", {0.0, 0.1}}}}), at + ".0.axis");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}}}), at + ".0");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}, {"within_m", {0.1, 0.0}}}}), at + ".0");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}, {"within_m", {0.0}}}}), at + ".0");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}, {"within_m", {0.0, "1"}}}}), at + ".0.within_m");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}, {"within_m", {0.0, 3.0}}}}), at + ".0.within_m");
+  EXPECT_EQ(refusedWith({{{"axis", "x"}, {"within_m", {0.0, 0.1}}},
+                         {{"axis", "x"}, {"within_m", {0.0, 0.1}}}}),
+            at + ".1.axis");
 }
 
 TEST(Visits, ShippedHand_IsUsedIfItsSizeMatches) {

@@ -172,7 +172,8 @@ TEST(BarReach, LeftHand_HasTheMirrorImage) {
   Bar mirrored = bar;
   mirrored.row.reach_lower_m = -0.105;
   mirrored.row.reach_upper_m = 0.023;
-  const BarParameters of_right(bar, right), of_left(mirrored, left);
+  const BarParameters of_right(bar, right, shippedDevice()),
+      of_left(mirrored, left, shippedDevice());
   std::vector<double> v;
   for (const LiveParameter& p : of_right.all()) v.push_back(p.value);
   for (const auto& [left_m, right_m] : {std::pair{0.12, 0.12}, {0.04, 0.1}, {0.1, 0.04}}) {

@@ -560,7 +560,7 @@ LiveParameter ranged(const char* name, const char* unit, double lower, double up
 
 }  // namespace
 
-BarParameters::BarParameters(const Bar& bar, const BarLayout& layout)
+BarParameters::BarParameters(const Bar& bar, const BarLayout& layout, const DeviceModel& whole)
     : row_(bar.row),
       beside_(layout.beside),
       grip_x_m_(bar.dispensers.front().home_m.x() + bar.dispensers.front().grip_m.x() -
@@ -574,18 +574,22 @@ BarParameters::BarParameters(const Bar& bar, const BarLayout& layout)
                  bar.drinks.front().steps.front().tolerance_l),
           ranged("wall_fade_s", "s", kShortestFade_s, kLongestFade_s, bar.transition.engage_s)};
   if (layout.y >= 0) {
-    const double left_m = layout.upper[layout.y], right_m = -layout.lower[layout.y];
-    left_ = add(ranged("reach_left_m", "m", kLeastAside_m, left_m, left_m));
-    right_ = add(ranged("reach_right_m", "m", kLeastAside_m, right_m, right_m));
+    most_left_m_ = layout.upper[layout.y], most_right_m_ = -layout.lower[layout.y];
+    const DeviceAxis& y = whole.axes[layout.y];
+    left_ = add(ranged("reach_left_m", "m", kLeastAside_m, y.upper, most_left_m_));
+    right_ = add(ranged("reach_right_m", "m", kLeastAside_m, -y.lower, most_right_m_));
   }
   if (layout.x >= 0) {
-    const double forward_m = layout.upper[layout.x];
-    forward_ = add(ranged("reach_forward_m", "m", kLeastForward_m, forward_m, forward_m));
+    most_forward_m_ = layout.upper[layout.x];
+    forward_ = add(ranged("reach_forward_m", "m", kLeastForward_m, whole.axes[layout.x].upper,
+                          most_forward_m_));
   }
   if (layout.fingers >= 0) {
-    const double open_rad = layout.lower[layout.fingers], close_rad = layout.upper[layout.fingers];
-    add(ranged("fingers_open_rad", "rad", open_rad, kMostOpen_rad, open_rad));
-    add(ranged("fingers_close_rad", "rad", kLeastClosed_rad, close_rad, close_rad));
+    const DeviceAxis& fingers = whole.axes[layout.fingers];
+    add(ranged("fingers_open_rad", "rad", fingers.lower, kMostOpen_rad,
+               layout.lower[layout.fingers]));
+    add(ranged("fingers_close_rad", "rad", kLeastClosed_rad, fingers.upper,
+               layout.upper[layout.fingers]));
   }
 }
 
@@ -600,14 +604,15 @@ RowReach BarParameters::reach(const double* v) const noexcept {
     // The hand moves between its path beside the dispenser, on the side of its back, and the grip.
     const double lane_left_m = beside_ < 0.0 ? kLane_m : 0.0;
     const double lane_right_m = beside_ > 0.0 ? kLane_m : 0.0;
-    const double lower_m = -v[right_] + lane_right_m - grip_y_m_;
-    const double upper_m = v[left_] - lane_left_m - grip_y_m_;
+    const double lower_m = -std::min(v[right_], most_right_m_) + lane_right_m - grip_y_m_;
+    const double upper_m = std::min(v[left_], most_left_m_) - lane_left_m - grip_y_m_;
     const double middle_m =
         std::clamp(0.5 * (lower_m + upper_m), row_.reach_lower_m, row_.reach_upper_m);
     out.lower_m = std::clamp(lower_m, row_.reach_lower_m, middle_m);
     out.upper_m = std::clamp(upper_m, middle_m, row_.reach_upper_m);
   }
-  if (forward_ >= 0 && row_.slides) out.nearer_m = std::max(0.0, grip_x_m_ - v[forward_]);
+  if (forward_ >= 0 && row_.slides)
+    out.nearer_m = std::max(0.0, grip_x_m_ - std::min(v[forward_], most_forward_m_));
   return out;
 }
 

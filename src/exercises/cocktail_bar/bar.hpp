@@ -180,7 +180,9 @@ struct RowReach {
 ///   fingers_open_rad, fingers_close_rad   range of the fingers; pages require no more
 class BarParameters {
  public:
-  BarParameters(const Bar& bar, const BarLayout& layout);
+  /// @param layout within the person's limits @param whole the device with its own ranges: a larger
+  /// reach can be set, but the row stays within the limits
+  BarParameters(const Bar& bar, const BarLayout& layout, const DeviceModel& whole);
 
   [[nodiscard]] const std::vector<LiveParameter>& all() const noexcept { return all_; }
 
@@ -200,6 +202,7 @@ class BarParameters {
   const double beside_;                     ///< BarLayout::beside of the hand
   double grip_x_m_ = 0.0, grip_y_m_ = 0.0;  ///< y: of the hand at a dispenser at y = 0
   int left_ = -1, right_ = -1, forward_ = -1;
+  double most_left_m_ = 0.0, most_right_m_ = 0.0, most_forward_m_ = 0.0;  ///< within the limits
   std::vector<LiveParameter> all_;
 };
 

@@ -28,11 +28,12 @@ constexpr double kOpens = 0.07;
 
 class CocktailBar final : public Exercise {
  public:
-  CocktailBar(Bar bar, const DeviceModel& device, const HandModel& hand)
+  /// @param whole the device with its own ranges
+  CocktailBar(Bar bar, const DeviceModel& device, const DeviceModel& whole, const HandModel& hand)
       : bar_(std::move(bar)),
         device_(device),
         hand_(hand),
-        parameters_(bar_, makeBarLayout(bar_, device_, &hand_)),
+        parameters_(bar_, makeBarLayout(bar_, device_, &hand_), whole),
         posture_(hand_),
         serving_(bar_),
         pouring_(bar_),
@@ -400,7 +401,8 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   }
   out.walls = stiffestCushions(filledWith(bar->bottle, thinnest_pa_s(bar->liquids)), bar->walls);
   bar->reach = reachOf(makeBarLayout(*bar, *source.device, source.hand), bar->transition.engage_m);
-  out.exercise = std::make_unique<CocktailBar>(std::move(*bar), *source.device, *source.hand);
+  out.exercise =
+      std::make_unique<CocktailBar>(std::move(*bar), *source.device, *source.whole, *source.hand);
   return out;
 }
 
