@@ -3,7 +3,7 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { BackupPlace } from './records';
-import { button, once, panel, StatusMessage } from './ui';
+import { action, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';
 
 /** A backup older than this is reported [ms]. */
@@ -46,7 +46,7 @@ export class BackupPanel {
     this.shown = shown;
     const { t } = this;
     const rows = places.map((place, i) => {
-      const press = button(t.backUpHere, `back-up-${i}`, () => once(press, () => this.backUp(place)), place.own ? '' : 'go');
+      const press = action(t.backUpHere, `back-up-${i}`, this.message, () => this.backUp(place), place.own ? '' : 'go');
       press.setAttribute('aria-label', `${t.backUpHere}: ${nameOf(place, t.thisMachine)}`);
       return h('li', {}, h('span', {}, h('b', {}, nameOf(place, t.thisMachine)), h('small', {}, place.last_us > 0 ? fill(t.lastHere, { day: dayOf(place.last_us), at: clockOf(place.last_us) }) : t.noneHere)), press);
     });
@@ -57,14 +57,10 @@ export class BackupPanel {
     const { clinic } = this.context;
     this.message.show('');
     this.done.textContent = '';
-    try {
-      const { file } = await clinic.api.send<{ file: string }>('POST', '/api/backup', { folder: place.folder });
-      this.done.textContent = fill(this.t.backedUp, { file });
-      this.asked_ms = -Infinity;
-      await clinic.look();
-    } catch (problem) {
-      this.message.showProblem(problem);
-    }
+    const { file } = await clinic.api.send<{ file: string }>('POST', '/api/backup', { folder: place.folder });
+    this.done.textContent = fill(this.t.backedUp, { file });
+    this.asked_ms = -Infinity;
+    await clinic.look();
   }
 }
 

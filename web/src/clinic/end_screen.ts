@@ -5,7 +5,7 @@ import { NoteBox } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { button, link, once, panel, StatusMessage, textInput, Field, type Screen } from './ui';
+import { action, button, link, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
 import { proposals, toggled } from './wishes';
 import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, timeWords, visitDay } from './words';
@@ -99,10 +99,7 @@ export class EndScreen implements Screen {
     const next = kept('next'), reason = kept('reason');
     next.element.append(this.proposed(visit, next.input));
     const nothing = visit.trials.length === 0 && context.model.counters.active_s === 0;
-    const finish = (state: 'done' | 'unfinished', words: string, kind: string): HTMLButtonElement => {
-      const press = button(words, `finish-${state}`, () => once(press, () => this.finish(state, [['next', next], ['reason', reason]])), kind);
-      return press;
-    };
+    const finish = (state: 'done' | 'unfinished', words: string, kind: string): HTMLButtonElement => action(words, `finish-${state}`, this.message, () => this.finish(state, [['next', next], ['reason', reason]]), kind);
     this.element.replaceChildren(
       h('div', { class: 'col' }, panel(t.doneTitle, 'done', this.done)),
       h('div', { class: 'col side' }, panel(texts().pain.after, 'pains', painChoice(context, visit, 'after').element), panel(texts().visit.noteTitle, 'marks', this.note.element, nothing ? reason.element : null, next.element),
@@ -143,20 +140,16 @@ export class EndScreen implements Screen {
     const { context: { clinic }, id } = this, visit = this.visit;
     if (!visit) return;
     this.message.show('');
-    try {
-      await this.note?.save();
-      for (const [kind, { input }] of notes) {
-        if (input.value.trim() === '') continue;
-        await clinic.outbox.add(`/api/visits/${id}/notes`, { kind, text: input.value.trim(), at_us: Date.now() * 1000 });
-        clinic.drafts.drop(`${kind}-${id}`, visit.patient ?? 0);
-      }
-      this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
-      clinic.finished = { visit: this.finished, next: notes[0][1].input.value.trim() };
-      if (clinic.visit?.id === id) clinic.take(null);
-      this.card(this.finished, clinic.finished.next);
-    } catch (problem) {
-      this.message.showProblem(problem);
+    await this.note?.save();
+    for (const [kind, { input }] of notes) {
+      if (input.value.trim() === '') continue;
+      await clinic.outbox.add(`/api/visits/${id}/notes`, { kind, text: input.value.trim(), at_us: Date.now() * 1000 });
+      clinic.drafts.drop(`${kind}-${id}`, visit.patient ?? 0);
     }
+    this.finished = await clinic.api.send<Visit>('POST', `/api/visits/${id}/finish`, { state });
+    clinic.finished = { visit: this.finished, next: notes[0][1].input.value.trim() };
+    if (clinic.visit?.id === id) clinic.take(null);
+    this.card(this.finished, clinic.finished.next);
   }
 
   /** Draws the card again when a recording of the finished visit has been measured. */

@@ -3,22 +3,17 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { OneSide, Visit } from './records';
-import { button, once, StatusMessage } from './ui';
+import { action, StatusMessage } from './ui';
 import { sideWords } from './words';
 
 /** Begins a visit without a patient, under the gentle preset. The therapist chooses the side and looks whether the hand fits. */
 export function gentleVisit(context: ClinicContext): HTMLElement {
   const t = texts().patients, message = new StatusMessage();
-  const begin = (side: OneSide): HTMLButtonElement => {
-    const press = button(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, () => once(press, async () => {
-      try {
-        const visit = await context.clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
-        context.clinic.take(visit, null);
-        context.go({ at: 'visit', visit: visit.id });
-      } catch (problem) { message.showProblem(problem); }
-    }), 'go');
-    return press;
-  };
+  const begin = (side: OneSide): HTMLButtonElement => action(fill(t.beginWith, { side: sideWords(side) }), `without-${side}`, message, async () => {
+    const visit = await context.clinic.api.send<Visit>('POST', '/api/guest_visits', { side });
+    context.clinic.take(visit, null);
+    context.go({ at: 'visit', visit: visit.id });
+  }, 'go');
   return h('div', {}, message.element, h('div', { class: 'pair' }, begin('left'), begin('right')));
 }
 

@@ -2,7 +2,7 @@ import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
-import { button, Field, once, panel, StatusMessage, textInput } from './ui';
+import { action, Field, once, panel, StatusMessage, textInput } from './ui';
 
 interface Changed { readonly recovery_code?: string; readonly old_copies: readonly string[] }
 
@@ -17,13 +17,11 @@ export function keysPanel(context: ClinicContext): HTMLElement {
   /** The pass phrase that is typed, or the recovery code in its place. */
   const secret = (): Record<string, string> => ({ [/^[0-9A-Za-z]{5}(-[0-9A-Za-z]{5}){5}$/.test(now.input.value.trim()) ? 'recovery_code' : 'pass_phrase']: now.input.value.trim() });
   const change = h('button', { type: 'submit', class: 'b go', 'data-testid': 'change-phrase' }, t.change);
-  const draw = button(t.draw, 'draw-code', () => once(draw, async () => {
-    try {
-      const changed = await api.send<Changed>('POST', '/api/recovery_code', secret());
-      code.textContent = changed.recovery_code ?? '';
-      done(first.code.paper, changed);
-    } catch (problem) { message.showProblem(problem); }
-  }));
+  const draw = action(t.draw, 'draw-code', message, async () => {
+    const changed = await api.send<Changed>('POST', '/api/recovery_code', secret());
+    code.textContent = changed.recovery_code ?? '';
+    done(first.code.paper, changed);
+  });
   const form = h('form', {}, now.element, phrase.element, again.element, message.element, code, h('div', { class: 'pair' }, change, draw));
   form.addEventListener('submit', (event) => {
     event.preventDefault();

@@ -3,7 +3,7 @@ import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './clinic_context';
 import type { LogEntry } from './records';
-import { button, once, panel, StatusMessage } from './ui';
+import { action, button, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';
 
 /** Entries that are shown at first; a second press shows all that were read. */
@@ -17,18 +17,11 @@ export class LogPanel {
   private readonly message = new StatusMessage();
 
   constructor(private readonly context: ClinicContext) {
-    const read = button(this.t.read, 'read-log', () => once(read, () => this.read()));
+    const read = action(this.t.read, 'read-log', this.message, async () => {
+      this.message.show('');
+      this.show((await context.clinic.api.get<{ log: readonly LogEntry[] }>('/api/log')).log, FIRST);
+    });
     this.element = panel(this.t.title, 'log', h('p', {}, this.t.words), this.message.element, h('div', { class: 'pair' }, read), this.list);
-  }
-
-  private async read(): Promise<void> {
-    this.message.show('');
-    try {
-      const { log } = await this.context.clinic.api.get<{ log: readonly LogEntry[] }>('/api/log');
-      this.show(log, FIRST);
-    } catch (problem) {
-      this.message.showProblem(problem);
-    }
   }
 
   private show(log: readonly LogEntry[], first: number): void {

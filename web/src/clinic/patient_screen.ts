@@ -14,7 +14,7 @@ import { PatientPicker } from './picker';
 import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
-import { besideTitle, button, Field, link, once, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
+import { action, besideTitle, button, Field, link, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { activeWords, clock, bornWords, itemWords, parameterWords, presetName, sideWords, trialWords, visitClock, visitDay } from './words';
 
 /** Number of visits that are listed at first. */
@@ -121,7 +121,7 @@ export class PatientScreen implements Screen {
     const { t } = this;
     const visits = newestFirst(patient.visits);
     const shown = this.all ? visits : visits.slice(0, NEWEST);
-    const csv = button(t.csv, 'csv', async () => { try { await saveText(this.context, `/api/export/patient/${patient.id}.csv`, `patient-${patient.id}.csv`); } catch (problem) { this.message.showProblem(problem); } });
+    const csv = action(t.csv, 'csv', this.message, () => saveText(this.context, `/api/export/patient/${patient.id}.csv`, `patient-${patient.id}.csv`));
     const more = visits.length > NEWEST ? button(this.all ? t.newest : fill(t.all, { n: visits.length }), 'all-visits', () => { this.all = !this.all; this.showLists(patient); }) : null;
     return besideTitle(panel(t.visits, 'visits', visits.length === 0 ? h('p', { class: 'none' }, t.noVisits) : h('ul', { class: 'visit-list', 'data-testid': 'visits' }, ...shown.map((visit, i) => this.visitRow(visit, visits.slice(i + 1)))), more),
       h('span', { class: 'sp' }), visits.length > 0 ? h('a', { class: 'b', href: hashOf({ at: 'progress', patient: patient.id }), 'data-testid': 'print-progress' }, t.print) : null, visits.length > 0 ? csv : null);
@@ -166,14 +166,12 @@ export class PatientScreen implements Screen {
     const { t, context } = this, { api } = context.clinic;
     const message = new StatusMessage();
     const code = new Field(fill(t.erase.code, { code: patient.code }), textInput('erase-code'));
-    const erase = button(t.erase.press, 'erase-yes', () => once(erase, async () => {
+    const erase = action(t.erase.press, 'erase-yes', message, async () => {
       if (code.input.value.trim() !== patient.code) return code.refuse(t.erase.wrong);
-      try {
-        await api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code });
-        context.showMessage(t.erase.done);
-        context.go({ at: 'patients' });
-      } catch (problem) { message.showProblem(problem); }
-    }), 'danger');
+      await api.send('POST', `/api/patients/${patient.id}/erase`, { code: patient.code });
+      context.showMessage(t.erase.done);
+      context.go({ at: 'patients' });
+    }, 'danger');
     return h('details', { class: 'mistakes' }, h('summary', {}, t.more), message.element, h('div', { class: 'pair' },
       twice(t.noShowNote, t.noShowYes, 'no-show', message, () => api.send('POST', `/api/patients/${patient.id}/no_show`, { at_us: Date.now() * 1000 }), () => void this.read()),
       button(t.merge.title, 'merge', () => this.merge(patient)),

@@ -9,7 +9,7 @@ import type { ClinicContext } from './clinic_context';
 import { PatientPicker } from './picker';
 import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
-import { button, once, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
+import { action, button, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { itemNow } from './records';
 import { clock, clockOf, dayOf, itemWords, locale, sideWords, timeWords, visitClock, visitDay } from './words';
 
@@ -120,27 +120,24 @@ export class PatientsScreen implements Screen {
     h('div', { class: 'pair' }, page > 0 ? button(t.before, 'page-before', () => this.turn(page - 1)) : null, (page + 1) * PAGE < found ? button(t.further, 'page-further', () => this.turn(page + 1)) : null));
   }
 
+  /** A button that sends a change, after which the list is read again. */
+  private change(words: string, test: string, message: StatusMessage, path: string, body = {}): HTMLButtonElement {
+    return action(words, test, message, async () => {
+      await this.context.clinic.api.send('POST', path, body);
+      await this.read();
+    });
+  }
+
   /** Something that waits for a yes. */
   private toConfirm(words: string, path: string, test: string): HTMLElement {
     const message = new StatusMessage();
-    const yes = button(this.t.restored.done, `${test}-done`, () => once(yes, async () => {
-      try {
-        await this.context.clinic.api.send('POST', path, {});
-        await this.read();
-      } catch (problem) { message.showProblem(problem); }
-    }));
-    return h('div', { class: 'warning', 'data-testid': test }, h('p', {}, words), message.element, yes);
+    return h('div', { class: 'warning', 'data-testid': test }, h('p', {}, words), message.element, this.change(this.t.restored.done, `${test}-done`, message, path));
   }
 
   /** What a restore left to people. */
   private restored({ at_us, until_us, again }: Restored): HTMLElement {
     const words = this.t.restored, message = new StatusMessage();
-    const done = button(words.done, 'restored-done', () => once(done, async () => {
-      try {
-        await this.context.clinic.api.send('POST', '/api/restored/done', {});
-        await this.read();
-      } catch (problem) { message.showProblem(problem); }
-    }));
+    const done = this.change(words.done, 'restored-done', message, '/api/restored/done');
     const line = ({ what, to, from = '', began_us }: Restored['again'][number]): string => fill(words[what], { to, from, day: began_us === undefined ? '' : dayOf(began_us) });
     return h('section', { class: 'panel', 'aria-label': words.title, 'data-testid': 'restored' }, h('div', { class: 'hd' }, h('h2', {}, words.title), h('span', { class: 'sp' }), done),
       until_us < at_us ? h('p', {}, fill(words.until, { day: dayOf(until_us), at: clockOf(until_us) })) : null,
@@ -160,16 +157,8 @@ export class PatientsScreen implements Screen {
     const { t } = this, { context } = this;
     const open = row.state === 'open';
     const message = new StatusMessage();
-    const go = button(t.goOn, `go-on-${row.id}`, () => once(go, async () => {
-      if (open) return context.go({ at: 'visit', visit: row.visit });
-      try { await this.goOn(row); } catch (problem) { message.showProblem(problem); }
-    }), 'go');
-    const end = button(t.endIt, `end-it-${row.id}`, () => once(end, async () => {
-      try {
-        await context.clinic.api.send('POST', `/api/visits/${row.visit}/finish`, { state: 'done' });
-        await this.read();
-      } catch (problem) { message.showProblem(problem); }
-    }));
+    const go = action(t.goOn, `go-on-${row.id}`, message, () => (open ? context.go({ at: 'visit', visit: row.visit }) : this.goOn(row)), 'go');
+    const end = this.change(t.endIt, `end-it-${row.id}`, message, `/api/visits/${row.visit}/finish`, { state: 'done' });
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: open ? 'tag on' : 'tag warn' }, open ? t.open : t.unfinished)),
       h('h2', {}, h('a', { href: hashOf({ at: 'patient', patient: row.id }) }, row.name)), h('p', { class: 'aside' }, [row.code, sideWords(row.side), row.last_visit_us > 0 ? dayOf(row.last_visit_us) : ''].filter(Boolean).join(' · ')),
       message.element, h('div', { class: 'pair' }, go, open ? null : end));

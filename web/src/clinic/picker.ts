@@ -3,7 +3,7 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { PatientList, PatientRow } from './records';
-import { button, Field, StatusMessage, textInput } from './ui';
+import { action, button, Field, StatusMessage, textInput } from './ui';
 import { sideWords } from './words';
 
 /** Chooses a patient by name or code, then asks for confirmation with both names. */
@@ -35,9 +35,7 @@ export class PatientPicker {
   }
 
   private confirm(row: PatientRow): void {
-    const yes = button(fill(this.ask, { name: row.name, code: row.code }), 'pick-yes', async () => {
-      try { await this.chosen(row); } catch (problem) { this.message.showProblem(problem); }
-    }, 'go wide');
+    const yes = action(fill(this.ask, { name: row.name, code: row.code }), 'pick-yes', this.message, () => this.chosen(row), 'go wide');
     this.found.replaceChildren(h('li', {}, yes));
     yes.focus();
   }

@@ -7,7 +7,7 @@ import { LogPanel } from './log_panel';
 import type { ClinicContext } from './clinic_context';
 import { PeoplePanel } from './people_panel';
 import { saveText } from './save_text';
-import { button, once, panel, problemWords, StatusMessage, type Screen } from './ui';
+import { action, panel, StatusMessage, type Screen } from './ui';
 
 /** Accounts, backup, exports, the log, and locking for the day. */
 export class SettingsScreen implements Screen {
@@ -27,30 +27,28 @@ export class SettingsScreen implements Screen {
   private exports(): HTMLElement {
     const { t } = this;
     const message = new StatusMessage();
-    const press = button(t.csvAll, 'csv-all', () => once(press, async () => {
+    const press = action(t.csvAll, 'csv-all', message, async () => {
       const timer = setInterval(() => void this.context.clinic.api.get<{ done: number; of: number }>('/api/export/progress').then(({ done, of }) => { if (of > 0) message.show(fill(t.exported, { done, of })); }, () => {}), 500);
       try {
         await saveText(this.context, '/api/export/all.csv', 'all.csv');
         message.show('');
-      } catch (problem) { message.show(problemWords(problem)); } finally { clearInterval(timer); }
-    }));
+      } finally { clearInterval(timer); }
+    });
     return panel(t.export, 'export', h('p', {}, t.exportWords), message.element, press);
   }
 
   private leaving(): HTMLElement {
     const { t, context: { clinic } } = this;
     const message = new StatusMessage();
-    const out = button(t.signOut, 'sign-out', () => once(out, async () => {
+    const out = action(t.signOut, 'sign-out', message, async () => {
       await clinic.api.send('POST', '/api/sign_out').catch(() => {});
       clinic.signedOut();
-    }));
-    const lock = button(t.lock, 'lock', () => once(lock, async () => {
-      try {
-        await clinic.api.send('POST', '/api/lock');
-        clinic.signedOut();
-        await clinic.look();
-      } catch (problem) { message.showProblem(problem); }
-    }));
+    });
+    const lock = action(t.lock, 'lock', message, async () => {
+      await clinic.api.send('POST', '/api/lock');
+      clinic.signedOut();
+      await clinic.look();
+    });
     return panel(t.leaving, 'leaving', h('p', {}, t.lockWords), message.element, h('div', { class: 'pair' }, out, lock));
   }
 }

@@ -88,16 +88,25 @@ export async function once(of: HTMLButtonElement, act: () => Promise<void>): Pro
   try { await act(); } finally { of.removeAttribute('aria-busy'); }
 }
 
+/** Acts; the reason of a failure is shown. */
+async function tried(message: StatusMessage, act: () => unknown): Promise<void> {
+  try { await act(); } catch (problem) { message.showProblem(problem); }
+}
+
+/** A button that acts once at a time; the reason of a failure is shown. */
+export function action(words: string, test: string, message: StatusMessage, act: () => unknown, kind = ''): HTMLButtonElement {
+  const press = button(words, test, () => once(press, () => tried(message, act)), kind);
+  return press;
+}
+
 /** A button for an action that cannot be undone: it needs a second press. @param sure the label of the second press */
 export function twice(words: string, sure: string, test: string, message: StatusMessage, act: () => Promise<unknown>, then: () => void): HTMLButtonElement {
   const press = button(words, test, () => {
-    const yes = button(sure, `${test}-yes`, () => once(yes, async () => {
-      try {
-        await act();
-        yes.replaceWith(press);
-        then();
-      } catch (problem) { message.showProblem(problem); }
-    }), 'danger');
+    const yes = action(sure, `${test}-yes`, message, async () => {
+      await act();
+      yes.replaceWith(press);
+      then();
+    }, 'danger');
     press.replaceWith(yes);
     yes.focus();
   });
