@@ -4,8 +4,8 @@ import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import { RefusalError } from './api';
 import type { SignInResult } from './clinic';
-import { COLOURS, colourChoice, goodPin } from './sign_in';
-import { button, Field, once, problemWords, StatusMessage, textInput, type Screen } from './ui';
+import { badPin, COLOURS, colourChoice, noName, otherPhrase, pinInput, shortPhrase } from './sign_in';
+import { button, Field, form, problemWords, refused, StatusMessage, submitButton, textInput, type Screen } from './ui';
 
 /** Creates the clinic: pass phrase, first account tile, and the recovery code, which is shown only once. */
 export class FirstStart implements Screen {
@@ -15,29 +15,22 @@ export class FirstStart implements Screen {
   private readonly phrase = new Field(this.t.phrase, textInput('pass-phrase', '', { type: 'password', autocomplete: 'new-password' }), { hint: this.t.phraseHint });
   private readonly again = new Field(this.t.again, textInput('pass-phrase-again', '', { type: 'password', autocomplete: 'new-password' }));
   private readonly name = new Field(this.t.name, textInput('tile-name', '', { maxlength: 60 }));
-  private readonly pin = new Field(this.t.pin, textInput('tile-pin', '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete: 'off' }), { hint: this.t.pinHint });
+  private readonly pin = new Field(this.t.pin, pinInput('tile-pin', 'off'), { hint: this.t.pinHint });
   private readonly colour = colourChoice(COLOURS[0]);
   private readonly message = new StatusMessage();
 
   constructor(private readonly context: ClinicContext) {
     const { t } = this;
-    const make = h('button', { type: 'submit', class: 'b go wide', 'data-testid': 'make-clinic' }, t.make);
+    const make = submitButton(t.make, 'make-clinic', 'go wide');
     const folder = context.clinic.state?.folder;
     const where = !folder ? null : h('p', { class: folder.empty ? 'warning' : '', 'data-testid': 'folder' }, [fill(t.folder, { path: folder.path }), ...(folder.empty ? [t.folderEmpty, t.folderAsk] : [])].join(' '));
-    const form = h('form', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words), where,
-      this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.message.element, make);
-    form.addEventListener('submit', (event) => { event.preventDefault(); void once(make, () => this.make()); });
-    this.element.append(form);
+    this.element.append(form({ class: 'panel narrow', 'aria-label': t.title }, make, this.message, () => this.make(), h('h2', {}, t.title), h('p', {}, t.words), where,
+      this.phrase.element, this.again.element, h('h3', {}, t.tile), this.name.element, this.colour.element, this.pin.element, this.message.element, make));
   }
 
   private async make(): Promise<void> {
-    const { t, phrase, again, name, pin } = this;
-    phrase.refuse([...phrase.input.value].length < 8 ? t.short : '');
-    again.refuse(again.input.value === phrase.input.value ? '' : t.differs);
-    name.refuse(name.input.value.trim() === '' ? t.noName : '');
-    pin.refuse(goodPin(pin.input.value) ? '' : t.badPin);
-    const wrong = [phrase, again, name, pin].find(({ input }) => input.getAttribute('aria-invalid') === 'true');
-    if (wrong) return wrong.input.focus();
+    const { phrase, again, name, pin } = this;
+    if (refused([phrase, shortPhrase(phrase)], [again, otherPhrase(again, phrase)], [name, noName(name)], [pin, badPin(pin)])) return;
     this.message.show('');
     this.stays = true;
     try {
@@ -46,8 +39,8 @@ export class FirstStart implements Screen {
       this.showCode(made);
     } catch (problem) {
       this.stays = false;
-      if (problem instanceof RefusalError && problem.field.includes('pass_phrase')) phrase.refuse(problemWords(problem));
-      else this.message.showProblem(problem);
+      if (!(problem instanceof RefusalError) || !problem.field.includes('pass_phrase')) throw problem;
+      phrase.refuse(problemWords(problem));
     }
   }
 

@@ -2,7 +2,8 @@ import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
-import { action, Field, once, panel, StatusMessage, textInput } from './ui';
+import { otherPhrase, shortPhrase } from './sign_in';
+import { action, Field, form, panel, refused, StatusMessage, submitButton, textInput } from './ui';
 
 interface Changed { readonly recovery_code?: string; readonly old_copies: readonly string[] }
 
@@ -16,24 +17,15 @@ export function keysPanel(context: ClinicContext): HTMLElement {
   const done = (words: string, { old_copies }: Changed): void => message.show([words, ...(old_copies.length > 0 ? [fill(t.old, { files: old_copies.join(', ') })] : [])].join(' '));
   /** The pass phrase that is typed, or the recovery code in its place. */
   const secret = (): Record<string, string> => ({ [/^[0-9A-Za-z]{5}(-[0-9A-Za-z]{5}){5}$/.test(now.input.value.trim()) ? 'recovery_code' : 'pass_phrase']: now.input.value.trim() });
-  const change = h('button', { type: 'submit', class: 'b go', 'data-testid': 'change-phrase' }, t.change);
+  const change = submitButton(t.change, 'change-phrase', 'go');
   const draw = action(t.draw, 'draw-code', message, async () => {
     const changed = await api.send<Changed>('POST', '/api/recovery_code', secret());
     code.textContent = changed.recovery_code ?? '';
     done(first.code.paper, changed);
   });
-  const form = h('form', {}, now.element, phrase.element, again.element, message.element, code, h('div', { class: 'pair' }, change, draw));
-  form.addEventListener('submit', (event) => {
-    event.preventDefault();
-    phrase.refuse([...phrase.input.value].length < 8 ? first.short : '');
-    again.refuse(again.input.value === phrase.input.value ? '' : first.differs);
-    if ([phrase, again].some(({ input }) => input.getAttribute('aria-invalid') === 'true')) return;
-    void once(change, async () => {
-      try {
-        done(t.done, await api.send<Changed>('POST', '/api/phrase', { ...secret(), new_pass_phrase: phrase.input.value }));
-        now.input.value = phrase.input.value = again.input.value = '';
-      } catch (problem) { message.showProblem(problem); }
-    });
-  });
-  return panel(t.title, 'keys', h('p', {}, t.words), form);
+  return panel(t.title, 'keys', h('p', {}, t.words), form({}, change, message, async () => {
+    if (refused([phrase, shortPhrase(phrase)], [again, otherPhrase(again, phrase)])) return;
+    done(t.done, await api.send<Changed>('POST', '/api/phrase', { ...secret(), new_pass_phrase: phrase.input.value }));
+    now.input.value = phrase.input.value = again.input.value = '';
+  }, now.element, phrase.element, again.element, message.element, code, h('div', { class: 'pair' }, change, draw)));
 }

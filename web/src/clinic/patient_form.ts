@@ -9,7 +9,7 @@ import type { ClinicContext } from './clinic_context';
 import { GoalChoice } from './goals';
 import { planList, select } from './plan';
 import type { DamagedPatient, OneSide, Patient, PatientText, Presets, Side, Size } from './records';
-import { button, Field, once, panel, problemWords, StatusMessage, textInput, type Screen } from './ui';
+import { button, Field, form, panel, problemWords, StatusMessage, submitButton, textInput, type Screen } from './ui';
 import { parameterWords, presetName, sideWords } from './words';
 
 /** Parameters for the reach and fingers of one person; they may be set where the program has them. */
@@ -98,7 +98,7 @@ export class PatientForm implements Screen {
 
   private build(kept: boolean): void {
     const { t, context } = this;
-    const save = h('button', { type: 'submit', class: 'b go', 'data-testid': 'save-patient' }, t.save);
+    const save = submitButton(t.save, 'save-patient', 'go');
     const back = button(t.back, 'form-back', () => {
       context.clinic.drafts.drop('form', this.id);
       context.go(this.id > 0 ? { at: 'patient', patient: this.id } : { at: 'patients' });
@@ -126,11 +126,9 @@ export class PatientForm implements Screen {
       this.showPlan();
     });
     const plan = panel(t.plan, 'planned', goals.element, h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), start), this.planned);
-    const form = h('form', { class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan),
-      h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, this.damaged ? h('label', { class: 'tick', for: 'hand-confirmed' }, this.confirmed, t.damaged.confirm) : null, back, save));
+    this.element.replaceChildren(this.both, form({ class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, save, this.message, () => this.save(),
+      h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan), h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, this.damaged ? h('label', { class: 'tick', for: 'hand-confirmed' }, this.confirmed, t.damaged.confirm) : null, back, save)));
     if (this.damaged) this.showDamaged(this.damaged);
-    form.addEventListener('submit', (event) => { event.preventDefault(); void once(save, () => this.save()); });
-    this.element.replaceChildren(this.both, form);
     this.showHands();
     this.showNumbers();
     this.showPlan();

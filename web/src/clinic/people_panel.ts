@@ -4,10 +4,8 @@ import { RefusalError } from './api';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import { staffOf } from './records';
-import { COLOURS, colourChoice, goodPin, inColour } from './sign_in';
-import { Field, once, panel, StatusMessage, textInput, twice } from './ui';
-
-const pinInput = (test: string, autocomplete: 'new-password' | 'current-password'): HTMLInputElement => textInput(test, '', { type: 'password', inputmode: 'numeric', maxlength: 8, autocomplete });
+import { badPin, COLOURS, colourChoice, inColour, noName, pinInput } from './sign_in';
+import { Field, form, panel, refused, StatusMessage, submitButton, textInput, twice } from './ui';
 
 /** Who works here: taking a colleague off, one's own PIN, somebody new. */
 export class PeoplePanel {
@@ -35,27 +33,20 @@ export class PeoplePanel {
     const now = new Field(t.pinNow, pinInput('pin-now', 'current-password'));
     const next = new Field(t.pinNew, pinInput('pin-new', 'new-password'), { hint: texts().first.pinHint });
     const message = new StatusMessage(), done = h('p', { role: 'status', 'data-testid': 'pin-changed' });
-    const press = h('button', { type: 'submit', class: 'b', 'data-testid': 'change-pin' }, t.pinChange);
-    const form = h('form', {}, now.element, next.element, message.element, done, press);
-    form.addEventListener('submit', (event) => {
-      event.preventDefault();
+    const press = submitButton(t.pinChange, 'change-pin');
+    return h('details', {}, h('summary', { 'data-testid': 'own-pin' }, t.ownPin), form({}, press, message, async () => {
       message.show('');
       done.textContent = '';
-      next.refuse(goodPin(next.input.value) ? '' : texts().first.badPin);
-      if (!goodPin(next.input.value)) return;
-      void once(press, async () => {
-        try {
-          await clinic.api.send('POST', '/api/pin', { pin: now.input.value, new_pin: next.input.value });
-          now.refuse('');
-          done.textContent = t.pinChanged;
-          now.input.value = next.input.value = '';
-        } catch (problem) {
-          if (problem instanceof RefusalError && problem.code === 'wrong_pin') now.input.select();
-          message.showProblem(problem);
-        }
-      });
-    });
-    return h('details', {}, h('summary', { 'data-testid': 'own-pin' }, t.ownPin), form);
+      if (refused([next, badPin(next)])) return;
+      try {
+        await clinic.api.send('POST', '/api/pin', { pin: now.input.value, new_pin: next.input.value });
+      } catch (problem) {
+        if (problem instanceof RefusalError && problem.code === 'wrong_pin') now.input.select();
+        throw problem;
+      }
+      done.textContent = t.pinChanged;
+      now.input.value = next.input.value = '';
+    }, now.element, next.element, message.element, done, press));
   }
 
   private somebodyNew(): HTMLElement {
@@ -64,23 +55,14 @@ export class PeoplePanel {
     const pin = new Field(texts().first.pin, pinInput('account-pin', 'new-password'), { hint: texts().first.pinHint });
     const colour = colourChoice(COLOURS[(clinic.state?.tiles.length ?? 0) % COLOURS.length]);
     const message = new StatusMessage();
-    const add = h('button', { type: 'submit', class: 'b go', 'data-testid': 'add-account' }, t.add);
-    const form = h('form', {}, h('h3', {}, t.newPerson), name.element, colour.element, pin.element, message.element, add);
-    form.addEventListener('submit', (event) => {
-      event.preventDefault();
-      name.refuse(name.input.value.trim() === '' ? texts().first.noName : '');
-      pin.refuse(goodPin(pin.input.value) ? '' : texts().first.badPin);
-      if ([name, pin].some(({ input }) => input.getAttribute('aria-invalid') === 'true')) return;
-      void once(add, async () => {
-        try {
-          await clinic.api.send('POST', '/api/accounts', { name: name.input.value.trim(), colour: colour.value(), pin: pin.input.value });
-          message.show('');
-          name.input.value = pin.input.value = '';
-          await clinic.look();
-          this.show();
-        } catch (problem) { message.showProblem(problem); }
-      });
-    });
-    return form;
+    const add = submitButton(t.add, 'add-account', 'go');
+    return form({}, add, message, async () => {
+      if (refused([name, noName(name)], [pin, badPin(pin)])) return;
+      await clinic.api.send('POST', '/api/accounts', { name: name.input.value.trim(), colour: colour.value(), pin: pin.input.value });
+      message.show('');
+      name.input.value = pin.input.value = '';
+      await clinic.look();
+      this.show();
+    }, h('h3', {}, t.newPerson), name.element, colour.element, pin.element, message.element, add);
   }
 }

@@ -99,6 +99,21 @@ export function action(words: string, test: string, message: StatusMessage, act:
   return press;
 }
 
+export const submitButton = (words: string, test: string, kind = ''): HTMLButtonElement => h('button', { type: 'submit', class: `b ${kind}`.trim(), 'data-testid': test }, words);
+
+/** A form that is sent once at a time, by its button or by Enter; the reason of a failure is shown. */
+export function form(attributes: Readonly<Record<string, string | boolean>>, submit: HTMLButtonElement, message: StatusMessage, act: () => Promise<void>, ...children: (Node | null)[]): HTMLFormElement {
+  return h('form', { ...attributes, onsubmit: (event) => { event.preventDefault(); void once(submit, () => tried(message, act)); } }, ...children);
+}
+
+/** Marks every field that has a mistake, and focuses the first one. @return whether there is one */
+export function refused(...fields: readonly (readonly [field: Field, mistake: string])[]): boolean {
+  for (const [field, mistake] of fields) field.refuse(mistake);
+  const first = fields.find(([, mistake]) => mistake !== '');
+  first?.[0].input.focus();
+  return first !== undefined;
+}
+
 /** A button for an action that cannot be undone: it needs a second press. @param sure the label of the second press */
 export function twice(words: string, sure: string, test: string, message: StatusMessage, act: () => Promise<unknown>, then: () => void): HTMLButtonElement {
   const press = button(words, test, () => {
