@@ -6,7 +6,7 @@ import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { OneSide } from './records';
 import { gently, running, SideQuestion, Training } from './training';
-import { button, StatusMessage, type Screen } from './ui';
+import { button, Changes, StatusMessage, type Screen } from './ui';
 import { itemWords, parameterWords, sideWords } from './words';
 
 /** A session while the records do not answer. An open visit continues with its own limits; a new session has the gentle limits and is assigned to a patient later. */
@@ -21,7 +21,7 @@ export class AloneScreen implements Screen {
   private readonly limits = h('dl', { class: 'facts' });
   private readonly stop: HTMLButtonElement;
   private readonly leave: HTMLButtonElement;
-  private shown = '';
+  private readonly changes = new Changes();
   private lowering = false;
 
   constructor(private readonly context: ClinicContext) {
@@ -55,9 +55,7 @@ export class AloneScreen implements Screen {
     this.training.controls.hidden = !runs && !this.ofVisit;
     if (!runs) void this.lower();
     this.leave.hidden = runs || this.context.clinic.stage !== 'in';
-    const shown = JSON.stringify([model.scene?.parameters.map(({ name }) => String(name)), model.state?.parameters]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    if (!this.changes.of(model.scene?.parameters.map(({ name }) => String(name)), model.state?.parameters)) return;
     this.limits.replaceChildren(...(model.scene?.parameters ?? []).filter(({ boundsEffort }) => boundsEffort).map((parameter) => {
       const view = viewOf(parameter, consoleTexts().parameters.names);
       const [name, words] = parameterWords(view.name, model.parameter(view.name) ?? parameter.initial);

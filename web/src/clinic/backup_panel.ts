@@ -3,7 +3,7 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { BackupPlace } from './records';
-import { action, panel, StatusMessage } from './ui';
+import { action, Changes, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';
 
 /** A backup older than this is reported [ms]. */
@@ -19,7 +19,7 @@ export class BackupPanel {
   private readonly places = h('ul', { class: 'places-of' });
   private readonly message = new StatusMessage();
   private readonly done = h('p', { role: 'status', 'data-testid': 'backup-done' });
-  private shown = '';
+  private readonly changes = new Changes();
   private asked_ms = -Infinity;
 
   constructor(private readonly context: ClinicContext) {
@@ -41,9 +41,7 @@ export class BackupPanel {
 
   private async look(): Promise<void> {
     const { places } = await this.context.clinic.api.get<{ places: readonly BackupPlace[] }>('/api/backup/places').catch(() => ({ places: undefined }));
-    const shown = JSON.stringify(places?.map(({ folder, last_us }) => [folder, last_us]));
-    if (!places || shown === this.shown) return;
-    this.shown = shown;
+    if (!places || !this.changes.of(places.map(({ folder, last_us }) => [folder, last_us]))) return;
     const { t } = this;
     const rows = places.map((place, i) => {
       const press = action(t.backUpHere, `back-up-${i}`, this.message, () => this.backUp(place), place.own ? '' : 'go');

@@ -5,7 +5,7 @@ import { NoteBox } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { action, button, link, panel, StatusMessage, textInput, Field, type Screen } from './ui';
+import { action, button, Changes, link, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
 import { proposals, toggled } from './wishes';
 import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, timeWords, visitDay } from './words';
@@ -34,7 +34,7 @@ export class EndScreen implements Screen {
   private readonly message = new StatusMessage();
   private patient: Patient | undefined;
   private note: NoteBox | undefined;
-  private shown = '';
+  private readonly changes = new Changes();
   private finished: Visit | undefined;
   private closed = false;
   private readonly timer: ReturnType<typeof setInterval>;
@@ -126,9 +126,7 @@ export class EndScreen implements Screen {
     if (this.closed) return;
     if (!visit) return this.over(fill(texts().visit.endedElsewhere, { at: clock(new Date()) }));
     const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
-    const shown = JSON.stringify([visit.trials, visit.plan, isCounting(visit)]);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    if (!this.changes.of(visit.trials, visit.plan, isCounting(visit))) return;
     this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
       return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, isCounting({ trials }) ? texts().patient.counting : fill(t.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),

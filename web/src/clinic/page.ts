@@ -22,7 +22,7 @@ import { hashOf, routeOf, type Route } from './routes';
 import { SettingsScreen } from './settings_screen';
 import { inColour, UnlockScreen, WhoScreen } from './sign_in';
 import { running } from './training';
-import { button, problemWords, type Screen } from './ui';
+import { button, Changes, problemWords, type Screen } from './ui';
 import { VisitScreen } from './visit_screen';
 import { clock } from './words';
 
@@ -48,6 +48,7 @@ export class ClinicPage implements ClinicContext {
   /** During an open visit: the person asked for the unlock screen, which is shown instead of the visit. */
   private door = false;
   private readonly bars = { records: h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'records-silent' }), told: h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'told' }), nav: h('nav', { class: 'places' }) };
+  private readonly changes = { records: new Changes(), told: new Changes(), nav: new Changes() };
 
   constructor(private readonly root: HTMLElement, readonly connection: Connection) {
     this.model = new ConsoleModel(connection);
@@ -187,23 +188,15 @@ export class ClinicPage implements ClinicContext {
     const silent = silentSince === undefined ? '' : fill(t.silentSince, { at: clock(silentSince) }) + (waits > 0 ? ` ${fill(t.waiting, { n: waits })}` : '');
     bars.records.hidden = silent === '';
     const offer = silent !== '' && !visit && at !== 'alone';
-    if (bars.records.dataset.words !== `${silent} ${offer}`) {
-      bars.records.dataset.words = `${silent} ${offer}`;
-      bars.records.replaceChildren(h('span', {}, silent), offer ? button(t.alone.begin, 'to-alone', () => this.go({ at: 'alone' }), 'small') : '');
-    }
+    if (this.changes.records.of(silent, offer)) bars.records.replaceChildren(h('span', {}, silent), offer ? button(t.alone.begin, 'to-alone', () => this.go({ at: 'alone' }), 'small') : '');
     if (clinic.cameBack && stage === 'in') {
       clinic.cameBack = false;
       if (waits === 0 && this.message.words === '') this.message = { words: t.answerAgain, bad: false };
     }
     bars.told.hidden = this.message.words === '';
     bars.told.className = this.message.bad ? 'notice bad' : 'notice';
-    if (bars.told.dataset.words !== this.message.words) {
-      bars.told.dataset.words = this.message.words;
-      bars.told.replaceChildren(h('span', {}, this.message.words), button(t.close, 'close-told', () => this.showMessage(''), 'small'));
-    }
-    const places = JSON.stringify([stage, at, visit?.id, clinic.tile, this.door, t.title]);
-    if (bars.nav.dataset.places === places) return;
-    bars.nav.dataset.places = places;
+    if (this.changes.told.of(this.message.words, t.close)) bars.told.replaceChildren(h('span', {}, this.message.words), button(t.close, 'close-told', () => this.showMessage(''), 'small'));
+    if (!this.changes.nav.of(stage, at, visit?.id, clinic.tile, this.door, t.title)) return;
     bars.nav.setAttribute('aria-label', t.places);
     bars.nav.replaceChildren(...this.places());
   }

@@ -9,7 +9,7 @@ import type { ClinicContext } from './clinic_context';
 import { PatientPicker } from './picker';
 import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
-import { action, button, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
+import { action, button, Changes, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { itemNow } from './records';
 import { clock, clockOf, dayOf, itemWords, locale, sideWords, timeWords, visitClock, visitDay } from './words';
 
@@ -38,7 +38,8 @@ export class PatientsScreen implements Screen {
   private listed: Date | undefined;
   private failedSince: Date | undefined;
   private page = 0;
-  private shown = '';
+  private readonly listChanges = new Changes();
+  private readonly looseChanges = new Changes();
   private closed = false;
 
   constructor(private readonly context: ClinicContext) {
@@ -98,10 +99,7 @@ export class PatientsScreen implements Screen {
 
   private show(): void {
     const { list, t } = this;
-    if (!list) return;
-    const shown = JSON.stringify(list);
-    if (shown === this.shown) return;
-    this.shown = shown;
+    if (!list || !this.listChanges.of(list)) return;
     this.notices.replaceChildren(...(list.under_way ?? []).map(({ what, problem }) => h('p', { class: problem === '' ? 'aside' : 'warning', role: 'status', 'data-testid': 'under-way' }, [t.underWay[what], problem].filter(Boolean).join(' '))),
       ...(list.damaged?.length ? [h('p', { class: 'warning', 'data-testid': 'damaged' }, fill(t.damaged, { rows: list.damaged.join(', ') }))] : []),
       ...(list.lost ? [this.toConfirm(fill(t.lost, { n: list.lost }), '/api/lost/done', 'lost')] : []),
@@ -176,9 +174,7 @@ export class PatientsScreen implements Screen {
   /** Recordings without a patient, to be assigned or deleted. */
   private showLoose({ sessions, more }: { readonly sessions: readonly LooseSession[]; readonly more: number }): void {
     const { t, context, chosen } = this, words = t.sessions, token = tokenOf(location), { api } = context.clinic;
-    const shown = JSON.stringify([sessions, more]);
-    if (this.loose.dataset.shown === shown) return;
-    this.loose.dataset.shown = shown;
+    if (!this.looseChanges.of(sessions, more)) return;
     for (const id of chosen) if (!sessions.some((session) => session.id === id)) chosen.delete(id);
     if (sessions.length === 0) return this.loose.replaceChildren();
     const message = new StatusMessage();

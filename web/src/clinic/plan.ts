@@ -2,7 +2,7 @@ import { choice, h, setText } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { Item, Presets } from './records';
-import { button } from './ui';
+import { button, redraw } from './ui';
 import { helpWords, itemWords, minutes } from './words';
 
 const MOST_MINUTES = 60;
@@ -26,17 +26,15 @@ export class PlanEditor {
   get value(): readonly Item[] { return this.items; }
 
   private set(items: Item[]): void {
-    const focused = document.activeElement?.getAttribute('data-testid');
     this.items = items;
     this.show();
-    if (focused) this.element.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
     this.onChange(items);
   }
 
   private show(): void {
     const t = texts().plan;
     const add = button(t.add, 'plan-add', () => this.set([...this.items, this.items.at(-1) ?? this.first()]), '');
-    this.element.replaceChildren(h('ol', { class: 'plan' }, ...this.items.map((item, i) => this.row(item, i))), add);
+    redraw(this.element, h('ol', { class: 'plan' }, ...this.items.map((item, i) => this.row(item, i))), add);
   }
 
   private first(): Item { return { exercise: this.exercises[0]?.id ?? '', level: 1, minutes: 10, help: 'full' }; }

@@ -56,6 +56,24 @@ export class StatusMessage {
   showProblem(problem: unknown): void { this.show(problemWords(problem)); }
 }
 
+/** Whether something differs from what was shown: an unchanged part of a screen is not drawn again, so that its focus and its announcements stay. */
+export class Changes {
+  private shown = '';
+
+  of(...now: readonly unknown[]): boolean {
+    const before = this.shown;
+    this.shown = JSON.stringify(now);
+    return this.shown !== before;
+  }
+}
+
+/** Draws an element again; the control that has the focus keeps it. */
+export function redraw(of: HTMLElement, ...children: (Node | string)[]): void {
+  const focused = of.contains(document.activeElement) ? document.activeElement?.getAttribute('data-testid') : undefined;
+  of.replaceChildren(...children);
+  if (focused) of.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
+}
+
 let fieldNumber = 0;
 
 /** An input with its label above and an error message below. */

@@ -9,7 +9,7 @@ import type { ClinicContext } from './clinic_context';
 import { PainChoice, type PainTime } from './pain';
 import { activeOf_s, itemNow, type Patient, type Visit } from './records';
 import { gently, running, SideQuestion, Training } from './training';
-import { besideTitle, button, link, panel, problemWords, StatusMessage, type Screen } from './ui';
+import { besideTitle, button, Changes, link, panel, problemWords, redraw, StatusMessage, type Screen } from './ui';
 import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
 
 /** The visit is requested again this often [ms]. */
@@ -31,10 +31,10 @@ export class VisitScreen implements Screen {
   private readonly next: HTMLButtonElement;
   private readonly end: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
-  private shownPlan = '';
+  private readonly planChanges = new Changes();
+  private readonly painChanges = new Changes();
   private note: NoteBox | undefined;
   private painAsked: PainTime | undefined;
-  private painShown = '';
   private painWhen: PainTime | undefined;
   private readonly painPlace = h('div', { class: 'pain-place' });
   private readonly painFresh = new FreshButtons(this.painPlace);
@@ -172,9 +172,7 @@ export class VisitScreen implements Screen {
   private showPlan(visit: Visit): void {
     const { now, t } = this;
     const last = now >= visit.plan.length - 1;
-    const shown = JSON.stringify([visit.plan, now, visit.trials.map(({ item, active_s, state }) => [item, active_s, state]), this.busy]);
-    if (shown === this.shownPlan) return;
-    this.shownPlan = shown;
+    if (!this.planChanges.of(visit.plan, now, visit.trials.map(({ item, active_s, state }) => [item, active_s, state]), this.busy)) return;
     this.next.hidden = last;
     // The next button to press: Start until the item was trained.
     const trained = visit.trials.some((trial) => trial.item === now);
@@ -245,16 +243,12 @@ export class VisitScreen implements Screen {
     const trained = visit.trials.length > 0 || (counters.active_s > 0 && (counters.from?.getTime() ?? 0) * 1000 > visit.began_us - 5e6);
     const ended = trained && !running(this.context);
     const when: PainTime = this.painAsked ?? (ended || this.painWhen === 'after' ? 'after' : 'before');
-    const shown = JSON.stringify([when, visit.pain_before, visit.pain_after]);
-    if (this.painShown === shown) return;
-    this.painShown = shown;
+    if (!this.painChanges.of(when, visit.pain_before, visit.pain_after)) return;
     if (this.painWhen !== when && this.painWhen !== undefined && this.painAsked === undefined) this.painFresh.changed();
     this.painWhen = when;
     const t = texts().pain;
     const whens = choice(this.t.pain, [{ key: 'before', name: t.before }, { key: 'after', name: t.after }], when, (key) => { this.painAsked = key as PainTime; this.showPain(this.visit ?? visit); });
-    const focused = document.activeElement?.getAttribute('data-testid');
-    this.painPlace.replaceChildren(whens.element, painChoice(this.context, visit, when).element);
-    if (focused?.startsWith('pain-')) this.painPlace.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
+    redraw(this.painPlace, whens.element, painChoice(this.context, visit, when).element);
   }
 }
 
