@@ -181,8 +181,6 @@ export class EndScreen implements Screen {
     const t = this.t.card, counting = isCounting(visit), led_s = timeOf_s(visit, 'led_s'), active_s = timeOf_s(visit, 'active_s');
     const trained = counting ? texts().patient.counting : active_s === 0 && led_s === 0 ? t.here
       : [...(active_s > 0 ? [fill(t.trained, { min: timeWords(visit) })] : []), ...(led_s > 0 ? [fill(t.led, { min: timeWords(visit, 'led_s') })] : [])].join(' ');
-    const print_card = button(t.print, 'print-card', () => print());
-    print_card.disabled = counting;
     const rows = visit.plan.flatMap((item, i) => {
       const trials = visit.trials.filter((trial) => trial.item === i);
       if (trials.length === 0) return [];
@@ -192,7 +190,7 @@ export class EndScreen implements Screen {
     this.element.replaceChildren(h('section', { class: 'panel patient-card', 'data-testid': 'patient-card', 'aria-label': t.title }, h('div', { class: 'crown' }, h('h2', {}, t.title), h('span', {}, visitDay(visit))), h('p', { class: 'most', 'data-testid': 'trained' }, trained), this.grown(visit), this.course(visit),
       h('ul', {}, ...rows), next === '' ? null : h('p', {}, h('b', {}, t.next), ` ${next}`)),
     h('div', { class: 'pair no-print' }, h('a', { class: 'b go large', href: hashOf({ at: 'patients' }), 'data-testid': 'next-patient' }, t.nextPatient),
-      visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, print_card));
+      visit.patient ? h('a', { class: 'b', href: hashOf({ at: 'patient', patient: visit.patient }), 'data-testid': 'to-patient' }, t.toPatient) : null, button(t.print, 'print-card', () => print(), '', { disabled: counting })));
     this.element.classList.add('carded');
   }
 }

@@ -52,8 +52,7 @@ export class FirstStart implements Screen {
       await this.context.clinic.signedIn(made);
       this.stays = false;
       void this.context.clinic.look();
-    }, 'go wide');
-    on.disabled = true;
+    }, 'go wide', { disabled: true });
     kept.addEventListener('change', () => { on.disabled = !kept.checked; });
     this.element.replaceChildren(h('section', { class: 'panel narrow', 'aria-label': t.title }, h('h2', {}, t.title), h('p', {}, t.words),
       h('p', { class: 'code', 'data-testid': 'recovery-code', tabindex: -1 }, made.recovery_code), h('p', { class: 'paper' }, t.paper),

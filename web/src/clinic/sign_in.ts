@@ -91,8 +91,7 @@ export class WhoScreen implements Screen {
     const message = new StatusMessage();
     const go = submitButton(t.ok, 'pin-ok', 'go');
     const key = (digit: string): HTMLElement => button(digit, `key-${digit}`, () => { input.value += digit; }, 'key');
-    const back = button('⌫', 'key-back', () => { input.value = input.value.slice(0, -1); }, 'key');
-    back.setAttribute('aria-label', t.back);
+    const back = button('⌫', 'key-back', () => { input.value = input.value.slice(0, -1); }, 'key', { 'aria-label': t.back });
     this.element.replaceChildren(form({ class: 'panel narrow pad', 'aria-label': hidden ? t.again : t.title }, go, message, async () => {
       message.show('');
       try {

@@ -33,8 +33,8 @@ export function problemWords(problem: unknown): string {
   return own ? fill(own, values) : problem.why;
 }
 
-export function button(words: string, test: string, press: () => unknown, kind = ''): HTMLButtonElement {
-  return h('button', { type: 'button', class: `b ${kind}`.trim(), 'data-testid': test, onclick: () => void press() }, words);
+export function button(words: string, test: string, press: () => unknown, kind = '', attributes: Readonly<Record<string, string | boolean>> = {}): HTMLButtonElement {
+  return h('button', { type: 'button', class: `b ${kind}`.trim(), 'data-testid': test, onclick: () => void press(), ...attributes }, words);
 }
 
 export const link = (words: string, to: Route, test = ''): HTMLElement => h('a', { class: 'b', href: hashOf(to), ...(test === '' ? {} : { 'data-testid': test }) }, words);

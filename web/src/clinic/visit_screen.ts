@@ -184,8 +184,7 @@ export class VisitScreen implements Screen {
     this.planned.replaceChildren(h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
       const done_s = activeOf_s(visit, i);
       const state = i === now ? t.inProgress : visit.trials.some((trial) => trial.item === i) ? t.done : '';
-      const again = i === now ? null : button(t.setUp, `item-${i}`, () => this.goTo(i), 'small');
-      again?.setAttribute('aria-label', `${t.setUp}: ${itemWords(item)}`);
+      const again = i === now ? null : button(t.setUp, `item-${i}`, () => this.goTo(i), 'small', { 'aria-label': `${t.setUp}: ${itemWords(item)}` });
       return h('li', { ...(i === now ? { 'aria-current': 'step' } : {}) }, h('span', { class: 'nr', 'aria-hidden': 'true' }, state === t.done ? '✓' : String(i + 1)), h('span', {}, h('b', {}, itemWords(item)),
         h('small', {}, [state, `${done_s > 0 ? `${duration(done_s)} / ` : ''}${minutes(item.minutes)}`, i === now ? fill(texts().helpOf, { help: helpWords(item.help) }) : ''].filter(Boolean).join(' · '))), again);
     })));
