@@ -23,6 +23,8 @@ const GOALS: PlanPreset[] = TOML.split('[[goals]]').slice(1).map((text) => ({
   id: /id = "([\w-]+)"/.exec(text)![1],
   items: [...text.matchAll(/exercise = "([\w-]+)"\nlevel = (\d+)\nminutes = ([\d.]+)\nhelp = "(\w+)"/g)].map(([, exercise, level, minutes, help]) => ({ exercise: exercise!, level: Number(level), minutes: Number(minutes), help: help as Item['help'] })),
 }));
+/** Every set of goals but the empty one. */
+const CHOICES = Array.from({ length: (1 << GOALS.length) - 1 }, (_, set) => GOALS.filter((_, i) => (set + 1 >> i & 1) === 1).map(({ id }) => id));
 const EXERCISES = [...TOML.matchAll(/^\[\[exercises\]\]\nid = "([\w-]+)"\nlevels = (\d+)/gm)].map(([, id, levels]) => ({ id: id!, levels: Number(levels) }));
 const item = (exercise: string, level = 1, help: Item['help'] = 'some'): Item => ({ exercise, level, minutes: 10, help });
 
@@ -33,8 +35,8 @@ describe('goals', () => {
   });
 
   it('fill a plan of at most half an hour with each exercise once, whichever are chosen', () => {
-    for (let set = 1; set < 1 << GOALS.length; set += 1) {
-      const chosen = GOALS.filter((_, i) => (set >> i & 1) === 1).map(({ id }) => id), plan = planOfGoals(GOALS, chosen);
+    for (const chosen of CHOICES) {
+      const plan = planOfGoals(GOALS, chosen);
       const wanted = new Set(GOALS.filter(({ id }) => chosen.includes(id)).flatMap(({ items }) => items.map(({ exercise }) => exercise)));
       expect(new Set(plan.map(({ exercise }) => exercise))).toEqual(wanted);
       expect(plan).toHaveLength(wanted.size);
@@ -44,7 +46,7 @@ describe('goals', () => {
   });
 
   it('are recognized in the plan that they filled, and in no other', () => {
-    expect(goalsOfPlan(GOALS, planOfGoals(GOALS, ['reach', 'daily-life']))).toEqual(['reach', 'daily-life']);
+    for (const chosen of CHOICES) expect(goalsOfPlan(GOALS, planOfGoals(GOALS, chosen))).toEqual(chosen);
     expect(goalsOfPlan(GOALS, [item('cocktail-bar')])).toEqual([]);
   });
 });
@@ -91,22 +93,47 @@ describe('what comes next', () => {
   });
 
   it('stands in Today with a button that takes it into the plan', async () => {
-    const fake = new FakeClinic(() => 1.8e15);
-    fake.clinic = 'open';
-    fake.tiles = [{ id: 1, name: 'A', colour: '#0B6B58', pin: '1234' }];
-    const clinic = new Clinic('127.0.0.1', () => undefined, () => undefined, () => 0, fake.fetch);
-    await clinic.signedIn(fake.signIn(1));
-    await clinic.look(fake.fetch);
-    const person = fake.add({ name: 'B' }), visit = fake.open(person.id, 'right', person.plan, 'done', 1.7e15);
-    const note = { id: 5, visit: visit.id, at_us: 1.7e15, account: 1, kind: 'next', text: 'Squeeze to a level, Level 2' };
-    const patient = { ...person, visits: [{ ...visit, notes: [note] }], notes: [], today: person.plan, curves: [] } as unknown as Patient;
-    const today = new TodayPanel({ clinic } as unknown as ClinicContext, patient);
-    const take = today.element.querySelector<HTMLElement>('[data-testid=take-wish]')!;
+    const { today, find, plan } = await todayOf('Squeeze to a level, Level 2');
+    const take = find('take-wish')!;
     expect(take.textContent).toBe('Take into the plan: Squeeze to a level, Level 2');
     expect(today.element.textContent).toContain('visit 2 of 18');
     take.click();
     expect(today.element.querySelector('.plan')!.textContent).toContain('Squeeze to a level, Level 2');
-    expect(today.element.querySelector('[data-testid=take-wish]')).toBeNull();
-    expect(clinic.drafts.get<Item[]>('today', person.id)![0].level).toBe(2);
+    expect(find('take-wish')).toBeNull();
+    expect(plan()![0]!.level).toBe(2);
   });
 });
+
+it('the editor of today\'s plan keeps the focus on the pressed control, and marks the goals of the plan', async () => {
+  const { today, find, plan } = await todayOf('');
+  document.body.replaceChildren(today.element);
+  find('change-plan')!.click();
+  const press = (test: string): void => { find(test)!.focus(); find(test)!.click(); };
+  press('plan-more-0');
+  press('plan-more-0');
+  expect(plan()!.map(({ minutes }) => minutes)).toEqual([7, 10]);
+  expect(document.activeElement).toBe(find('plan-more-0'));
+  expect(find('goal-reach')!.getAttribute('aria-pressed')).toBe('false');
+  press('plan-remove-0');
+  expect(find('goal-reach')!.getAttribute('aria-pressed')).toBe('true');
+  expect(document.activeElement).toBe(find('plan-remove-0'));
+  press('goal-reach');
+  expect(plan()).toEqual([]);
+  expect(find<HTMLButtonElement>('begin-visit')!.disabled).toBe(true);
+});
+
+/** Today of a patient with one visit, at which this was wished. */
+async function todayOf(wish: string) {
+  const fake = new FakeClinic(() => 1.8e15);
+  fake.clinic = 'open';
+  fake.tiles = [{ id: 1, name: 'A', colour: '#0B6B58', pin: '1234' }];
+  const clinic = new Clinic('127.0.0.1', () => undefined, () => undefined, () => 0, fake.fetch);
+  await clinic.signedIn(fake.signIn(1));
+  await clinic.look(fake.fetch);
+  const person = fake.add({ name: 'B' }), visit = fake.open(person.id, 'right', person.plan, 'done', 1.7e15);
+  const note = { id: 5, visit: visit.id, at_us: 1.7e15, account: 1, kind: 'next', text: wish };
+  const patient = { ...person, visits: [{ ...visit, notes: [note] }], notes: [], today: person.plan, curves: [] } as unknown as Patient;
+  const today = new TodayPanel({ clinic } as unknown as ClinicContext, patient);
+  const find = <Control extends HTMLElement = HTMLElement>(test: string) => today.element.querySelector<Control>(`[data-testid=${test}]`);
+  return { today, find, plan: () => clinic.drafts.get<Item[]>('today', person.id) };
+}

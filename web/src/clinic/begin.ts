@@ -5,10 +5,10 @@ import { gentleOffer } from './gentle_visit';
 import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './clinic_context';
-import { GoalChoice } from './goals';
-import { PlanEditor, planList } from './plan';
+import { goalChoice } from './goals';
+import { planEditor, planList } from './plan';
 import { newestFirst, nextWish, tookPlace, type Item, type Note, type OneSide, type Patient, type Visit } from './records';
-import { besideTitle, button, once, panel, StatusMessage } from './ui';
+import { besideTitle, button, once, panel, redraw, StatusMessage } from './ui';
 import { wishedPlan } from './wishes';
 import { itemWords, minutes, sideWords, visitClock, visitDay } from './words';
 
@@ -16,7 +16,7 @@ import { itemWords, minutes, sideWords, visitClock, visitDay } from './words';
 export class TodayPanel {
   readonly element: HTMLElement;
   private readonly t = texts().today;
-  private readonly body = h('div', {});
+  private readonly body = h('div', { class: 'parts' });
   private readonly total = h('span', { class: 'aside' });
   private readonly hint = h('p', { class: 'hint', role: 'status' });
   private readonly message = new StatusMessage();
@@ -25,7 +25,6 @@ export class TodayPanel {
   private plan: readonly Item[];
   private readonly from: string;
   private readonly wish: Note | undefined;
-  private readonly wished = h('div', { class: 'wished' });
   private side: OneSide | undefined;
   private editing = false;
 
@@ -45,55 +44,40 @@ export class TodayPanel {
     const last = newestFirst(patient.visits).find(tookPlace), wish = this.wish = nextWish(patient);
     this.from = last && patient.today.length > 0 ? fill(t.from, { day: visitDay(last) }) : t.fromPlan;
     this.element = besideTitle(panel(t.title, 'today', patient.warnings === '' ? null : h('p', { class: 'warning', 'data-testid': 'warnings' }, patient.warnings),
-      wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.wished, this.body,
+      wish ? h('p', { class: 'wish', 'data-testid': 'next-wish' }, h('b', {}, `${texts().end.card.next} `), wish.text) : null, this.body,
       patient.side === 'both' ? h('div', { class: 'field' }, h('span', { class: 'label' }, t.side), sides.element) : null, this.hint, this.message.element, this.offer, this.begin, change), this.total);
     this.show();
     this.refresh();
   }
 
+  /** The number of the visit that would begin. */
+  private get number(): number { return this.patient.visits.filter(tookPlace).length + 1; }
+
   refresh(): void {
     const { t, begin, context: { clinic }, patient } = this;
     const open = clinic.visit;
     const own = open?.patient === patient.id;
-    const number = patient.visits.filter(tookPlace).length + 1;
-    setText(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: number }));
+    setText(begin, open ? (own ? t.goOn : t.otherOpen) : fill(t.begin, { n: this.number }));
     begin.disabled = !open && (this.side === undefined || this.plan.length === 0 || clinic.silentSince !== undefined);
     const preparing = begin.getAttribute('aria-busy') === 'true';
     setText(this.hint, preparing ? t.preparing : open ? (own ? fill(t.openSince, { at: visitClock(open), who: accountName(this.context)(open.account) }) : '') : clinic.silentSince ? t.notNow : this.plan.length === 0 ? t.noPlan : '');
   }
 
-  private showTotal(): void {
-    const { course } = this.context.clinic.presets ?? {}, of = (course?.weeks ?? 0) * (course?.visits_a_week ?? 0);
-    const number = this.patient.visits.filter(tookPlace).length + 1;
-    setText(this.total, [this.from, minutes(this.plan.reduce((sum, item) => sum + item.minutes, 0)), ...(number <= of ? [fill(this.t.ofCourse, { n: number, of })] : [])].join(' · '));
-  }
-
   private take(items: readonly Item[]): void {
     this.plan = items;
     this.context.clinic.drafts.set('today', this.patient.id, items);
-    this.showTotal();
-    this.showWish();
+    this.show();
     this.refresh();
   }
 
-  /** What was written for this visit, as far as it is understood, is taken into the plan by one touch. */
-  private showWish(): void {
-    const { t, wish, plan } = this, items = wish ? wishedPlan(wish.text, plan, this.context.clinic.presets?.exercises ?? []) : undefined;
-    if (!items) return this.wished.replaceChildren();
-    const fresh = items.filter((item) => !plan.some((other) => JSON.stringify(other) === JSON.stringify(item)));
-    this.wished.replaceChildren(button(fill(t.takeWish, { what: fresh.map((item) => itemWords(item)).join(', ') }), 'take-wish', () => { this.take(items); this.show(); }, 'go wide'));
-  }
-
   private show(): void {
-    const { clinic } = this.context;
-    this.showTotal();
-    this.showWish();
-    if (!this.editing) return this.body.replaceChildren(planList(this.plan));
-    const goals = new GoalChoice(clinic.presets?.goals ?? [], this.plan, (items) => { this.take(items); list(); });
-    const place = h('div', {});
-    const list = (): void => place.replaceChildren(new PlanEditor(this.plan, clinic.presets?.exercises ?? [], (items) => { this.take(items); goals.follow(items); }).element);
-    list();
-    this.body.replaceChildren(goals.element, place);
+    const { t, plan, wish } = this, { course, exercises = [], goals = [] } = this.context.clinic.presets ?? {}, of = (course?.weeks ?? 0) * (course?.visits_a_week ?? 0), n = this.number;
+    setText(this.total, [this.from, minutes(plan.reduce((sum, item) => sum + item.minutes, 0)), ...(n <= of ? [fill(t.ofCourse, { n, of })] : [])].join(' · '));
+    const take = (items: readonly Item[]): void => this.take(items);
+    // What was written for this visit, as far as it is understood, is taken into the plan by one touch.
+    const wished = wish && wishedPlan(wish.text, plan, exercises), fresh = wished?.filter((item) => !plan.some((other) => JSON.stringify(other) === JSON.stringify(item))) ?? [];
+    redraw(this.body, h('div', { class: 'wished' }, wished ? button(fill(t.takeWish, { what: fresh.map((item) => itemWords(item)).join(', ') }), 'take-wish', () => take(wished), 'go wide') : null),
+      ...(this.editing ? [goalChoice(goals, plan, take), planEditor(plan, exercises, take)] : [planList(plan)]));
   }
 
   private async press(): Promise<void> {

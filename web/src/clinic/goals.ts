@@ -33,31 +33,11 @@ export function goalsOfPlan(goals: readonly PlanPreset[], plan: readonly Item[])
 
 const bare = ({ exercise, level, minutes, help }: Item): readonly unknown[] => [exercise, level, minutes, help];
 
-/** Buttons of the goals; pressing one fills the plan anew. */
-export class GoalChoice {
-  readonly element: HTMLElement;
-  private chosen: readonly string[];
-  private readonly presses: readonly (readonly [string, HTMLButtonElement])[];
-
-  constructor(private readonly goals: readonly PlanPreset[], plan: readonly Item[], private readonly onPlan: (plan: Item[]) => void) {
-    const t = texts().goals;
-    this.chosen = goalsOfPlan(goals, plan);
-    this.presses = goals.map(({ id }) => [id, button(t.names[id] ?? id, `goal-${id}`, () => this.press(id))] as const);
-    this.element = h('div', { class: 'goals', role: 'group', 'aria-label': t.title, hidden: goals.length === 0 }, h('span', { class: 'label' }, t.title), h('div', {}, ...this.presses.map(([, press]) => press)));
-    this.mark();
-  }
-
-  /** Marks the goals of a plan that was changed elsewhere. */
-  follow(plan: readonly Item[]): void {
-    this.chosen = goalsOfPlan(this.goals, plan);
-    this.mark();
-  }
-
-  private press(id: string): void {
-    this.chosen = this.chosen.includes(id) ? this.chosen.filter((other) => other !== id) : [...this.chosen, id];
-    this.mark();
-    this.onPlan(planOfGoals(this.goals, this.chosen));
-  }
-
-  private mark(): void { for (const [id, press] of this.presses) press.setAttribute('aria-pressed', String(this.chosen.includes(id))); }
+/** Buttons of the goals, with those of a plan pressed; pressing one fills the plan anew. */
+export function goalChoice(goals: readonly PlanPreset[], plan: readonly Item[], onPlan: (plan: Item[]) => void): HTMLElement {
+  const t = texts().goals, chosen = goalsOfPlan(goals, plan);
+  return h('div', { class: 'goals', role: 'group', 'aria-label': t.title, hidden: goals.length === 0 }, h('span', { class: 'label' }, t.title), h('div', {}, ...goals.map(({ id }) => {
+    const others = chosen.filter((other) => other !== id), pressed = others.length < chosen.length;
+    return button(t.names[id] ?? id, `goal-${id}`, () => onPlan(planOfGoals(goals, pressed ? others : [...chosen, id])), '', { 'aria-pressed': String(pressed) });
+  })));
 }

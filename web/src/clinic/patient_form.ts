@@ -6,10 +6,10 @@ import { RefusalError } from './api';
 import { BREADTH_M, handPicture, LENGTH_M, MEDIAN } from './hand_picture';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
-import { GoalChoice } from './goals';
+import { goalChoice } from './goals';
 import { planList, select } from './plan';
-import type { DamagedPatient, OneSide, Patient, PatientText, Presets, Side, Size } from './records';
-import { button, Field, form, panel, problemWords, StatusMessage, submitButton, textInput, type Screen } from './ui';
+import type { DamagedPatient, Item, OneSide, Patient, PatientText, Presets, Side, Size } from './records';
+import { button, Field, form, panel, problemWords, redraw, StatusMessage, submitButton, textInput, type Screen } from './ui';
 import { parameterWords, presetName, sideWords } from './words';
 
 /** Parameters for the reach and fingers of one person; they may be set where the program has them. */
@@ -31,7 +31,7 @@ export class PatientForm implements Screen {
   private readonly fields = new Map<string, Field<HTMLInputElement | HTMLTextAreaElement>>();
   private readonly hands = h('div', { class: 'hands' });
   private readonly numbers = h('dl', { class: 'facts' });
-  private readonly planned = h('div', {});
+  private readonly planned = h('div', { class: 'parts' });
   private readonly both = h('div', {});
   private readonly sideWrong = h('span', { class: 'wrong', role: 'alert' });
   private closed = false;
@@ -114,18 +114,7 @@ export class PatientForm implements Screen {
       h('div', { class: 'field wide' }, h('span', { class: 'label' }, t.fields.side), side.element, this.sideWrong), this.field('warnings', {}, true)));
     const hands = panel(t.hands, 'sizes', this.hands, h('p', { class: 'aside' }, t.measure));
     const force = panel(t.limits, 'limits', h('label', { class: 'field' }, h('span', { class: 'label' }, t.preset), select('patient-preset', t.preset, (this.presets?.force ?? []).map(({ id }) => [id, presetName(id)]), this.typed.preset, (id) => { this.change({ preset: id }); this.showNumbers(); })), this.numbers, this.reach());
-    const goals = new GoalChoice(this.presets?.goals ?? [], this.typed.plan, (items) => {
-      this.change({ plan: items });
-      start.value = this.planNow();
-      this.showPlan();
-    });
-    const start = select('patient-plan', t.planPreset, this.planChoices(), this.planNow(), (id) => {
-      const items = this.presets?.plans.find((preset) => preset.id === id)?.items;
-      if (items) this.change({ plan: items });
-      goals.follow(this.typed.plan);
-      this.showPlan();
-    });
-    const plan = panel(t.plan, 'planned', goals.element, h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), start), this.planned);
+    const plan = panel(t.plan, 'planned', this.planned);
     this.element.replaceChildren(this.both, form({ class: 'form-columns', novalidate: true, 'aria-label': this.id > 0 ? t.edit : t.title }, save, this.message, () => this.save(),
       h('div', { class: 'col' }, person), h('div', { class: 'col' }, hands), h('div', { class: 'col' }, force, plan), h('div', { class: 'form-end' }, kept ? h('p', { class: 'aside', role: 'status' }, t.kept) : null, this.message.element, this.damaged ? h('label', { class: 'tick', for: 'hand-confirmed' }, this.confirmed, t.damaged.confirm) : null, back, save)));
     if (this.damaged) this.showDamaged(this.damaged);
@@ -147,17 +136,15 @@ export class PatientForm implements Screen {
       unreadable.length > 0 ? h('p', { class: 'warning' }, fill(t.damaged.unreadable, { fields: unreadable.map((key) => t.fields[key as keyof typeof t.fields] ?? key).join(', ') })) : null));
   }
 
-  private planChoices(): (readonly [string, string])[] {
-    const presets = (this.presets?.plans ?? []).map(({ id }) => [id, presetName(id)] as const);
-    return [['', this.t.ownPlan] as const, ...presets];
+  private showPlan(): void {
+    const { t, typed: { plan } } = this, { plans = [], goals = [] } = this.presets ?? {}, now = JSON.stringify(plan);
+    const take = (items: readonly Item[]): void => {
+      if (items !== plan) this.change({ plan: items });
+      this.showPlan();
+    };
+    const start = select('patient-plan', t.planPreset, [['', t.ownPlan], ...plans.map(({ id }) => [id, presetName(id)] as const)], plans.find(({ items }) => JSON.stringify(items) === now)?.id ?? '', (id) => take(plans.find((preset) => preset.id === id)?.items ?? plan));
+    redraw(this.planned, goalChoice(goals, plan, take), h('label', { class: 'field' }, h('span', { class: 'label' }, t.planPreset), start), planList(plan));
   }
-
-  private planNow(): string {
-    const now = JSON.stringify(this.typed.plan);
-    return this.presets?.plans.find(({ items }) => JSON.stringify(items) === now)?.id ?? '';
-  }
-
-  private showPlan(): void { this.planned.replaceChildren(planList(this.typed.plan)); }
 
   private showNumbers(): void {
     const preset = this.presets?.force.find(({ id }) => id === this.typed.preset);
