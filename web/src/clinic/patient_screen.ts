@@ -10,7 +10,7 @@ import { texts } from './i18n';
 import { accountName, NoteBox, noteList } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { painWords } from './pain';
-import { PatientPicker } from './picker';
+import { pickPatient } from './picker';
 import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
@@ -180,9 +180,7 @@ export class PatientScreen implements Screen {
   }
 
   private pick(title: string, ask: string, act: (other: PatientRow) => Promise<unknown>): void {
-    const done = (): void => this.extra.replaceChildren();
-    this.extra.replaceChildren(new PatientPicker(this.context, title, ask, this.id, async (row) => { await act(row); done(); if (!this.closed) await this.read(); }, done).element);
-    this.extra.scrollIntoView({ block: 'nearest' });
+    pickPatient(this.extra, this.context, { title, ask, not: this.id }, act, () => { if (!this.closed) return this.read(); });
   }
 
   private move(visit: Visit): void {

@@ -6,7 +6,7 @@ import { fill } from '../shared/i18n';
 import { gentleVisit } from './gentle_visit';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
-import { PatientPicker } from './picker';
+import { pickPatient } from './picker';
 import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
 import { action, button, Changes, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
@@ -178,7 +178,7 @@ export class PatientsScreen implements Screen {
     for (const id of chosen) if (!sessions.some((session) => session.id === id)) chosen.delete(id);
     if (sessions.length === 0) return this.loose.replaceChildren();
     const message = new StatusMessage();
-    const give = button(words.give, 'give-sessions', () => this.pick(words.whose, async (patient) => { await api.send('POST', '/api/sessions/give', { patient, sessions: [...chosen] }); }), 'go');
+    const give = button(words.give, 'give-sessions', () => this.pick(words.whose, (patient) => api.send('POST', '/api/sessions/give', { patient, sessions: [...chosen] })), 'go');
     const away = twice(t.remove, t.removeYes, 'delete-sessions', message, async () => {
       for (const id of chosen) await api.send('DELETE', `/api/sessions/${id}`);
     }, () => void this.read());
@@ -203,17 +203,15 @@ export class PatientsScreen implements Screen {
       h('p', {}, words.words), message.element, h('ul', {}, ...rows), more > 0 ? h('p', { class: 'aside' }, fill(words.more, { n: more })) : null));
   }
 
-  private pick(title: string, act: (patient: number) => Promise<void>): void {
-    const done = (): void => this.extra.replaceChildren();
-    this.extra.replaceChildren(new PatientPicker(this.context, title, this.t.giveYes, 0, async ({ id }) => { await act(id); done(); await this.read(); }, done).element);
-    this.extra.scrollIntoView({ block: 'nearest' });
+  private pick(title: string, act: (patient: number) => Promise<unknown>): void {
+    pickPatient(this.extra, this.context, { title, ask: this.t.giveYes }, ({ id }) => act(id), () => this.read());
   }
 
   /** A visit without a patient, to be assigned or deleted. */
   private unassigned(visit: Visit): HTMLElement {
     const { t } = this, { api } = this.context.clinic;
     const message = new StatusMessage();
-    const give = button(t.give, `give-${visit.id}`, () => this.pick(t.giveTo, async (patient) => { await api.send('POST', `/api/visits/${visit.id}/move`, { patient }); }), 'go');
+    const give = button(t.give, `give-${visit.id}`, () => this.pick(t.giveTo, (patient) => api.send('POST', `/api/visits/${visit.id}/move`, { patient })), 'go');
     const away = twice(t.remove, t.removeYes, `delete-${visit.id}`, message, () => api.send('DELETE', `/api/visits/${visit.id}`), () => void this.read());
     return h('article', { class: 'panel card' }, h('p', {}, h('span', { class: 'tag warn' }, t.noPatient)), h('h2', {}, `${visitDay(visit)}, ${visitClock(visit)}`),
       h('p', { class: 'aside' }, `${sideWords(visit.side)} · ${timeWords(visit)}`), message.element, h('div', { class: 'pair' }, give, away));

@@ -3,40 +3,36 @@ import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { PatientList, PatientRow } from './records';
-import { action, button, Field, StatusMessage, textInput } from './ui';
+import { action, button, Field, StatusMessage, textInput, tried } from './ui';
 import { sideWords } from './words';
 
-/** Chooses a patient by name or code, then asks for confirmation with both names. */
-export class PatientPicker {
-  readonly element: HTMLElement;
-  private readonly found = h('ul', { class: 'found' });
-  private readonly message = new StatusMessage();
-  private timer: ReturnType<typeof setTimeout> | undefined;
+/** The patient that shall be acted on. `ask`: the label of the confirming button, for example "Move to {name}, {code}"; `not`: a patient that is not offered. */
+interface Question { readonly title: string; readonly ask: string; readonly not?: number }
 
-  /** @param ask the label of the confirming button, for example "Move to {name}, {code}" */
-  constructor(private readonly context: ClinicContext, title: string, private readonly ask: string, private readonly not: number, private readonly chosen: (patient: PatientRow) => Promise<void>, private readonly cancel: () => void) {
-    const t = texts().picker;
-    const field = new Field(t.find, textInput('pick-find', '', { type: 'search' }));
-    field.input.addEventListener('input', () => { clearTimeout(this.timer); this.timer = setTimeout(() => void this.look(field.input.value), 200); });
-    this.element = h('section', { class: 'panel picker', 'aria-label': title, 'data-testid': 'picker' }, h('div', { class: 'hd' }, h('h2', {}, title), h('span', { class: 'sp' }), button(t.cancel, 'pick-cancel', () => this.cancel())), field.element, this.message.element, this.found);
-    void this.look('');
-    queueMicrotask(() => field.input.focus());
-  }
-
-  private async look(find: string): Promise<void> {
-    try {
-      const { patients } = await this.context.clinic.api.get<PatientList>(`/api/patients?find=${encodeURIComponent(find)}`);
-      const others = patients.filter(({ id }) => id !== this.not);
-      this.message.show(others.length === 0 ? texts().picker.nobody : '');
-      this.found.replaceChildren(...others.slice(0, 8).map((row) => h('li', {}, button(`${row.name} · ${row.code} · ${sideWords(row.side)}`, `pick-${row.id}`, () => this.confirm(row), 'wide'))));
-    } catch (problem) {
-      this.message.showProblem(problem);
-    }
-  }
-
-  private confirm(row: PatientRow): void {
-    const yes = action(fill(this.ask, { name: row.name, code: row.code }), 'pick-yes', this.message, () => this.chosen(row), 'go wide');
-    this.found.replaceChildren(h('li', {}, yes));
+/** Asks in a place of the screen for a patient by name or code, then for a confirmation with both; acts, clears the place and goes on. */
+export function pickPatient(place: HTMLElement, { clinic }: ClinicContext, { title, ask, not }: Question, act: (patient: PatientRow) => Promise<unknown>, then: () => unknown): void {
+  const t = texts().picker, message = new StatusMessage(), found = h('ul', { class: 'found' });
+  const clear = (): void => place.replaceChildren();
+  const confirm = (row: PatientRow): void => {
+    const yes = action(fill(ask, { name: row.name, code: row.code }), 'pick-yes', message, async () => {
+      await act(row);
+      clear();
+      await then();
+    }, 'go wide');
+    found.replaceChildren(h('li', {}, yes));
     yes.focus();
-  }
+  };
+  const look = (find: string): Promise<void> => tried(message, async () => {
+    const { patients } = await clinic.api.get<PatientList>(`/api/patients?find=${encodeURIComponent(find)}`);
+    const others = patients.filter(({ id }) => id !== not);
+    message.show(others.length === 0 ? t.nobody : '');
+    found.replaceChildren(...others.slice(0, 8).map((row) => h('li', {}, button(`${row.name} · ${row.code} · ${sideWords(row.side)}`, `pick-${row.id}`, () => confirm(row), 'wide'))));
+  });
+  const field = new Field(t.find, textInput('pick-find', '', { type: 'search' }));
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  field.input.addEventListener('input', () => { clearTimeout(timer); timer = setTimeout(() => void look(field.input.value), 200); });
+  place.replaceChildren(h('section', { class: 'panel picker', 'aria-label': title, 'data-testid': 'picker' }, h('div', { class: 'hd' }, h('h2', {}, title), h('span', { class: 'sp' }), button(t.cancel, 'pick-cancel', clear)), field.element, message.element, found));
+  place.scrollIntoView({ block: 'nearest' });
+  field.input.focus();
+  void look('');
 }

@@ -107,7 +107,7 @@ export async function once(of: HTMLButtonElement, act: () => Promise<void>): Pro
 }
 
 /** Acts; the reason of a failure is shown. */
-async function tried(message: StatusMessage, act: () => unknown): Promise<void> {
+export async function tried(message: StatusMessage, act: () => unknown): Promise<void> {
   try { await act(); } catch (problem) { message.showProblem(problem); }
 }
 
