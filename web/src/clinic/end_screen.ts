@@ -127,11 +127,7 @@ export class EndScreen implements Screen {
     if (!visit) return this.over(fill(texts().visit.endedElsewhere, { at: clock(new Date()) }));
     const last = newestFirst(patient?.visits ?? []).find((other) => other.id !== visit.id && tookPlace(other));
     if (!this.changes.of(visit.trials, visit.plan, isCounting(visit))) return;
-    this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
-      const trials = visit.trials.filter((trial) => trial.item === i);
-      return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, isCounting({ trials }) ? texts().patient.counting : fill(t.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
-        ...(trials.length === 0 ? [h('small', {}, t.notDone)] : trials.map((trial) => resultTable(trial, last)))));
-    })));
+    this.done.replaceChildren(...(visit.trials.length === 0 ? [h('p', { class: 'none' }, t.nothing)] : []), doneList(visit, last));
   }
 
   private async finish(state: 'done' | 'unfinished', notes: readonly (readonly [string, Field])[]): Promise<void> {
@@ -207,8 +203,18 @@ export function moreMinutes(visit: Visit, visits: readonly Visit[]): number {
   return before && !isCounting(visit) && !isCounting(before) ? Math.max(0, Math.floor((timeOf_s(visit, 'active_s') - timeOf_s(before, 'active_s')) / 60)) : 0;
 }
 
+/** Done against planned, with the results of each item. */
+export function doneList(visit: Visit, last: Visit | undefined): HTMLElement {
+  const t = texts().end;
+  return h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => {
+    const trials = visit.trials.filter((trial) => trial.item === i);
+    return h('li', {}, h('span', { class: 'nr', 'aria-hidden': 'true' }, trials.length > 0 ? '✓' : String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, isCounting({ trials }) ? texts().patient.counting : fill(t.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
+      ...(trials.length === 0 ? [h('small', {}, t.notDone)] : trials.map((trial) => resultTable(trial, last)))));
+  }));
+}
+
 /** A table of a trial's results beside those of the last visit. */
-export function resultTable(trial: Trial, last: Visit | undefined): HTMLElement {
+function resultTable(trial: Trial, last: Visit | undefined): HTMLElement {
   const t = texts().end, p = texts().patient;
   if (trial.state === 'waiting') return h('small', {}, p.waiting);
   if (trial.state === 'failed') return h('small', {}, fill(p.failedTrial, { why: trial.why ?? '' }));

@@ -1,15 +1,15 @@
 import { h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { curveFigure, withIntervals } from './curves';
-import { resultTable } from './end_screen';
+import { doneList } from './end_screen';
 import { texts } from './i18n';
 import { accountName, noteList } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { painWords } from './pain';
-import { activeOf_s, isCounting, newestFirst, tookPlace, type Patient, type Visit } from './records';
+import { newestFirst, tookPlace, type Patient, type Visit } from './records';
 import { hashOf } from './routes';
 import { button, StatusMessage, type Screen } from './ui';
-import { activeWords, bornWords, itemWords, minutes, sideWords, timeWords, visitClock, visitDay } from './words';
+import { activeWords, bornWords, itemWords, sideWords, timeWords, visitClock, visitDay } from './words';
 
 /** A printable sheet, shown on the screen before it is printed. */
 abstract class Sheet implements Screen {
@@ -81,8 +81,6 @@ export class VisitPrint extends Sheet {
     const notes = (visit.notes?.length ?? 0) > 0 ? visit.notes! : patient.notes.filter((note) => note.visit === visit.id);
     return [...this.head(`${t.visit} ${visitDay(visit)}, ${visitClock(visit)}`, patient),
       h('p', {}, `${sideWords(visit.side)} · ${activeWords(visit)} · ${fill(texts().patient.painWords, { before: painWords(visit.pain_before), after: painWords(visit.pain_after) })}`),
-      h('ol', { class: 'plan' }, ...visit.plan.map((item, i) => h('li', {}, h('span', { class: 'nr' }, String(i + 1)), h('div', { class: 'grow' }, h('p', { class: 'split' }, h('b', {}, itemWords(item)), h('span', { class: 'num' }, isCounting(visit) ? texts().patient.counting : fill(texts().end.of, { done: minutes(activeOf_s(visit, i) / 60), planned: minutes(item.minutes) }))),
-        ...visit.trials.filter((trial) => trial.item === i).map((trial) => resultTable(trial, last)))))),
-      h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.context))];
+      doneList(visit, last), h('h3', {}, texts().patient.notes), noteList(notes, accountName(this.context))];
   }
 }
