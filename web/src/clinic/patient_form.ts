@@ -16,6 +16,7 @@ import { parameterWords, presetName, sideWords } from './words';
 export const OF_PERSON = ['reach_left_m', 'reach_right_m', 'reach_forward_m', 'fingers_open_rad', 'fingers_close_rad'] as const;
 const EMPTY: PatientText = { name: '', code: '', born: '', number: '', side: 'both', hands: {}, preset: 'gentle', parameters: {}, warnings: '', plan: [] };
 type FormValues = Omit<PatientText, 'side'> & { readonly side: Side | '' };
+const editable = ({ name, code, born, number, side, hands, preset, parameters, warnings, plan }: FormValues): FormValues => ({ name, code, born, number, side, hands, preset, parameters, warnings, plan });
 
 /** The form of a patient. Text is kept until it is saved: over hidden names, a reload and a records process that does not answer. */
 export class PatientForm implements Screen {
@@ -70,14 +71,12 @@ export class PatientForm implements Screen {
     } catch (problem) {
       if (!(problem instanceof RefusalError) || problem.code !== 'damaged') throw problem;
       this.damaged = await api.get<DamagedPatient>(`/api/patients/${this.id}/damaged`);
-      const { name, code, born, number, side, hands, preset, parameters, warnings, plan } = this.damaged;
-      this.typed = { name, code, born, number, side, hands, preset, parameters, warnings, plan };
+      this.typed = editable(this.damaged);
     }
   }
 
   private takePatient(patient: Patient): void {
-    const { name, code, born, number, side, hands, preset, parameters, warnings, plan } = patient;
-    this.typed = { name, code, born, number, side, hands, preset, parameters, warnings, plan };
+    this.typed = editable(patient);
     this.version = patient.version;
   }
 
