@@ -1,6 +1,6 @@
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOfName } from '../console/plot_specs';
-import { h } from '../shared/dom';
+import { h, table } from '../shared/dom';
 import { significant } from '../shared/format';
 import { chart, legend, type ChartLine } from './chart';
 import type { ChartPageData, Interval, PageChart, PageLine, PageTable } from './chart_page_data';
@@ -42,8 +42,7 @@ function intervalBar({ from, to, most }: Interval): HTMLElement {
 }
 
 function tableOf({ title, heads, rows }: PageTable): HTMLElement {
-  return h('section', { class: 'figures' }, h('h2', {}, wordsOf(title)), h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, wordsOf(head))))),
-    h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, typeof cell === 'object' && 'most' in cell ? intervalBar(cell) : h('bdi', {}, wordsOf(cell)))))))));
+  return h('section', { class: 'figures' }, h('h2', {}, wordsOf(title)), table(heads.map(wordsOf), rows.map((cells) => cells.map((cell) => (typeof cell === 'object' && 'most' in cell ? intervalBar(cell) : h('bdi', {}, wordsOf(cell)))))));
 }
 
 /** Charts that belong together share a cell of the grid. */

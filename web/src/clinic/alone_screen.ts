@@ -1,5 +1,5 @@
 import type { EventT } from '../protocol';
-import { h, setText } from '../console/dom';
+import { fact, h, setText } from '../console/dom';
 import { viewOf } from '../console/parameter_model';
 import { texts as consoleTexts } from '../console/i18n';
 import { texts } from './i18n';
@@ -59,7 +59,7 @@ export class AloneScreen implements Screen {
     this.limits.replaceChildren(...(model.scene?.parameters ?? []).filter(({ boundsEffort }) => boundsEffort).map((parameter) => {
       const view = viewOf(parameter, consoleTexts().parameters.names);
       const [name, words] = parameterWords(view.name, model.parameter(view.name) ?? parameter.initial);
-      return h('div', {}, h('dt', {}, name), h('dd', {}, words));
+      return fact(name, words);
     }));
   }
 

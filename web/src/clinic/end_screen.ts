@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { columns, h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
@@ -222,6 +222,6 @@ function resultTable(trial: Trial, last: Visit | undefined): HTMLElement {
   if (rows.length === 0) return h('small', {}, t.noResults);
   const words = (result: Result | undefined): string => (result ? `${number(result.value)}${result.unit === '' ? '' : ` ${result.unit}`}` : '–');
   const partly = trial.why ? h('caption', {}, p.partly) : null;
-  return h('table', { class: 'table results' }, partly, h('thead', {}, h('tr', {}, h('th', { scope: 'col' }, t.result), h('th', { scope: 'col' }, t.now), h('th', { scope: 'col' }, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone))),
+  return h('table', { class: 'table results' }, partly, columns([t.result, t.now, last ? fill(t.last, { day: visitDay(last) }) : t.lastNone]),
     h('tbody', {}, ...rows.map(({ result, before }) => h('tr', {}, h('th', { scope: 'row' }, resultName(result.name)), h('td', { class: 'num' }, words(result)), h('td', { class: 'num' }, words(before))))));
 }

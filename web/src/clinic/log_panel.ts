@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { columns, h } from '../console/dom';
 import { texts } from './i18n';
 import { accountName } from './notes';
 import type { ClinicContext } from './clinic_context';
@@ -26,7 +26,7 @@ export class LogPanel {
 
   private show(log: readonly LogEntry[], first: number): void {
     const { t } = this, name = accountName(this.context);
-    this.list.replaceChildren(h('table', { class: 'table', 'data-testid': 'log' }, h('thead', {}, h('tr', {}, ...[t.when, t.who, t.what, t.whose].map((words) => h('th', { scope: 'col' }, words)))),
+    this.list.replaceChildren(h('table', { class: 'table', 'data-testid': 'log' }, columns([t.when, t.who, t.what, t.whose]),
       h('tbody', {}, ...log.slice(0, first).map(({ at_us, account, what, code }) => h('tr', {}, h('td', { class: 'num' }, `${dayOf(at_us)}, ${clockOf(at_us)}`), h('td', {}, account === 0 ? t.program : name(account)), h('td', {}, t.whats[what] ?? what), h('td', {}, code))))),
     ...(log.length > first ? [button(t.more, 'more-log', () => this.show(log, log.length), 'wide')] : []));
   }

@@ -1,4 +1,4 @@
-import { choice, h, setText } from '../console/dom';
+import { choice, fact, h, setText } from '../console/dom';
 import { viewOf } from '../console/parameter_model';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill } from '../shared/i18n';
@@ -131,7 +131,7 @@ export class PatientForm implements Screen {
     const parameters = Object.entries(was.parameters).map(([name, value]) => (typeof value === 'number' ? parameterWords(name, value).join(' ') : name));
     const rows = [[t.fields.side, sides[was.side] ?? was.side], [t.fields.hands, hands.join(', ')], [t.fields.preset, [presetName(was.preset), ...parameters].join(', ')]];
     this.both.replaceChildren(h('section', { class: 'panel both', role: 'alert', 'data-testid': 'damaged-patient' }, h('h2', {}, t.damaged.title), h('p', {}, t.damaged.words),
-      h('dl', { class: 'facts' }, ...rows.map(([name, words]) => h('div', {}, h('dt', {}, name), h('dd', {}, words)))),
+      h('dl', { class: 'facts' }, ...rows.map(([name, words]) => fact(name, words))),
       unreadable.length > 0 ? h('p', { class: 'warning' }, fill(t.damaged.unreadable, { fields: unreadable.map((key) => t.fields[key as keyof typeof t.fields] ?? key).join(', ') })) : null));
   }
 
@@ -147,10 +147,7 @@ export class PatientForm implements Screen {
 
   private showNumbers(): void {
     const preset = this.presets?.force.find(({ id }) => id === this.typed.preset);
-    this.numbers.replaceChildren(...Object.entries({ ...preset?.parameters }).map(([name, value]) => {
-      const [label, words] = parameterWords(name, value);
-      return h('div', {}, h('dt', {}, label), h('dd', {}, words));
-    }));
+    this.numbers.replaceChildren(...Object.entries({ ...preset?.parameters }).map(([name, value]) => fact(...parameterWords(name, value))));
   }
 
   /** Fields for this person's reach and fingers, where the program has them; an empty field means the exercise's value. */

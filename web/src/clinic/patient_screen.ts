@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { fact, h } from '../console/dom';
 import { replayUrl, reportUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
 import { fill } from '../shared/i18n';
@@ -157,7 +157,7 @@ export class PatientScreen implements Screen {
       ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
       [t.preset, presetName(patient.preset)], ...Object.entries({ ...force?.parameters, ...patient.parameters }).map(([name, value]) => parameterWords(name, value)),
     ];
-    return besideTitle(panel(t.person, 'person', h('dl', { class: 'facts' }, ...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value)))), this.mistakes(patient)),
+    return besideTitle(panel(t.person, 'person', h('dl', { class: 'facts' }, ...facts.map(([name, value]) => fact(name, value))), this.mistakes(patient)),
     h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
   }
 

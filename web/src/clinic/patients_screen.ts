@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { columns, h } from '../console/dom';
 import { replayUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
 import { duration } from '../shared/format';
@@ -113,7 +113,7 @@ export class PatientsScreen implements Screen {
     this.count.textContent = empty ? '' : fill(found === 1 ? t.countOne : t.count, { n: found });
     if (empty) this.rows.replaceChildren(h('div', { class: 'empty', 'data-testid': 'empty' }, h('p', {}, t.empty), h('a', { class: 'b go large', href: hashOf({ at: 'new' }), 'data-testid': 'first-patient' }, t.fresh)));
     else if (list.patients.length === 0) this.rows.replaceChildren(h('p', { class: 'none', 'data-testid': 'nobody' }, fill(t.nobody, { find: this.find.value.trim() })));
-    else this.rows.replaceChildren(h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.name, t.code, t.hand, t.last, t.visits].map((words) => h('th', { scope: 'col' }, words)))),
+    else this.rows.replaceChildren(h('table', { class: 'table' }, columns([t.name, t.code, t.hand, t.last, t.visits]),
       h('tbody', {}, ...list.patients.map((row) => this.row(row)))),
     h('div', { class: 'pair' }, page > 0 ? button(t.before, 'page-before', () => this.turn(page - 1)) : null, (page + 1) * PAGE < found ? button(t.further, 'page-further', () => this.turn(page + 1)) : null));
   }

@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { columns, h } from '../console/dom';
 import { fill } from '../shared/i18n';
 import { curveFigure, withIntervals } from './curves';
 import { doneList } from './end_screen';
@@ -63,7 +63,7 @@ export class ProgressPrint extends Sheet {
     const { t } = this, visits = newestFirst(patient.visits).filter(tookPlace);
     if (visits.length === 0) return undefined;
     return [...this.head(t.progress, patient), h('div', { class: 'curves' }, ...withIntervals(patient.curves).map(curveFigure)), h('p', { class: 'aside' }, texts().patient.noClaim),
-      h('table', { class: 'table' }, h('thead', {}, h('tr', {}, ...[t.day, t.hand, t.done, t.active, t.helped, t.led, t.pain].map((words) => h('th', { scope: 'col' }, words)))),
+      h('table', { class: 'table' }, columns([t.day, t.hand, t.done, t.active, t.helped, t.led, t.pain]),
         h('tbody', {}, ...visits.map((visit) => h('tr', {}, h('th', { scope: 'row' }, visitDay(visit)), h('td', {}, sideWords(visit.side)), h('td', {}, [...new Set(visit.trials.map(itemWords))].join(', ')), ...(['active_s', 'helped_s', 'led_s'] as const).map((time) => h('td', { class: 'num' }, timeWords(visit, time))),
           h('td', {}, `${painWords(visit.pain_before)} → ${painWords(visit.pain_after)}`)))))];
   }

@@ -1,8 +1,7 @@
-import { h, setAttribute } from '../shared/dom';
+import { h, setAttribute, type Child } from '../shared/dom';
 
-export { h, setAttribute, setText } from '../shared/dom';
+export { columns, fact, h, setAttribute, setText } from '../shared/dom';
 
-type Child = Node | string | null | undefined;
 type Attributes = Readonly<Record<string, string | number | boolean | undefined>>;
 
 const SVG = 'http://www.w3.org/2000/svg';

@@ -1,6 +1,6 @@
 import type { SceneT } from '../protocol';
 import { fill } from '../shared/i18n';
-import { h } from './dom';
+import { fact, h } from './dom';
 import { asWords, fixed } from '../shared/format';
 import { displayUnits } from './history';
 import { texts } from './i18n';
@@ -10,12 +10,11 @@ import { isArm } from './plot_specs';
 export function handFacts(scene: SceneT): HTMLElement {
   const t = texts();
   const name = String(scene.handName ?? '');
-  const row = (label: string, value: string): HTMLElement => h('div', {}, h('dt', {}, label), h('dd', {}, value));
   const ranges = scene.axes.filter((axis) => !isArm(axis)).map((axis) => {
     const { coordinate, coordinateUnit } = displayUnits(axis);
     const words = fill(t.handFacts.range, { lo: fixed(axis.lower * coordinate, 0), hi: fixed(axis.upper * coordinate, 0) });
-    return row(t.axesLong[String(axis.name)] ?? String(axis.name), `${words} ${coordinateUnit}`);
+    return fact(t.axesLong[String(axis.name)] ?? String(axis.name), `${words} ${coordinateUnit}`);
   });
-  return h('dl', { class: 'facts', 'data-testid': 'hand-facts' }, row(t.handFacts.now, t.hands[name] ?? asWords(name)),
-    row(t.handFacts.side, scene.rightHand ? t.handFacts.right : t.handFacts.left), ...ranges);
+  return h('dl', { class: 'facts', 'data-testid': 'hand-facts' }, fact(t.handFacts.now, t.hands[name] ?? asWords(name)),
+    fact(t.handFacts.side, scene.rightHand ? t.handFacts.right : t.handFacts.left), ...ranges);
 }

@@ -1,5 +1,5 @@
 import { fill } from '../shared/i18n';
-import { h, setText, svg } from './dom';
+import { columns, h, setText, svg } from './dom';
 import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
@@ -75,11 +75,10 @@ export class PlotPanel {
 
   private table(): HTMLElement {
     const { t } = this;
-    const heads = [t.plots.series, t.plots.latest, t.plots.least, t.plots.most].map((name) => h('th', { scope: 'col' }, name));
     const body = this.rows.map(({ series, cells }) => h('tr', {}, h('th', { scope: 'row' }, series.name), ...cells));
     return h('div', { class: 'numbers', tabindex: 0, role: 'group', 'aria-label': this.spec.title }, h('table', {},
       h('caption', {}, fill(t.plots.tableCaption, { name: `${this.spec.title} ${this.spec.unit}`.trim() })),
-      h('thead', {}, h('tr', {}, ...heads)), h('tbody', {}, ...body)));
+      columns([t.plots.series, t.plots.latest, t.plots.least, t.plots.most]), h('tbody', {}, ...body)));
   }
 }
 

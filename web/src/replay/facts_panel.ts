@@ -1,4 +1,4 @@
-import { h } from '../console/dom';
+import { fact, h } from '../console/dom';
 import { exerciseWords, personWords } from '../console/title_words';
 import { duration, grouped } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
@@ -28,7 +28,7 @@ export function factsPanel(about: RecordingInfo, missing: number, scene: SceneT 
     [t.length, `${duration(about.to_s - about.from_s)}, ${fill(t.ticks, { n: grouped(about.ticks) })}`],
     [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.end, t.ends[about.ended_by] ?? ''], [t.program, about.program_version],
   ];
-  const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, isolated(name)), h('dd', {}, isolated(value)));
+  const line = (name: string, value: string): HTMLElement => fact(isolated(name), isolated(value));
   const result = about.result.map(({ name, label, value, unit }) => line(labelOf(scene, name) || label, `${value} ${unit}`.trim()));
   return h('section', { class: 'panel replay-facts', 'aria-label': t.title },
     h('div', { class: 'hd' }, h('h2', {}, t.title)),

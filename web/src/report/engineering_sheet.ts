@@ -5,11 +5,11 @@ import { isArm, lookOf } from '../console/plot_specs';
 import type { AxisT } from '../protocol';
 import { channelKey } from '../replay/series_piece';
 import { faultWord, fill } from '../shared/i18n';
-import { h } from '../shared/dom';
+import { fact, h, table } from '../shared/dom';
 import { chart, type ChartLine } from '../charts/chart';
 import { texts } from './i18n';
 import type { Percentiles } from './report_data';
-import { footer, header, table, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
+import { footer, header, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
 
 const MOST_FAULTS = 4;
 
@@ -97,5 +97,5 @@ function settings({ data: { about, engineering: e }, scene }: SheetContext): HTM
     [t.deadlines, `${grouped(e.missed_deadlines)} / ${grouped(e.records + e.missed_deadlines)}`], [t.damped, fill(t.share, { n: fixed(100 * e.damped_share, 0) })],
     [t.coupling, `${fixed(1e6 * e.coupling_error_rad, 2)} µrad`], [t.work, `${significant(e.work_j, 3)} J`], [t.passport, e.settings.passport], [t.seed, e.settings.seed], [t.limits, limits],
   ];
-  return h('section', {}, h('h2', {}, t.title), h('dl', { class: 'settings' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value))))));
+  return h('section', {}, h('h2', {}, t.title), h('dl', { class: 'settings' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => fact(name, isolated(value)))));
 }

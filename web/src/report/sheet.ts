@@ -1,5 +1,5 @@
 // Parts that both sheets of a report share.
-import { h } from '../shared/dom';
+import { fact, h } from '../shared/dom';
 import { asWords, duration } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { exerciseWords, personWords, sessionWords } from '../console/title_words';
@@ -78,7 +78,7 @@ export function header(data: ReportData, page: string): HTMLElement {
   const t = texts();
   const c = consoleTexts();
   const { about } = data, own = ExercisePanel.of(data.scene ?? null)?.title;
-  const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, isolated(value === '' ? t.facts.unknown : value)));
+  const item = (name: string, value: string): HTMLElement => fact(name, isolated(value === '' ? t.facts.unknown : value));
   return h('header', {},
     h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, isolated(sessionWords(about, own)))),
     h('dl', {},
@@ -91,10 +91,4 @@ export function footer(data: ReportData, page: number): HTMLElement {
   const t = texts();
   return h('footer', {}, h('span', {}, fill(t.program, { version: data.about.program_version })), h('span', {}, isolated(data.about.name)),
     h('span', {}, t.notDiagnosis), h('span', {}, fill(t.pageOf, { n: page, m: 2 })));
-}
-
-/** A table with heads and rows; the first column is text. */
-export function table(heads: readonly string[], rows: readonly (readonly (string | Node)[])[]): HTMLElement {
-  return h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, head)))),
-    h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, cell))))));
 }

@@ -6,7 +6,7 @@ import { sessionWords } from '../console/title_words';
 import { REPORTS } from '../exercises/info';
 import { dateWords } from '../replay/facts_panel';
 import { faultWord, fill, language } from '../shared/i18n';
-import { h } from '../shared/dom';
+import { h, table } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from '../charts/chart';
 import { comparedSection } from './compared';
@@ -14,7 +14,7 @@ import { compareWithBefore, type FigureComparison, type Comparison } from './fig
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
-import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
+import { bodyWords, footer, header, shortTime, signWords, timeName, timesOfSheet, isolated, type SheetContext } from './sheet';
 import { GivenHelp, Mover } from './report_data';
 import { recordedOf, sharePercent, marksByKind, whoseWords } from './therapy';
 

@@ -1,4 +1,4 @@
-type Child = Node | string | null | undefined;
+export type Child = Node | string | null | undefined;
 type Attributes = Readonly<Record<string, string | number | boolean | ((event: Event) => void) | undefined>>;
 
 /** Makes an element. "on…" attributes are listeners, true makes an empty attribute, false and undefined none. */
@@ -13,6 +13,16 @@ export function h<Tag extends keyof HTMLElementTagNameMap>(
   element.append(...children.filter((child): child is Node | string => child !== null && child !== undefined));
   return element;
 }
+
+/** A name and its value in a list of facts. */
+export const fact = (name: Child, value: Child): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, value));
+
+/** The head of a table: the names of its columns. */
+export const columns = (names: readonly string[]): HTMLElement => h('thead', {}, h('tr', {}, ...names.map((name) => h('th', { scope: 'col' }, name))));
+
+/** A table of text and figures. */
+export const table = (names: readonly string[], rows: readonly (readonly (string | Node)[])[]): HTMLElement =>
+  h('table', {}, columns(names), h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, cell))))));
 
 /** An SVG element from constant markup. */
 export function drawing(markup: string): SVGElement {
