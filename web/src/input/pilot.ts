@@ -1,5 +1,6 @@
 import { CarryControl, isInPlace } from './carry_speed';
 import { depthOf, INSIDE, isStacked, laneOf, ownGrip } from './guide';
+import type { Perception } from './perceiver';
 import { ROUND } from './posture';
 import { Push } from './push';
 import { Trigger } from './trigger';
@@ -7,36 +8,17 @@ import { dot, length, minus, plus, times } from './triple';
 import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
 /** The input of the pilot at one moment. Grips are device coordinates. */
-export interface PilotInput {
+export interface PilotInput extends Pick<Perception, 'grips' | 'awayFromUse' | 'onJoint' | 'pushes' | 'goesOn' | 'squeeze_n' | 'squeezeLow_n' | 'beside' | 'target' | 'letGo' | 'easesOff'> {
   /** Position of the hand [m]; lanes are chosen from here, not from the aim. */
   hand: Triple;
   /** Position of the aim [m]. */
   aim: Triple;
   /** x of a hand that is drawn back [m]. */
   back_m: number;
-  grips: readonly Triple[];
-  /** Vector from each carried target to the place where it is squeezed [m]. */
-  awayFromUse?: readonly (Triple | undefined)[];
-  /** The targets are on joints: one is moved along its joint while it is held, and never lifted. */
-  onJoint?: boolean;
-  /** Direction in which the current target is pushed with straight fingers. */
-  pushes?: Triple;
-  /** Another action follows after the release. */
-  goesOn?: boolean;
-  squeeze_n: number;
-  squeezeLow_n: number;
-  /** The side of the hand on which a target is gripped: +1 left (a right hand), -1 right. */
-  beside: number;
-  /** The current target, an index of `grips`; -1: none. */
-  target: number;
   /** Whether the hand can reach a grip. */
   reachable: (grip: Triple) => boolean;
   /** The hand is closed: it leaves only after it has opened. */
   closed: boolean;
-  /** The hand must hold nothing now: the step is finished, the row moves, or the task is done. */
-  letGo: boolean;
-  /** The grip must be eased, and squeezed again later. */
-  easesOff?: boolean;
 }
 
 /** The next movement of the hand, as a wish like that of pressed keys. */
