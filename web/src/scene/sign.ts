@@ -1,31 +1,47 @@
 // A small sign with text, highlighted when it names the current task.
 import { Mesh, PlaneGeometry, type Texture } from 'three';
 import { flat } from './materials';
-import { picture } from './textures';
+import { picture, type Pen } from './textures';
 
-const WIDTH_PX = 944;
-const HEIGHT_PX = 224;
-const TEXT_PX = 132;
+/** Size and lettering of a sign in pixels of its picture. Words wider than `most_px` are written smaller. */
+export interface Board {
+  readonly width_px: number;
+  readonly height_px: number;
+  readonly corner_px: number;
+  readonly text_px: number;
+  readonly most_px: number;
+  write(pen: Pen, words: string, lit: boolean): void;
+}
 
-function draw(words: string, lit: boolean): Texture {
-  return picture(WIDTH_PX, HEIGHT_PX, (pen) => {
+const WORDS: Board = {
+  width_px: 944, height_px: 224, corner_px: 58, text_px: 132, most_px: 944 - 110,
+  write(pen, words) {
+    pen.textAlign = 'center';
+    pen.fillText(words, this.width_px / 2, this.height_px / 2 + 6);
+  },
+};
+
+export const inkOf = (lit: boolean): string => (lit ? '#1c1410' : '#FBEFD9');
+
+function draw(board: Board, words: string, lit: boolean): Texture {
+  const { width_px: w, height_px: h, corner_px, text_px, most_px } = board;
+  return picture(w, h, (pen) => {
     pen.fillStyle = lit ? '#FFF4DC' : '#33251d';
     pen.beginPath();
-    pen.roundRect(4, 4, WIDTH_PX - 8, HEIGHT_PX - 8, 58);
+    pen.roundRect(4, 4, w - 8, h - 8, corner_px);
     pen.fill();
     pen.lineWidth = lit ? 16 : 8;
     pen.strokeStyle = lit ? '#FFB938' : '#8d6a3e';
     pen.beginPath();
-    pen.roundRect(10, 10, WIDTH_PX - 20, HEIGHT_PX - 20, 52);
+    pen.roundRect(10, 10, w - 20, h - 20, corner_px - 6);
     pen.stroke();
     const font = (px: number) => { pen.font = `700 ${px}px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif`; };
-    font(TEXT_PX);
-    const wide = pen.measureText(words).width, most = WIDTH_PX - 110;
-    if (wide > most) font(TEXT_PX * most / wide);
-    pen.fillStyle = lit ? '#1c1410' : '#FBEFD9';
-    pen.textAlign = 'center';
+    font(text_px);
+    const wide = pen.measureText(words).width;
+    if (wide > most_px) font(text_px * most_px / wide);
+    pen.fillStyle = inkOf(lit);
     pen.textBaseline = 'middle';
-    pen.fillText(words, WIDTH_PX / 2, HEIGHT_PX / 2 + 6);
+    board.write(pen, words, lit);
   });
 }
 
@@ -33,8 +49,8 @@ export class Sign {
   readonly root: Mesh;
   private shown = '';
 
-  constructor(width_m: number) {
-    this.root = new Mesh(new PlaneGeometry(width_m, width_m * HEIGHT_PX / WIDTH_PX), flat('#ffffff', { transparent: true }));
+  constructor(width_m: number, private readonly board = WORDS, height_m = width_m * board.height_px / board.width_px) {
+    this.root = new Mesh(new PlaneGeometry(width_m, height_m), flat('#ffffff', { transparent: true }));
   }
 
   /** Redraws only when something changed. @param words empty: no sign */
@@ -45,7 +61,7 @@ export class Sign {
     this.shown = key;
     const material = this.root.material as ReturnType<typeof flat>;
     material.map?.dispose();
-    material.map = draw(words, lit);
+    material.map = draw(this.board, words, lit);
     material.needsUpdate = true;
   }
 }

@@ -6,11 +6,12 @@ import type { SkinUniforms } from '../../hand/skin_shader';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
 import { quaternionToThree, toThree } from '../../scene/frames';
 import type { Quality } from '../../scene/quality';
+import type { Sign } from '../../scene/sign';
 import type { Anchors, ExerciseView, ViewOf } from '../exercise_view';
 import { ExerciseValues } from '../values';
 import { barOf, Stage, type Bar } from './bar';
 import { BubblesView } from './bubbles';
-import { Sign, makeDispenser, type Shell } from './dispenser';
+import { makeDispenser, makeSign, type Shell } from './dispenser';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
 import { GuestView } from './guest';
 import { nameOf } from './i18n';
@@ -74,7 +75,7 @@ export class BarView implements ExerciseView {
     });
     this.hung = bar.dispensers.map((d) => {
       const { root, shell } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
-      const sign = new Sign(d.liquid);
+      const sign = makeSign(d.liquid);
       this.root.add(root, sign.root);
       return { body: bodyIndex(d.body), root, shell, sign, pressed_l: 0, keeps: 0 };
     });

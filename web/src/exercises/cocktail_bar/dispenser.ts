@@ -1,14 +1,14 @@
 // A squeeze bottle that hangs from the rail, nozzle down, and the sign over it.
 
 import {
-  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type Material, type Texture,
+  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, Vector2, type Material,
 } from 'three';
 import { liquidLook } from './liquids';
 import type { BarDispenser } from './bar';
 import type { SkinUniforms } from '../../hand/skin_shader';
 import { Dent, pressingOn } from '../../scene/dent';
-import { flat, surface } from '../../scene/materials';
-import { picture } from '../../scene/textures';
+import { surface } from '../../scene/materials';
+import { inkOf, Sign } from '../../scene/sign';
 import { drawSymbol, patternTexture } from './liquid_textures';
 import type { Quality } from '../../scene/quality';
 import { brass } from '../../scene/stage';
@@ -112,49 +112,17 @@ export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number)
   return { root, shell: new Shell(body, d.radius_m, quality) };
 }
 
-function signTexture(liquid: string, name: string, lit: boolean): Texture {
-  const look = liquidLook(liquid);
-  return picture(944, 288, (pen) => {
-    pen.fillStyle = lit ? '#FFF4DC' : '#33251d';
-    pen.beginPath();
-    pen.roundRect(4, 4, 936, 280, 64);
-    pen.fill();
-    pen.lineWidth = lit ? 16 : 8;
-    pen.strokeStyle = lit ? '#FFB938' : '#8d6a3e';
-    pen.beginPath();
-    pen.roundRect(10, 10, 924, 268, 58);
-    pen.stroke();
-    const font = (px: number) => { pen.font = `700 ${px}px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif`; };
-    font(150);
-    const wide = pen.measureText(name).width;
-    if (wide > 660) font(150 * 660 / wide);
-    const left = (944 - pen.measureText(name).width - 150) / 2;
-    pen.fillStyle = lit ? look.deep : look.color;
-    drawSymbol(pen, look.symbol, left + 58, 146, 58);
-    pen.fillStyle = lit ? '#1c1410' : '#FBEFD9';
-    pen.textBaseline = 'middle';
-    pen.fillText(name, left + 150, 152);
-  });
-}
-
 /** The sign on the rail: symbol and word, highlighted for the current dispenser. */
-export class Sign {
-  readonly root: Mesh;
-  private shown = '';
-
-  constructor(private readonly liquid: string) {
-    this.root = new Mesh(new PlaneGeometry(SIGN_WIDTH_M, SIGN_HEIGHT_M), flat('#ffffff', { transparent: true }));
-  }
-
-  /** Redraws only when something changed. @param name empty: no sign */
-  show(name: string, lit: boolean): void {
-    const key = `${name} ${lit}`;
-    this.root.visible = name !== '';
-    if (key === this.shown || name === '') return;
-    this.shown = key;
-    const material = this.root.material as ReturnType<typeof flat>;
-    material.map?.dispose();
-    material.map = signTexture(this.liquid, name, lit);
-    material.needsUpdate = true;
-  }
+export function makeSign(liquid: string): Sign {
+  const look = liquidLook(liquid);
+  return new Sign(SIGN_WIDTH_M, {
+    width_px: 944, height_px: 288, corner_px: 64, text_px: 150, most_px: 660,
+    write(pen, name, lit) {
+      const left = (944 - pen.measureText(name).width - 150) / 2;
+      pen.fillStyle = lit ? look.deep : look.color;
+      drawSymbol(pen, look.symbol, left + 58, 146, 58);
+      pen.fillStyle = inkOf(lit);
+      pen.fillText(name, left + 150, 152);
+    },
+  }, SIGN_HEIGHT_M);
 }
