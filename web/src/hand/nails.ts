@@ -1,7 +1,8 @@
 // Nails: thin shells on the last capsule of each digit, in the frame of its link.
 
-import { BufferAttribute, BufferGeometry } from 'three';
+import type { BufferGeometry } from 'three';
 import { HandPart } from '../protocol';
+import { gridGeometry } from './grid';
 import type { HandCapsule, HandShape } from './shape';
 import { palmarDirection } from './skin_mesh';
 import { add, cross, length, scale, sub, type Vec } from './vector';
@@ -34,7 +35,7 @@ export function nailGeometry(shape: HandShape, tip: HandCapsule): BufferGeometry
   const axis = sub(tip.b, tip.a), long = length(axis), along = scale(axis, 1 / long);
   const dorsal = scale(palmarDirection(shape, tip.link), -1), side = cross(along, dorsal);
   const r = tip.skinB, extent = r * LENGTH, start = long + r * BEYOND - extent;
-  const at: number[] = [], index: number[] = [];
+  const at: number[] = [];
   for (let j = 0; j <= CELLS; j++)
     for (let i = 0; i <= CELLS; i++) {
       const u = 2 * i / CELLS - 1, v = 2 * j / CELLS - 1, [a, b] = squircle(u, v);
@@ -45,14 +46,5 @@ export function nailGeometry(shape: HandShape, tip: HandCapsule): BufferGeometry
       const p: Vec = add(add(add(tip.a, scale(along, s)), scale(dorsal, radius * Math.cos(angle))), scale(side, radius * Math.sin(angle)));
       at.push(...p);
     }
-  for (let j = 0; j < CELLS; j++)
-    for (let i = 0; i < CELLS; i++) {
-      const q = j * (CELLS + 1) + i;
-      index.push(q, q + 1, q + CELLS + 1, q + 1, q + CELLS + 2, q + CELLS + 1);
-    }
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(at), 3));
-  geometry.setIndex(index);
-  geometry.computeVertexNormals();
-  return geometry;
+  return gridGeometry(at, CELLS);
 }

@@ -1,7 +1,8 @@
 // Sleeve and cuff over the wrist, in a right palm's frame (x distal, y radial, z dorsal): the forearm extends
 // backwards and leaves the picture on the side of the back of the hand.
 
-import { BufferAttribute, BufferGeometry } from 'three';
+import type { BufferAttribute, BufferGeometry } from 'three';
+import { gridGeometry } from './grid';
 
 /** Position of the wrist along x of the palm [m]; the arm begins to bend here. */
 const WRIST_M = -0.06;
@@ -20,8 +21,8 @@ const DEEP = 0.86;
 type Profile = readonly (readonly [number, number])[];
 
 function sweep(profile: Profile, wrinkle_m: number, around: number): BufferGeometry {
-  const at: number[] = [], index: number[] = [];
-  profile.forEach(([radius, x], row) => {
+  const at: number[] = [];
+  profile.forEach(([radius, x]) => {
     const beyond = Math.max(0, WRIST_M - x), bend = Math.sqrt(beyond * beyond + BEND_M * BEND_M) - BEND_M;
     for (let i = 0; i <= around; i++) {
       const angle = 2 * Math.PI * (i % around) / around;
@@ -29,16 +30,8 @@ function sweep(profile: Profile, wrinkle_m: number, around: number): BufferGeome
       at.push(x, Math.cos(angle) * (radius * WIDE + fold) - LEAN_ULNAR * bend,
               Math.sin(angle) * (radius * DEEP + fold) + CENTRE_DORSAL_M + LEAN_DORSAL * bend);
     }
-    if (row === 0) return;
-    for (let i = 0; i < around; i++) {
-      const q = (row - 1) * (around + 1) + i;
-      index.push(q, q + 1, q + around + 1, q + 1, q + around + 2, q + around + 1);
-    }
   });
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(at), 3));
-  geometry.setIndex(index);
-  geometry.computeVertexNormals();
+  const geometry = gridGeometry(at, around);
   closeSeam(geometry, profile.length, around);
   return geometry;
 }
