@@ -1,7 +1,8 @@
 // The soft handle to squeeze: leather with a wave, brass rings, and the rod that it hangs on.
-import { Color, CylinderGeometry, Group, LatheGeometry, Mesh, RepeatWrapping, Vector2, type BufferAttribute, type BufferGeometry, type Texture } from 'three';
+import { Color, CylinderGeometry, Group, Mesh, RepeatWrapping, type BufferGeometry, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
+import { softBody } from '../../scene/soft_body';
 import { brass } from '../../scene/stage';
 import { numbers, picture } from '../../scene/textures';
 import type { Grip } from './grip';
@@ -39,22 +40,9 @@ function leather(): Texture {
   return texture;
 }
 
-/** The straight side has `rows` segments, so that it can deform. */
-function body({ radius_m: r, height_m }: Grip, quality: Quality): Mesh<BufferGeometry> {
-  const half = height_m / 2, rows = quality === 'high' ? 40 : 2, low = -half + 0.012, high = half - 0.012;
-  const side = Array.from({ length: rows }, (_, i) => [r, low + (high - low) * i / (rows - 1)] as const);
-  const profile = [[1e-4, -half], [0.72 * r, -half], [0.9 * r, -half + 0.003], [0.975 * r, -half + 0.007], ...side, [0.975 * r, half - 0.007], [0.9 * r, half - 0.003], [0.72 * r, half], [1e-4, half]];
-  const geometry = new LatheGeometry(profile.map(([x, y]) => new Vector2(x, y)), quality === 'high' ? 96 : 32, Math.PI);
-  const uv = geometry.attributes.uv as BufferAttribute, at = geometry.attributes.position as BufferAttribute;
-  for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / height_m + 0.5);
-  const mesh = new Mesh(geometry, surface(quality, { map: leather(), roughness: 0.55, clearcoat: 0.25, clearcoatRoughness: 0.45 }));
-  mesh.castShadow = mesh.receiveShadow = true;
-  return mesh;
-}
-
 /** y along its axis, the origin in its middle. */
 export function makeHandle(grip: Grip, quality: Quality): { root: Group; side: BufferGeometry } {
-  const root = new Group(), leathern = body(grip, quality), metal = brass(quality), half = grip.height_m / 2;
+  const root = new Group(), leathern = softBody(grip, [[0.72, 0], [0.9, 0.003], [0.975, 0.007]], 0.012, quality, surface(quality, { map: leather(), roughness: 0.55, clearcoat: 0.25, clearcoatRoughness: 0.45 })), metal = brass(quality), half = grip.height_m / 2;
   const part = (radius_m: number, tall_m: number, y_m: number, material = metal) => {
     const mesh = new Mesh(new CylinderGeometry(radius_m, radius_m, tall_m, quality === 'high' ? 48 : 20), material);
     mesh.position.y = y_m;

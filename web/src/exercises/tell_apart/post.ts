@@ -1,7 +1,8 @@
 // Two soft bottles on a brass post: one plain band on the lower one, two on the upper one.
-import { Color, CylinderGeometry, Group, LatheGeometry, Mesh, SphereGeometry, Vector2, type BufferAttribute, type BufferGeometry, type Texture } from 'three';
+import { Color, CylinderGeometry, Group, Mesh, SphereGeometry, type BufferGeometry, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
+import { softBody } from '../../scene/soft_body';
 import { brass } from '../../scene/stage';
 import { picture } from '../../scene/textures';
 import type { Bottle } from './bottles';
@@ -34,22 +35,9 @@ function rubber({ color, deep, bands }: (typeof LOOKS)[number]): Texture {
   });
 }
 
-/** The straight side has `rows` segments, so that it can deform. */
-function body({ radius_m: r, height_m }: Bottle, look: (typeof LOOKS)[number], quality: Quality): Mesh<BufferGeometry> {
-  const half = height_m / 2, rows = quality === 'high' ? 40 : 2, low = -half + 0.014, high = half - 0.014;
-  const side = Array.from({ length: rows }, (_, i) => [r, low + (high - low) * i / (rows - 1)] as const);
-  const profile = [[1e-4, -half], [0.5 * r, -half], [0.86 * r, -half + 0.003], [0.965 * r, -half + 0.008], ...side, [0.965 * r, half - 0.008], [0.86 * r, half - 0.003], [0.5 * r, half], [1e-4, half]];
-  const geometry = new LatheGeometry(profile.map(([x, y]) => new Vector2(x, y)), quality === 'high' ? 96 : 32, Math.PI);
-  const uv = geometry.attributes.uv as BufferAttribute, at = geometry.attributes.position as BufferAttribute;
-  for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / height_m + 0.5);
-  const mesh = new Mesh(geometry, surface(quality, { map: rubber(look), roughness: 0.5, clearcoat: 0.3, clearcoatRoughness: 0.4 }));
-  mesh.castShadow = mesh.receiveShadow = true;
-  return mesh;
-}
-
 /** A bottle with its collars, the origin in its middle, y along its axis. No part exceeds the collision cylinder sideways. @param which 0: the lower one */
 export function makeBottle(bottle: Bottle, which: 0 | 1, quality: Quality): { root: Group; side: BufferGeometry } {
-  const root = new Group(), side = body(bottle, LOOKS[which], quality), metal = brass(quality);
+  const root = new Group(), side = softBody(bottle, [[0.5, 0], [0.86, 0.003], [0.965, 0.008]], 0.014, quality, surface(quality, { map: rubber(LOOKS[which]), roughness: 0.5, clearcoat: 0.3, clearcoatRoughness: 0.4 })), metal = brass(quality);
   root.add(side);
   for (const end of [-1, 1]) {
     const collar = new Mesh(new CylinderGeometry(0.42 * bottle.radius_m, 0.42 * bottle.radius_m, 0.006, quality === 'high' ? 40 : 20), metal);
