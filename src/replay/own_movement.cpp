@@ -14,7 +14,7 @@
 namespace wholehand {
 namespace {
 
-constexpr std::string_view kOwn = "own/", kSteady = "steady/";
+constexpr std::string_view kOwn = "own/";
 constexpr std::string_view kLower = "_lower", kUpper = "_upper";
 
 /// Index of the last tick with values of the exercise. The ramp to neutral has none.
@@ -49,7 +49,6 @@ bool addEnds(const RecordingMeta& meta, const TickRecord& last, OwnMovement& own
     end.axis = own.device.axisIndex(direction.substr(0, direction.size() - kUpper.size()));
     if (end.axis < 0) continue;
     end.value = value(name);
-    end.steady = value(std::string(kSteady) + direction) > 0.5;
     putEnd(own, end);
     measured = true;
   }
@@ -94,12 +93,6 @@ LimitsFound limitsFrom(const OwnMovement& own) {
     bool known = false;
     for (const OwnMovementEnd& end : own.ends) {
       if (end.axis != a) continue;
-      if (!end.steady) {
-        out.notices.push_back(
-            fmt::format("{}: {} was held once only, so this end stays the device's",
-                        printable(axis.name), shown(end.value)));
-        continue;
-      }
       (end.upper ? limit.upper : limit.lower) = std::clamp(end.value, axis.lower, axis.upper);
       known = true;
     }

@@ -15,7 +15,6 @@ struct OwnMovementEnd {
   int axis = 0;        ///< index into DeviceModel::axes
   bool upper = false;  ///< which end of the axis
   double value = 0.0;  ///< [m or rad]
-  bool steady = false;
 };
 
 /// Own movement of one person, with the device and the side of the hand that measured it.
@@ -35,7 +34,7 @@ struct LimitsFound {
   std::vector<std::string> notices;
 };
 
-/// An end that was not measured, or not steadily, stays the device's; an axis whose own range is
+/// An end that was not measured stays the device's; an axis whose own range is
 /// narrower than its walls gets no limit.
 [[nodiscard]] LimitsFound limitsFrom(const OwnMovement& own);
 

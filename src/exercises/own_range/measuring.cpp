@@ -33,13 +33,7 @@ void Measuring::skip() noexcept {
 
 void Measuring::endDirection() noexcept {
   const std::span<const RangeTry> tries(try_.data(), static_cast<std::size_t>(tries_));
-  Measured& out = measured_[direction_];
-  out = {ownEnd(tries), 0, true};
-  for (const RangeTry& one : tries) {
-    if (one.kind != TryKind::kHeld) continue;
-    if (!out.end.steady) out.end.value = one.value;
-    ++out.held;
-  }
+  measured_[direction_] = {ownEnd(tries), true};
   ++direction_;
   toAskedDirection();
 }

@@ -32,8 +32,7 @@ enum Instruction { kRelax, kHold, kFinished, kFirstDirection };
 
 /// What is known of a direction.
 struct Measured {
-  OwnEnd end;          ///< of one held try alone, which is not steady: its value
-  int held = 0;        ///< number of held tries; 0: the end is not known
+  OwnEnd end;
   bool asked = false;  ///< all its tries were made, or it was skipped
 };
 

@@ -28,12 +28,12 @@ enum Value : std::int32_t {
   kAt,        ///< position of its axis [m or rad]
   kMeasured,  ///< number of directions measured
   kPlace,
-  kValues  ///< from here two for each direction: own end, NaN before it is known; 1 if steady
+  kValues  ///< from here one for each direction: its own end; NaN before it is known
 };
 constexpr const char* kValueNames[] = {"instruction", "done", "paused",   "direction", "tries",
                                        "asked_tries", "at",   "measured", "place"};
 static_assert(std::size(kValueNames) == kValues);
-static_assert(kValues + 2 * kMostDirections <= kMaxExerciseValues);
+static_assert(kValues + kMostDirections <= kMaxExerciseValues);
 
 enum Event : std::int32_t {
   kHeld,
@@ -111,7 +111,6 @@ class OwnRange final : public Exercise {
     description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
     for (const std::string& name : task_.names) {
       description_.value_names.push_back("own/" + name);
-      description_.value_names.push_back("steady/" + name);
     }
     description_.event_names = {"held",           "no_movement", "jerk",         "drift",
                                 "direction_done", "not_steady",  "all_measured", "restarted"};
@@ -166,11 +165,14 @@ class OwnRange final : public Exercise {
     }
   }
 
-  static void report(const MeasuringChange& news, ExerciseRecord& out) noexcept {
+  void report(const MeasuringChange& news, ExerciseRecord& out) const noexcept {
     if (news.tried >= 0) {
       addEvent(out, kHeld + static_cast<int>(news.result.kind), news.tried, news.result.value);
     }
-    if (news.direction_done >= 0) addEvent(out, kDirectionDone, news.direction_done, 0.0);
+    if (news.direction_done >= 0) {
+      const OwnEnd& end = measuring_.measured(news.direction_done).end;
+      addEvent(out, end.steady ? kDirectionDone : kNotSteady, news.direction_done, end.value);
+    }
     if (news.done) addEvent(out, kAllMeasured, -1, 0.0);
   }
 
@@ -187,13 +189,11 @@ class OwnRange final : public Exercise {
     int measured = 0;
     for (int d = 0; d < directions; ++d) {
       const Measured& one = measuring_.measured(d);
-      const bool known = one.held > 0;
       measured += one.asked ? 1 : 0;
-      out.values[kValues + 2 * d] = known ? one.end.value : kUnknown;
-      out.values[kValues + 2 * d + 1] = one.end.steady ? 1.0 : 0.0;
+      out.values[kValues + d] = one.end.steady ? one.end.value : kUnknown;
     }
     out.values[kMeasured] = measured;
-    out.value_count = kValues + 2 * directions;
+    out.value_count = kValues + directions;
   }
 
   const OwnRangeTask task_;
