@@ -13,6 +13,7 @@ import type { ClinicContext } from './clinic_context';
 import { EndScreen } from './end_screen';
 import { FirstStart } from './first_start';
 import { texts } from './i18n';
+import { LimitsScreen } from './limits_screen';
 import { PatientForm } from './patient_form';
 import { PatientScreen } from './patient_screen';
 import { PatientsScreen } from './patients_screen';
@@ -170,6 +171,7 @@ export class ClinicPage implements ClinicContext {
       case 'patients': return [name, () => new PatientsScreen(this)];
       case 'new': return [name, () => new PatientForm(this, 0)];
       case 'edit': return [name, () => new PatientForm(this, route.patient)];
+      case 'limits': return [name, () => new LimitsScreen(this, route.patient)];
       case 'patient': return [name, () => new PatientScreen(this, route.patient)];
       case 'progress': return [name, () => new ProgressPrint(this, route.patient)];
       case 'summary': return [name, () => new VisitPrint(this, route.patient, route.visit)];

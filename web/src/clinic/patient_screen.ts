@@ -11,7 +11,7 @@ import { accountName, NoteBox, noteList } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { painWords } from './pain';
 import { pickPatient } from './picker';
-import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Trial, type Visit } from './records';
+import { allNotes, newestFirst, tookPlace, type OneSide, type Patient, type PatientRow, type Size, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
 import { saveText } from './save_text';
 import { action, besideTitle, button, Field, link, panel, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
@@ -154,11 +154,11 @@ export class PatientScreen implements Screen {
     const force = context.clinic.presets?.force.find(({ id }) => id === patient.preset);
     const facts: (readonly [string, string])[] = [
       ...(patient.born === '' ? [] : [[t.born, bornWords(patient.born)] as const]), ...(patient.number === '' ? [] : [[t.number, patient.number] as const]),
-      ...(Object.entries(patient.hands) as [OneSide, { length_m: number; breadth_m: number }][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm`] as const),
+      ...(Object.entries(patient.hands) as [OneSide, Size][]).map(([side, size]) => [fill(t.hand, { side: sideWords(side) }), `${Math.round(size.length_m * 1000)} × ${Math.round(size.breadth_m * 1000)} mm${size.limits?.length ? ` · ${fill(t.limitCount, { n: size.limits.length })}` : ''}`] as const),
       [t.preset, presetName(patient.preset)], ...Object.entries({ ...force?.parameters, ...patient.parameters }).map(([name, value]) => parameterWords(name, value)),
     ];
     return besideTitle(panel(t.person, 'person', h('dl', { class: 'facts' }, ...facts.map(([name, value]) => fact(name, value))), this.mistakes(patient)),
-    h('span', { class: 'sp' }), h('a', { class: 'b', href: hashOf({ at: 'edit', patient: patient.id }), 'data-testid': 'edit-patient' }, t.edit));
+    h('span', { class: 'sp' }), link(texts().limits.title, { at: 'limits', patient: patient.id }, 'limits'), link(t.edit, { at: 'edit', patient: patient.id }, 'edit-patient'));
   }
 
   /** Rarely needed corrections, each confirmed by a second press. */

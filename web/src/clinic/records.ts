@@ -88,7 +88,10 @@ export interface Restored {
   readonly again: readonly { readonly what: 'moved' | 'joined' | 'given'; readonly to: string; readonly from?: string; readonly began_us?: number }[];
 }
 
-export interface Size { readonly length_m: number; readonly breadth_m: number }
+export interface Size { readonly length_m: number; readonly breadth_m: number; readonly limits?: readonly Limit[] }
+
+/** The part of a device's axis that is this hand's: a way or an angle. */
+export interface Limit { readonly axis: string; readonly within_m?: readonly [number, number]; readonly within_rad?: readonly [number, number] }
 
 /** The editable data of a patient. */
 export interface PatientText {

@@ -2,7 +2,7 @@
 
 export type Route =
   | { readonly at: 'patients' | 'new' | 'settings' | 'alone' }
-  | { readonly at: 'patient' | 'edit' | 'progress'; readonly patient: number }
+  | { readonly at: 'patient' | 'edit' | 'limits' | 'progress'; readonly patient: number }
   | { readonly at: 'summary'; readonly patient: number; readonly visit: number }
   | { readonly at: 'visit' | 'end'; readonly visit: number };
 
@@ -14,7 +14,7 @@ export function routeOf(hash: string): Route {
   if (place === 'new' || place === 'settings' || place === 'alone') return { at: place };
   if (place === 'visit' && id > 0) return { at: more === 'end' ? 'end' : 'visit', visit: id };
   if (place === 'patient' && id > 0) {
-    if (more === 'edit' || more === 'progress') return { at: more, patient: id };
+    if (more === 'edit' || more === 'limits' || more === 'progress') return { at: more, patient: id };
     if (more === 'visit' && number(second) > 0) return { at: 'summary', patient: id, visit: number(second) };
     return { at: 'patient', patient: id };
   }
@@ -26,6 +26,7 @@ export function hashOf(route: Route): string {
     case 'patients': case 'new': case 'settings': case 'alone': return `#/${route.at}`;
     case 'patient': return `#/patient/${route.patient}`;
     case 'edit': return `#/patient/${route.patient}/edit`;
+    case 'limits': return `#/patient/${route.patient}/limits`;
     case 'progress': return `#/patient/${route.patient}/progress`;
     case 'summary': return `#/patient/${route.patient}/visit/${route.visit}`;
     case 'visit': return `#/visit/${route.visit}`;

@@ -3,6 +3,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import { asWords, fixed, significant } from '../shared/format';
 import { fill, language } from '../shared/i18n';
 import { texts } from './i18n';
+import { OWN_END } from './person_limits';
 import { isCounting, timeOf_s, type Item, type Result, type Side, type Trial, type Visit } from './records';
 
 /** The locale for dates, with European formats. */
@@ -58,7 +59,11 @@ export function parameterWords(name: string, value: number): readonly [name: str
 export const number = (value: number): string => significant(value, 3);
 
 /** The name of a result as the exercise's panel has it; for an unknown exercise the raw name without its unit. */
-export const resultName = (name: string): string => texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
+export function resultName(name: string): string {
+  const [, axis, end] = OWN_END.exec(name) ?? [];
+  if (axis !== undefined) return `${consoleTexts().axesLong[axis] ?? asWords(axis)}, ${texts().limits.ends[end as 'lower' | 'upper'].toLowerCase()}`;
+  return texts().results[name] ?? asWords(name.replace(/_(l|s|n|m|rad)$/, ''));
+}
 export const resultWords = ({ name, value, unit }: Result): string => `${resultName(name)} ${number(value)}${unit === '' ? '' : ` ${unit}`}`;
 export const presetName = (id: string): string => texts().presets[id] ?? asWords(id);
 

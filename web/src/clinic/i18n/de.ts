@@ -57,6 +57,15 @@ export const de: ClinicTexts = {
     add: 'Übung hinzufügen', exercise: 'Übung {n}', level: 'Stufe der Übung {n}', levelShort: 'Stufe', help: 'Hilfe in Übung {n}', less: 'Weniger Zeit für Übung {n}', more: 'Mehr Zeit für Übung {n}', up: 'Übung {n} früher', remove: 'Übung {n} entfernen',
   },
   goals: { title: 'Was soll leichter werden?', names: { 'open-hand': 'Hand öffnen', reach: 'Hinreichen', 'hold-release': 'Halten und loslassen', 'daily-life': 'Alltag' } as Record<string, string> },
+  limits: {
+    title: 'Bewegungsgrenzen', words: 'Die letzten 5° oder der letzte Zentimeter vor einer Grenze halten dagegen. Das ist kein Anschlag: die Person darf dorthin. Übungen liegen innerhalb der Grenzen.',
+    measured: 'Eigene Bewegung gemessen: {day}.', notMeasured: 'Die eigene Bewegung ist noch nicht gemessen: nehmen Sie „Eigene Bewegung“ in den heutigen Plan.', notThis: 'Eigene Bewegung: nicht gemessen', ownIs: 'Eigene Bewegung: {own}',
+    takeAll: 'Eigene Bewegung für alle übernehmen', takeOwn: 'Eigene Bewegung übernehmen', tooNarrow: 'Zu schmal für eine Grenze', noLimit: 'Keine Grenze', none: 'keine',
+    legend: { own: 'kann allein', device: 'Gerät', end: 'Grenze' }, ends: { lower: 'Von', upper: 'Bis' },
+    faults: { outside: 'Das Gerät geht von {lower} bis {upper}.', crossed: 'Von muss kleiner sein als bis.', narrow: 'Mindestens {least} breit.' },
+    picture: '{axis}: Gerät {device}, eigene Bewegung {own}, Grenze {limit}', noStation: 'Die Station antwortet nicht; die Bereiche ihres Geräts sind nicht bekannt.', noHand: 'Tragen Sie zuerst die Grösse ein: {side}.',
+    saved: 'Gespeichert. Die Grenzen gelten ab der nächsten Übung.', changed: 'Jemand hat diese Person inzwischen geändert. Noch einmal Sichern speichert diese Grenzen.',
+  },
   form: {
     title: 'Neue Person', edit: 'Angaben ändern', person: 'Person', hands: 'Grösse der Hand', limits: 'Kräfte', plan: 'Plan', preset: 'Beginnen mit', planPreset: 'Beginnen mit', ownPlan: 'eigener Plan', save: 'Speichern', back: 'Verwerfen',
     fields: { name: 'Name', code: 'Code', born: 'Geburtsdatum', number: 'Nummer', side: 'Betroffene Seite', hands: 'Hände', preset: 'Kräfte', parameters: 'Reichweite und Finger', warnings: 'Warnungen', plan: 'Plan' },
@@ -67,7 +76,7 @@ export const de: ClinicTexts = {
     both: { title: 'Von jemand anderem geändert', words: 'Diese Angaben wurden an einem anderen Bildschirm gespeichert, während Sie schrieben.', yours: 'Ihre', now: 'Dort gespeichert', mine: 'Meine speichern', theirs: 'Die anderen nehmen' },
   },
   patient: {
-    patient: 'Person', reading: 'Wird gelesen …', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht.', asOf: 'Stand von {at}.', visitCount: '{n} Sitzungen', oneVisit: '1 Sitzung', lastOn: 'zuletzt {day}', noVisit: 'noch keine Sitzung',
+    limitCount: 'Grenzen auf {n} Achsen', patient: 'Person', reading: 'Wird gelesen …', failed: 'Seit {at} nicht gelesen. Es wird von selbst weiter versucht.', asOf: 'Stand von {at}.', visitCount: '{n} Sitzungen', oneVisit: '1 Sitzung', lastOn: 'zuletzt {day}', noVisit: 'noch keine Sitzung',
     progress: 'Verlauf', progressSince: 'Verlauf seit {day}', noProgress: 'Nach zwei Sitzungen stehen hier Kurven.', noClaim: 'Werte wie gemessen; keiner ist ein Urteil.', visits: 'Sitzungen', noVisits: 'Noch keine Sitzungen.', csv: 'Als CSV speichern', print: 'Verlauf drucken', all: 'Alle {n} zeigen', newest: 'Nur die neusten',
     active: 'aktiv', led: 'geführt', counting: 'wird gezählt …', brokenOff: 'abgebrochen: Programm oder Rechner fiel aus', endedByFault: 'durch eine Störung beendet', painWords: 'Schmerz vorher {before}, nachher {after}', nothingDone: 'Nichts gemacht.', look: 'Ansehen', move: 'Verschieben', open: 'offen', unfinished: 'nicht beendet', signAgain: 'Ansehen, was lesbar ist, und neu unterschreiben', damagedVisit: 'Sitzung {visit} ist beschädigt: Holen Sie eine Sicherung zurück.', noShow: 'nicht gekommen', helped: '{share} % geholfen', notByPerson: 'nicht von einer Person bewegt', waiting: 'wird gemessen', failedTrial: 'nicht gemessen: {why}', partly: 'aus einem Teil: Die Aufnahme ist nicht ganz', noRecording: 'keine Aufnahme',
     replay: 'Wiedergabe', report: 'Bericht', compare: 'Vergleich', notes: 'Notizen', person: 'Person', edit: 'Ändern', born: 'Geboren', number: 'Nummer', hand: 'Grösse, {side}', preset: 'Kräfte',

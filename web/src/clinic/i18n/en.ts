@@ -55,6 +55,15 @@ export const en = {
     add: 'Add an exercise', exercise: 'Exercise {n}', level: 'Level of exercise {n}', levelShort: 'Level', help: 'Help in exercise {n}', less: 'Less time for exercise {n}', more: 'More time for exercise {n}', up: 'Exercise {n} earlier', remove: 'Remove exercise {n}',
   },
   goals: { title: 'What shall become easier?', names: { 'open-hand': 'Open the hand', reach: 'Reach', 'hold-release': 'Hold and let go', 'daily-life': 'Daily life' } as Record<string, string> },
+  limits: {
+    title: 'Limits of movement', words: 'The last 5° or 1 cm before a limit resist. It is no stop: the person may go there. Exercises are placed within the limits.',
+    measured: 'Own movement measured: {day}.', notMeasured: 'Own movement is not measured yet: put “Own movement” into today’s plan.', notThis: 'Own movement: not measured', ownIs: 'Own movement: {own}',
+    takeAll: 'Take own movement for all', takeOwn: 'Take own movement', tooNarrow: 'Too narrow for a limit', noLimit: 'No limit', none: 'none',
+    legend: { own: 'does alone', device: 'device', end: 'limit' }, ends: { lower: 'From', upper: 'To' },
+    faults: { outside: 'The device goes from {lower} to {upper}.', crossed: 'From must be less than to.', narrow: 'At least {least} wide.' },
+    picture: '{axis}: device {device}, own movement {own}, limit {limit}', noStation: 'The station does not answer; its device’s ranges are not known.', noHand: 'Enter the size of the {side} first.',
+    saved: 'Saved. The limits hold from the next exercise on.', changed: 'Somebody else changed this patient meanwhile. Press Save again to save these limits.',
+  },
   form: {
     title: 'New patient', edit: 'Edit patient', person: 'Person', hands: 'Size of the hand', limits: 'Forces', plan: 'Plan', preset: 'Start with', planPreset: 'Start with', ownPlan: 'own plan', save: 'Save', back: 'Discard',
     fields: { name: 'Name', code: 'Code', born: 'Birth date', number: 'Number', side: 'Affected side', hands: 'Hands', preset: 'Forces', parameters: 'Reach and fingers', warnings: 'Warnings', plan: 'Plan' },
@@ -65,7 +74,7 @@ export const en = {
     both: { title: 'Changed by somebody else', words: 'This patient was saved on another screen while you typed.', yours: 'Yours', now: 'Saved there', mine: 'Save mine', theirs: 'Take theirs' },
   },
   patient: {
-    patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
+    limitCount: 'limits on {n} axes', patient: 'Patient', reading: 'Reading …', failed: 'Not read since {at}. It is tried again by itself.', asOf: 'Shown as of {at}.', visitCount: '{n} visits', oneVisit: '1 visit', lastOn: 'last on {day}', noVisit: 'no visit yet',
     progress: 'Progress', progressSince: 'Progress since {day}', noProgress: 'Curves stand here after two visits.', noClaim: 'Values as measured; none is a judgement.', visits: 'Visits', noVisits: 'No visits yet.', csv: 'Save as CSV', print: 'Print progress', all: 'Show all {n}', newest: 'Show the newest only',
     active: 'active', led: 'led', counting: 'counting …', brokenOff: 'broken off: the program or the machine failed', endedByFault: 'ended by a fault', painWords: 'pain before {before}, after {after}', nothingDone: 'Nothing was done.', look: 'Look at it', move: 'Move', open: 'open', unfinished: 'unfinished', signAgain: 'Look at what can be read, and sign it again', damagedVisit: 'Visit {visit} is damaged: restore a backup.', noShow: 'did not come', helped: 'helped {share} %', notByPerson: 'not moved by a person', waiting: 'being measured', failedTrial: 'not measured: {why}', partly: 'of a part: the recording is not whole', noRecording: 'no recording',
     replay: 'Replay', report: 'Report', compare: 'Compare', notes: 'Notes', person: 'Person', edit: 'Edit', born: 'Born', number: 'Number', hand: 'Size, {side}', preset: 'Forces',

@@ -57,6 +57,15 @@ export const fr: ClinicTexts = {
     add: 'Ajouter un exercice', exercise: 'Exercice {n}', level: 'Niveau de l’exercice {n}', levelShort: 'Niveau', help: 'Aide dans l’exercice {n}', less: 'Moins de temps pour l’exercice {n}', more: 'Plus de temps pour l’exercice {n}', up: 'Exercice {n} plus tôt', remove: 'Enlever l’exercice {n}',
   },
   goals: { title: 'Que faut-il faciliter ?', names: { 'open-hand': 'Ouvrir la main', reach: 'Atteindre', 'hold-release': 'Tenir et lâcher', 'daily-life': 'Vie quotidienne' } as Record<string, string> },
+  limits: {
+    title: 'Limites de mouvement', words: 'Les derniers 5° ou le dernier centimètre avant une limite résistent. Ce n’est pas une butée : la personne peut y aller. Les exercices sont placés dans les limites.',
+    measured: 'Mouvement propre mesuré : {day}.', notMeasured: 'Le mouvement propre n’est pas encore mesuré : mettez « Mouvement propre » au programme d’aujourd’hui.', notThis: 'Mouvement propre : non mesuré', ownIs: 'Mouvement propre : {own}',
+    takeAll: 'Prendre le mouvement propre pour tous', takeOwn: 'Prendre le mouvement propre', tooNarrow: 'Trop étroit pour une limite', noLimit: 'Pas de limite', none: 'aucune',
+    legend: { own: 'fait seul', device: 'appareil', end: 'limite' }, ends: { lower: 'De', upper: 'À' },
+    faults: { outside: 'L’appareil va de {lower} à {upper}.', crossed: '« De » doit être plus petit que « à ».', narrow: 'Au moins {least} de large.' },
+    picture: '{axis} : appareil {device}, mouvement propre {own}, limite {limit}', noStation: 'La station ne répond pas ; les plages de son appareil ne sont pas connues.', noHand: 'Entrez d’abord la taille : {side}.',
+    saved: 'Enregistré. Les limites valent dès le prochain exercice.', changed: 'Quelqu’un a modifié ce patient entre-temps. Appuyez encore sur Enregistrer pour garder ces limites.',
+  },
   form: {
     title: 'Nouveau patient', edit: 'Modifier le patient', person: 'Personne', hands: 'Taille de la main', limits: 'Forces', plan: 'Programme', preset: 'Partir de', planPreset: 'Partir de', ownPlan: 'programme propre', save: 'Enregistrer', back: 'Abandonner',
     fields: { name: 'Nom', code: 'Code', born: 'Date de naissance', number: 'Numéro', side: 'Côté atteint', hands: 'Mains', preset: 'Forces', parameters: 'Portée et doigts', warnings: 'Avertissements', plan: 'Programme' },
@@ -67,7 +76,7 @@ export const fr: ClinicTexts = {
     both: { title: 'Modifié par quelqu’un d’autre', words: 'Ce patient a été enregistré sur un autre écran pendant que vous écriviez.', yours: 'Le vôtre', now: 'Enregistré là', mine: 'Enregistrer le mien', theirs: 'Prendre l’autre' },
   },
   patient: {
-    patient: 'Patient', reading: 'Lecture …', failed: 'Pas lu depuis {at}. Nouvel essai automatique.', asOf: 'État de {at}.', visitCount: '{n} séances', oneVisit: '1 séance', lastOn: 'dernière : {day}', noVisit: 'pas encore de séance',
+    limitCount: 'limites sur {n} axes', patient: 'Patient', reading: 'Lecture …', failed: 'Pas lu depuis {at}. Nouvel essai automatique.', asOf: 'État de {at}.', visitCount: '{n} séances', oneVisit: '1 séance', lastOn: 'dernière : {day}', noVisit: 'pas encore de séance',
     progress: 'Évolution', progressSince: 'Évolution depuis {day}', noProgress: 'Les courbes viennent après deux séances.', noClaim: 'Valeurs mesurées ; aucune n’est un jugement.', visits: 'Séances', noVisits: 'Pas encore de séances.', csv: 'Enregistrer en CSV', print: 'Imprimer l’évolution', all: 'Montrer les {n}', newest: 'Seulement les plus récentes',
     active: 'actives', led: 'guidées', counting: 'comptage en cours …', brokenOff: 'interrompue : panne du programme ou de la machine', endedByFault: 'terminée par un défaut', painWords: 'douleur avant {before}, après {after}', nothingDone: 'Rien n’a été fait.', look: 'Regarder', move: 'Déplacer', open: 'en cours', unfinished: 'inachevée', signAgain: 'Voir ce qui est lisible, et signer à nouveau', damagedVisit: 'La séance {visit} est endommagée : restaurez une copie.', noShow: 'pas venu', helped: 'aidé à {share} %', notByPerson: 'pas bougé par une personne', waiting: 'mesure en cours', failedTrial: 'pas mesuré : {why}', partly: 'd’une partie : l’enregistrement est incomplet', noRecording: 'pas d’enregistrement',
     replay: 'Rejouer', report: 'Rapport', compare: 'Comparer', notes: 'Notes', person: 'Personne', edit: 'Modifier', born: 'Naissance', number: 'Numéro', hand: 'Taille, {side}', preset: 'Forces',

@@ -7,7 +7,7 @@ export const de: ConsoleTexts = {
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
   exercises: { 'game-scene': 'Körper eines Spiels', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren',
-    'tell-apart-firmer': 'Welche ist fester?', 'tell-apart-thicker': 'Welche ist dickflüssiger?', 'tell-apart-farther': 'Welche ist weiter innen?', 'tell-apart-heavier': 'Welche ist schwerer?', 'tell-apart-later': 'Welche gibt später nach?',
+    'own-range': 'Eigene Bewegung', 'tell-apart-firmer': 'Welche ist fester?', 'tell-apart-thicker': 'Welche ist dickflüssiger?', 'tell-apart-farther': 'Welche ist weiter innen?', 'tell-apart-heavier': 'Welche ist schwerer?', 'tell-apart-later': 'Welche gibt später nach?',
     drawer: 'Schublade', 'cupboard-door': 'Schranktür', 'light-switch': 'Lichtschalter', 'coffee-mill': 'Kaffeemühle', 'flip-top-lid': 'Klappdeckel', 'press-lever': 'Hebelpresse',
   },
   hands: {

@@ -6,7 +6,7 @@ export const en = {
   level: 'Level {n}',
   levelOf: 'Level {n} of {m}',
   exercises: { 'game-scene': 'Bodies of a game', 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level',
-    'tell-apart-firmer': 'Which is firmer?', 'tell-apart-thicker': 'Which is thicker?', 'tell-apart-farther': 'Which is farther?', 'tell-apart-heavier': 'Which is heavier?', 'tell-apart-later': 'Which gives way later?',
+    'own-range': 'Own movement', 'tell-apart-firmer': 'Which is firmer?', 'tell-apart-thicker': 'Which is thicker?', 'tell-apart-farther': 'Which is farther?', 'tell-apart-heavier': 'Which is heavier?', 'tell-apart-later': 'Which gives way later?',
     drawer: 'Drawer', 'cupboard-door': 'Cupboard door', 'light-switch': 'Light switch', 'coffee-mill': 'Coffee mill', 'flip-top-lid': 'Flip-top lid', 'press-lever': 'Press lever',
   } as Record<string, string>,
   hands: {

@@ -7,7 +7,7 @@ export const fr: ConsoleTexts = {
   level: 'Niveau {n}',
   levelOf: 'Niveau {n} sur {m}',
   exercises: { 'game-scene': 'Corps d’un jeu', 'free-grasping': 'Saisie libre', 'squeeze-to-level': 'Doser sa force',
-    'tell-apart-firmer': 'Laquelle est la plus ferme ?', 'tell-apart-thicker': 'Laquelle est la plus épaisse ?', 'tell-apart-farther': 'Laquelle est la plus loin ?', 'tell-apart-heavier': 'Laquelle est la plus lourde ?', 'tell-apart-later': 'Laquelle cède plus tard ?',
+    'own-range': 'Mouvement propre', 'tell-apart-firmer': 'Laquelle est la plus ferme ?', 'tell-apart-thicker': 'Laquelle est la plus épaisse ?', 'tell-apart-farther': 'Laquelle est la plus loin ?', 'tell-apart-heavier': 'Laquelle est la plus lourde ?', 'tell-apart-later': 'Laquelle cède plus tard ?',
     drawer: 'Tiroir', 'cupboard-door': 'Porte de placard', 'light-switch': 'Interrupteur', 'coffee-mill': 'Moulin à café', 'flip-top-lid': 'Couvercle à charnière', 'press-lever': 'Presse à levier',
   },
   hands: {
