@@ -4,7 +4,7 @@ import { beforeEach, expect, it, vi } from 'vitest';
 import { Clinic } from '../src/clinic/clinic';
 import type { ClinicContext } from '../src/clinic/clinic_context';
 import { LimitsScreen } from '../src/clinic/limits_screen';
-import { faultOf, fromOwn, limitsFrom, ownMovement, rangeOf, type LimitAxis } from '../src/clinic/person_limits';
+import { faultOf, fromOwn, limitsFrom, ownMovement, rangesOf, type LimitAxis } from '../src/clinic/person_limits';
 import type { Trial, Visit } from '../src/clinic/records';
 import { setLanguage } from '../src/shared/i18n';
 import { FakeClinic } from './clinic_fake';
@@ -43,7 +43,7 @@ it('limits that cross, leave the device or are too narrow are named', () => {
   expect(faultOf(FINGERS, { lower: 0, upper: 9 * DEG })).toBe('narrow');
   expect(faultOf(FINGERS, { lower: 0, upper: 180 * DEG })).toBeUndefined();
   expect(limitsFrom([X, FINGERS], new Map([['finger_flexion', { lower: 0.1, upper: 4 }]]))).toEqual([{ axis: 'finger_flexion', within_rad: [0.1, Math.PI] }]);
-  expect(rangeOf([{ axis: 'x', within_m: [-0.01, 0.02] }], 'x')).toEqual({ lower: -0.01, upper: 0.02 });
+  expect(rangesOf([{ axis: 'x', within_m: [-0.01, 0.02] }])).toEqual([['x', { lower: -0.01, upper: 0.02 }]]);
 });
 
 let fake: FakeClinic, screen: LimitsScreen, went: unknown;

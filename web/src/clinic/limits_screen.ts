@@ -6,13 +6,16 @@ import { RefusalError } from './api';
 import type { ClinicContext } from './clinic_context';
 import { texts } from './i18n';
 import { limitPicture } from './limit_picture';
-import { faultOf, fromOwn, leastWidth, limitsFrom, ownMovement, rangeOf, type LimitAxis, type OwnMovement, type Range } from './person_limits';
+import { faultOf, fromOwn, leastWidth, limitsFrom, ownMovement, rangesOf, type LimitAxis, type OwnMovement, type Range } from './person_limits';
 import type { OneSide, Patient } from './records';
 import { action, besideTitle, button, Field, link, panel, StatusMessage, type Screen } from './ui';
 import { dayOf, sideWords } from './words';
 
 /** The unit in which an axis is shown, and its size. */
 const shownIn = ({ turns }: LimitAxis): { readonly unit: string; readonly per: number; readonly decimals: number } => (turns ? { unit: '°', per: Math.PI / 180, decimals: 0 } : { unit: 'cm', per: 0.01, decimals: 1 });
+
+/** Limits that are not saved yet. */
+interface Typed { readonly side: OneSide; readonly ranges: readonly (readonly [axis: string, range: Range])[] }
 
 /** The limits of a person's hand, filled in from own movement: narrowed freely, widened up to the device's range. */
 export class LimitsScreen implements Screen {
@@ -48,16 +51,17 @@ export class LimitsScreen implements Screen {
       const patient = await this.context.clinic.read<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       this.patient = patient;
-      this.choose(patient.side === 'both' ? 'right' : patient.side);
+      // What was typed is kept over a reload and hidden names.
+      const kept = this.context.clinic.drafts.get<Typed>('limits', this.id);
+      this.choose(kept?.side ?? (patient.side === 'both' ? 'right' : patient.side), kept);
     } catch (problem) {
       this.message.showProblem(problem);
     }
   }
 
-  private choose(side: OneSide): void {
+  private choose(side: OneSide, kept?: Typed): void {
     this.side = side;
-    const limits = this.patient!.hands[side]?.limits;
-    this.ranges = new Map(this.axes.flatMap(({ name }) => { const range = rangeOf(limits, name); return range ? [[name, range] as const] : []; }));
+    this.ranges = new Map(kept?.ranges ?? rangesOf(this.patient!.hands[side]?.limits));
     this.build();
   }
 
@@ -84,6 +88,7 @@ export class LimitsScreen implements Screen {
 
   private change(act: () => void): void {
     act();
+    this.context.clinic.drafts.set('limits', this.id, { side: this.side, ranges: [...this.ranges] } satisfies Typed);
     this.message.show('');
     const focused = document.activeElement?.getAttribute('data-testid');
     this.build();
@@ -125,6 +130,7 @@ export class LimitsScreen implements Screen {
     const { id, version, name, code, born, number, side, hands, preset, parameters, warnings, plan } = patient;
     try {
       await clinic.api.send('PUT', `/api/patients/${id}`, { name, code, born, number, side, preset, parameters, warnings, plan, version, hands: { ...hands, [this.side]: { ...hand, limits: limitsFrom(axes, this.ranges) } } });
+      clinic.drafts.drop('limits', id);
       this.context.showMessage(t.saved);
       this.context.go({ at: 'patient', patient: id });
     } catch (problem) {

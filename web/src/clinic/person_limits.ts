@@ -36,10 +36,9 @@ export function ownMovement(patient: Pick<Patient, 'visits'>, side: OneSide): { 
   return { of, at_us };
 }
 
-export const rangeOf = (limits: readonly Limit[] | undefined, axis: string): Range | undefined => {
-  const limit = limits?.find((one) => one.axis === axis), ends = limit?.within_m ?? limit?.within_rad;
-  return ends && { lower: ends[0], upper: ends[1] };
-};
+/** The ranges of stored limits by axis. */
+export const rangesOf = (limits: readonly Limit[] | undefined): [string, Range][] =>
+  (limits ?? []).flatMap(({ axis, within_m, within_rad }) => { const ends = within_m ?? within_rad; return ends ? [[axis, { lower: ends[0], upper: ends[1] }]] : []; });
 
 export const leastWidth = ({ turns }: LimitAxis): number => (turns ? LEAST_WIDTH.turns : LEAST_WIDTH.along);
 

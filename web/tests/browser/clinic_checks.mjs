@@ -1,9 +1,10 @@
 // A therapist's use of /clinic with the real program and the real records process.
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync } from 'node:fs';
+import { mkdtempSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { expect, expectAccessible, expectNoFaults, expectNothingScrollsSideways, expectZoomable, HANGS_MS, openPage, pageUrl, until } from './browser.mjs';
 import { startProgram } from './program.mjs';
+import { recordings } from './recorded_checks.mjs';
 import { RENDERING, STOPPED } from './watcher.mjs';
 
 const PHRASE = 'a phrase for the test', PIN = '2468', CANARY = 'Canaria Zwitschermann';
@@ -39,7 +40,7 @@ export class Hands {
 /** Starts in a folder of its own: recordings of other tests would appear as sessions without a patient. */
 export const start = async (t) => {
   const folder = mkdtempSync(join(t.folder, 'clinic-'));
-  return startProgram({ file: t.file, folder, args: ['--wait', '--clinic', join(folder, 'records'), '--no-rehearsal'] });
+  return Object.assign(await startProgram({ file: t.file, folder, args: ['--wait', '--clinic', join(folder, 'records'), '--no-rehearsal'] }), { folder });
 };
 // Refusals of the records are valid answers, and an ended process answers nothing: each test states which may occur.
 export const open = (t, url, query = {}) => openPage(t.plain, pageUrl(url, '/clinic', { lang: 'en', theme: 'light', ...query }), { cutOff: true });
@@ -202,6 +203,33 @@ export async function therapistTreatsAPatient(t) {
   expect(!page.url().includes('Canaria'), `the address says a name: ${page.url()}`);
   expectNoFaults(page);
   return `${actions} actions for a new patient, ${again.count} presses for a returning one`;
+}
+
+/** The limits of a person: typed, saved with the hand, and in force at the next visit's first force. */
+export async function limitsHold(t) {
+  const { program, page, hands } = await withPatient(t);
+  await hands.press('limits');
+  await page.waitForSelector(id('limit-x-upper'));
+  await hands.fill('limit-x-upper', '12');
+  await page.press(id('limit-x-upper'), 'Tab');
+  await hands.press('save-limits');
+  expect(/The device goes from/.test(await page.innerText('[data-axis=x]')), 'a limit beyond the device was not refused at its field');
+  for (const [field, value] of [['limit-x-upper', '5'], ['limit-x-lower', '-8'], ['limit-finger_flexion-lower', '10'], ['limit-finger_flexion-upper', '170']]) {
+    await hands.fill(field, value);
+    await page.press(id(field), 'Tab');
+  }
+  await lookAt(t, page, 'limits');
+  await hands.press('save-limits');
+  await page.waitForSelector(id('begin-visit'));
+  await until('the patient’s page says that there are limits', async () => /limits on 2 axes/.test(await page.innerText('main.patient')));
+  await beginVisit(page, hands);
+  await until('half a second of it', () => page.evaluate(() => window.wholehandNow.state.timeS > 0.5));
+  await endVisit(page);
+  await page.click(id('finish-done'));
+  const recorded = recordings(program.folder).map((name) => readFileSync(join(program.folder, 'out', 'recordings', name), 'latin1'));
+  expect(recorded.some((text) => text.includes('within_m = [-0.08, 0.05]')), `none of ${recorded.length} recordings holds the limits`);
+  expectNoFaults(page);
+  return 'limits of two axes in the recording';
 }
 
 /** Hidden names are not in the page; typed text is restored for the same account after a reload and a killed tab; the visit stays usable. */

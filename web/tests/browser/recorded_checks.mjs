@@ -17,7 +17,7 @@ async function begun(t, prepare = () => {}) {
   return { folder, program, page, game, recordedText: () => game.locator('[data-testid=recorded]').innerText() };
 }
 
-const recordings = (folder) => {
+export const recordings = (folder) => {
   const kept = join(folder, 'out', 'recordings');
   return existsSync(kept) ? readdirSync(kept).filter((name) => name.endsWith('.h5')) : [];
 };

@@ -94,6 +94,7 @@ const TESTS = [
   ['a device is commissioned through its page', commissionedThroughThePage, PACED],
   ['a therapist treats a patient', clinic.therapistTreatsAPatient, FIRST_PACED],
   ['names are hidden and typed text is kept', clinic.namesDisappear, PACED],
+  ['limits of movement hold from the next visit on', clinic.limitsHold, PACED],
   ['records are killed in a session', clinic.recordsAreKilled, PACED],
   ['a session without records is gentle', clinic.sessionWithoutRecords, PACED],
   ['two consoles on one patient', clinic.twoConsoles, PACED],
