@@ -15,6 +15,13 @@ export function picture(width: number, height: number, draw: (pen: Pen) => void)
   return texture;
 }
 
+/** A picture that repeats in both directions. */
+export function tiling(width: number, height: number, draw: (pen: Pen) => void): Texture {
+  const texture = picture(width, height, draw);
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  return texture;
+}
+
 /** Adds colour stops to a gradient. */
 export function graded(gradient: CanvasGradient, stops: readonly (readonly [at: number, color: string])[]): CanvasGradient {
   for (const [at, color] of stops) gradient.addColorStop(at, color);
@@ -29,7 +36,7 @@ export function numbers(seed: number): () => number {
 
 export function woodTexture(): Texture {
   const random = numbers(7), w = 1024, h = 512;
-  const texture = picture(w, h, (pen) => {
+  return tiling(w, h, (pen) => {
     pen.fillStyle = '#765443';
     pen.fillRect(0, 0, w, h);
     for (let i = 0; i < 420; i++) {
@@ -42,8 +49,6 @@ export function woodTexture(): Texture {
       pen.stroke();
     }
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
-  return texture;
 }
 
 /** A point of light: white core, amber halo. */

@@ -1,12 +1,12 @@
 // A cabin in weightlessness: a quilted wall with a wide window, a handrail, daylight from below. The frame is the stage's.
 import {
-  CapsuleGeometry, Color, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, Path, PlaneGeometry, RepeatWrapping, Shape, ShapeGeometry,
+  CapsuleGeometry, Color, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, Path, PlaneGeometry, Shape, ShapeGeometry,
   type Texture,
 } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
 import { WALL, type Setting } from '../../scene/stage';
-import { graded, numbers, picture } from '../../scene/textures';
+import { graded, numbers, tiling } from '../../scene/textures';
 import { orbitTexture } from './orbit';
 
 const WALL_Z = -0.62;
@@ -17,7 +17,7 @@ const QUILT_M = 0.16;
 
 function quiltTexture(): Texture {
   const random = numbers(17), px = 512;
-  const texture = picture(px, px, (pen) => {
+  return tiling(px, px, (pen) => {
     pen.fillStyle = '#d9d0bf';
     pen.fillRect(0, 0, px, px);
     pen.fillStyle = graded(pen.createRadialGradient(px * 0.45, px * 0.4, 20, px / 2, px / 2, px * 0.68),
@@ -35,8 +35,6 @@ function quiltTexture(): Texture {
     pen.setLineDash([16, 12]);
     pen.strokeRect(17, 17, px - 34, px - 34);
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
-  return texture;
 }
 
 function rounded<Outline extends Path>(path: Outline, grow: number): Outline {

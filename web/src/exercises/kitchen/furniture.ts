@@ -1,12 +1,12 @@
 // The bodies of a task as kitchen furniture, by their shapes: boxes are wooden fronts with round edges, thin bars are metal.
 // The program's frame, z up.
-import { Color, Group, LatheGeometry, Mesh, RepeatWrapping, Vector2, type Material, type Texture } from 'three';
+import { Color, Group, LatheGeometry, Mesh, Vector2, type Material, type Texture } from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import { BodyT, ShapeType, type ShapeT } from '../../protocol';
 import { surface } from '../../scene/materials';
 import { makeBody } from '../../scene/plain_bodies';
 import type { Quality } from '../../scene/quality';
-import { numbers, picture } from '../../scene/textures';
+import { numbers, tiling } from '../../scene/textures';
 
 /** Boxes with no side longer than this, and thinner bars, are metal [m]. */
 const SMALL_M = 0.06;
@@ -18,7 +18,7 @@ export type Size = readonly [x: number, y: number, z: number];
 /** A pale wood grain, to be tinted. */
 export function grain(): Texture {
   const random = numbers(41), w = 512, h = 512;
-  const texture = picture(w, h, (pen) => {
+  return tiling(w, h, (pen) => {
     pen.fillStyle = '#f1ece4';
     pen.fillRect(0, 0, w, h);
     for (let i = 0; i < 260; i++) {
@@ -31,8 +31,6 @@ export function grain(): Texture {
       pen.stroke();
     }
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
-  return texture;
 }
 
 export class Workshop {

@@ -1,10 +1,10 @@
 // The surroundings: a tiled wall, a beech worktop, the row of fronts around a task's cabinet, objects on the worktop.
-import { Color, Group, LatheGeometry, Matrix4, Mesh, PlaneGeometry, RepeatWrapping, SphereGeometry, Vector2, Vector3, type BufferGeometry, type Material, type Texture } from 'three';
+import { Color, Group, LatheGeometry, Matrix4, Mesh, PlaneGeometry, SphereGeometry, Vector2, Vector3, type BufferGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import { turnOf } from '../../scene/camera';
 import type { Quality } from '../../scene/quality';
 import { WALL, type Setting } from '../../scene/stage';
-import { graded, numbers, picture } from '../../scene/textures';
+import { graded, numbers, tiling } from '../../scene/textures';
 import type { Size, Workshop } from './furniture';
 
 const WALL_Z = -0.62;
@@ -25,7 +25,7 @@ const INSIDE_M = 0.02;
 /** Glazed tiles in a running bond with slightly different tones. */
 function tileTexture(): Texture {
   const random = numbers(23), px = 128, w = TILE.across * 2 * px, h = TILE.down * px;
-  const texture = picture(w, h, (pen) => {
+  const texture = tiling(w, h, (pen) => {
     pen.fillStyle = '#c9bfae';
     pen.fillRect(0, 0, w, h);
     for (let row = 0; row < TILE.down; row++) {
@@ -44,7 +44,6 @@ function tileTexture(): Texture {
       }
     }
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
   texture.repeat.set(WALL.width_m / (TILE.across * TILE.wide_m), 2 * WALL.height_m / (TILE.down * TILE.tall_m));
   return texture;
 }
@@ -52,7 +51,7 @@ function tileTexture(): Texture {
 /** A texture of beech staves. */
 function beech(): Texture {
   const random = numbers(31), w = 1024, h = 512, rows = 8;
-  const texture = picture(w, h, (pen) => {
+  return tiling(w, h, (pen) => {
     for (let row = 0; row < rows; row++) {
       let x = -random() * 300;
       while (x < w) {
@@ -69,8 +68,6 @@ function beech(): Texture {
       pen.fillRect(0, row * h / rows, w, 2);
     }
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
-  return texture;
 }
 
 function tiles(quality: Quality): Mesh {

@@ -1,9 +1,9 @@
 // A hut over a valley: a wall of planks with a wide window. Its frame is the stage's: y up from the counter.
-import { BoxGeometry, Color, Group, Mesh, MeshBasicMaterial, PlaneGeometry, RepeatWrapping, type Material, type Texture } from 'three';
+import { BoxGeometry, Color, Group, Mesh, MeshBasicMaterial, PlaneGeometry, type Material, type Texture } from 'three';
 import { surface } from '../../scene/materials';
 import type { Quality } from '../../scene/quality';
 import { WALL, type Setting } from '../../scene/stage';
-import { numbers, picture } from '../../scene/textures';
+import { numbers, tiling } from '../../scene/textures';
 import { valleyTexture } from './landscape';
 import { makeRunner } from './runner';
 
@@ -20,7 +20,7 @@ const PLANK_M = 0.09;
 /** Horizontal planks with grain and seams. */
 function plankTexture(): Texture {
   const random = numbers(19), w = 1024, h = 512, rows = 4;
-  const texture = picture(w, h, (pen) => {
+  const texture = tiling(w, h, (pen) => {
     for (let row = 0; row < rows; row++) {
       const top = row * h / rows, tall = h / rows, light = 44 + 7 * random();
       pen.fillStyle = `hsl(28 38% ${light}%)`;
@@ -41,7 +41,6 @@ function plankTexture(): Texture {
       pen.fillRect(0, top + 4, w, 3);
     }
   });
-  texture.wrapS = texture.wrapT = RepeatWrapping;
   texture.repeat.set(WALL.width_m / 1.2, 1);
   return texture;
 }
