@@ -5,7 +5,7 @@ import {
   Quaternion, RGBADepthPacking, Vector3, type Material,
 } from 'three';
 import { HandPart } from '../protocol';
-import { programFrame } from '../scene/frames';
+import { intoProgramFrame } from '../scene/frames';
 import { disposeTree, surface } from '../scene/materials';
 import type { Quality } from '../scene/quality';
 import { fingertips, nailGeometry } from './nails';
@@ -75,8 +75,7 @@ export class HandView {
     this.veil.renderOrder = -1;
     // Vertices are in the frames of their links, so three.js cannot compute the bounds.
     this.skin.frustumCulled = this.veil.frustumCulled = false;
-    this.root.matrixAutoUpdate = false;
-    this.root.matrix.copy(programFrame());
+    intoProgramFrame(this.root);
     this.root.add(this.skin, this.veil);
     this.addNails();
     this.addSleeve();

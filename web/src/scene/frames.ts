@@ -1,7 +1,7 @@
 // Two frames: the program's (x away from the person, y left, z up) and three.js's (x right, y up,
 // z towards the person). Both are right-handed.
 
-import { Matrix4, Quaternion, Vector3 } from 'three';
+import { Matrix4, Quaternion, Vector3, type Object3D } from 'three';
 
 export interface Triple { readonly x: number; readonly y: number; readonly z: number }
 
@@ -15,10 +15,13 @@ export function quaternionToThree(q: Triple & { readonly w: number }, into = new
   return into.set(-q.y, q.z, -q.x, q.w);
 }
 
-/**
- * The same conversion as a matrix, for a group with the program's objects: inside it, positions and
- * quaternions are in the program's frame.
- */
+/** The same conversion as a matrix. */
 export function programFrame(): Matrix4 {
   return new Matrix4().makeBasis(new Vector3(0, 0, -1), new Vector3(-1, 0, 0), new Vector3(0, 1, 0));
+}
+
+/** Turns a group for the program's objects: inside it, positions and quaternions are in the program's frame. */
+export function intoProgramFrame(group: Object3D): void {
+  group.matrixAutoUpdate = false;
+  group.matrix.copy(programFrame());
 }

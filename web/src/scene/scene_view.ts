@@ -17,7 +17,7 @@ import { ContactGlow } from './contacts';
 import { compiled } from './compile';
 import { ForceArrows } from './force_arrows';
 import { FrameClock } from './frame_clock';
-import { programFrame, toThree, type Triple } from './frames';
+import { intoProgramFrame, toThree, type Triple } from './frames';
 import { disposeTree } from './materials';
 import { GameBodiesView } from './game_bodies_view';
 import { makeBody } from './plain_bodies';
@@ -90,8 +90,7 @@ export class SceneView {
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone };
     this.renderer = options.renderer ?? rendererOf(canvas, options.quality);
     this.renderer.setClearColor(ROOM);
-    this.plain.matrixAutoUpdate = false;
-    this.plain.matrix.copy(programFrame());
+    intoProgramFrame(this.plain);
     canvas.addEventListener('webglcontextrestored', () => this.resize());
   }
 

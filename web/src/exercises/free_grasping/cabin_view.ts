@@ -2,7 +2,7 @@
 import { Group, Mesh, RingGeometry, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, turnOf, type CameraPlace } from '../../scene/camera';
-import { programFrame, toThree } from '../../scene/frames';
+import { intoProgramFrame, toThree } from '../../scene/frames';
 import { flat } from '../../scene/materials';
 import { outlineOfScene } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
@@ -42,8 +42,7 @@ export class CabinView implements ExerciseView {
 
   constructor(private readonly things: readonly Thing[], private readonly scene: SceneT, quality: Quality) {
     this.setting = cabin(scene.rightHand);
-    this.program.matrixAutoUpdate = false;
-    this.program.matrix.copy(programFrame());
+    intoProgramFrame(this.program);
     this.models = things.map((thing) => makeThing(thing, quality));
     this.program.add(...this.models);
     this.stars = new Stars(things.map(({ color }) => color), scene.rightHand ? 1 : -1);

@@ -2,7 +2,7 @@
 import { Group, Vector3, type SpotLight } from 'three';
 import type { SceneT, ShapeT, WorldStateT } from '../../protocol';
 import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
-import { programFrame, toThree } from '../../scene/frames';
+import { intoProgramFrame, toThree } from '../../scene/frames';
 import { outlineOfHand } from '../../scene/outline';
 import type { Quality } from '../../scene/quality';
 import type { Setting } from '../../scene/stage';
@@ -53,8 +53,7 @@ export class KitchenView implements ExerciseView {
     this.values = new ExerciseValues(scene.valueNames);
     this.shop = new Workshop(quality);
     this.names = new Set(scene.bodies.map(({ name }) => String(name)));
-    this.program.matrixAutoUpdate = false;
-    this.program.matrix.copy(programFrame());
+    intoProgramFrame(this.program);
     const ghosts = new Map<number, Group>(), used = usedBodies(task);
     this.appliance = applianceOf(task.name, scene.rightHand, this.shop);
     scene.bodies.forEach((body, i) => {
