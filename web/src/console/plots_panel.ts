@@ -22,13 +22,33 @@ export function axisChoice(axes: readonly AxisT[], chosen: number, t: ConsoleTex
   return choice(t.plots.axisChoice, options, String(chosen), (key) => onChoice(Number(key))).element;
 }
 
+/** Plots below each other. */
+export class PlotColumn {
+  protected plots: PlotPanel[] = [];
+
+  draw(): void {
+    for (const plot of this.plots) plot.draw();
+  }
+
+  /** Updates the numbers beside the names. */
+  refresh(): void {
+    const inTables = document.body.classList.contains('tables');
+    for (const plot of this.plots) plot.refresh(inTables);
+  }
+
+  close(): void {
+    for (const plot of this.plots) plot.close();
+    this.plots = [];
+  }
+}
+
 /** The column of live plots. */
-export class PlotsPanel implements Panel {
+export class PlotsPanel extends PlotColumn implements Panel {
   readonly element = h('div', { class: 'col', id: 'plots' });
-  private plots: PlotPanel[] = [];
   private axis: number;
 
   constructor(private readonly model: ConsoleModel, private wanted: string) {
+    super();
     const axes = model.scene?.axes ?? [];
     this.axis = Math.max(0, axes.findIndex((axis) => axis.name === wanted));
     this.build();
@@ -37,19 +57,6 @@ export class PlotsPanel implements Panel {
   /** The axis whose coordinate is shown. */
   get axisName(): string {
     return this.wanted;
-  }
-
-  draw(): void {
-    for (const plot of this.plots) plot.draw();
-  }
-
-  refresh(): void {
-    const inTables = document.body.classList.contains('tables');
-    for (const plot of this.plots) plot.refresh(inTables);
-  }
-
-  close(): void {
-    for (const plot of this.plots) plot.close();
   }
 
   private build(): void {

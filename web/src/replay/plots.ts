@@ -3,7 +3,7 @@ import { quantityWords } from '../shared/format';
 import { texts as consoleTexts, type ConsoleTexts } from '../console/i18n';
 import { PlotPanel } from '../console/plot_panel';
 import { coordinateSpec, lookOf, plotSpecs, type PlotSpec, type SeriesSpec } from '../console/plot_specs';
-import { axisChoice, legend } from '../console/plots_panel';
+import { axisChoice, legend, PlotColumn } from '../console/plots_panel';
 import { displayUnits } from '../console/history';
 import { readTheme } from '../console/theme';
 import type { PlotHands } from '../console/time_plot';
@@ -97,12 +97,12 @@ export class PlotMaker {
 }
 
 /** The plots of one recording. */
-export class ReplayPlots {
+export class ReplayPlots extends PlotColumn {
   readonly element = h('div', { class: 'plots' });
-  private plots: PlotPanel[] = [];
 
   /** @param onChoice called when another axis or value was chosen */
   constructor(private readonly side: ReplaySide, private readonly maker: PlotMaker, private readonly hands: PlotHands, private readonly onChoice: () => void) {
+    super();
     this.build();
   }
 
@@ -120,23 +120,8 @@ export class ReplayPlots {
     if (place) this.element.querySelector<HTMLElement>(`[data-plot="${place}"] ${key === undefined ? 'select' : `[data-key="${key}"]`}`)?.focus();
   }
 
-  draw(): void {
-    for (const plot of this.plots) plot.draw();
-  }
-
-  /** Updates the numbers beside the names. */
-  refresh(): void {
-    const inTables = document.body.classList.contains('tables');
-    for (const plot of this.plots) plot.refresh(inTables);
-  }
-
   placeHead(time_s: number): void {
     for (const plot of this.plots) plot.placeHead(time_s);
-  }
-
-  close(): void {
-    for (const plot of this.plots) plot.close();
-    this.plots = [];
   }
 
   private extra(id: string, c: ConsoleTexts): HTMLElement | undefined {
