@@ -2,11 +2,12 @@ import type { EventT } from '../protocol';
 import { fact, h, setText } from '../console/dom';
 import { viewOf } from '../console/parameter_model';
 import { texts as consoleTexts } from '../console/i18n';
+import { Changes } from '../shared/changes';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { OneSide } from './records';
 import { gently, running, SideQuestion, Training } from './training';
-import { button, Changes, StatusMessage, type Screen } from './ui';
+import { button, StatusMessage, type Screen } from './ui';
 import { itemWords, parameterWords, sideWords } from './words';
 
 /** A session while the records do not answer. An open visit continues with its own limits; a new session has the gentle limits and is assigned to a patient later. */

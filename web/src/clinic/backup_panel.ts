@@ -1,9 +1,10 @@
 import { h } from '../console/dom';
+import { Changes } from '../shared/changes';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
 import type { BackupPlace } from './records';
-import { action, Changes, panel, StatusMessage } from './ui';
+import { action, panel, StatusMessage } from './ui';
 import { clockOf, dayOf } from './words';
 
 /** A backup older than this is reported [ms]. */

@@ -1,11 +1,12 @@
 import { columns, h } from '../console/dom';
+import { Changes } from '../shared/changes';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import { NoteBox } from './notes';
 import type { ClinicContext } from './clinic_context';
 import { activeOf_s, isCounting, newestFirst, timeOf_s, tookPlace, type Patient, type Result, type Trial, type Visit } from './records';
 import { hashOf } from './routes';
-import { action, button, Changes, link, panel, StatusMessage, textInput, Field, type Screen } from './ui';
+import { action, button, link, panel, StatusMessage, textInput, Field, type Screen } from './ui';
 import { painChoice } from './visit_screen';
 import { proposals, toggled } from './wishes';
 import { clock, itemWords, minutes, number, resultName, resultWords, sideWords, timeWords, visitDay } from './words';

@@ -5,6 +5,7 @@ import { NoticesPanel } from '../console/notices';
 import { listenForKeys } from '../console/keys';
 import type { Connection } from '../net/connection';
 import { PacedView } from '../scene/paced_view';
+import { Changes } from '../shared/changes';
 import { fill } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
 import { AloneScreen } from './alone_screen';
@@ -23,7 +24,7 @@ import { hashOf, routeOf, type Route } from './routes';
 import { SettingsScreen } from './settings_screen';
 import { inColour, UnlockScreen, WhoScreen } from './sign_in';
 import { running } from './training';
-import { button, Changes, problemWords, type Screen } from './ui';
+import { button, problemWords, type Screen } from './ui';
 import { VisitScreen } from './visit_screen';
 import { clock } from './words';
 

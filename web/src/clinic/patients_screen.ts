@@ -1,6 +1,7 @@
 import { columns, h } from '../console/dom';
 import { replayUrl } from '../console/recordings';
 import { tokenOf } from '../net/open_connection';
+import { Changes } from '../shared/changes';
 import { duration } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { gentleVisit } from './gentle_visit';
@@ -9,7 +10,7 @@ import type { ClinicContext } from './clinic_context';
 import { pickPatient } from './picker';
 import type { LooseSession, Patient, PatientList, PatientRow, Restored, Visit } from './records';
 import { hashOf } from './routes';
-import { action, button, Changes, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
+import { action, button, problemWords, StatusMessage, textInput, twice, type Screen } from './ui';
 import { itemNow } from './records';
 import { clock, clockOf, dayOf, itemWords, locale, sideWords, timeWords, visitClock, visitDay } from './words';
 

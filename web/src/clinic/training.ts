@@ -6,6 +6,7 @@ import { ExercisePanelView } from '../console/panel_view';
 import { ScenePanel } from '../console/scene_panel';
 import { RunState, type EventT } from '../protocol';
 import type { HandLook, PacedView } from '../scene/paced_view';
+import { Changes } from '../shared/changes';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 import type { ClinicContext } from './clinic_context';
@@ -40,7 +41,7 @@ export class Training {
   private look: HandLook = 'skin';
   /** null: it cannot be drawn here; undefined: it was not tried yet. */
   private view: PacedView | null | undefined;
-  private shownPanelKey = '';
+  private readonly changes = new Changes();
   private closed = false;
 
   constructor(private readonly context: ClinicContext) {}
@@ -61,9 +62,7 @@ export class Training {
   sceneChanged(): void {
     const { model } = this.context;
     if (model.scene) this.view?.setScene(model.scene);
-    const built = panelKey(model.scene);
-    if (built === this.shownPanelKey) return;
-    this.shownPanelKey = built;
+    if (!this.changes.of(panelKey(model.scene))) return;
     this.closePanels();
     this.scenePanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
     this.exercise = new ExercisePanelView(model);

@@ -56,17 +56,6 @@ export class StatusMessage {
   showProblem(problem: unknown): void { this.show(problemWords(problem)); }
 }
 
-/** Whether something differs from what was shown: an unchanged part of a screen is not drawn again, so that its focus and its announcements stay. */
-export class Changes {
-  private shown = '';
-
-  of(...now: readonly unknown[]): boolean {
-    const before = this.shown;
-    this.shown = JSON.stringify(now);
-    return this.shown !== before;
-  }
-}
-
 /** Draws an element again; the control that has the focus keeps it. */
 export function redraw(of: HTMLElement, ...children: (Node | string)[]): void {
   const focused = of.contains(document.activeElement) ? document.activeElement?.getAttribute('data-testid') : undefined;

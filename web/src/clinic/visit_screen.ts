@@ -1,5 +1,6 @@
 import { choice, h, setText } from '../console/dom';
 import type { EventT } from '../protocol';
+import { Changes } from '../shared/changes';
 import { duration } from '../shared/format';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
@@ -9,7 +10,7 @@ import type { ClinicContext } from './clinic_context';
 import { PainChoice, type PainTime } from './pain';
 import { activeOf_s, itemNow, type Patient, type Visit } from './records';
 import { gently, running, SideQuestion, Training } from './training';
-import { besideTitle, button, Changes, link, panel, problemWords, redraw, StatusMessage, type Screen } from './ui';
+import { besideTitle, button, link, panel, problemWords, redraw, StatusMessage, type Screen } from './ui';
 import { clock, clockOf, helpWords, itemWords, minutes, sideWords } from './words';
 
 /** The visit is requested again this often [ms]. */

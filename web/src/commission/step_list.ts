@@ -2,6 +2,7 @@ import { h } from '../console/dom';
 import { icon } from '../console/icons';
 import { texts as consoleTexts } from '../console/i18n';
 import { StepState, type CommissioningStepT, type CommissioningT, type FindingT } from '../protocol';
+import { Changes } from '../shared/changes';
 import { texts } from './i18n';
 import { numbers } from './view';
 
@@ -11,12 +12,10 @@ const ICON = { [StepState.Waiting]: 'wait', [StepState.UnderWay]: 'play', [StepS
 export class StepList {
   private readonly list = h('ol', { class: 'course' });
   readonly element = h('section', { class: 'panel', 'aria-label': texts().steps }, this.list);
-  private shown = '';
+  private readonly changes = new Changes();
 
   show(c: CommissioningT | null): void {
-    const key = JSON.stringify(c?.steps ?? []);
-    if (key === this.shown) return;
-    this.shown = key;
+    if (!this.changes.of(c?.steps ?? [])) return;
     this.list.replaceChildren(...(c?.steps ?? []).map((step, i) => this.item(step, i)));
   }
 

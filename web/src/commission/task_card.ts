@@ -3,6 +3,7 @@ import { texts as consoleTexts } from '../console/i18n';
 import type { Connection } from '../net/connection';
 import type { Answer } from '../net/pending_answers';
 import { QuestionKind, MotionKind, MotionState, Role, type CommissioningT } from '../protocol';
+import { Changes } from '../shared/changes';
 import { FreshButtons } from '../shared/fresh_buttons';
 import { fill } from '../shared/i18n';
 import { HoldButton } from './hold_button';
@@ -25,7 +26,7 @@ export class TaskCard {
   private button: HoldButton | undefined;
   private word: HTMLElement | undefined;
   private bar: HTMLElement | undefined;
-  private shown = '';
+  private readonly changes = new Changes();
   private refusal = '';
   private task: Task = 'connecting';
   private now: CommissioningT | null = null;
@@ -37,9 +38,7 @@ export class TaskCard {
     this.now = c;
     // Every other task ends a held button.
     if (task !== 'hold') this.letGo();
-    const key = JSON.stringify([task, task === 'hold' ? 0 : c?.question, task === 'next' ? c?.next : '', c?.asked, this.connection.controls.role]);
-    if (key !== this.shown) {
-      this.shown = key;
+    if (this.changes.of(task, task === 'hold' ? 0 : c?.question, task === 'next' ? c?.next : '', c?.asked, this.connection.controls.role)) {
       this.refusal = '';
       this.build(task, c, step);
     }

@@ -1,4 +1,5 @@
 import { h } from '../console/dom';
+import { Changes } from '../shared/changes';
 import { grouped } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts as consoleTexts } from '../console/i18n';
@@ -11,7 +12,7 @@ import type { ReplaySide } from './side';
 /** Notices about the shown recordings: one grows, has gaps, or has a part that cannot be read. */
 export class ReplayNotices {
   readonly element = h('div', { class: 'notices replay-notices' });
-  private shown = '';
+  private readonly changes = new Changes();
 
   /** @param failed requested recordings that cannot be shown */
   constructor(private readonly sides: readonly ReplaySide[], private readonly failed: readonly OpenFailure[], private readonly readOn: (side: ReplaySide) => void) {}
@@ -19,9 +20,7 @@ export class ReplayNotices {
   refresh(): void {
     const [first] = this.sides;
     const lines = this.sides.map((side, i) => [...(i === 0 ? this.failed.map(lineOfFailed) : linesOfSecond(first, side)), ...linesOf(side)]);
-    const key = JSON.stringify(lines);
-    if (key === this.shown) return;
-    this.shown = key;
+    if (!this.changes.of(lines)) return;
     // Each recording's notices stand above it.
     this.element.replaceChildren(...lines.map((own, i) => h('div', {}, ...own.map((line) => this.notice(line, i)))));
   }
