@@ -14,8 +14,8 @@ const LANGUAGES = ['fr', 'de', 'en'];
 
 export const id = (name) => `[data-testid="${name}"]`;
 
-/** What a screen reader calls a control that is pressed or filled: a role that can be, and a name. */
-const NAMED = /^- (button|link|textbox|radio|checkbox|slider|spinbutton|combobox|summary) "[^"]*\p{L}/u;
+/** What a screen reader calls a control that is pressed or filled: a role that can be, and a name. The snapshot is YAML, which quotes a name with a colon. */
+const NAMED = /^- '?(button|link|textbox|radio|checkbox|slider|spinbutton|combobox|summary) "[^"]*\p{L}/u;
 
 /** Presses and fills, and counts both. Each control has a role and a name. */
 export class Hands {
