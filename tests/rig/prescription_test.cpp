@@ -35,6 +35,9 @@ TEST(PrescriptionFile, FaultyFiles_AreRefusedWithKeyValueAndRemedy) {
   const std::string right = "side = \"right\"\n";
   EXPECT_EQ(faultsOf(right), "");
   EXPECT_EQ(faultsOf(right + kLimitX), "");
+  // The device's own end in single precision, as a page knows it.
+  EXPECT_EQ(faultsOf(right + "[[limits]]\naxis = \"x\"\nwithin_m = [-0.08500000089406967, 0.05]\n"),
+            "");
   struct Case {
     std::string lines, key, expected;
   };

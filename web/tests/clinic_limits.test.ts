@@ -42,7 +42,8 @@ it('limits that cross, leave the device or are too narrow are named', () => {
   expect(faultOf(X, { lower: 0, upper: 0.015 })).toBe('narrow');
   expect(faultOf(FINGERS, { lower: 0, upper: 9 * DEG })).toBe('narrow');
   expect(faultOf(FINGERS, { lower: 0, upper: 180 * DEG })).toBeUndefined();
-  expect(limitsFrom([X, FINGERS], new Map([['finger_flexion', { lower: 0.1, upper: 4 }]]))).toEqual([{ axis: 'finger_flexion', within_rad: [0.1, Math.PI] }]);
+  expect(limitsFrom([X, FINGERS], new Map([['finger_flexion', { lower: 0.1, upper: 4 }]]))).toEqual([{ axis: 'finger_flexion', within_rad: [0.1, 3.1415927] }]);
+  expect(limitsFrom([{ ...X, lower: Math.fround(X.lower) }], new Map([['x', { lower: -1, upper: 0 }]]))[0].within_m).toEqual([-0.085, 0]);
   expect(rangesOf([{ axis: 'x', within_m: [-0.01, 0.02] }])).toEqual([['x', { lower: -0.01, upper: 0.02 }]]);
 });
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace wholehand {
 namespace {
 
 constexpr std::size_t kLongestName = 100;
+/// Relative rounding of a number in single precision.
+constexpr double kSingle = 1e-7;
+constexpr double kFurthest = 1e3;  // [m or rad]
 
 const char* nameOf(Side side) {
   return side == Side::kRight ? "right" : "left";
@@ -56,9 +60,17 @@ void readLimit(TomlTable& table, const DeviceModel& device, std::vector<std::str
   const char* const key = along ? "within_m" : "within_rad";
   table.refuse(along ? "within_rad" : "within_m", key,
                axis.name + (along ? " is a translation" : " is a rotation"));
-  const auto [lower, upper] =
-      table.interval(key, between(axis.lower, axis.upper, axis.positionUnit()));
+  const auto [from, to] = table.interval(key, between(-kFurthest, kFurthest, axis.positionUnit()));
   if (!table.isGood(key)) return;
+  // Pages know the ends of the device in single precision.
+  if (from < axis.lower - kSingle * std::abs(axis.lower) ||
+      to > axis.upper + kSingle * std::abs(axis.upper)) {
+    table.fail(
+        key, "leaves the device's range",
+        fmt::format("must be in [{:.6g}, {:.6g}] {}", axis.lower, axis.upper, axis.positionUnit()));
+    return;
+  }
+  const double lower = std::max(from, axis.lower), upper = std::min(to, axis.upper);
   if (upper - lower < 2.0 * bandOf(axis)) {
     table.fail(
         key, "is narrower than the walls at its two ends",

@@ -64,7 +64,9 @@ export function limitsFrom(axes: readonly LimitAxis[], ranges: ReadonlyMap<strin
   return axes.flatMap((axis) => {
     const range = ranges.get(axis.name);
     if (!range) return [];
-    const ends: readonly [number, number] = [Math.max(axis.lower, range.lower), Math.min(axis.upper, range.upper)];
+    // The station tells its axes in single precision.
+    const rounded = (value: number): number => Math.round(value * 1e7) / 1e7;
+    const ends: readonly [number, number] = [rounded(Math.max(axis.lower, range.lower)), rounded(Math.min(axis.upper, range.upper))];
     return [axis.turns ? { axis: axis.name, within_rad: ends } : { axis: axis.name, within_m: ends }];
   });
 }
