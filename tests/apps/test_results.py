@@ -1,7 +1,7 @@
 """The results of an exercise: in the summary, in --json, in the recording and in the report."""
 import json
 
-from app import DONE, FREE_RUN, AppTest, main, read_recording, report_data
+from app import BAD_INPUT, DONE, FREE_RUN, AppTest, main, read_recording, report_data
 
 
 class Results(AppTest):
@@ -30,6 +30,24 @@ class Results(AppTest):
         self.expect(result, DONE, "result   Poured 0 ml; Spilt 0 ml; Score 0")
         reported = json.loads((self.folder / "b.json").read_text())["exercise"]
         self.assertEqual(reported["results"], {"poured_total_l": 0.0, "spilt_l": 0.0, "score": 0.0})
+
+    def test_limits_are_made_of_own_movement_and_hold_in_the_next_run(self):
+        self.expect(self.run_app("run", "--exercise", "own-range", "--simulated-clock", "--duration", 60, "--record", "own.h5"),
+                    DONE, "Fingers open to", "faults   none")
+        result = self.run_app("prescribe", "own.h5", "--name", "P-014", "--out", "limits.toml")
+        self.expect(result, DONE, "limits", "run --prescription limits.toml")
+        text = (self.folder / "limits.toml").read_text()
+        self.assertIn('side = "right"', text)
+        # The fingers were measured in both directions, x and y not yet.
+        self.assertIn('axis = "finger_flexion"', text)
+        self.assertNotIn('axis = "y"', text)
+        self.expect(self.run_app("validate", "limits.toml"), DONE, "ok")
+        self.expect(self.run_app("run", "--exercise", "squeeze-to-level", "--prescription", "limits.toml", "--simulated-clock",
+                                 "--duration", 1), DONE, "allowed  P-014: ")
+        self.expect(self.run_app("prescribe", "own.h5", "--name", "Anna Keller"), BAD_INPUT, "not a person's name")
+        self.expect(self.run_app("run", "--simulated-clock", "--duration", 1, "--record", "bar.h5"), DONE)
+        self.expect(self.run_app("prescribe", "bar.h5"), BAD_INPUT, "has no own movement", "--exercise own-range")
+        self.expect(self.run_app("prescribe", "none.h5"), BAD_INPUT, "none.h5")
 
     def test_answers_of_a_comparison_give_one_threshold_everywhere(self):
         result = self.run_app("run", "--exercise", "tell-apart-firmer", "--simulated-clock", "--duration", 300,

@@ -110,10 +110,10 @@ class Thresholds(AppTest):
             if not re.match(r"sigma 0\.\d+, lapse", name):
                 continue
             with self.subTest(name):
-                self.assertLessEqual(abs(row["bias"]), 0.10 if FULL else 0.6)
-                self.assertLessEqual(row["sd"], 0.36 if FULL else 1.0)
+                self.assertLessEqual(abs(row["bias"]), 0.125 if FULL else 0.6)
+                self.assertLessEqual(row["sd"], 0.40 if FULL else 1.0)
                 self.assertGreaterEqual(row["covered"], 0.93 if FULL else 0.5)
-                self.assertLessEqual(row["doubted"], 0.01 if FULL else 0.25)
+                self.assertLessEqual(row["doubted"], 0.015 if FULL else 0.25)
 
 
 if __name__ == "__main__":

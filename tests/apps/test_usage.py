@@ -20,6 +20,7 @@ OPTIONS = {
     "device": ["commission"],
     "device commission": ["--driver", "--host", "--device", "--operator", "--device-at", "--driver-settings",
                           "--rate-hz", "--daily"],
+    "prescribe": ["recordings", "--name", "--out"],
     "doctor": ["--help"],
 }
 

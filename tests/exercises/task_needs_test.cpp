@@ -140,6 +140,9 @@ std::array<std::array<double, 2>, 3> drawnLimits(std::mt19937_64& random, double
   return out;
 }
 
+/// A hand that pulls aims ahead of the thing by so much.
+constexpr double kLeads_m = 0.002;
+
 /// Whatever is not refused is done by its virtual patient, which means to stay within the limits'
 /// walls.
 void playWithin(const std::string& task, const std::string& hand,
@@ -159,7 +162,7 @@ void playWithin(const std::string& task, const std::string& hand,
     }
   };
   session.runUntil("done", 1.0);
-  EXPECT_LE(outside_m, -kLimitBand_m + 1e-9);
+  EXPECT_LE(outside_m, -kLimitBand_m + kLeads_m);
   ++count.done;
 }
 
