@@ -1,6 +1,7 @@
 #include "clinic/accounts.hpp"
 
 #include "clinic/row_digests.hpp"
+#include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 #include "loop/core/sha256.hpp"
 
@@ -50,12 +51,11 @@ bool isColour(const std::string& text) {
 Json Accounts::tiles() {
   Json tiles = Json::array();
   if (!records_.key()) return tiles;
-  Statement rows = records_.db().query("SELECT id, name, colour, left_us FROM account ORDER BY id");
+  Statement rows = records_.db().query("SELECT name, left_us, id, colour FROM account ORDER BY id");
   while (rows.step()) {
-    tiles.push_back({{"id", rows.integer(0)},
-                     {"name", records_.unseal("account", rows.text(1))},
-                     {"colour", rows.text(2)}});
-    if (rows.integer(3) != 0) tiles.back()["left"] = true;
+    Json& tile = tiles.emplace_back(rowJson(rows, 2));
+    tile["name"] = records_.unseal("account", rows.text(0));
+    if (rows.integer(1) != 0) tile["left"] = true;
   }
   return tiles;
 }
@@ -64,17 +64,14 @@ void Accounts::admit(Call& call, Access access) {
   if (access == Access::kAnyone) return;
   if (!records_.key()) {
     const bool is_new = records_.isNew();
-    throw RequestRefusal{423,
-                         "locked",
-                         is_new ? "this clinic has not begun; give it a pass phrase"
-                                : "the clinic is locked; give its pass phrase or recovery code",
-                         {}};
+    throw refusal(423, "locked",
+                  is_new ? "this clinic has not begun; give it a pass phrase"
+                         : "the clinic is locked; give its pass phrase or recovery code");
   }
   call.session_id = sha256(call.request.token);
   const auto found = sessions_.find(call.session_id);
   if (call.request.token.empty() || found == sessions_.end()) {
-    throw RequestRefusal{
-        401, "not_signed_in", "nobody is signed in; choose a tile and type its PIN", {}};
+    throw refusal(401, "not_signed_in", "nobody is signed in; choose a tile and type its PIN");
   }
   Session& session = found->second;
   const std::int64_t now_us = records_.clock().steady_us();
@@ -163,8 +160,7 @@ Key Accounts::unwrapped(const KeyFile& keys, const Json& body, Tries& tries) {
   }
   if (!key) {
     countFailure(0, tries);
-    throw RequestRefusal{
-        401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code", {}};
+    throw refusal(401, "wrong_phrase", "this is not the clinic's pass phrase or recovery code");
   }
   return std::move(*key);
 }
@@ -271,11 +267,8 @@ void Accounts::refuseWhileWaiting(const Tries& tries) const {
   const std::int64_t left_us = tries.wait_until_us - records_.clock().steady_us();
   if (left_us <= 0) return;
   const std::int64_t wait_s = (left_us + kSecond_us - 1) / kSecond_us;
-  throw RequestRefusal{429,
-                       "too_many_tries",
-                       fmt::format("too many tries; wait {} s", wait_s),
-                       {},
-                       {{"wait_s", wait_s}}};
+  throw refusal(429, "too_many_tries", fmt::format("too many tries; wait {} s", wait_s),
+                {{"wait_s", wait_s}});
 }
 
 /// Failed tries of an account. A wait goes on after a restart, as long as the clock says; a clock
@@ -335,21 +328,14 @@ void Accounts::checkPin(std::int64_t account, const Json& body) {
   if (right) return clearTries(account, tries);
   countFailure(account, tries);
   records_.tryToLog(account, "wrong PIN");
-  throw RequestRefusal{401,
-                       "wrong_pin",
-                       "this is not the tile's PIN",
-                       {},
-                       {{"tries_left", std::max(kFreeTries - tries.failed, 0)}}};
+  throw refusal(401, "wrong_pin", "this is not the tile's PIN",
+                {{"tries_left", std::max(kFreeTries - tries.failed, 0)}});
 }
 
 Json Accounts::signIn(Call& call) {
   if (!records_.key())
     throw RequestRefusal{423, "locked", "the clinic is locked; give its pass phrase", {}};
-  const auto account = call.body.find("account");
-  if (account == call.body.end() || !account->is_number_integer()) {
-    throw badValue("account", "account is no number of a tile");
-  }
-  const auto id = account->get<std::int64_t>();
+  const std::int64_t id = integerOf(call.body, "account", "account is no number of a tile");
   checkPin(id, call.body);
   records_.tryToLog(id, "signed in");
   return sessionOf(id);

@@ -5,6 +5,7 @@
 #include "clinic/marks.hpp"
 #include "clinic/request.hpp"
 #include "clinic/row_digests.hpp"
+#include "clinic/rows.hpp"
 #include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
@@ -44,9 +45,8 @@ std::string folderOf(const std::string& file) {
 /// Number of rows of every table, by the table's name.
 std::map<std::string, std::int64_t> rowsOf(Database& db) {
   std::map<std::string, std::int64_t> rows;
-  Statement tables = db.query("SELECT name FROM sqlite_schema WHERE type = 'table'");
-  while (tables.step()) {
-    const std::string name = tables.text(0);
+  for (const std::string& name :
+       db.all<std::string>("SELECT name FROM sqlite_schema WHERE type = 'table'")) {
     rows[name] = db.number("SELECT COUNT(*) FROM \"" + name + "\"");
   }
   return rows;
@@ -59,9 +59,9 @@ std::int64_t sum(const std::map<std::string, std::int64_t>& rows) {
 }
 
 std::string clinicOf(Database& db) {
-  Statement row = db.query("SELECT id FROM clinic");
-  if (!row.step()) throw DatabaseError(db.path() + ": has no clinic; it was never begun");
-  return row.text(0);
+  std::string id = db.text("SELECT id FROM clinic");
+  if (id.empty()) throw DatabaseError(db.path() + ": has no clinic; it was never begun");
+  return id;
 }
 
 /// Copies a whole clinic database to a new file and compares the two. Throws on failure.
@@ -140,12 +140,11 @@ Replaced replacedBy(const std::string& database, const std::string& clinic) {
     migrate(db);
     out.lines = linesOf(db);
     out.kept = keptOf(db);
-    Statement rows = db.query("SELECT recordings FROM intent WHERE what <> 'list'");
-    while (rows.step()) {
-      for (const Json& name : Json::parse(rows.text(0))) out.recordings.push_back(name);
+    for (const std::string& names :
+         db.all<std::string>("SELECT recordings FROM intent WHERE what <> 'list'")) {
+      for (const Json& name : Json::parse(names)) out.recordings.push_back(name);
     }
     // One file, so that it is renamed at once.
-    rows = db.query("SELECT 1");
     db.run("PRAGMA journal_mode = DELETE");
   } catch (const DatabaseError&) {  // damaged: that may be why a backup is restored
   }
@@ -153,8 +152,7 @@ Replaced replacedBy(const std::string& database, const std::string& clinic) {
 }
 
 std::string codeOf(Database& db, const std::string& mark) {
-  Statement row = db.query("SELECT code FROM patient WHERE mark = ?", mark);
-  return row.step() ? row.text(0) : std::string{};
+  return db.text("SELECT code FROM patient WHERE mark = ?", mark);
 }
 
 /// What people did since the backup and have to do again, of patients who are there.
@@ -241,10 +239,7 @@ void makeRestored(const std::string& file, const std::string& folder, const std:
       "UPDATE visit SET state = CASE WHEN patient IS NULL THEN 'guest' ELSE 'unfinished' END"
       " WHERE state = 'open'");
   storeIntent(db, now_us, "restore", {{}, replaced.recordings});
-  db.change(
-      "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, 0, 'restored', 0,"
-      " 0, ?)",
-      now_us, fmt::format("{} rows erased again", erased));
+  writeLog(db, now_us, 0, "restored", 0, 0, fmt::format("{} rows erased again", erased));
   transaction.commit();
   compact(db);
   db.run("PRAGMA journal_mode = DELETE");

@@ -106,6 +106,19 @@ bool Statement::step() {
 bool Statement::isNull(int column) const {
   return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
 }
+bool Statement::isInteger(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_INTEGER;
+}
+int Statement::columns() const {
+  return sqlite3_column_count(statement_.get());
+}
+const char* Statement::name(int column) const {
+  return sqlite3_column_name(statement_.get(), column);
+}
+void Statement::get(int column, std::optional<std::int64_t>& value) const {
+  value.reset();
+  if (!isNull(column)) value = integer(column);
+}
 std::int64_t Statement::integer(int column) const {
   return sqlite3_column_int64(statement_.get(), column);
 }

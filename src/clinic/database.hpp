@@ -9,6 +9,7 @@
 #include <string_view>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -70,6 +71,19 @@ class Statement {
   [[nodiscard]] std::int64_t integer(int column) const;
   /// Text or bytes of a column.
   [[nodiscard]] std::string text(int column) const;
+  /// Reads the columns from the first on; NULL is 0 or an empty text.
+  template <class... Values>
+  void read(Values&... values) const {
+    int at = 0;
+    (get(at++, values), ...);
+  }
+  void get(int column, std::int64_t& value) const { value = integer(column); }
+  void get(int column, int& value) const { value = static_cast<int>(integer(column)); }
+  void get(int column, std::string& value) const { value = text(column); }
+  void get(int column, std::optional<std::int64_t>& value) const;
+  [[nodiscard]] int columns() const;
+  [[nodiscard]] const char* name(int column) const;
+  [[nodiscard]] bool isInteger(int column) const;
 
  private:
   /// Puts a statement back, or finalizes it when its connection is gone.
@@ -111,6 +125,19 @@ class Database {
   std::int64_t number(std::string_view sql, const Values&... values) {
     Statement statement = query(sql, values...);
     return statement.step() ? statement.integer(0) : 0;
+  }
+  /// The same of a text.
+  template <class... Values>
+  std::string text(std::string_view sql, const Values&... values) {
+    Statement statement = query(sql, values...);
+    return statement.step() ? statement.text(0) : std::string{};
+  }
+  /// First column of every row.
+  template <class T, class... Values>
+  std::vector<T> all(std::string_view sql, const Values&... values) {
+    std::vector<T> out;
+    for (Statement rows = query(sql, values...); rows.step();) rows.read(out.emplace_back());
+    return out;
   }
   [[nodiscard]] std::int64_t lastId() const;
   [[nodiscard]] const std::string& path() const { return path_; }

@@ -3,6 +3,7 @@
 #include "clinic/readers.hpp"
 #include "clinic/request.hpp"
 #include "clinic/row_digests.hpp"
+#include "clinic/rows.hpp"
 #include "files/text/text_file.hpp"
 
 #include <fmt/format.h>
@@ -22,12 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kReport = "-report";
-
-std::vector<std::string> textsOf(Statement rows) {
-  std::vector<std::string> out;
-  while (rows.step()) out.push_back(rows.text(0));
-  return out;
-}
 
 void append(Lines& lines, const Lines& more) {
   lines.insert(lines.end(), more.begin(), more.end());
@@ -201,26 +196,26 @@ Erasure erasureOfVisit(Database& db, std::int64_t visit) {
   Erasure out;
   out.lines = linesOfVisit(db, visit);
   append(out.lines,
-         textsOf(db.query("SELECT 'note ' || id FROM note WHERE visit = ? ORDER BY id", visit)));
+         db.all<std::string>("SELECT 'note ' || id FROM note WHERE visit = ? ORDER BY id", visit));
   // The visit's number in the file, else the table.
-  out.recordings = textsOf(
-      db.query("SELECT recording FROM trial WHERE visit = ?1 OR json_extract(measures, '$.visit') ="
-               " ?1 OR sha256 IN (SELECT sha256 FROM trial WHERE visit = ?1 AND sha256 <> '')",
-               visit));
+  out.recordings = db.all<std::string>(
+      "SELECT recording FROM trial WHERE visit = ?1 OR json_extract(measures, '$.visit') ="
+      " ?1 OR sha256 IN (SELECT sha256 FROM trial WHERE visit = ?1 AND sha256 <> '')",
+      visit);
   return out;
 }
 
 Erasure erasureOfPatient(Database& db, std::int64_t patient) {
   Erasure out;
-  out.lines =
-      textsOf(db.query("SELECT 'patient ' || mark FROM patient WHERE id = ?1 UNION"
-                       " SELECT 'patient ' || mark FROM merged WHERE patient = ?1",
-                       patient));
-  append(out.lines, textsOf(db.query("SELECT 'note ' || id FROM note WHERE patient = ? ORDER BY id",
-                                     patient)));
-  Statement visits = db.query("SELECT id FROM visit WHERE patient = ? ORDER BY id", patient);
-  while (visits.step()) {
-    Erasure one = erasureOfVisit(db, visits.integer(0));
+  out.lines = db.all<std::string>(
+      "SELECT 'patient ' || mark FROM patient WHERE id = ?1 UNION"
+      " SELECT 'patient ' || mark FROM merged WHERE patient = ?1",
+      patient);
+  append(out.lines, db.all<std::string>(
+                        "SELECT 'note ' || id FROM note WHERE patient = ? ORDER BY id", patient));
+  for (const std::int64_t visit :
+       db.all<std::int64_t>("SELECT id FROM visit WHERE patient = ? ORDER BY id", patient)) {
+    const Erasure one = erasureOfVisit(db, visit);
     append(out.lines, one.lines);
     append(out.recordings, one.recordings);
   }
@@ -341,8 +336,8 @@ std::vector<std::string> marksInCopies(const Places& places, std::int64_t patien
       Database copy(path, Database::Mode::kReadOnly);
       guardByKeys(copy, places.folder, true);
       if (!isSound(copy, "patient", patient)) continue;
-      const std::vector<std::string> marks = textsOf(copy.query(
-          "SELECT mark FROM patient WHERE id = ? AND created_us = ?", patient, created_us));
+      const std::vector<std::string> marks = copy.all<std::string>(
+          "SELECT mark FROM patient WHERE id = ? AND created_us = ?", patient, created_us);
       out.insert(out.end(), marks.begin(), marks.end());
     } catch (const DatabaseError&) {  // a damaged copy: an erasure names it
     }
@@ -368,10 +363,7 @@ std::string notRemoved(const std::vector<std::string>& left) {
 void finishIntents(Database& db, std::int64_t up_to, std::int64_t now_us) {
   Transaction transaction(db);
   if (erases(db, up_to)) {
-    db.change(
-        "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, 0, 'erased from"
-        " files and backups', 0, 0, '')",
-        now_us);
+    writeLog(db, now_us, 0, "erased from files and backups");
   }
   db.change("DELETE FROM intent WHERE n <= ?", up_to);
   transaction.commit();

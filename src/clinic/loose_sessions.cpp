@@ -26,18 +26,18 @@ Json Visits::sessions(Call&) {
 
 /// Assigns sessions that were recorded outside a visit to a new visit.
 Json Visits::giveSessions(Call& call) {
-  const Json to = call.body.value("patient", Json());
-  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
-  const auto patient = to.get<std::int64_t>();
-  patients_.check(patient);
+  const std::int64_t patient = patients_.named(call.body);
   const Json ids = call.body.value("sessions", Json());
   const bool numbers =
       ids.is_array() && !ids.empty() && ids.size() <= kMostLoose &&
       std::all_of(ids.begin(), ids.end(), [](const Json& id) { return id.is_number_integer(); });
   if (!numbers) throw badValue("sessions", "sessions is no list of numbers of sessions");
   // The visit spans all sessions.
-  std::int64_t began_us = std::numeric_limits<std::int64_t>::max(), ended_us = 0;
-  std::string side;
+  VisitRow spanning;
+  spanning.patient = patient;
+  spanning.account = call.session.account;
+  spanning.state = "done";
+  spanning.began_us = std::numeric_limits<std::int64_t>::max();
   for (const Json& id : ids) {
     const Json one =
         trialsIn(records_.db().query(trialColumns(records_.db()) +
@@ -50,25 +50,24 @@ Json Visits::giveSessions(Call& call) {
                            "sessions"};
     }
     const std::int64_t at_us = one[0]["began_us"];
-    began_us = std::min(began_us, at_us);
+    spanning.began_us = std::min(spanning.began_us, at_us);
     const Json lasted = one[0]["duration_s"];
     const double lasted_s = lasted.is_number() ? lasted.get<double>() : 0.0;
-    ended_us = std::max(ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
-    side = one[0]["side"];
+    spanning.ended_us =
+        std::max(spanning.ended_us, at_us + static_cast<std::int64_t>(lasted_s * 1e6));
+    spanning.side = one[0]["side"];
   }
   // Creates the visit and assigns the sessions.
-  const std::int64_t visit =
-      insertVisit(records_, patient, call.session.account, side, began_us, ended_us, "done");
+  const std::int64_t visit = insertVisit(records_, spanning);
   Erasure given;  // erases nothing
   const std::int64_t count = nextCount(records_.db());
   for (const Json& id : ids) {
     records_.db().change("UPDATE trial SET visit = ?, why = '' WHERE id = ?", visit,
                          id.get<std::int64_t>());
-    Statement row =
-        records_.db().query("SELECT sha256 FROM trial WHERE id = ?", id.get<std::int64_t>());
-    row.step();
-    given.lines.push_back(
-        fmt::format("given {} {} {}", count, row.text(0), markOf(records_.db(), patient)));
+    given.lines.push_back(fmt::format(
+        "given {} {} {}", count,
+        records_.db().text("SELECT sha256 FROM trial WHERE id = ?", id.get<std::int64_t>()),
+        markOf(records_.db(), patient)));
   }
   records_.storeIntent("list", given);
   records_.log(call.session.account, "gave sessions", patient, visit, ids.dump());

@@ -54,12 +54,6 @@ void fillGone(Database& db, const Lines& lines) {
   for (const std::string& line : lines) insertGone(db, line);
 }
 
-std::vector<std::int64_t> numbersOf(Statement rows) {
-  std::vector<std::int64_t> numbers;
-  while (rows.step()) numbers.push_back(rows.integer(0));
-  return numbers;
-}
-
 /// To whom visits were moved and recordings given at last; by visit, or by digest.
 std::map<std::string, std::pair<std::int64_t, std::string>> lastOwners(const Lines& lines) {
   std::map<std::string, std::pair<std::int64_t, std::string>> last;
@@ -84,8 +78,8 @@ Lines visitsWithThem(Database& db, const Lines& lines, const Kept& kept) {
   };
   Lines more;
   for (const std::int64_t visit :
-       numbersOf(db.query("SELECT id FROM visit WHERE patient IN (" + erasedPatients() +
-                          ") AND NOT (" + erasedRowsOf("visit") + ")"))) {
+       db.all<std::int64_t>("SELECT id FROM visit WHERE patient IN (" + erasedPatients() +
+                            ") AND NOT (" + erasedRowsOf("visit") + ")")) {
     if (is_others(std::to_string(visit))) continue;
     for (std::string& line : linesOfVisit(db, visit)) {
       if (!is_others(line.substr(line.find(' ') + 1))) more.push_back(std::move(line));
@@ -110,10 +104,7 @@ std::int64_t numberIn(const std::string& word) {
 }
 
 Lines linesOf(Database& db) {
-  Lines lines;
-  Statement rows = db.query("SELECT line FROM mark ORDER BY n");
-  while (rows.step()) lines.push_back(rows.text(0));
-  return lines;
+  return db.all<std::string>("SELECT line FROM mark ORDER BY n");
 }
 
 bool hasLine(Database& db, const std::string& line) {
@@ -127,8 +118,7 @@ void addLines(Database& db, const Lines& more) {
 }
 
 std::string markOf(Database& db, std::int64_t patient) {
-  Statement row = db.query("SELECT mark FROM patient WHERE id = ?", patient);
-  return row.step() ? row.text(0) : std::string{};
+  return db.text("SELECT mark FROM patient WHERE id = ?", patient);
 }
 
 std::int64_t nextCount(Database& db) {
@@ -174,9 +164,9 @@ std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept) {
   addLines(db, more);
   for (const std::string& line : more) insertGone(db, line);
   // A visit that was erased as another person's: its settings are not this person's either.
-  for (const std::int64_t visit : numbersOf(
-           db.query("SELECT id FROM visit WHERE patient IS NOT NULL AND " + erasedRowsOf("visit") +
-                    " AND patient NOT IN (" + erasedPatients() + ")"))) {
+  for (const std::int64_t visit : db.all<std::int64_t>(
+           "SELECT id FROM visit WHERE patient IS NOT NULL AND " + erasedRowsOf("visit") +
+           " AND patient NOT IN (" + erasedPatients() + ")")) {
     if (isSound(db, "visit", visit)) takeBackSettings(db, visitRow(db, visit));
   }
   // Trials and notes of a visit, and notes of a patient, are deleted with it.
@@ -194,11 +184,9 @@ std::int64_t eraseMarked(Database& db, const Lines& lines, const Kept& kept) {
 }
 
 Kept keptOf(Database& db) {
-  Kept kept;
-  Statement rows = db.query(
+  const auto kept = db.all<std::string>(
       "SELECT CAST(id AS TEXT) FROM visit UNION SELECT sha256 FROM trial WHERE visit IS NOT NULL");
-  while (rows.step()) kept.insert(rows.text(0));
-  return kept;
+  return {kept.begin(), kept.end()};
 }
 
 bool hasMarked(Database& db, const Lines& lines) {
@@ -210,9 +198,11 @@ bool hasMarked(Database& db, const Lines& lines) {
 
 Lines linesOfVisit(Database& db, std::int64_t visit) {
   Lines lines = {fmt::format("visit {}", visit)};
-  Statement trials = db.query(
-      "SELECT DISTINCT sha256 FROM trial WHERE visit = ? AND sha256 <> '' ORDER BY sha256", visit);
-  while (trials.step()) lines.push_back("recording " + trials.text(0));
+  for (const std::string& sha256 : db.all<std::string>(
+           "SELECT DISTINCT sha256 FROM trial WHERE visit = ? AND sha256 <> '' ORDER BY sha256",
+           visit)) {
+    lines.push_back("recording " + sha256);
+  }
   return lines;
 }
 
@@ -236,9 +226,8 @@ bool isGivenAway(Database& db, const std::string& sha256) {
 }
 
 bool isDrawnHere(Database& db, std::int64_t visit) {
-  Statement clinic = db.query("SELECT id FROM clinic");
-  return clinic.step() &&
-         hasLine(db, fmt::format("block {} {}", clinic.text(0), visit >> kBlockBits));
+  return hasLine(db,
+                 fmt::format("block {} {}", db.text("SELECT id FROM clinic"), visit >> kBlockBits));
 }
 
 std::int64_t visitInName(std::string_view name) {

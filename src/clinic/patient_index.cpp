@@ -92,16 +92,10 @@ void PatientIndex::refresh() {
   changed_patients_.clear();
 }
 
-Json PatientIndex::toJson(const Row& row) {
-  return {{"id", row.id},       {"code", row.code},     {"name", row.name},
-          {"side", row.side},   {"visits", row.visits}, {"last_visit_us", row.last_visit_us},
-          {"state", row.state}, {"visit", row.visit}};
-}
-
 Json PatientIndex::row(std::int64_t patient) {
   refresh();
   const auto row = rows_.find(patient);
-  return row == rows_.end() ? Json() : toJson(row->second);
+  return row == rows_.end() ? Json() : Json(row->second);
 }
 
 Json PatientIndex::page(std::string_view find, std::int64_t page) {
@@ -119,18 +113,18 @@ Json PatientIndex::page(std::string_view find, std::int64_t page) {
   if (wanted.empty()) {  // the usual list looks at its own rows only
     count = std::ssize(order_);
     for (const Row* row : order_) {
-      if (row->visit != 0) open.push_back(toJson(*row));
+      if (row->visit != 0) open.push_back(*row);
     }
     const std::int64_t first = std::clamp<std::int64_t>(page, 0, count) * kRowsOfPage;
     for (std::int64_t i = first; i < std::min(count, first + kRowsOfPage); ++i) {
-      rows.push_back(toJson(*order_[static_cast<std::size_t>(i)]));
+      rows.push_back(*order_[static_cast<std::size_t>(i)]);
     }
     return {{"patients", rows}, {"open", open}, {"count", count}, {"page", page}};
   }
   for (const Row* row : order_) {
     if (row->words.find(wanted) == std::string::npos) continue;
-    if (row->visit != 0) open.push_back(toJson(*row));
-    if (count / kRowsOfPage == page) rows.push_back(toJson(*row));
+    if (row->visit != 0) open.push_back(*row);
+    if (count / kRowsOfPage == page) rows.push_back(*row);
     ++count;
   }
   return {{"patients", rows}, {"open", open}, {"count", count}, {"page", page}};

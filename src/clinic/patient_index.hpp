@@ -36,11 +36,11 @@ class PatientIndex {
   struct Row {
     std::int64_t id = 0, visits = 0, last_visit_us = 0, visit = 0;
     std::string code, name, side, state, words;  ///< words: what a search looks at
+    NLOHMANN_DEFINE_TYPE_INTRUSIVE(Row, id, code, name, side, visits, last_visit_us, state, visit)
   };
   static void changed(void* index, int kind, const char* database, const char* table,
                       long long row);
   void read(const std::string& where, std::int64_t patient);
-  [[nodiscard]] static Json toJson(const Row& row);
 
   Records& records_;
   std::uint64_t opening_ = 0;  ///< of the database that was read; 0: none

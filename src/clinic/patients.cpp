@@ -134,9 +134,10 @@ Json Patients::confirmClock(Call& call) {
 
 Json Patients::list(Call& call) {
   Json out = index_.page(call.request.find, call.request.page), guests = Json::array();
-  Statement query = records_.db().query(
-      "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us");
-  while (query.step()) guests.push_back(listedVisit(records_, query.integer(0)));
+  for (const std::int64_t visit : records_.db().all<std::int64_t>(
+           "SELECT id FROM visit WHERE state = 'guest' AND patient IS NULL ORDER BY began_us")) {
+    guests.push_back(listedVisit(records_, visit));
+  }
   out["guests"] = std::move(guests);
   out["under_way"] = records_.underWay();
   out["damaged"] = records_.damaged();
@@ -165,8 +166,8 @@ Json Patients::add(Call& call) {
       "INSERT INTO patient (mark, version, code, side, hands, preset, parameters, plan, plan_n,"
       " created_us, secret) VALUES (?, 1, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       randomHex(16), data.code, data.side, data.hands.dump(), data.preset,
-      Json(data.parameters).dump(), clinic::toJson(data.plan).dump(), changesIn(records_.db()) + 1,
-      now_us, Blob{records_.seal("patient", data.secret.dump())});
+      Json(data.parameters).dump(), Json(data.plan).dump(), changesIn(records_.db()) + 1, now_us,
+      Blob{records_.seal("patient", data.secret.dump())});
   const std::int64_t id = records_.db().lastId();
   records_.log(call.session.account, "added", id);
   return toJson(id);
@@ -176,6 +177,12 @@ void Patients::check(std::int64_t id) {
   if (records_.db().number("SELECT COUNT(*) FROM patient WHERE id = ?", id) == 0) {
     throw notFound(fmt::format("there is no patient {}", id));
   }
+}
+
+std::int64_t Patients::named(const Json& body) {
+  const std::int64_t id = integerOf(body, "patient", "patient is no number of a patient");
+  check(id);
+  return id;
 }
 
 void Patients::checkNoOpenVisit(std::int64_t patient) {
@@ -190,9 +197,8 @@ Json Patients::change(Call& call) {
   const std::int64_t id = call.ids.at(0);
   check(id);
   const Json version = call.body.value("version", Json());
-  Statement row = records_.db().query("SELECT version FROM patient WHERE id = ?", id);
-  row.step();
-  if (!version.is_number_integer() || version.get<std::int64_t>() != row.integer(0)) {
+  if (!version.is_number_integer() ||
+      version != records_.db().number("SELECT version FROM patient WHERE id = ?", id)) {
     throw changedMeanwhile("the patient was changed meanwhile; both texts are shown", toJson(id));
   }
   store(id, read(call.body));
@@ -205,7 +211,7 @@ void Patients::store(std::int64_t id, const Data& data) {
   if (db.number("SELECT COUNT(*) FROM patient WHERE code = ? AND id <> ?", data.code, id) != 0) {
     throw RequestRefusal{409, "code_exists", "another patient has the code " + data.code, "code"};
   }
-  const std::string plan = clinic::toJson(data.plan).dump();
+  const std::string plan = Json(data.plan).dump();
   db.change("UPDATE patient SET plan = ?1, plan_n = ?2 WHERE id = ?3 AND plan <> ?1", plan,
             changesIn(db) + 1, id);
   db.change(
@@ -294,20 +300,13 @@ Json curvesOf(const Json& visits) {
 
 Json Patients::toJson(std::int64_t id) {
   Statement row = records_.db().query(
-      "SELECT version, code, side, hands, preset, parameters, plan, plan_n, secret FROM patient"
+      "SELECT plan_n, secret, id, version, code, side, hands, preset, parameters, plan FROM patient"
       " WHERE id = ?",
       id);
   if (!row.step()) throw notFound(fmt::format("there is no patient {}", id));
   refuseDamaged(records_.db(), "patient", id, fmt::format("patient {}", id));
-  Json out = Json::parse(records_.unseal("patient", row.text(8)));
-  out["id"] = id;
-  out["version"] = row.integer(0);
-  out["code"] = row.text(1);
-  out["side"] = row.text(2);
-  out["hands"] = Json::parse(row.text(3));
-  out["preset"] = row.text(4);
-  out["parameters"] = Json::parse(row.text(5));
-  out["plan"] = Json::parse(row.text(6));
+  Json out = Json::parse(records_.unseal("patient", row.text(1)));
+  out.update(rowJson(row, 2, {"hands", "parameters", "plan"}));
   Json visits = Json::array();
   Json today = out["plan"];
   bool found_last = false;
@@ -318,12 +317,12 @@ Json Patients::toJson(std::int64_t id) {
     if (visits.back()["state"] == "damaged") continue;
     // Offers the items of the last visit, unless the plan was changed since. A visit that was
     // missed has no items.
-    const Plan items = planFrom(rows.text(2));
+    const Plan items = Json::parse(rows.text(2));
     if (found_last || items.empty()) continue;
     found_last = true;
-    if (rows.integer(1) < row.integer(7)) continue;
-    const bool offered = records_.presets().forceOf(row.text(4)) != nullptr;
-    today = clinic::toJson(offered ? capped(items, plans_.limitsOf(id)) : items);
+    if (rows.integer(1) < row.integer(0)) continue;
+    const bool offered = records_.presets().forceOf(out["preset"]) != nullptr;
+    today = Json(offered ? capped(items, plans_.limitsOf(id)) : items);
   }
   out["curves"] = curvesOf(visits);
   out["visits"] = std::move(visits);
@@ -346,9 +345,8 @@ Json Patients::remove(Call& call) {
 
 Json Patients::merge(Call& call) {
   const std::int64_t id = call.ids.at(0);
-  const Json from = call.body.value("from", Json());
-  if (!from.is_number_integer() || from == id) throw badValue("from", "from is no other patient");
-  const auto other = from.get<std::int64_t>();
+  const std::int64_t other = integerOf(call.body, "from", "from is no other patient");
+  if (other == id) throw badValue("from", "from is no other patient");
   check(id);
   check(other);
   checkNoOpenVisit(other);
@@ -397,8 +395,12 @@ Json Patients::noShow(Call& call) {
   if (at_us < 0 || at_us > now_us + kDay_us) {
     throw badValue("at_us", "at_us is no time in microseconds until now");
   }
-  const std::int64_t visit =
-      insertVisit(records_, id, call.session.account, "", at_us, at_us, "no_show");
+  VisitRow missed;
+  missed.patient = id;
+  missed.account = call.session.account;
+  missed.began_us = missed.ended_us = at_us;
+  missed.state = "no_show";
+  const std::int64_t visit = insertVisit(records_, missed);
   records_.log(call.session.account, "noted a no-show", id, visit);
   return visitJson(records_, visit, false);
 }
@@ -532,12 +534,7 @@ Json Patients::exportProgress(Call&) {
 Json Patients::exportOne(Call& call) {
   const std::int64_t id = call.ids.at(0);
   check(id);
-  std::string code;
-  {
-    Statement row = records_.db().query("SELECT code FROM patient WHERE id = ?", id);
-    row.step();
-    code = row.text(0);
-  }
+  const std::string code = records_.db().text("SELECT code FROM patient WHERE id = ?", id);
   records_.begin(call);
   records_.log(call.session.account, "exported", id);
   call.answer.type = "text/csv; charset=utf-8";

@@ -25,6 +25,8 @@ class Patients {
 
   /// Refuses a number that belongs to no patient.
   void check(std::int64_t id);
+  /// The patient that a request's body names; it exists.
+  [[nodiscard]] std::int64_t named(const Json& body);
   /// The list of patients in memory.
   [[nodiscard]] PatientIndex& index() { return index_; }
 

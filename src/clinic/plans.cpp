@@ -17,27 +17,6 @@ constexpr double kMostMinutes = 120.0;
 
 }  // namespace
 
-Json toJson(const Plan& plan) {
-  Json out = Json::array();
-  for (const PlanItem& item : plan) {
-    out.push_back({{"exercise", item.exercise},
-                   {"level", item.level},
-                   {"minutes", item.minutes},
-                   {"help", item.help},
-                   {"parameters", item.parameters}});
-  }
-  return out;
-}
-
-Plan planFrom(const std::string& json) {
-  Plan plan;
-  for (const Json& item : Json::parse(json)) {
-    plan.push_back({item.at("exercise"), item.at("level"), item.at("minutes"), item.at("help"),
-                    item.at("parameters").get<Parameters>()});
-  }
-  return plan;
-}
-
 Plan capped(Plan plan, const PersonLimits& limits) {
   for (PlanItem& item : plan) {
     for (auto& [name, value] : item.parameters) value = limits.lowered(name, value);
@@ -140,29 +119,15 @@ PersonLimits Plans::limitsAmong(const Parameters& settings) const {
 }
 
 Json Plans::presets(Call&) {
-  Json force = Json::array(), plans = Json::array(), goals = Json::array(),
-       exercises = Json::array();
-  for (const ForcePreset& preset : records_.presets().force) {
-    force.push_back({{"id", preset.id}, {"parameters", preset.parameters}});
-  }
-  for (const PlanPreset& plan : records_.presets().plans) {
-    plans.push_back({{"id", plan.id}, {"items", toJson(plan.items)}});
-  }
-  for (const PlanPreset& goal : records_.presets().goals) {
-    goals.push_back({{"id", goal.id}, {"items", toJson(goal.items)}});
-  }
-  for (const ExerciseFacts& facts : records_.presets().exercises) {
-    exercises.push_back(
-        {{"id", facts.id}, {"levels", facts.levels}, {"parameters", facts.parameters}});
-  }
-  Json bounds = records_.presets().bounds;
+  const Presets& shipped = records_.presets();
+  Json bounds = shipped.bounds;
   for (const auto& [name, pair] : station_.scene().bounds) {
     if (bounds.contains(name)) bounds[name] = pair;
   }
-  const Json course = {{"weeks", records_.presets().course_weeks},
-                       {"visits_a_week", records_.presets().course_visits_a_week}};
-  return {{"force", force},         {"plans", plans},   {"goals", goals},
-          {"exercises", exercises}, {"bounds", bounds}, {"course", course}};
+  const Json course = {{"weeks", shipped.course_weeks},
+                       {"visits_a_week", shipped.course_visits_a_week}};
+  return {{"force", shipped.force},         {"plans", shipped.plans}, {"goals", shipped.goals},
+          {"exercises", shipped.exercises}, {"bounds", bounds},       {"course", course}};
 }
 
 }  // namespace wholehand::clinic

@@ -10,9 +10,6 @@
 
 namespace wholehand::clinic {
 
-/// A plan in the JSON form of the pages.
-[[nodiscard]] Json toJson(const Plan& plan);
-[[nodiscard]] Plan planFrom(const std::string& json);
 /// The plan with effort limits lowered to those of the person.
 [[nodiscard]] Plan capped(Plan plan, const PersonLimits& limits);
 

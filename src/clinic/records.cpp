@@ -2,6 +2,7 @@
 
 #include "clinic/backup.hpp"
 #include "clinic/row_digests.hpp"
+#include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 
 #include <fmt/format.h>
@@ -144,9 +145,7 @@ std::string Records::unseal(std::string_view kind, std::string_view sealed) cons
 
 void Records::log(std::int64_t account, const std::string& what, std::int64_t patient,
                   std::int64_t visit, const std::string& detail) {
-  db().change(
-      "INSERT INTO log (at_us, account, what, patient, visit, detail) VALUES (?, ?, ?, ?, ?, ?)",
-      clock_.now_us(), account, what, patient, visit, detail);
+  writeLog(db(), clock_.now_us(), account, what, patient, visit, detail);
 }
 
 bool Records::tryToLog(std::int64_t account, const std::string& what, std::int64_t patient) {
@@ -188,9 +187,7 @@ void Records::forgetDamaged(const std::string& name) {
 Json Records::underWay() {
   Json out = Json::array();
   Statement rows = db().query("SELECT what, at_us, problem FROM intent ORDER BY n");
-  while (rows.step()) {
-    out.push_back({{"what", rows.text(0)}, {"at_us", rows.integer(1)}, {"problem", rows.text(2)}});
-  }
+  while (rows.step()) out.push_back(rowJson(rows));
   return out;
 }
 

@@ -16,6 +16,12 @@
 
 namespace wholehand::clinic {
 
+// The JSON form of plans and presets, for pages and for the database.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanItem, exercise, level, minutes, help, parameters)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ForcePreset, id, parameters)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanPreset, id, items)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExerciseFacts, id, levels, parameters)
+
 struct ClinicOptions {
   std::string folder;      ///< holds clinic.db, keys, erased, hands/
   std::string config;      ///< the shipped config/

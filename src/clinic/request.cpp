@@ -46,6 +46,12 @@ std::string textOr(const Json& body, const char* key, std::size_t most, bool lin
   return text;
 }
 
+std::int64_t integerOf(const Json& body, const char* key, const std::string& why) {
+  const auto found = body.find(key);
+  if (found == body.end() || !found->is_number_integer()) throw badValue(key, why);
+  return found->get<std::int64_t>();
+}
+
 double numberOf(const Json& value, const std::string& field, double lower, double upper,
                 const std::string& unit) {
   const double number =

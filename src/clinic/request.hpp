@@ -12,6 +12,17 @@
 #include <utility>
 #include <vector>
 
+/// A value that may be null.
+template <class T>
+struct nlohmann::adl_serializer<std::optional<T>> {
+  static void to_json(nlohmann::json& out, const std::optional<T>& value) {
+    out = value ? nlohmann::json(*value) : nlohmann::json();
+  }
+  static void from_json(const nlohmann::json& in, std::optional<T>& value) {
+    if (!in.is_null()) value = in.get<T>();
+  }
+};
+
 /// Requests of the pages, their answers and refusals.
 namespace wholehand::clinic {
 
@@ -31,9 +42,13 @@ struct RequestRefusal {
 [[nodiscard]] inline RequestRefusal notFound(std::string what) {
   return {404, "not_found", std::move(what), {}};
 }
+[[nodiscard]] inline RequestRefusal refusal(int status, std::string code, std::string why,
+                                            Json more = Json::object()) {
+  return {status, std::move(code), std::move(why), {}, std::move(more)};
+}
 /// Refusal of a request whose data were changed since the page read them.
 [[nodiscard]] inline RequestRefusal changedMeanwhile(std::string why, Json now) {
-  return {409, "changed", std::move(why), {}, {{"now", std::move(now)}}};
+  return refusal(409, "changed", std::move(why), {{"now", std::move(now)}});
 }
 
 struct Request {
@@ -81,6 +96,8 @@ struct Call {
 /// feeds are allowed
 [[nodiscard]] std::string textOr(const Json& body, const char* key, std::size_t most,
                                  bool lines = false);
+/// Integer of a key; refused with `why` when there is none.
+[[nodiscard]] std::int64_t integerOf(const Json& body, const char* key, const std::string& why);
 [[nodiscard]] double numberOf(const Json& value, const std::string& field, double lower,
                               double upper, const std::string& unit);
 /// Parses the body of a request, which must be an object.

@@ -212,8 +212,8 @@ void createTriggers(Database& db, const std::string& table) {
 /// Words for a damaged row: of which visit or patient it is.
 std::string nameOf(Database& db, const std::string& table, std::int64_t row) {
   const auto code_of = [&](std::int64_t patient) {
-    Statement code = db.query("SELECT code FROM patient WHERE id = ?", patient);
-    return code.step() ? " of " + code.text(0) : std::string{};
+    const std::string code = db.text("SELECT code FROM patient WHERE id = ?", patient);
+    return code.empty() ? code : " of " + code;
   };
   const auto visit = [&](std::int64_t id) {
     return fmt::format("visit {}{}", id,
@@ -315,10 +315,11 @@ std::vector<std::string> damagedRows(Database& db, std::size_t most) {
   if (db.number("SELECT COUNT(*) FROM counter") != std::ssize(kNumbered) + 3) {
     out.emplace_back("the table counter");
   }
-  Statement given = db.query(
-      "SELECT c.name FROM counter c LEFT JOIN sqlite_sequence s ON s.name = c.name"
-      " WHERE c.name NOT IN ('changes', 'lost', 'jump') AND c.n IS NOT COALESCE(s.seq, 0)");
-  while (given.step()) out.push_back("the last number of " + given.text(0));
+  for (const std::string& table : db.all<std::string>(
+           "SELECT c.name FROM counter c LEFT JOIN sqlite_sequence s ON s.name = c.name"
+           " WHERE c.name NOT IN ('changes', 'lost', 'jump') AND c.n IS NOT COALESCE(s.seq, 0)")) {
+    out.push_back("the last number of " + table);
+  }
   return out;
 }
 

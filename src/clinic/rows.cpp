@@ -26,98 +26,100 @@ std::string sideOfHand(const Json& measures) {
 
 void refuseDamaged(Database& db, const char* table, std::int64_t row, const std::string& name) {
   if (isSound(db, table, row)) return;
-  throw RequestRefusal{409,
-                       "damaged",
-                       name +
-                           ": its row in clinic.db is damaged: restore a backup; until then train"
-                           " under the gentle preset, and confirm hand and side",
-                       {}};
+  throw refusal(409, "damaged",
+                name +
+                    ": its row in clinic.db is damaged: restore a backup; until then train"
+                    " under the gentle preset, and confirm hand and side");
 }
 
 VisitRow visitRow(Database& db, std::int64_t id) {
-  Statement row = db.query(
-      "SELECT patient, account, side, hand, hand_file, began_us, ended_us, offset_min, state, plan,"
-      " item, pain_before, pain_after, in_force, changed, before FROM visit WHERE id = ?",
-      id);
+  Statement row = db.query("SELECT * FROM visit WHERE id = ?", id);
   if (!row.step()) throw notFound(fmt::format("there is no visit {}", id));
   refuseDamaged(db, "visit", id, fmt::format("visit {}", id));
-  VisitRow visit;
-  visit.id = id;
-  if (!row.isNull(0)) visit.patient = row.integer(0);
-  visit.account = row.integer(1);
-  visit.side = row.text(2);
-  visit.hand = row.text(3);
-  visit.hand_file = row.text(4);
-  visit.began_us = row.integer(5);
-  visit.ended_us = row.integer(6);
-  visit.offset_min = static_cast<int>(row.integer(7));
-  visit.state = row.text(8);
-  visit.plan = planFrom(row.text(9));
-  visit.item = row.integer(10);
-  if (!row.isNull(11)) visit.pain_before = row.integer(11);
-  if (!row.isNull(12)) visit.pain_after = row.integer(12);
-  visit.in_force = Json::parse(row.text(13));
-  visit.changed = Json::parse(row.text(14));
-  visit.before = Json::parse(row.text(15));
-  return visit;
+  return rowJson(row, 0, {"plan", "in_force", "changed", "before"});
+}
+
+std::int64_t insertVisit(Records& records, VisitRow visit) {
+  Database& db = records.db();
+  if (visit.id == 0) visit.id = takeVisitNumber(db);
+  visit.offset_min = records.clock().offset_min(visit.began_us);
+  Json columns = visit;
+  columns["began_n"] = changesIn(db) + 1;
+  insertRow(db, "visit", columns);
+  return visit.id;
+}
+
+void insertRow(Database& db, const char* table, const Json& columns) {
+  std::string names, places;
+  for (const auto& [name, value] : columns.items()) {
+    names += (names.empty() ? "" : ", ") + name;
+    places += places.empty() ? "?" : ", ?";
+  }
+  Statement row = db.query(fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, places));
+  int at = -1;
+  for (const Json& value : columns) {
+    ++at;
+    if (value.is_null()) continue;  // as a parameter without a value
+    if (value.is_number_integer()) {
+      row.bind(at, value.get<std::int64_t>());
+    } else {
+      row.bind(at, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+  row.step();
+}
+
+Json rowJson(const Statement& row, int from, std::initializer_list<const char*> parsed) {
+  Json out = Json::object();
+  for (int column = from; column < row.columns(); ++column) {
+    Json& value = out[row.name(column)];
+    if (row.isInteger(column))
+      value = row.integer(column);
+    else if (!row.isNull(column))
+      value = row.text(column);
+  }
+  for (const char* name : parsed) out[name] = Json::parse(out[name].get<std::string>());
+  return out;
 }
 
 std::string trialColumns(Database& db) {
-  return "SELECT item, recording, began_us, state, why, measures, id, " +
-         soundness(db, "trial", "trial") + " FROM trial";
+  return "SELECT " + soundness(db, "trial", "trial") +
+         ", measures, id, item, recording, began_us, state, why FROM trial";
 }
-
-namespace {
-
-/// What is measured in a trial, and what stands for it where it was not.
-Json notMeasured() {
-  return {{"active_s", nullptr},     {"helped_s", nullptr},      {"led_s", nullptr},
-          {"helped_share", nullptr}, {"results", Json::array()}, {"peak_speed_m_s", nullptr},
-          {"path_ratio", nullptr},   {"reach_s", nullptr},       {"ended_by", ""}};
-}
-
-Json damagedTrial(std::int64_t id) {
-  Json trial = notMeasured();
-  trial.update({{"id", id},
-                {"item", 0},
-                {"exercise", ""},
-                {"level", 0},
-                {"recording", ""},
-                {"began_us", 0},
-                {"duration_s", nullptr},
-                {"side", ""},
-                {"state", "failed"},
-                {"why", fmt::format("row {} of trial in clinic.db is damaged: end the program and"
-                                    " run wholehand-clinic rebuild",
-                                    id)}});
-  return trial;
-}
-
-}  // namespace
 
 Json trialsIn(Statement rows, const Plan& plan) {
   Json trials = Json::array();
   while (rows.step()) {
-    if (rows.integer(7) == 0) {
-      trials.push_back(damagedTrial(rows.integer(6)));
-      continue;
-    }
-    const Json m = Json::parse(rows.text(5));
-    const auto item = static_cast<std::size_t>(rows.integer(0));
-    const bool planned = item < plan.size();
-    const Json recording = m.value("recording", Json::object());
-    Json& trial = trials.emplace_back(notMeasured());
+    // What is measured in a trial, and what stands for it where it was not.
+    Json& trial = trials.emplace_back(Json{{"active_s", nullptr},
+                                           {"helped_s", nullptr},
+                                           {"led_s", nullptr},
+                                           {"helped_share", nullptr},
+                                           {"results", Json::array()},
+                                           {"peak_speed_m_s", nullptr},
+                                           {"path_ratio", nullptr},
+                                           {"reach_s", nullptr},
+                                           {"ended_by", ""}});
+    Json m = Json::object();
+    const bool sound = rows.integer(0) != 0;
+    if (sound) m = Json::parse(rows.text(1));
     for (auto& [key, value] : trial.items()) value = m.value(key, value);
-    trial.update({{"id", rows.integer(6)},
-                  {"item", item},
-                  {"exercise", m.value("exercise", Json(planned ? plan[item].exercise : ""))},
-                  {"level", m.value("level", Json(planned ? plan[item].level : 0))},
-                  {"recording", rows.text(1)},
-                  {"began_us", rows.integer(2)},
-                  {"duration_s", recording.value("duration_s", Json())},
-                  {"side", sideOfHand(m)},
-                  {"state", rows.text(3)},
-                  {"why", rows.text(4)}});
+    Json row = rowJson(rows, 2);
+    if (!sound) {
+      const std::int64_t id = row["id"];
+      row = {{"id", id}, {"item", 0}, {"recording", ""}, {"began_us", 0}, {"state", "failed"}};
+      row["why"] = fmt::format(
+          "row {} of trial in clinic.db is damaged: end the program and run wholehand-clinic "
+          "rebuild",
+          id);
+    }
+    const std::size_t item = row["item"];
+    const bool planned = sound && item < plan.size();
+    trial.update(row);
+    trial["exercise"] = m.value("exercise", Json(planned ? plan[item].exercise : ""));
+    trial["level"] = m.value("level", Json(planned ? plan[item].level : 0));
+    trial["duration_s"] = m.value("recording", Json::object()).value("duration_s", Json());
+    trial["side"] = sideOfHand(m);
   }
   return trials;
 }
@@ -125,82 +127,59 @@ Json trialsIn(Statement rows, const Plan& plan) {
 Json notesOf(Records& records, const char* column, std::int64_t id, bool hidden) {
   Json notes = Json::array();
   Statement rows = records.db().query(
-      fmt::format("SELECT id, visit, at_us, account, kind, text, {} FROM note WHERE {} = ? ORDER "
-                  "BY at_us, id",
+      fmt::format("SELECT {}, text, id, COALESCE(visit, 0) AS visit, at_us, account, kind FROM note"
+                  " WHERE {} = ? ORDER BY at_us, id",
                   soundness(records.db(), "note", "note"), column),
       id);
   while (rows.step()) {
-    if (rows.integer(6) == 0) {
-      notes.push_back({{"id", rows.integer(0)},
-                       {"visit", 0},
-                       {"at_us", 0},
-                       {"account", 0},
-                       {"kind", "text"},
-                       {"text", fmt::format("note {}: its row in clinic.db is damaged: restore a"
-                                            " backup",
-                                            rows.integer(0))}});
-      continue;
+    Json& note = notes.emplace_back(rowJson(rows, 2));
+    if (rows.integer(0) == 0) {
+      note.update({{"visit", 0}, {"at_us", 0}, {"account", 0}, {"kind", "text"}});
+      note["text"] = fmt::format("note {}: its row in clinic.db is damaged: restore a backup",
+                                 note["id"].get<std::int64_t>());
+    } else {
+      note["text"] = hidden ? "" : records.unseal("note", rows.text(1));
     }
-    notes.push_back({{"id", rows.integer(0)},
-                     {"visit", rows.integer(1)},
-                     {"at_us", rows.integer(2)},
-                     {"account", rows.integer(3)},
-                     {"kind", rows.text(4)},
-                     {"text", hidden ? "" : records.unseal("note", rows.text(5))}});
   }
   return notes;
 }
 
+namespace {
+
+Json listed(const VisitRow& visit) {
+  Json out = visit;
+  for (const char* name : {"hand_file", "in_force", "before"}) out.erase(name);
+  out["hand"] = visit.hand.empty() ? visit.hand_file : visit.hand;
+  out["next_item"] = visit.item + 1;
+  return out;
+}
+
+}  // namespace
+
 Json visitJson(Records& records, std::int64_t id, bool hidden) {
-  const VisitRow v = visitRow(records.db(), id);
-  return {{"id", v.id},
-          {"patient", v.patient ? Json(*v.patient) : Json()},
-          {"side", v.side},
-          {"began_us", v.began_us},
-          {"ended_us", v.ended_us},
-          {"offset_min", v.offset_min},
-          {"state", v.state},
-          {"account", v.account},
-          {"plan", toJson(v.plan)},
-          {"changed", v.changed},
-          {"item", v.item},
-          {"next_item", v.item + 1},
-          {"hand", v.hand.empty() ? v.hand_file : v.hand},
-          {"trials",
-           trialsIn(records.db().query(
-                        trialColumns(records.db()) + " WHERE visit = ? ORDER BY began_us, id", id),
-                    v.plan)},
-          {"notes", notesOf(records, "visit", id, hidden)},
-          {"pain_before", v.pain_before},
-          {"pain_after", v.pain_after}};
+  const VisitRow visit = visitRow(records.db(), id);
+  Json out = listed(visit);
+  const std::string of_visit =
+      trialColumns(records.db()) + " WHERE visit = ? ORDER BY began_us, id";
+  out["trials"] = trialsIn(records.db().query(of_visit, id), visit.plan);
+  out["notes"] = notesOf(records, "visit", id, hidden);
+  return out;
 }
 
 Json listedVisit(Records& records, std::int64_t id) {
   if (isSound(records.db(), "visit", id)) return visitJson(records, id, false);
-  return {{"id", id},
-          {"patient", nullptr},
-          {"side", ""},
-          {"began_us", 0},
-          {"ended_us", 0},
-          {"offset_min", 0},
-          {"state", "damaged"},
-          {"account", 0},
-          {"plan", Json::array()},
-          {"changed", Json::object()},
-          {"item", 0},
-          {"next_item", 0},
-          {"hand", ""},
-          {"trials", Json::array()},
-          {"notes", Json::array()},
-          {"pain_before", nullptr},
-          {"pain_after", nullptr}};
+  VisitRow damaged;
+  damaged.id = id;
+  damaged.state = "damaged";
+  Json out = listed(damaged);
+  out["next_item"] = 0;
+  out["trials"] = out["notes"] = Json::array();
+  return out;
 }
 
 void takeBackSettings(Database& db, const VisitRow& visit) {
   if (!visit.patient || visit.before.empty()) return;
-  Statement row = db.query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
-  row.step();
-  Json own = Json::parse(row.text(0));
+  Json own = Json::parse(db.text("SELECT parameters FROM patient WHERE id = ?", *visit.patient));
   for (const auto& [name, value] : visit.before.items()) {
     if (own.value(name, Json()) != visit.changed.at(name)) continue;
     own[name] = value;
@@ -210,22 +189,36 @@ void takeBackSettings(Database& db, const VisitRow& visit) {
             *visit.patient);
 }
 
+void insertWaitingTrial(Database& db, const std::string& recording, std::int64_t visit,
+                        std::int64_t item, std::int64_t began_us, const std::string& sha256) {
+  insertRow(db, "trial",
+            {{"recording", recording},
+             {"size", 0},
+             {"modified_ns", 0},
+             {"state", "waiting"},
+             {"why", ""},
+             {"visit", visit},
+             {"item", item},
+             {"began_us", began_us},
+             {"sha256", sha256},
+             {"measures_version", 0},
+             {"measures", "{}"}});
+}
+
+void writeLog(Database& db, std::int64_t at_us, std::int64_t account, const std::string& what,
+              std::int64_t patient, std::int64_t visit, const std::string& detail) {
+  insertRow(db, "log",
+            {{"at_us", at_us},
+             {"account", account},
+             {"what", what},
+             {"patient", patient},
+             {"visit", visit},
+             {"detail", detail}});
+}
+
 std::int64_t takeVisitNumber(Database& db) {
   db.run("UPDATE clinic SET next_visit = next_visit + 1");
   return db.number("SELECT next_visit - 1 FROM clinic");
-}
-
-std::int64_t insertVisit(Records& records, std::int64_t patient, std::int64_t account,
-                         const std::string& side, std::int64_t began_us, std::int64_t ended_us,
-                         const std::string& state) {
-  const std::int64_t id = takeVisitNumber(records.db());
-  records.db().change(
-      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item, began_n) VALUES (?, ?, ?, ?, '', '', ?, ?, ?, ?, '[]', 0, "
-      "?)",
-      id, patient, account, side, began_us, ended_us, records.clock().offset_min(began_us), state,
-      changesIn(records.db()) + 1);
-  return id;
 }
 
 void insertNote(Records& records, Call& call, std::optional<std::int64_t> patient,

@@ -2,6 +2,7 @@
 
 #include "clinic/intents.hpp"
 #include "clinic/row_digests.hpp"
+#include "clinic/rows.hpp"
 #include "clinic/text.hpp"
 #include "files/process/child_process.hpp"
 #include "loop/core/printable.hpp"
@@ -164,7 +165,8 @@ void replaceDamaged(Database& db) {
   Statement query = db.query("SELECT recording, sha256, id, visit FROM trial WHERE NOT " +
                              soundness(db, "trial", "trial"));
   while (query.step()) {
-    rows.push_back({query.text(0), query.text(1), query.integer(2), query.integer(3)});
+    Damaged& row = rows.emplace_back();
+    query.read(row.recording, row.sha256, row.id, row.visit);
   }
   Transaction transaction(db);
   for (const Damaged& row : rows) {
@@ -172,11 +174,7 @@ void replaceDamaged(Database& db) {
     const std::string owner = ownerOf(db, row.sha256);
     const std::int64_t patient = db.number("SELECT patient FROM visit WHERE id = ?", row.visit);
     if (owner.empty() || markOf(db, patient) != owner) continue;
-    db.change(
-        "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, "
-        "sha256,"
-        " measures_version, measures) VALUES (?, 0, 0, 'waiting', '', ?, 0, 0, ?, 0, '{}')",
-        row.recording, row.visit, row.sha256);
+    insertWaitingTrial(db, row.recording, row.visit, 0, 0, row.sha256);
   }
   transaction.commit();
 }
@@ -221,12 +219,9 @@ void Trials::noteMissing(std::set<std::string> present) {
         " 'measured' THEN state ELSE 'failed' END WHERE id = ?",
         id);
   }
-  std::vector<std::string> nobodys;
-  Statement rows = records_.db().query("SELECT recording FROM trial WHERE visit IS NULL");
-  while (rows.step()) {
-    if (!present.contains(rows.text(0))) nobodys.push_back(rows.text(0));
-  }
-  for (const std::string& name : nobodys) {
+  for (const std::string& name :
+       records_.db().all<std::string>("SELECT recording FROM trial WHERE visit IS NULL")) {
+    if (present.contains(name)) continue;
     records_.db().change("DELETE FROM trial WHERE recording = ?", name);
     files_.erase(name);
   }

@@ -1,6 +1,7 @@
 #include "clinic/upkeep.hpp"
 
 #include "clinic/backup.hpp"
+#include "clinic/rows.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -78,16 +79,11 @@ Json Upkeep::backUpNow(Call& call) {
 Json Upkeep::log(Call&) {
   Json out = Json::array();
   Statement rows = records_.db().query(
-      "SELECT l.at_us, l.account, l.what, p.code, l.visit FROM log l"
+      "SELECT l.at_us AS at_us, l.account AS account, l.what AS what,"
+      " COALESCE(p.code, '') AS code, l.visit AS visit FROM log l"
       " LEFT JOIN patient p ON p.id = l.patient ORDER BY l.n DESC LIMIT ?",
       kNewestEntries);
-  while (rows.step()) {
-    out.push_back({{"at_us", rows.integer(0)},
-                   {"account", rows.integer(1)},
-                   {"what", rows.text(2)},
-                   {"code", rows.text(3)},
-                   {"visit", rows.integer(4)}});
-  }
+  while (rows.step()) out.push_back(rowJson(rows));
   return {{"log", std::move(out)}};
 }
 

@@ -20,10 +20,8 @@ Json Visits::note(Call& call) {
 Json Visits::putNote(Call& call) {
   const std::int64_t id = call.ids.at(0);
   const auto owner = [&](const char* key) -> std::optional<std::int64_t> {
-    const Json given = call.body.value(key, Json());
-    if (given.is_null()) return {};
-    if (!given.is_number_integer()) throw badValue(key, fmt::format("{} is no number", key));
-    return given.get<std::int64_t>();
+    if (call.body.value(key, Json()).is_null()) return {};
+    return integerOf(call.body, key, fmt::format("{} is no number", key));
   };
   std::optional<std::int64_t> patient = owner("patient"), visit = owner("visit");
   if (id < 1 || id > kLastDrawnNote) throw badValue("", "a note has a number of 1 to 2^48 - 1");
@@ -40,9 +38,7 @@ Json Visits::putNote(Call& call) {
       throw RequestRefusal{
           409, "changed", "this number is a note of another visit, patient or account", {}};
     }
-    patient = visit = {};
-    if (!row.isNull(0)) patient = row.integer(0);
-    if (!row.isNull(1)) visit = row.integer(1);
+    row.read(patient, visit);
     call.body.emplace("at_us", row.integer(3));
     call.body.emplace("kind", row.text(4));
     records_.db().change("DELETE FROM note WHERE id = ?", id);

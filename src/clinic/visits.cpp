@@ -128,7 +128,7 @@ void Visits::keepSettings(VisitRow& visit) {
   if (visit.in_force == before) return;
   Transaction transaction(records_.db());
   records_.db().change("UPDATE visit SET plan = ?, in_force = ?, changed = ? WHERE id = ?",
-                       toJson(visit.plan).dump(), visit.in_force.dump(), visit.changed.dump(),
+                       Json(visit.plan).dump(), visit.in_force.dump(), visit.changed.dump(),
                        visit.id);
   transaction.commit();
 }
@@ -153,9 +153,10 @@ void Visits::close(std::int64_t account, VisitRow visit, const std::string& stat
   records_.db().change("UPDATE patient SET parameters = ?, version = version + 1 WHERE id = ?",
                        own.dump(), *visit.patient);
   // Caps the plan: an item above a lowered limit would be refused at the next change of the person.
-  records_.db().change("UPDATE patient SET plan = ? WHERE id = ?",
-                       toJson(capped(planFrom(row.text(1)), plans_.limitsOf(visit.patient))).dump(),
-                       *visit.patient);
+  records_.db().change(
+      "UPDATE patient SET plan = ? WHERE id = ?",
+      Json(capped(Json::parse(row.text(1)), plans_.limitsOf(visit.patient))).dump(),
+      *visit.patient);
   records_.log(account, "kept settings", *visit.patient, visit.id, visit.changed.dump());
 }
 
@@ -163,9 +164,9 @@ void Visits::close(std::int64_t account, VisitRow visit, const std::string& stat
 void Visits::chooseHand(VisitRow& visit) {
   visit.hand = "adult-median-" + visit.side;
   if (!visit.patient) return;
-  Statement row = records_.db().query("SELECT hands FROM patient WHERE id = ?", *visit.patient);
-  row.step();
-  const Json hand = Json::parse(row.text(0)).value(visit.side, Json());
+  const Json hands =
+      Json::parse(records_.db().text("SELECT hands FROM patient WHERE id = ?", *visit.patient));
+  const Json hand = hands.value(visit.side, Json());
   const std::string field = "hands." + visit.side;
   if (hand.is_null()) throw badValue(field, "length and breadth of this hand are missing");
   const double length_m = hand.at("length_m"), breadth_m = hand.at("breadth_m");
@@ -183,10 +184,9 @@ void Visits::chooseHand(VisitRow& visit) {
 /// or the visit was moved to another person.
 void Visits::fitToPerson(VisitRow& visit) {
   refuseOtherSide(*visit.patient, visit.side);
-  Statement row =
-      records_.db().query("SELECT parameters FROM patient WHERE id = ?", *visit.patient);
-  row.step();
-  const Json own = Json::parse(row.text(0)), changed = visit.changed;
+  const Json own = Json::parse(
+                 records_.db().text("SELECT parameters FROM patient WHERE id = ?", *visit.patient)),
+             changed = visit.changed;
   for (const auto& [name, value] : changed.items()) {
     if (own.value(name, Json()) == value) continue;
     visit.changed.erase(name);
@@ -208,10 +208,9 @@ void Visits::removeHandFile(const std::string& name) const {
 }
 
 void Visits::refuseOtherSide(std::int64_t patient, const std::string& side) {
-  Statement row = records_.db().query("SELECT side FROM patient WHERE id = ?", patient);
-  row.step();
-  if (row.text(0) != "both" && row.text(0) != side) {
-    throw badValue("side", "the patient's affected side is " + row.text(0) + ", not " + side);
+  const std::string affected = records_.db().text("SELECT side FROM patient WHERE id = ?", patient);
+  if (affected != "both" && affected != side) {
+    throw badValue("side", "the patient's affected side is " + affected + ", not " + side);
   }
 }
 
@@ -224,24 +223,18 @@ void Visits::refuseWhileAsking() const {
 void Visits::refuseWhileLost() {
   const std::int64_t lost = lostChanges(records_.db());
   if (lost == 0) return;
-  throw RequestRefusal{
-      409,
-      "damaged",
-      fmt::format("the last {} changes of clinic.db are lost: look at the limits of"
-                  " whoever trained last and confirm it at the list of patients;"
-                  " until then train under the gentle preset",
-                  lost),
-      {}};
+  throw refusal(409, "damaged",
+                fmt::format("the last {} changes of clinic.db are lost: look at the limits of"
+                            " whoever trained last and confirm it at the list of patients;"
+                            " until then train under the gentle preset",
+                            lost));
 }
 
 void Visits::refuseWhileOpen() {
   const std::int64_t open = openOne();
   if (open == 0) return;
-  throw RequestRefusal{409,
-                       "visit_open",
-                       "another visit is open; finish it first",
-                       {},
-                       {{"now", visitJson(records_, open, false)}}};
+  throw refusal(409, "visit_open", "another visit is open; finish it first",
+                {{"now", visitJson(records_, open, false)}});
 }
 
 /// Sends an order and waits for its reply. The lock is released meanwhile, so that other requests
@@ -279,21 +272,17 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
   visit.patient = patient;
   visit.side = side;
   visit.plan = plan;
+  visit.account = call.session.account;
+  visit.state = "open";
   // The row is on the disk before the station gets the visit number, so that every recording has a
   // visit.
   records_.begin(call);
   visit.id = takeVisitNumber(records_.db());
   chooseHand(visit);
   const VisitOrder order = orderOf(visit, 0);
-  const std::int64_t now_us = records_.clock().now_us();
-  records_.db().change(
-      "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us,"
-      " offset_min, state, plan, item, in_force, began_n) VALUES (?, ?, ?, ?, ?, ?, ?, 0, ?, "
-      "'open',"
-      " ?, 0, ?, ?)",
-      visit.id, patient, call.session.account, side, visit.hand, visit.hand_file, now_us,
-      records_.clock().offset_min(now_us), toJson(plan).dump(), inForce(order).dump(),
-      changesIn(records_.db()) + 1);
+  visit.began_us = records_.clock().now_us();
+  visit.in_force = inForce(order);
+  insertVisit(records_, visit);
   records_.log(call.session.account, "asked for a visit", patient.value_or(0), visit.id);
   call.transaction->commit();
   call.transaction.reset();
@@ -430,16 +419,10 @@ void Visits::setAside(std::int64_t account, std::int64_t visit) {
 Json Visits::move(Call& call) {
   const VisitRow visit = visitOf(call);
   if (visit.state == "open") {
-    throw RequestRefusal{409,
-                         "visit_open",
-                         "the limits in force are the other person's: finish the visit "
-                         "first",
-                         {}};
+    throw refusal(409, "visit_open",
+                  "the limits in force are the other person's: finish the visit first");
   }
-  const Json to = call.body.value("patient", Json());
-  if (!to.is_number_integer()) throw badValue("patient", "patient is no number of a patient");
-  const auto patient = to.get<std::int64_t>();
-  patients_.check(patient);
+  const std::int64_t patient = patients_.named(call.body);
   takeBackSettings(records_.db(), visit);
   records_.db().change(
       "UPDATE visit SET patient = ?, state = ?, changed = '{}', before = '{}' WHERE id = ?",
@@ -486,12 +469,8 @@ std::uint64_t Visits::compareWithStation(const StationScene& scene) {
     std::string name = scene.recording.substr(scene.recording.rfind('/') + 1);
     if (records_.db().number("SELECT COUNT(*) FROM trial WHERE recording = ?", name) == 0) {
       Transaction transaction(records_.db());
-      records_.db().change(
-          "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us,"
-          " sha256, measures_version, measures)"
-          " VALUES (?, 0, 0, 'waiting', '', ?, ?, ?, '', 0, '{}')",
-          name, static_cast<std::int64_t>(open), std::int64_t{scene.item},
-          records_.clock().now_us());
+      insertWaitingTrial(records_.db(), name, static_cast<std::int64_t>(open), scene.item,
+                         records_.clock().now_us());
       transaction.commit();
     }
   }

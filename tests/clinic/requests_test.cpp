@@ -398,7 +398,7 @@ double slowAnswer_s(int patients, int visits) {
         "INSERT INTO visit (id, patient, account, side, hand, hand_file, began_us, ended_us, "
         "offset_min, state,"
         " plan, item) VALUES (?, ?, 1, 'right', 'a', '', ?, 1, 0, 'done', ?, 0)",
-        v + 1, v % patients + 1, kNoon_us - v * kDay_us, toJson(planFrom("[]")).dump());
+        v + 1, v % patients + 1, kNoon_us - v * kDay_us, "[]");
     for (int t = 0; t < 3; ++t) {
       db.change(
           "INSERT INTO trial (recording, size, modified_ns, state, why, visit, item, began_us, "
