@@ -901,17 +901,6 @@ TEST(ForeignUrdf, FrictionThatIsNotApplied_IsReportedUntilTheSceneGivesOne) {
   }
 }
 
-TEST(ForeignUrdf, InvalidScale_IsReportedOnce) {
-  const Folder folder;
-  folder.write("box.obj", kBoxObj);
-  const std::string path =
-      folder.write("s.urdf", R"(<robot name="r"><link name="a"><collision><geometry>
-<mesh filename="box.obj" scale="1,1,1"/></geometry></collision></link></robot>)");
-  const Diagnostics faults = loadUrdf(path).errors();
-  ASSERT_EQ(faults.size(), 1U) << format(faults);
-  EXPECT_TRUE(contains(format(faults), "mesh.scale = 1,1,1: cannot be read"));
-}
-
 TEST(ForeignUrdf, DensityOfALink_GivesTheMassOfItsColliders) {
   const Folder folder;
   const auto dense = [&](const std::string& value) {

@@ -316,54 +316,6 @@ TEST(SceneFile, Overlap_NamesBothBodiesAndTheDepth) {
                    .ok());
 }
 
-TEST(SceneFile, FaultyFiles_AreReportedWithLineKeyAndFault) {
-  const std::string body = "[[bodies]]\nname = \"b\"\nposition_m = [0, 0, 0]\nmass_kg = 0.1\n";
-  const std::string sphere = body + "shape = \"sphere\"\n";
-  const std::string good = sphere + "radius_m = 0.02\n";
-  const Folder folder;
-  folder.write("empty.stl", "");
-  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n");
-  folder.write("lid.urdf", R"(<robot name="r">
-<link name="a"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
-<link name="b"/>
-<joint name="lid" type="revolute"><limit lower="1" upper="0.5"/><parent link="a"/><child link="b"/>
-</joint></robot>)");
-  const struct {
-    std::string text, place, problem;
-  } cases[] = {
-      {sphere + "radius_m = nan\n", ":10: ", "is not finite"},
-      {sphere + "radius_m = \"2 cm\"\n", ":10: ", "is a text"},
-      {sphere + "radius_m = -0.02\n", ":10: ", "is out of range"},
-      {sphere, "radius_m", "is missing"},
-      {good + "colour = \"#112233\"\n", ":11: ", "colour"},
-      {good + "height_m = 0.1\n", ":11: ", "height_m"},
-      {good + "color = \"red\"\n", ":11: ", "is not a colour"},
-      {good + "friction = inf\n", ":11: ", "is not finite"},
-      {good + "linear_damping_per_s = 1.5\n", ":11: ", "is out of range"},
-      {good + "fixed = true\n", ":8: ", "fixed body"},
-      {good + "orientation_rpy_rad = [0, 90, 0]\n", ":11: ", "orientation_rpy_rad"},
-      {good + good, ":12: ", "is the name of two bodies"},
-      {body + "shape = \"cone\"\nradius_m = 0.1\n", ":9: ", "is unknown"},
-      {body + "shape = \"mesh\"\nfile = \"none.stl\"\n", ":10: ", "none.stl"},
-      {body + "shape = \"mesh\"\nfile = \"empty.stl\"\n", ":10: ", "is empty"},
-      {body + "shape = \"mesh\"\nfile = \"flat.obj\"\n", ":10: ", "is flat"},
-      {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
-      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].limit",
-       "is reversed"},
-      {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
-       "mass_kg", "is missing"},
-  };
-  for (const auto& c : cases) {
-    const std::string path = folder.write("bad.toml", kSceneHead + c.text);
-    const Expected<SceneModel> scene = loadSceneFile(path);
-    ASSERT_FALSE(scene.ok()) << c.text;
-    const std::string message = format(scene.errors());
-    EXPECT_TRUE(contains(message, folder.file("")));
-    EXPECT_TRUE(contains(message, c.place)) << c.text << "\n" << message;
-    EXPECT_TRUE(contains(message, c.problem)) << c.text << "\n" << message;
-  }
-}
-
 // Moving links are recorded by name. Earlier, run --record refused such names without naming a
 // line.
 TEST(SceneFile, MovingLinkWhoseNameCannotBeRecorded_IsRefusedAtItsLine) {
@@ -402,31 +354,6 @@ TEST(SceneFile, AllFaults_AreReportedTogetherOnePerLine) {
   ASSERT_FALSE(scene.ok());
   // name empty, gravity missing, size, mass, position, unknown key
   EXPECT_EQ(scene.errors().size(), 6U) << format(scene.errors());
-}
-
-// An unreadable URDF does not show whether it gives the mass.
-TEST(SceneFile, UnreadableUrdf_IsTheOnlyFault) {
-  const Folder folder;
-  folder.write("empty.urdf", "");
-  for (const char* file : {"none.urdf", "empty.urdf"}) {
-    const Expected<SceneModel> scene = loadSceneFile(folder.write(
-        "bad.toml", kSceneHead + "[[bodies]]\nname = \"a\"\nshape = \"urdf\"\nfile = \"" + file +
-                        "\"\nposition_m = [0, 0, 0]\n"));
-    ASSERT_FALSE(scene.ok());
-    EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
-    EXPECT_TRUE(refusedWith(scene, file));
-  }
-}
-
-TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
-  const Folder folder;
-  const Expected<SceneModel> scene = loadSceneFile(folder.write(
-      "bad.toml", kSceneHead +
-                      "[[bodies]]\nname = \"a\"\nshape = \"pyramid\"\nsize_m = [0.1, 0.1, 0.1]\n"
-                      "radius_m = 0.1\nheight_m = 0.1\nfile = \"x\"\nmass_kg = 1\n"
-                      "position_m = [0, 0, 0]\n"));
-  ASSERT_FALSE(scene.ok());
-  EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
 }
 
 TEST(SceneFile, TooManyBodies_AreRefused) {

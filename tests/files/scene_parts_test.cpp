@@ -369,99 +369,8 @@ TEST(Urdf, PlaceholderInertiasOfMovingLinks_AreReplacedOrRefused) {
                        "the URDF's 'lid' has 1e-09 kg; must be in [1e-04, 1000] kg"));
 }
 
-TEST(Urdf, FaultyFiles_AreReportedWithLineElementAndFault) {
-  const std::string ok = "<link name=\"a\">" + kBall + "</link>";
-  const auto joint = [](const std::string& type) {
-    return "<joint name=\"lid\" type=\"" + type +
-           "\"><parent link=\"a\"/><child link=\"b\"/></joint>";
-  };
-  const auto moving = [](const std::string& rest, const std::string& type = "revolute") {
-    return "<joint name=\"lid\" type=\"" + type + "\"><parent link=\"a\"/><child link=\"b\"/>" +
-           rest + "</joint>";
-  };
-  const std::string range = "<limit lower=\"0\" upper=\"1\"/>";
-  const std::string b = "<link name=\"b\">" + kBall + "</link>";
-  const auto shaped = [](const std::string& g) {
-    return "<link name=\"a\"><collision><geometry>" + g + "</geometry></collision></link>";
-  };
-  const auto inertial = [](const std::string& i) {
-    return "<link name=\"a\">" + kBall + "<inertial>" + i + "</inertial></link>";
-  };
-  const auto placed = [](const std::string& origin) {
-    return "<link name=\"a\"><collision><origin " + origin + "/>" + kBall.substr(11) + "</link>";
-  };
-  const struct {
-    std::string body, place, problem;
-  } cases[] = {
-      {"\n\n<link name=\"bare\"/>", ":4: link[bare]", "no collider"},
-      {ok + b + "\n" + joint("planar"), ":3: joint[lid].type", "'lid' moves in a way"},
-      {ok + b + "\n" + joint("floating"), ":3: joint[lid].type", "not supported"},
-      {ok + b + "\n" + moving("<limit lower=\"0.5\" upper=\"-0.5\"/>"), ":3: joint[lid].limit",
-       "is reversed"},
-      {ok + b + moving(range + range), "joint[lid].limit", "stands there twice"},
-      {ok + b + moving(range + "<axis xyz=\"0 0 0\"/>"), "joint[lid].axis.xyz", "no direction"},
-      {ok + b + moving(range + "<mimic joint=\"x\"/>"), "joint[lid].mimic",
-       "no joint of that name"},
-      {ok + b + moving(range + "<dynamics friction=\"-1\"/>"), "dynamics.friction", "is negative"},
-      {ok + b, "robot", "2 root links"},
-      {ok + b + joint("fixed") + joint("fixed"), "joint[lid].child", "two joints"},
-      {ok + joint("fixed"), "joint[lid].child", "no link of that name"},
-      {ok + ok, "link[a]", "two links"},
-      {shaped("<sphere radius=\"nan\"/>"), "link[a].collision[0].sphere.radius", "cannot be read"},
-      {shaped("<sphere radius=\"-1\"/>"), "sphere.radius", "out of range"},
-      {shaped("<sphere/>"), "sphere.radius", "missing"},
-      {shaped("<box size=\"1 2\"/>"), "box.size", "3 finite numbers"},
-      {shaped("<box size=\"0.1 0 0.1\"/>"), "box.size", "out of range"},
-      {shaped("<cone radius=\"1\"/>"), "collision[0].cone", "unknown shape"},
-      {shaped(""), "collision[0].geometry", "exactly one shape"},
-      {shaped("<mesh filename=\"gone.stl\"/>"), "mesh.filename", "no such mesh file"},
-      {inertial("<mass value=\"1\"/>"), "link[a].inertial", "has no <inertia>"},
-      {inertial("<mass value=\"-2\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"),
-       "inertial.mass.value", "is negative"},
-      {inertial("<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"3\"/>"), "inertial.inertia",
-       "triangle inequality"},
-      {ok + b + moving("<limit lower=\"-90\" upper=\"1\"/>"), "joint[lid].limit.lower = -90",
-       "beyond two turns (4π rad); must be in rad: multiply degrees by"},
-      {ok + b + moving("<limit upper=\"300\"/>", "prismatic"), "joint[lid].limit.upper = 300",
-       "divide millimetres by 1000"},
-      {ok + b + moving("<limit low=\"-1\" upper=\"1\"/>"), "joint[lid].limit.low = -1",
-       "must be one of lower, upper"},
-      {ok + b + moving("<origin xyz=\"0 0 50\"/>", "fixed"), "joint[lid].origin.xyz = 0 0 50",
-       "must be in [-10, 10] m"},
-      {placed("xyz=\"0 -11 0\""), "link[a].collision[0].origin.xyz = 0 -11 0",
-       "must be in [-10, 10] m"},
-      {shaped("<sphere radius=\"+-0.1\"/>"), "sphere.radius = +-0.1", "cannot be read"},
-      {placed("quat_xyzw=\"0 0 0 0\""), "origin.quat_xyzw = 0 0 0 0", "is no rotation"},
-      {placed("xyz=\"0 0 0\" euler=\"0 0 1\""), "link[a].collision.origin.euler = 0 0 1",
-       "is unknown; must be one of xyz, rpy, quat_xyzw"},
-      {inertial(
-           "<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" iyx=\"0.5\"/>"),
-       "link[a].inertial.inertia.iyx = 0.5", "differs from ixy = 0"},
-      {"<link name=\"a\">" + kBall + "\n<colision/></link>", ":3: link[a].colision",
-       "did you mean <collision>?"},
-      {"<link name=\"a\"><collision><pose>0 0 1 0 0 0</pose>" + kBall.substr(11) + "</link>",
-       "link[a].collision.pose", "did you mean <origin>?"},
-      {ok + "\n<Link name=\"b\">" + kBall + "</Link>", ":3: Link[b]", "did you mean <link>?"},
-      {ok + "</robot>\n<robot name=\"s\">" + b, ":3: robot", "stands there twice"},
-      {"<link name=\"a\">" + kBall + "\n<xacro:box_inertia m=\"1\"/></link>",
-       ":3: xacro:box_inertia", "run xacro first"},
-      {shaped("<mesh filename=\"$(find cups)/a.stl\"/>"), "mesh.filename = $(find cups)/a.stl",
-       "run xacro first"},
-      {"", "robot", "has no link"},
-  };
+TEST(Urdf, FileThatIsNoUrdf_IsRefusedWithTheReason) {
   const Folder folder;
-  for (const auto& c : cases) {
-    const std::string path =
-        folder.write("bad.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\" version=\"1.1\">" +
-                                     c.body + "</robot>\n");
-    MeshLoadTime time;
-    const Expected<UrdfBody> body = loadUrdf(path, time, {.inertia = InertiaRule::kRefuse});
-    ASSERT_FALSE(body.ok()) << c.body;
-    const std::string message = format(body.errors());
-    EXPECT_EQ(message.find(path), 0U) << message;
-    EXPECT_TRUE(contains(message, c.place));
-    EXPECT_TRUE(contains(message, c.problem));
-  }
   const Expected<UrdfBody> broken = loadUrdf(folder.write("broken.urdf", "<robot><link></robot>"));
   EXPECT_TRUE(
       refusedWith(broken, "broken.urdf:1: is not well-formed XML: an element is not closed"));
@@ -504,18 +413,6 @@ TEST(Urdf, FileBeyondBounds_IsRefusedBeforeParsing) {
   EXPECT_TRUE(contains(said(bare + "</robot>"), "has more than 16000 elements"));
   EXPECT_TRUE(
       contains(said("<robot>" + std::string(5 << 20, ' ') + "</robot>"), "larger than 4 MB"));
-}
-
-TEST(Urdf, LinksInACircle_AreRefused) {
-  std::string text = "<robot name=\"r\">";
-  for (const char* name : {"root", "p", "q"}) {
-    text += std::string("<link name=\"") + name + "\">" + kBall + "</link>";
-  }
-  text += R"(<joint name="1" type="fixed"><parent link="p"/><child link="q"/></joint>
-             <joint name="2" type="fixed"><parent link="q"/><child link="p"/></joint></robot>)";
-  const Folder folder;
-  const Expected<UrdfBody> body = loadUrdf(folder.write("circle.urdf", text));
-  EXPECT_TRUE(refusedWith(body, "circle"));
 }
 
 }  // namespace

@@ -161,37 +161,5 @@ TEST_F(UrdfChains, RangeOfAFollowerOnTheOtherSide_IsNotApplied) {
                        "joint[b] = 0 .. 1.5: is not applied: it has no place in common with 'a'"));
 }
 
-TEST_F(UrdfChains, WhatCannotBe_IsRefusedByTheJointsName) {
-  const std::string stand = link("stand") + link("one") + link("two");
-  const struct {
-    std::string text, place, problem, remedy;
-  } cases[] = {
-      {stand + joint("a", "stand", "one", kRange) + joint("b", "stand", "two", follow("x")),
-       "joint[b].mimic.joint = x", "there is no joint of that name", "name one of"},
-      {stand + joint("a", "stand", "one", follow("b")) + joint("b", "stand", "two", follow("a")),
-       "joint[a].mimic.joint = b", "follows itself", "take its <mimic> out"},
-      {stand + joint("a", "stand", "one", "", "fixed") + joint("b", "stand", "two", follow("a")),
-       "joint[b].mimic.joint = a", "does not move", "make this joint fixed"},
-      {stand + joint("a", "stand", "one", kRange) +
-           joint("b", "stand", "two", follow("a", "multiplier=\"0\"")),
-       "joint[b].mimic.joint = a", "by 0 of its own way", "other than 0"},
-      {stand + link("three") + link("four") + joint("a", "stand", "one", kRange) +
-           joint("b", "one", "two", kRange) + joint("c", "two", "three", kRange) +
-           joint("d", "three", "four", kRange),
-       "joint[d]", "more than 3 that move each other: 'a', 'b', 'c', 'd'",
-       "make one of them fixed"},
-      {stand + joint("a", "stand", "one", kRange) + joint("b", "one", "two", kRange, "planar"),
-       "joint[b].type = planar", "'b' moves in a way", "fixed, revolute, continuous or prismatic"},
-  };
-  for (const auto& c : cases) {
-    const Expected<SceneModel> scene = load(c.text);
-    ASSERT_FALSE(scene) << c.problem;
-    const std::string text = format(scene.errors());
-    EXPECT_TRUE(contains(text, c.place)) << text;
-    EXPECT_TRUE(contains(text, c.problem)) << text;
-    EXPECT_TRUE(contains(text, c.remedy)) << text;
-  }
-}
-
 }  // namespace
 }  // namespace wholehand::test::urdf_trees
