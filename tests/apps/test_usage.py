@@ -1,42 +1,19 @@
 """The command line: help, usage errors, unwritable paths, doctor, users and folders."""
 import os
+import re
 import shutil
 
 from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, main, ordinary_user
 
-# The options that the --help of every subcommand must mention; they are the contract of the command line.
-OPTIONS = {
-    "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
-            "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
-            "--uncertified", "--no-rehearsal", "--driver", "--host", "--without-passport"],
-    "replay": ["--resimulate", "--report", "recording"],
-    "report": ["--out", "recording"],
-    "experiment": ["grasping", "timing"],
-    "experiment grasping": ["--engine", "--json", "--out", "--jittered", "--only", "--seed"],
-    "experiment timing": ["--engine", "--json", "--out", "--ticks", "--scene", "--simulated-clock"],
-    "validate": ["files"],
-    "certify": ["--engine", "--device", "--rendering", "--hand", "--rate-hz", "--json", "--charts"],
-    "device-host": ["--name", "--driver", "--device", "--device-at", "--driver-settings", "--rate-hz"],
-    "device": ["commission"],
-    "device commission": ["--driver", "--host", "--device", "--operator", "--device-at", "--driver-settings",
-                          "--rate-hz", "--daily"],
-    "prescribe": ["recordings", "--name", "--out"],
-    "doctor": ["--help"],
-}
-
-
 class Help(AppTest):
-    def test_help_lists_every_subcommand(self):
-        result = self.expect(self.run_app("--help"), DONE)
-        for subcommand in OPTIONS:
-            self.assertIn(subcommand.split()[0], result.out)
-
-    def test_help_of_every_subcommand_lists_its_options(self):
-        for subcommand, options in OPTIONS.items():
-            with self.subTest(subcommand):
-                result = self.expect(self.run_app(*subcommand.split(), "--help"), DONE)
-                for option in options:
-                    self.assertIn(option, result.out)
+    def test_help_of_every_subcommand_lists_its_options_and_runs_nothing(self):
+        commands = [()]
+        for command in commands:
+            with self.subTest(command):
+                said = self.expect(self.run_app(*command, "--help"), DONE, "Options:\n", "--help").out
+                listed = said.partition("\nSubcommands:\n")[2]
+                commands += [(*command, name) for name in re.findall(r"^  ([a-z-]+) ", listed, re.M)]
+        self.assertGreater(len(commands), 20)
         self.assertEqual(self.names_in(self.folder), [])
 
     def test_version_is_printed(self):
