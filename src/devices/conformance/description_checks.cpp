@@ -35,6 +35,11 @@ CheckFinding eachAxis(DriverBench& bench, Violation violation) {
   return passed();
 }
 
+template <std::string (*Violation)(const wh_axis&)>
+CheckFinding eachAxis(DriverBench& bench) {
+  return eachAxis(bench, Violation);
+}
+
 std::string outside(double value, double least, double most, const char* unit) {
   if (value >= least && value <= most) return {};
   return number(value) + " " + unit + " is not from " + number(least) + " to " + number(most);
@@ -85,14 +90,12 @@ CheckFinding namesEnd(DriverBench& bench) {
   return passed();
 }
 
-CheckFinding names(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) -> std::string {
-    const std::string name = axis.name;
-    if (name.empty()) return "has no name";
-    const bool plain =
-        name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
-    return plain ? "" : "is no name of a device file: a to z, 0 to 9 and _";
-  });
+std::string names(const wh_axis& axis) {
+  const std::string name = axis.name;
+  if (name.empty()) return "has no name";
+  const bool plain =
+      name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+  return plain ? "" : "is no name of a device file: a to z, 0 to 9 and _";
 }
 
 CheckFinding namesUnique(DriverBench& bench) {
@@ -102,30 +105,23 @@ CheckFinding namesUnique(DriverBench& bench) {
   });
 }
 
-CheckFinding kinds(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return axis.kind == WH_TRANSLATION || axis.kind == WH_ROTATION
-               ? std::string()
-               : "its kind is " + std::to_string(axis.kind);
-  });
+std::string kinds(const wh_axis& axis) {
+  return axis.kind == WH_TRANSLATION || axis.kind == WH_ROTATION
+             ? std::string()
+             : "its kind is " + std::to_string(axis.kind);
 }
 
-CheckFinding kindsOfNames(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) -> std::string {
-    const std::string name = axis.name;
-    if ((name == "x" || name == "y" || name == "z") && turns(axis)) return "is a translation";
-    if ((name == "roll" || name == "pitch" || name == "yaw") && !turns(axis))
-      return "is a rotation";
-    return {};
-  });
+std::string kindsOfNames(const wh_axis& axis) {
+  const std::string name = axis.name;
+  if ((name == "x" || name == "y" || name == "z") && turns(axis)) return "is a translation";
+  if ((name == "roll" || name == "pitch" || name == "yaw") && !turns(axis)) return "is a rotation";
+  return {};
 }
 
-CheckFinding meanings(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return axis.effort_meaning <= WH_VIBRATION
-               ? std::string()
-               : "its effort is of kind " + std::to_string(axis.effort_meaning);
-  });
+std::string meanings(const wh_axis& axis) {
+  return axis.effort_meaning <= WH_VIBRATION
+             ? std::string()
+             : "its effort is of kind " + std::to_string(axis.effort_meaning);
 }
 
 CheckFinding rendered(DriverBench& bench) {
@@ -136,92 +132,68 @@ CheckFinding rendered(DriverBench& bench) {
              : failed("no axis takes an effort");
 }
 
-CheckFinding travelFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return std::isfinite(axis.lower) && std::isfinite(axis.upper) ? "" : "its travel is not finite";
-  });
+std::string travelFinite(const wh_axis& axis) {
+  return std::isfinite(axis.lower) && std::isfinite(axis.upper) ? "" : "its travel is not finite";
 }
 
-CheckFinding travelOrdered(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return axis.lower < axis.upper
-               ? std::string()
-               : "from " + number(axis.lower) + " to " + number(axis.upper) + " there is no travel";
-  });
+std::string travelOrdered(const wh_axis& axis) {
+  return axis.lower < axis.upper
+             ? std::string()
+             : "from " + number(axis.lower) + " to " + number(axis.upper) + " there is no travel";
 }
 
-CheckFinding travelPlausible(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    const double travel = axis.upper - axis.lower;
-    return turns(axis) ? outside(travel, kLeastTravel_rad, kMostTravel_rad, "rad of travel")
-                       : outside(travel, kLeastTravel_m, kMostTravel_m, "m of travel");
-  });
+std::string travelPlausible(const wh_axis& axis) {
+  const double travel = axis.upper - axis.lower;
+  return turns(axis) ? outside(travel, kLeastTravel_rad, kMostTravel_rad, "rad of travel")
+                     : outside(travel, kLeastTravel_m, kMostTravel_m, "m of travel");
 }
 
-CheckFinding effortFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return std::isfinite(axis.effort_limit) && axis.effort_limit > 0.0
-               ? std::string()
-               : "its effort limit is " + number(axis.effort_limit);
-  });
+std::string effortFinite(const wh_axis& axis) {
+  return std::isfinite(axis.effort_limit) && axis.effort_limit > 0.0
+             ? std::string()
+             : "its effort limit is " + number(axis.effort_limit);
 }
 
-CheckFinding effortPlausible(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return turns(axis) ? outside(axis.effort_limit, kLeastEffort_nm, kMostEffort_nm, "N·m")
-                       : outside(axis.effort_limit, kLeastEffort_n, kMostEffort_n, "N");
-  });
+std::string effortPlausible(const wh_axis& axis) {
+  return turns(axis) ? outside(axis.effort_limit, kLeastEffort_nm, kMostEffort_nm, "N·m")
+                     : outside(axis.effort_limit, kLeastEffort_n, kMostEffort_n, "N");
 }
 
-CheckFinding resolutionFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return std::isfinite(axis.resolution) && axis.resolution > 0.0
-               ? std::string()
-               : "its resolution is " + number(axis.resolution);
-  });
+std::string resolutionFinite(const wh_axis& axis) {
+  return std::isfinite(axis.resolution) && axis.resolution > 0.0
+             ? std::string()
+             : "its resolution is " + number(axis.resolution);
 }
 
-CheckFinding resolutionPlausible(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return outside(axis.resolution, kFinest, (axis.upper - axis.lower) / kStepsOfTravel,
-                   turns(axis) ? "rad a step" : "m a step");
-  });
+std::string resolutionPlausible(const wh_axis& axis) {
+  return outside(axis.resolution, kFinest, (axis.upper - axis.lower) / kStepsOfTravel,
+                 turns(axis) ? "rad a step" : "m a step");
 }
 
-CheckFinding delayFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return std::isfinite(axis.delay_s) && axis.delay_s >= 0.0
-               ? std::string()
-               : "its delay is " + number(axis.delay_s) + " s";
-  });
+std::string delayFinite(const wh_axis& axis) {
+  return std::isfinite(axis.delay_s) && axis.delay_s >= 0.0
+             ? std::string()
+             : "its delay is " + number(axis.delay_s) + " s";
 }
 
-CheckFinding delayPlausible(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return outside(axis.delay_s, 0.0, kLongestDelay_s, "s of delay");
-  });
+std::string delayPlausible(const wh_axis& axis) {
+  return outside(axis.delay_s, 0.0, kLongestDelay_s, "s of delay");
 }
 
-CheckFinding silenceFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return std::isfinite(axis.silence_s) && axis.silence_s >= 0.0
-               ? std::string()
-               : "its silence is " + number(axis.silence_s) + " s";
-  });
+std::string silenceFinite(const wh_axis& axis) {
+  return std::isfinite(axis.silence_s) && axis.silence_s >= 0.0
+             ? std::string()
+             : "its silence is " + number(axis.silence_s) + " s";
 }
 
-CheckFinding watchdogStated(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return axis.effort_meaning != WH_EFFORT || axis.silence_s > 0.0
-               ? std::string()
-               : "has no watchdog: its last effort would stay when the program dies";
-  });
+std::string watchdogStated(const wh_axis& axis) {
+  return axis.effort_meaning != WH_EFFORT || axis.silence_s > 0.0
+             ? std::string()
+             : "has no watchdog: its last effort would stay when the program dies";
 }
 
-CheckFinding silencePlausible(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_axis& axis) {
-    return outside(axis.silence_s, 0.0, kLongestSilence_s, "s of silence");
-  });
+std::string silencePlausible(const wh_axis& axis) {
+  return outside(axis.silence_s, 0.0, kLongestSilence_s, "s of silence");
 }
 
 constexpr const char* kFill = "fill every field of every axis";
@@ -235,35 +207,38 @@ std::span<const Check> descriptionChecks() {
       {"description.stable", "describes the same axes every time",
        "find out once, when the device is opened", stable},
       {"description.names_end", "names end with 0 within 32 bytes", "shorten the name", namesEnd},
-      {"description.names", "names can stand in a device file", "use a to z, 0 to 9 and _", names},
+      {"description.names", "names can stand in a device file", "use a to z, 0 to 9 and _",
+       eachAxis<names>},
       {"description.names_unique", "no name is there twice", "give every axis a name of its own",
        namesUnique},
       {"description.kinds", "each axis is a translation or a rotation",
-       "set WH_TRANSLATION or WH_ROTATION", kinds},
+       "set WH_TRANSLATION or WH_ROTATION", eachAxis<kinds>},
       {"description.kinds_of_names", "x, y, z translate; roll, pitch, yaw rotate",
-       "name the axis after what it does", kindsOfNames},
+       "name the axis after what it does", eachAxis<kindsOfNames>},
       {"description.meanings", "what an effort is to each axis is known", "set effort_meaning",
-       meanings},
+       eachAxis<meanings>},
       {"description.rendered", "at least one axis takes an effort",
        "a device without effort axes cannot be rendered to", rendered},
-      {"description.travel_finite", "travel is finite", kFill, travelFinite},
+      {"description.travel_finite", "travel is finite", kFill, eachAxis<travelFinite>},
       {"description.travel_ordered", "the lower end of travel is below the upper", "exchange them",
-       travelOrdered},
+       eachAxis<travelOrdered>},
       {"description.travel_plausible", "travel is 1 mm to 3 m, or 0.02 to 20 rad", kUnits,
-       travelPlausible},
-      {"description.effort_finite", "the effort limit is above 0", kFill, effortFinite},
+       eachAxis<travelPlausible>},
+      {"description.effort_finite", "the effort limit is above 0", kFill, eachAxis<effortFinite>},
       {"description.effort_plausible", "the effort limit is 0.01 to 500 N, or 0.0001 to 200 N·m",
-       kUnits, effortPlausible},
-      {"description.resolution_finite", "the resolution is above 0", kFill, resolutionFinite},
+       kUnits, eachAxis<effortPlausible>},
+      {"description.resolution_finite", "the resolution is above 0", kFill,
+       eachAxis<resolutionFinite>},
       {"description.resolution_plausible", "the travel has at least 100 steps of resolution",
-       kUnits, resolutionPlausible},
-      {"description.delay_finite", "the delay is 0 or more", kFill, delayFinite},
-      {"description.delay_plausible", "the delay is at most 20 ms", kUnits, delayPlausible},
-      {"description.silence_finite", "the silence is 0 or more", kFill, silenceFinite},
+       kUnits, eachAxis<resolutionPlausible>},
+      {"description.delay_finite", "the delay is 0 or more", kFill, eachAxis<delayFinite>},
+      {"description.delay_plausible", "the delay is at most 20 ms", kUnits,
+       eachAxis<delayPlausible>},
+      {"description.silence_finite", "the silence is 0 or more", kFill, eachAxis<silenceFinite>},
       {"description.watchdog", "each axis with effort has a watchdog",
-       "switch the drive's watchdog on and state its time", watchdogStated},
+       "switch the drive's watchdog on and state its time", eachAxis<watchdogStated>},
       {"description.silence_plausible", "the watchdog acts within 0.2 s",
-       "keep the factory's setting; 20 ms is usual", silencePlausible},
+       "keep the factory's setting; 20 ms is usual", eachAxis<silencePlausible>},
   };
   return kChecks;
 }

@@ -44,6 +44,11 @@ CheckFinding eachPair(DriverBench& bench, Violation violation) {
   return passed();
 }
 
+template <std::string (*Violation)(const SampleRead&, const SampleRead&)>
+CheckFinding eachPair(DriverBench& bench) {
+  return eachPair(bench, Violation);
+}
+
 template <class Violation>
 CheckFinding eachAxis(DriverBench& bench, Violation violation) {
   return eachSample(bench, [&](const wh_sample& sample) -> std::string {
@@ -53,6 +58,11 @@ CheckFinding eachAxis(DriverBench& bench, Violation violation) {
     }
     return {};
   });
+}
+
+template <std::string (*Violation)(const wh_sample&, std::size_t)>
+CheckFinding eachAxis(DriverBench& bench) {
+  return eachAxis(bench, Violation);
 }
 
 CheckFinding succeed(DriverBench& bench) {
@@ -77,11 +87,8 @@ CheckFinding status(DriverBench& bench) {
   });
 }
 
-CheckFinding sequence(DriverBench& bench) {
-  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
-    return now.sample.sequence >= before.sample.sequence ? std::string()
-                                                         : "sequence runs backwards";
-  });
+std::string sequence(const SampleRead& before, const SampleRead& now) {
+  return now.sample.sequence >= before.sample.sequence ? std::string() : "sequence runs backwards";
 }
 
 CheckFinding movesOn(DriverBench& bench) {
@@ -99,16 +106,14 @@ CheckFinding movesOn(DriverBench& bench) {
   return passed();
 }
 
-CheckFinding newIsNew(DriverBench& bench) {
-  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
-    if (now.result == WH_OK && now.sample.sequence == before.sample.sequence) {
-      return std::string("is said to be new and has the sequence of the last one");
-    }
-    if (now.result == WH_NOTHING_NEW && now.sample.sequence != before.sample.sequence) {
-      return std::string("is said to be nothing new and has another sequence");
-    }
-    return std::string();
-  });
+std::string newIsNew(const SampleRead& before, const SampleRead& now) {
+  if (now.result == WH_OK && now.sample.sequence == before.sample.sequence) {
+    return std::string("is said to be new and has the sequence of the last one");
+  }
+  if (now.result == WH_NOTHING_NEW && now.sample.sequence != before.sample.sequence) {
+    return std::string("is said to be nothing new and has another sequence");
+  }
+  return std::string();
 }
 
 CheckFinding filledWithLast(DriverBench& bench) {
@@ -127,11 +132,9 @@ CheckFinding filledWithLast(DriverBench& bench) {
   return found;
 }
 
-CheckFinding clockForwards(DriverBench& bench) {
-  return eachPair(bench, [](const SampleRead& before, const SampleRead& now) {
-    return now.sample.monotonic_ns >= before.sample.monotonic_ns ? std::string()
-                                                                 : "monotonic_ns runs backwards";
-  });
+std::string clockForwards(const SampleRead& before, const SampleRead& now) {
+  return now.sample.monotonic_ns >= before.sample.monotonic_ns ? std::string()
+                                                               : "monotonic_ns runs backwards";
 }
 
 CheckFinding clockIsMonotonic(DriverBench& bench) {
@@ -177,17 +180,13 @@ CheckFinding validDescribed(DriverBench& bench) {
   });
 }
 
-CheckFinding validComplete(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_sample& s, std::size_t a) {
-    return (s.valid >> a & 1U) != 0 ? std::string() : "is not measured";
-  });
+std::string validComplete(const wh_sample& s, std::size_t a) {
+  return (s.valid >> a & 1U) != 0 ? std::string() : "is not measured";
 }
 
-CheckFinding positionFinite(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_sample& s, std::size_t a) {
-    const bool measured = (s.valid >> a & 1U) != 0;
-    return !measured || std::isfinite(s.position[a]) ? std::string() : "is valid and not finite";
-  });
+std::string positionFinite(const wh_sample& s, std::size_t a) {
+  const bool measured = (s.valid >> a & 1U) != 0;
+  return !measured || std::isfinite(s.position[a]) ? std::string() : "is valid and not finite";
 }
 
 CheckFinding positionInTravel(DriverBench& bench) {
@@ -244,12 +243,10 @@ CheckFinding effortKnown(DriverBench& bench) {
   });
 }
 
-CheckFinding temperatureKnown(DriverBench& bench) {
-  return eachAxis(bench, [](const wh_sample& s, std::size_t a) {
-    const double t = s.temperature_c[a];
-    return std::isnan(t) || (t >= kColdest_c && t <= kHottest_c) ? std::string()
-                                                                 : "is at " + number(t) + " °C";
-  });
+std::string temperatureKnown(const wh_sample& s, std::size_t a) {
+  const double t = s.temperature_c[a];
+  return std::isnan(t) || (t >= kColdest_c && t <= kHottest_c) ? std::string()
+                                                               : "is at " + number(t) + " °C";
 }
 
 constexpr const char* kSequence = "count samples, and never start anew while the device is open";
@@ -265,12 +262,13 @@ std::span<const Check> sampleChecks() {
       {"samples.results", "read returns WH_OK, WH_NOTHING_NEW or an error",
        "return one of the header's values", results},
       {"samples.status", "only known bits of status are set", "clear the structure first", status},
-      {"samples.sequence", "sequence never runs backwards", kSequence, sequence},
+      {"samples.sequence", "sequence never runs backwards", kSequence, eachPair<sequence>},
       {"samples.moves_on", "a new sample comes within 20 ms", "look at the bus", movesOn},
-      {"samples.new", "WH_OK and WH_NOTHING_NEW agree with the sequence", kSequence, newIsNew},
+      {"samples.new", "WH_OK and WH_NOTHING_NEW agree with the sequence", kSequence,
+       eachPair<newIsNew>},
       {"samples.nothing_new", "WH_NOTHING_NEW comes with the last sample", "keep a copy of it",
        filledWithLast},
-      {"samples.clock", "monotonic_ns never runs backwards", kClock, clockForwards},
+      {"samples.clock", "monotonic_ns never runs backwards", kClock, eachPair<clockForwards>},
       {"samples.clock_monotonic", "monotonic_ns is of CLOCK_MONOTONIC", kClock, clockIsMonotonic},
       {"samples.age", "samples are no older than the stated delay and 3 ms",
        "hand over the newest sample, not the next", age},
@@ -278,15 +276,16 @@ std::span<const Check> sampleChecks() {
       {"samples.valid_described", "valid names no axis that is not described",
        "set one bit per described axis", validDescribed},
       {"samples.valid", "every axis is measured in every sample",
-       "the loop stops where one is missing: look at the encoder", validComplete},
+       "the loop stops where one is missing: look at the encoder", eachAxis<validComplete>},
       {"samples.position_finite", "positions that are valid are finite",
-       "clear the bit of valid where there is no position", positionFinite},
+       "clear the bit of valid where there is no position", eachAxis<positionFinite>},
       {"samples.travel", "a homed axis stands within its travel and 2 % of it",
        "home it anew, and state the travel it has", positionInTravel},
       {"samples.resolution", "positions move in steps no coarser than stated",
        "state the steps that it has, and certify again", quantised},
       {"samples.effort", "measured efforts are NaN or below twice the limit", kNan, effortKnown},
-      {"samples.temperature", "temperatures are NaN or from -40 to 200 °C", kNan, temperatureKnown},
+      {"samples.temperature", "temperatures are NaN or from -40 to 200 °C", kNan,
+       eachAxis<temperatureKnown>},
   };
   return kChecks;
 }
