@@ -6,10 +6,9 @@ import signal
 import struct
 import urllib.parse
 
-import h5py
 import numpy
 
-from app import HANG_S, INTERRUPTED, MOTION, AppTest, lose_ticks, main, read_recording
+from app import HANG_S, INTERRUPTED, MOTION, AppTest, main, read_recording
 
 
 class ReplayWeb(AppTest):
@@ -109,29 +108,14 @@ class Shown(ReplayWeb):
     def test_invalid_questions_are_refused(self):
         self.record("run.h5", duration=0.2)
         self.serve("run.h5")
-        for question, texts in (("series?from_s=2&to_s=1&columns=9", ["to_s = 1", "not after from_s"]),
-                                ("series?from_s=0&to_s=1&columns=0", ["columns = 0", "1 to 2000"]),
-                                ("series?from_s=0&to_s=3600&columns=9", ["to_s = 3600", "60 s"]),
-                                ("states?tick=0&count=257&step=1", ["count = 257", "1 to 256"])):
-            with self.subTest(question):
-                error = self.error(question, status=400)
-                for text in texts:
-                    self.assertIn(text, error)
+        error = self.error("series?from_s=0&to_s=3600&columns=9", status=400)
+        self.assertIn("to_s = 3600", error)
+        self.assertIn("60 s", error)
         self.error("everything", status=404)
         for path in ("/api/recordings/other.h5/replay/about", "/api/recordings/../run.h5/replay/about",
                      "/api/recordings/..%2frun.h5/replay/about", "/api/recordings//etc/passwd/replay/about"):
             with self.subTest(path):
                 self.assertIn(self.get(path)[0], (400, 404))
-
-    def test_missing_ticks_are_a_gap_and_later_ticks_are_shown(self):
-        path = self.record("run.h5", duration=1.5)
-        ticks = lose_ticks(path, 500, 700)
-        self.serve(path)
-        about = self.about()
-        self.assertEqual((about["ticks"], about["ticks_missing"], about["run_again"]), (ticks - 200, 200, False))
-        gaps = self.series(0.0, 10.0, 10)[0]["gaps"]
-        self.assertEqual([(round(g["from_s"], 3), round(g["to_s"], 3), g["ticks"]) for g in gaps], [(0.5, 0.7, 200)])
-        self.assertEqual(len(self.states(499, 2)), 2)
 
     def test_killed_and_unfinished_recordings_are_read_up_to_their_end(self):
         run = self.start_app("run", "--motion", MOTION, "--no-web",
@@ -170,63 +154,11 @@ class Refused(ReplayWeb):
         self.expect_refused(self.run_app("replay", path, "--beside", path), "--web")
         self.expect_refused(self.run_app("replay", "--web", "--resimulate", path), "--resimulate")
 
-    def test_other_files_are_reported_as_no_recordings(self):
-        good = self.record("good.h5", duration=1.0).read_bytes()
-        (self.folder / "good.h5").unlink()
-        path = self.folder / "run.h5"
-
-        def foreign():
-            with h5py.File(path, "w") as f:
-                f["x"] = [1, 2, 3]
-
-        def newer():
-            path.write_bytes(good)
-            with h5py.File(path, "r+", libver="latest") as f:
-                del f["meta"].attrs["schema_version"]
-                f["meta"].attrs["schema_version"] = numpy.uint64(99)
-
-        def without_ticks():
-            path.write_bytes(good)
-            with h5py.File(path, "r+", libver="latest") as f:
-                for table in ("ticks", "contacts", "events", "commands"):
-                    for dataset in f[table].values():
-                        dataset.resize(0, axis=0)
-
-        for make, text in ((lambda: path.write_bytes(b""), "is empty"),
-                           (lambda: path.write_bytes(b"<html>not a recording</html>"), "is no HDF5 file"),
-                           (lambda: path.write_bytes(good[:len(good) // 2]), "truncated"),
-                           (foreign, "no Wholehand recording"), (newer, "newer Wholehand"),
-                           (without_ticks, "holds no ticks")):
-            with self.subTest(text):
-                make()
-                run = self.serve(path)
-                for question in ("about", "scene", "states?tick=0&count=1&step=1",
-                                 "series?from_s=0&to_s=1&columns=1"):
-                    error = self.error(question)
-                    self.assertIn("run.h5", error)
-                    self.assertIn(text, error)
-                run.kill()
-                run.wait()
-
-    def test_corrupted_chunk_loses_only_its_second(self):
-        path = self.record("run.h5", duration=2.5)
-        with h5py.File(path, "r") as f:
-            chunk = f["ticks/q_s"].id.get_chunk_info(1)
-            first, rows, ticks = chunk.chunk_offset[0], f["ticks/q_s"].chunks[0], len(f["ticks/tick"])
-        corrupted = bytearray(path.read_bytes())
-        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
-            corrupted[at] ^= 0xFF
-        path.write_bytes(corrupted)
-        self.serve(path)
-        self.assertEqual(self.about()["ticks"], ticks)
-        self.assertIn("cannot be read", self.error(f"states?tick={first}&count=1&step=1"))
-        self.assertEqual(len(self.states(first - 2, 10)), 2)  # states up to the damaged chunk
-        self.assertEqual(len(self.states(first + rows)), 1)
-        header, channels = self.series(-0.0005, 1.9995, 2000)  # each tick is at the centre of its column
-        self.assertIs(header["truncated"], True)
-        dark = numpy.isnan(channels["q_m", 0][0])
-        self.assertTrue(dark[first:first + rows].all())
-        self.assertEqual(dark.sum(), rows)
+    def test_file_that_is_no_recording_is_the_answer_to_every_question(self):
+        whole = self.record("run.h5", duration=1.0).read_bytes()
+        self.serve(self.write("run.h5", whole[:len(whole) // 2]))
+        for question in ("about", "scene", "states?tick=0&count=1&step=1", "series?from_s=0&to_s=1&columns=1"):
+            self.assertRegex(self.error(question), "run.h5(.|\n)*truncated")
 
 
 if __name__ == "__main__":

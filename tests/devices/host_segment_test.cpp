@@ -1,5 +1,6 @@
 // The shared memory and the names of a host and its loop, and all possible defects of them.
 #include "hosted_tools.hpp"
+#include "support/contains.hpp"
 #include "support/open_enabled.hpp"
 
 #include <gtest/gtest.h>
@@ -18,9 +19,9 @@ std::string whyNoHost(const std::string& name) {
 
 TEST(NoHost, NoHostOfTheName_IsReportedWithHowToStartOne) {
   const std::string said = whyNoHost("test-nobody");
-  EXPECT_NE(said.find("test-nobody"), std::string::npos) << said;
-  EXPECT_NE(said.find("does not run"), std::string::npos) << said;
-  EXPECT_NE(said.find("wholehand device-host"), std::string::npos) << said;
+  EXPECT_TRUE(contains(said, "test-nobody"));
+  EXPECT_TRUE(contains(said, "does not run"));
+  EXPECT_TRUE(contains(said, "wholehand device-host"));
 }
 
 TEST(NoHost, InvalidName_IsRefused) {
@@ -37,9 +38,7 @@ TEST(TwoLoops, SecondLoopOfAHost_IsRefusedWithTheFirstsProcess) {
   auto first = orThrow(HostedDriver::connect(name));
   ASSERT_TRUE(openEnabled(*deviceOf(first)));
   const std::string said = whyNoHost(name);
-  EXPECT_NE(said.find("is in use by another loop, process " + std::to_string(::getpid())),
-            std::string::npos)
-      << said;
+  EXPECT_TRUE(contains(said, "is in use by another loop, process " + std::to_string(::getpid())));
   first.reset();
   EXPECT_TRUE(HostedDriver::connect(name)) << "free again";
 }
@@ -62,8 +61,7 @@ TEST(TwoHosts, SecondHostOfAName_IsRefusedWithTheFirstsProcess) {
   const auto second = HostLock::take(name);
   ASSERT_FALSE(second);
   const std::string said = format(second.errors());
-  EXPECT_NE(said.find("runs already, as process " + std::to_string(first.pid())), std::string::npos)
-      << said;
+  EXPECT_TRUE(contains(said, "runs already, as process " + std::to_string(first.pid())));
   first.send(SIGKILL);
   first.wait();
   EXPECT_TRUE(HostLock::take(name)) << "a dead host holds nothing";
@@ -94,8 +92,8 @@ class ForeignMemory : public testing::Test {
   }
   void expectRefused(const std::string& with) const {
     const std::string said = whyNoHost(name_);
-    EXPECT_NE(said.find(name_), std::string::npos) << said;
-    EXPECT_NE(said.find(with), std::string::npos) << said;
+    EXPECT_TRUE(contains(said, name_));
+    EXPECT_TRUE(contains(said, with));
   }
 
   std::string name_, path_;

@@ -326,7 +326,7 @@ TEST(ForeignMesh, InvalidObjLine_IsNamed) {
   };
   for (const auto& c : cases) {
     const std::string said = refusalOf(folder, "c.obj", c.lines + kBoxObj);
-    EXPECT_TRUE(contains(said, c.expected)) << said;
+    EXPECT_TRUE(contains(said, c.expected));
   }
 }
 
@@ -393,8 +393,7 @@ TEST(ForeignMesh, NearlyConvexParts_BecomePieces) {
   ASSERT_EQ(two.shapes.size(), 2U);
   EXPECT_NEAR(moments(two.shapes[0]).volume_m3, kBox_m3, 1e-15);
   EXPECT_TRUE(
-      contains(format(two.notices), "has 2 parts whose convex hulls take their place, 1.52 %"))
-      << format(two.notices);
+      contains(format(two.notices), "has 2 parts whose convex hulls take their place, 1.52 %"));
   EXPECT_EQ(dented(3.6e-3).shapes.size(), 1U);  // 6.4 %
 }
 
@@ -403,7 +402,7 @@ TEST(ForeignMesh, FlatPartAmongPieces_IsLeftOutAndNamed) {
   const std::string flat = "o flat\nv 0 0 1\nv 0.1 0 1\nv 0 0.1 1\nf -3 -2 -1\n";
   const MeshCollider mesh = orThrow(load(folder, "u.obj", letterU("o {}\n", false) + flat));
   EXPECT_EQ(mesh.shapes.size(), 3U);
-  EXPECT_TRUE(contains(format(mesh.notices), "has 1 part without volume")) << format(mesh.notices);
+  EXPECT_TRUE(contains(format(mesh.notices), "has 1 part without volume"));
 }
 
 TEST(ForeignMesh, SurfaceWithBothSides_IsReadOnce) {
@@ -417,7 +416,7 @@ TEST(ForeignMesh, SurfaceWithBothSides_IsReadOnce) {
   EXPECT_TRUE(mesh.notices.empty()) << format(mesh.notices);
   const MeshCollider bent = orThrow(load(
       folder, "bent.obj", both + "v 0.03 0.02 0.01\nf 1 2 9\nf 9 2 1\n"));  // a fin with both sides
-  EXPECT_TRUE(contains(format(bent.notices), "of 48 cm3")) << format(bent.notices);
+  EXPECT_TRUE(contains(format(bent.notices), "of 48 cm3"));
 }
 
 TEST(ForeignMesh, StlVariantsOfOtherWriters_AreRead) {
@@ -560,8 +559,7 @@ TEST(ForeignMesh, PartInsideAnother_IsLeftOutAndAHollowIsFilled) {
       orThrow(load(folder, "in.obj", "o a\n" + kBoxObj + "o b\n" + inner + objFaces(9)));
   ASSERT_EQ(solid.shapes.size(), 1U);
   EXPECT_NEAR(moments(solid.shapes[0]).volume_m3, kBox_m3, 1e-15);
-  EXPECT_TRUE(contains(format(solid.notices), "has 1 part inside another"))
-      << format(solid.notices);
+  EXPECT_TRUE(contains(format(solid.notices), "has 1 part inside another"));
   std::string hollow = kBoxObj + inner;
   for (const Eigen::Vector3i& t : kBoxFaces) {
     hollow += fmt::format("f {} {} {}\n", t[2] + 9, t[1] + 9, t[0] + 9);
@@ -630,7 +628,7 @@ TEST(ForeignMesh, GlbWithMoreThanItsGeometry_IsReadAndReported) {
   const std::string extended =
       with("{", R"("extensionsRequired":["KHR_materials_unlit","EXT_bent_space"],)");
   const std::string said = format(orThrow(load(folder, "e.glb", extended)).notices);
-  EXPECT_TRUE(contains(said, "requires the extension EXT_bent_space, which is not known")) << said;
+  EXPECT_TRUE(contains(said, "requires the extension EXT_bent_space, which is not known"));
   EXPECT_FALSE(contains(said, "KHR_materials_unlit")) << said;
   const std::string text = with(R"("buffers":[{)", R"("uri":"data:;base64,AAAA",)");
   EXPECT_TRUE(contains(refusalOf(folder, "d.glb", text), "keeps its geometry as text in its JSON"));
@@ -985,8 +983,8 @@ TEST(ForeignFile, KnownKinds_AreNamedWithTheCommandThatConvertsThem) {
     EXPECT_EQ(as_toml.find(path + ": is "), 0U) << as_toml;
     for (const std::string& said : {as_toml, format(loadUrdf(path).errors()),
                                     format(loadMeshCollider(path, Vector3d::Ones()).errors())}) {
-      EXPECT_TRUE(contains(said, c.is)) << said;
-      EXPECT_TRUE(contains(said, c.remedy)) << said;
+      EXPECT_TRUE(contains(said, c.is));
+      EXPECT_TRUE(contains(said, c.remedy));
     }
   }
   const std::string urdf = folder.write("r.urdf", "<robot name=\"r\">" + kBoxLink + "</robot>");

@@ -183,14 +183,13 @@ TEST(MeshCollider, HullOfManyCorners_IsReducedAndReportsByHowMuch) {
   EXPECT_GT(lost, 0.0);
   EXPECT_LT(lost, 3.0 * 2.0 * 2.0 * pi / (std::sqrt(3.0) * kMaxMeshPoints));
   const std::string notice = noticeOf(collider);
-  EXPECT_TRUE(contains(notice, "has 39600 triangles")) << notice;
-  EXPECT_TRUE(contains(notice, "smaller in volume")) << notice;
+  EXPECT_TRUE(contains(notice, "has 39600 triangles"));
+  EXPECT_TRUE(contains(notice, "smaller in volume"));
   double outside_m = 0.0;
   for (const Vector3d& p : ball.points) {
     outside_m = std::max(outside_m, signedDistance(collider.shapes[0], p));
   }
-  EXPECT_TRUE(contains(notice, fmt::format("{:.2g} mm outside of at most", 1e3 * outside_m)))
-      << notice;
+  EXPECT_TRUE(contains(notice, fmt::format("{:.2g} mm outside of at most", 1e3 * outside_m)));
 }
 
 TEST(MeshCollider, OpenOrInconsistentSurface_HasAHullAndNoVolume) {

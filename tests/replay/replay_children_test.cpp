@@ -2,6 +2,7 @@
 // RECORDING --answer`. tests/apps tests the real program.
 #include "replay/replay_children.hpp"
 
+#include "support/contains.hpp"
 #include "support/folder.hpp"
 
 #include <gtest/gtest.h>
@@ -122,9 +123,7 @@ TEST_F(ReplayChildrenTest, CrashOfTheReader_IsReportedAndTheNextRequestStartsANe
   for (int i = 0; i < 2; ++i) {
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
     EXPECT_EQ(answer.status, 422);
-    EXPECT_NE(answer.body.find("a.h5: is damaged: it ended the program that read it"),
-              std::string::npos)
-        << answer.body;
+    EXPECT_TRUE(contains(answer.body, "a.h5: is damaged: it ended the program that read it"));
   }
 }
 
@@ -135,7 +134,7 @@ TEST_F(ReplayChildrenTest, MalformedAnswerOfTheReader_IsAnError) {
     ReplayChildren children(playing(text));
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
     EXPECT_EQ(answer.status, 503) << text;
-    EXPECT_NE(answer.body.find("error"), std::string::npos) << text;
+    EXPECT_TRUE(contains(answer.body, "error")) << text;
   }
 }
 
@@ -145,7 +144,7 @@ TEST_F(ReplayChildrenTest, HangingReader_IsEnded) {
   ReplayChildren children(options);
   const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
   EXPECT_EQ(answer.status, 503);
-  EXPECT_NE(answer.body.find("in time"), std::string::npos) << answer.body;
+  EXPECT_TRUE(contains(answer.body, "in time"));
 }
 
 TEST_F(ReplayChildrenTest, EndOfTheProgram_EndsWaitingRequests) {

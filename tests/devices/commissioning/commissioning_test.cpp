@@ -403,7 +403,7 @@ TEST(LastResorts, StatusBitsWithoutEffect_AreRefusedByTheMotionOfEachAxis) {
     Session s("desktop-3axis", injected);
     ASSERT_EQ(said(s.upTo(static_cast<Step>(static_cast<int>(step) - 1))), "");
     const std::string why = said(s.commissioning->carryOut(step));
-    EXPECT_TRUE(contains(why, axis)) << why;
+    EXPECT_TRUE(contains(why, axis));
     EXPECT_TRUE(contains(why, "is still pushed")) << stepName(step) << " " << axis;
     EXPECT_FALSE(s.device.enabled());
     EXPECT_LE(s.bench->largestShare(), 0.2 + 1e-12);

@@ -1,6 +1,7 @@
 #include "loop/device/simulated/simulated_device.hpp"
 #include "record/black_box/box_tools.hpp"
 #include "record/black_box/run_tools.hpp"
+#include "support/contains.hpp"
 #include "support/fault_injector.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -106,7 +107,7 @@ TEST(FaultedRun, EmergencyStop_LeavesAFileThatNamesItAndIsReproduced) {
   expectSameRerun(plan.black_box);
   const ProgramOutput shown = program("replay --speed 1000 '" + plan.black_box + "'");
   EXPECT_EQ(shown.code, 0);
-  EXPECT_NE(shown.text.find("emergency stop, first in tick 1235"), std::string::npos) << shown.text;
+  EXPECT_TRUE(contains(shown.text, "emergency stop, first in tick 1235"));
 }
 
 }  // namespace
