@@ -31,13 +31,6 @@ using Time = std::chrono::steady_clock;
 constexpr const char* kOrigin = "http://127.0.0.1:8787";
 constexpr int kListing = 10, kVisits = 20;
 
-class NoStation final : public Station {
- public:
-  [[nodiscard]] StationScene scene() const override { return {}; }
-  [[nodiscard]] StationReply open(const VisitOrder&) override { return {}; }
-  [[nodiscard]] StationReply close(std::uint64_t) override { return {}; }
-};
-
 std::string exchanged(std::uint16_t port, const std::string& bytes) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};

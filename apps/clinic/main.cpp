@@ -160,14 +160,6 @@ std::string asked(const char* question, bool hidden) {
   return line;
 }
 
-/// Stands in for the station when a clinic is created without one.
-class NoStation final : public Station {
- public:
-  [[nodiscard]] StationScene scene() const override { return {}; }
-  [[nodiscard]] StationReply open(const VisitOrder&) override { return {}; }
-  [[nodiscard]] StationReply close(std::uint64_t) override { return {}; }
-};
-
 int init(const ClinicOptions& options) {
   const auto lock = FolderLock::take(options.folder);
   if (!lock) return refuse(lock.errors());

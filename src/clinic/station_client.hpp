@@ -55,6 +55,14 @@ class Station {
   [[nodiscard]] virtual StationReply close(std::uint64_t visit) = 0;
 };
 
+/// Where no station is needed.
+class NoStation final : public Station {
+ public:
+  [[nodiscard]] StationScene scene() const override { return {}; }
+  [[nodiscard]] StationReply open(const VisitOrder&) override { return {}; }
+  [[nodiscard]] StationReply close(std::uint64_t) override { return {}; }
+};
+
 /// A therapist client of the station on this machine, over WebSocket. It reconnects by itself.
 class StationClient final : public Station {
  public:

@@ -174,6 +174,19 @@ def lose_ticks(path, begin, end):
         return len(f["ticks/tick"])
 
 
+def corrupt_chunk(path, dataset, number):
+    """Inverts the bytes of a chunk of a recording, from the last one if negative; returns its first row."""
+    import h5py
+    with h5py.File(path, "r") as f:
+        chunks = f[dataset].id
+        chunk = chunks.get_chunk_info(number % chunks.get_num_chunks())
+    whole = bytearray(path.read_bytes())
+    for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
+        whole[at] ^= 0xFF
+    path.write_bytes(whole)
+    return chunk.chunk_offset[0]
+
+
 def read_recording(path):
     """Opens a recording as docs/recording.md describes."""
     return Recording(path)

@@ -10,10 +10,9 @@ import sys
 import h5py
 import numpy
 
-from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, HANG_S, NOT_WHOLE, AppTest, main
+from app import BAD_INPUT, BINARY, CONFIG, DONE, FREE_RUN, HANG_S, NOT_WHOLE, AppTest, corrupt_chunk, lose_ticks, main
 
 FAILED = 4
-NEVER = -1  # docs/recording.md: a tick that never reached the disk
 
 
 class DamagedRecording(AppTest):
@@ -23,13 +22,8 @@ class DamagedRecording(AppTest):
     def test_corrupted_chunk_is_reported_by_every_command_that_reads_it(self):
         path = self.record(duration=2.0)
         with h5py.File(path, "r") as f:
-            chunk = f["ticks/rendered"].id.get_chunk_info(1)
-            first = chunk.chunk_offset[0] + 1
             ticks = len(f["ticks/tick"])
-        whole = bytearray(path.read_bytes())
-        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
-            whole[at] ^= 0xFF
-        path.write_bytes(whole)
+        first = corrupt_chunk(path, "ticks/rendered", 1) + 1
         for arguments, code in zip(self.commands(path), (NOT_WHOLE, BAD_INPUT)):
             with self.subTest(" ".join(map(str, arguments))):
                 result = self.expect(self.run_app(*arguments), code)
@@ -46,24 +40,12 @@ class DamagedRecording(AppTest):
         def complete():
             return json.loads(self.expect(self.run_app("measures", path), DONE).out)["recording"]["complete"]
         self.assertIs(complete(), True)
-        with h5py.File(path, "r") as f:  # the numbers of the last ticks; no later tick shows that they are missing
-            numbers = f["ticks/tick"].id
-            chunk = numbers.get_chunk_info(numbers.get_num_chunks() - 1)
-        whole = bytearray(path.read_bytes())
-        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
-            whole[at] ^= 0xFF
-        path.write_bytes(whole)
+        corrupt_chunk(path, "ticks/tick", -1)  # the last ticks: no later one shows that they are missing
         self.assertIs(complete(), False)
 
     def test_gap_is_reported_and_later_ticks_are_read(self):
         path = self.record(duration=2.0)
-        with h5py.File(path, "r+", libver="latest") as f:
-            ticks = len(f["ticks/tick"])
-            f["ticks/tick"][500:1200] = NEVER
-            f["ticks/contact_count"][500:1200] = 0
-            rows = f["contacts/row"][:]
-            rows[(rows >= 500) & (rows < 1200)] = NEVER
-            f["contacts/row"][:] = rows
+        ticks = lose_ticks(path, 500, 1200)
         result = self.expect(self.run_app("replay", "--speed", "1000", path), NOT_WHOLE,
                              f"{ticks - 700} ticks", "700 ticks, 0.700 s, are missing", "700 ticks are missing")
         last = float(result.out.splitlines()[-1].split()[0])

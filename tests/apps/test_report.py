@@ -12,7 +12,8 @@ import zlib
 import h5py
 import numpy
 
-from app import BINARY, DONE, FREE_RUN, HANG_S, NOT_WHOLE, SOURCE, AppTest, lose_ticks, main, read_recording, report_data
+from app import (BINARY, DONE, FREE_RUN, HANG_S, NOT_WHOLE, SOURCE, AppTest, corrupt_chunk, lose_ticks, main,
+                 read_recording, report_data)
 
 MOST_BYTES = 2_000_000
 
@@ -149,13 +150,7 @@ class WhatIsInIt(ReportTest):
 
     def test_damage_is_reported_and_the_rest_is_shown(self):
         path = self.record(duration=2.0)
-        with h5py.File(path, "r") as f:
-            chunk = f["ticks/rendered"].id.get_chunk_info(1)
-            first = chunk.chunk_offset[0]
-        whole = bytearray(path.read_bytes())
-        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
-            whole[at] ^= 0xFF
-        path.write_bytes(whole)
+        first = corrupt_chunk(path, "ticks/rendered", 1)
         (hole,) = Series(unpacked(self.report(path, code=NOT_WHOLE)["series"])).header["unreadable"]
         self.assertAlmostEqual(hole["from_s"], first * 1e-3, delta=2e-3)
 
