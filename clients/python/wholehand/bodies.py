@@ -11,6 +11,7 @@ import flatbuffers
 import numpy
 import numpy.typing
 
+from wholehand.messages import made
 # Imported at start-up: no heartbeat is sent while an order is being made.
 from wholehand.protocol import BodyHandover, BodyName, BodyPlace, BodyTargets, Pose, Remove, SetOwner, SpawnBody, Teleport, Vec3
 from wholehand.protocol import Shape as ShapeTable
@@ -108,10 +109,6 @@ Handover = typing.Tuple[int, int, int]
 ORDERS = {"Remove": Remove, "Teleport": Teleport, "SetOwner": SetOwner, "BodyTargets": BodyTargets}
 
 
-def _pose(builder: flatbuffers.Builder, position_m: Vector, orientation_xyzw: Vector) -> typing.Any:
-    return Pose.CreatePose(builder, *map(float, position_m), *map(float, orientation_xyzw))
-
-
 def _vector(builder: flatbuffers.Builder, order: str, items: typing.Sequence[typing.Any],
             put: typing.Callable[[typing.Any], typing.Any]) -> typing.Any:
     """A vector of structs: `put(item)` appends one."""
@@ -128,41 +125,31 @@ def _table_vector(builder: flatbuffers.Builder, tables: list[int]) -> typing.Any
     return builder.EndVector()
 
 
+def _triple(values: Vector) -> Put:
+    return lambda builder: Vec3.CreateVec3(builder, *map(float, values))
+
+
+def _placed(body: Shape | Body) -> Put:
+    return lambda builder: Pose.CreatePose(builder, *map(float, body.position_m), *map(float, body.orientation_xyzw))
+
+
 def _shape(builder: flatbuffers.Builder, shape: Shape) -> typing.Any:
-    made = ShapeTable
-    points = triangles = None
+    corners = {}
     if len(shape.points_m):
-        corners = numpy.asarray(shape.points_m, float).reshape(-1, 3)
-        made.ShapeStartPointsMVector(builder, len(corners))
-        for corner in corners[::-1]:
-            Vec3.CreateVec3(builder, *map(float, corner))
-        points = builder.EndVector()
-        triangles = builder.CreateNumpyVector(numpy.asarray(shape.triangles, "<u4").reshape(-1))
-    made.ShapeStart(builder)
-    made.ShapeAddType(builder, shape.type)
-    made.ShapeAddHalfExtentsM(builder, Vec3.CreateVec3(builder, *map(float, shape.half_extents_m)))
-    made.ShapeAddRadiusM(builder, shape.radius_m)
-    made.ShapeAddLengthM(builder, shape.length_m)
-    if points is not None:
-        made.ShapeAddPointsM(builder, points)
-        made.ShapeAddTriangles(builder, triangles)
-    made.ShapeAddInBody(builder, _pose(builder, shape.position_m, shape.orientation_xyzw))
-    return made.ShapeEnd(builder)
+        points = numpy.asarray(shape.points_m, float).reshape(-1, 3)
+        ShapeTable.ShapeStartPointsMVector(builder, len(points))
+        for point in points[::-1]:
+            _triple(point)(builder)
+        corners = {"points_m": builder.EndVector(),
+                   "triangles": builder.CreateNumpyVector(numpy.asarray(shape.triangles, "<u4").reshape(-1))}
+    return made(builder, ShapeTable, type=shape.type, half_extents_m=_triple(shape.half_extents_m), radius_m=shape.radius_m,
+                length_m=shape.length_m, **corners, in_body=_placed(shape))
 
 
 def _spawned(builder: flatbuffers.Builder, body: Body) -> typing.Any:
-    made = SpawnBody
-    made.SpawnBodyStart(builder)
-    made.SpawnBodyAddSlot(builder, body.slot)
-    made.SpawnBodyAddGeneration(builder, body.generation)
-    made.SpawnBodyAddShapeSet(builder, body.shape_set)
-    made.SpawnBodyAddOwner(builder, body.owner)
-    made.SpawnBodyAddMassKg(builder, body.mass_kg)
-    made.SpawnBodyAddFriction(builder, body.friction)
-    made.SpawnBodyAddPose(builder, _pose(builder, body.position_m, body.orientation_xyzw))
-    made.SpawnBodyAddVelocityMS(builder, Vec3.CreateVec3(builder, *map(float, body.velocity_m_s)))
-    made.SpawnBodyAddRefuseOverlap(builder, body.refuse_overlap)
-    return made.SpawnBodyEnd(builder)
+    return made(builder, SpawnBody, slot=body.slot, generation=body.generation, shape_set=body.shape_set, owner=body.owner,
+                mass_kg=body.mass_kg, friction=body.friction, pose=_placed(body),
+                velocity_m_s=_triple(body.velocity_m_s), refuse_overlap=body.refuse_overlap)
 
 
 # Each of these makes a vector of an order, for messages.encode(): a function of the builder.

@@ -188,23 +188,21 @@ def encode(number: int, order: str, **fields: typing.Any) -> bytes:
         if not hasattr(module, f"{order}Add{_camel(name)}"):
             raise ValueError(f"{order} has no field {name!r}")
     values = {name: _put(builder, value) for name, value in fields.items()}
-    getattr(module, f"{order}Start")(builder)
-    for name, value in values.items():
-        getattr(module, f"{order}Add{_camel(name)}")(builder, value)
-    table = getattr(module, f"{order}End")(builder)
-    command = _generated("Command")
-    command.CommandStart(builder)
-    command.CommandAddId(builder, number)
-    command.CommandAddOrderType(builder, ORDERS[order])
-    command.CommandAddOrder(builder, table)
-    command_end = command.CommandEnd(builder)
-    message = _generated("Message")
-    message.MessageStart(builder)
-    message.MessageAddSchemaVersion(builder, SCHEMA_VERSION)
-    message.MessageAddPayloadType(builder, _generated("Payload").Payload.Command)
-    message.MessageAddPayload(builder, command_end)
-    builder.Finish(message.MessageEnd(builder), IDENTIFIER)
+    command = made(builder, _generated("Command"), id=number, order_type=ORDERS[order],
+                   order=made(builder, module, **values))
+    message = made(builder, _generated("Message"), schema_version=SCHEMA_VERSION,
+                   payload_type=_generated("Payload").Payload.Command, payload=command)
+    builder.Finish(message, IDENTIFIER)
     return bytes(builder.Output())
+
+
+def made(builder: flatbuffers.Builder, module: types.ModuleType, **values: typing.Any) -> typing.Any:
+    """A table. @param module of its generated class @param values of its fields; a function makes a struct in its place"""
+    name = module.__name__.rpartition(".")[2]
+    getattr(module, f"{name}Start")(builder)
+    for field, value in values.items():
+        getattr(module, f"{name}Add{_camel(field)}")(builder, value(builder) if callable(value) else value)
+    return getattr(module, f"{name}End")(builder)
 
 
 def _put(builder: flatbuffers.Builder, value: typing.Any) -> typing.Any:
