@@ -15,7 +15,7 @@ import time
 from app import ALWAYS, BINARY, HANG_S, main
 from device_app import DRIVERS, DeviceTest
 
-HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST = range(8)  # tests/devices/handled_driver.c
+HAND, STOP, ENABLE_TAKES, ENABLED, EFFORT, POSITION, LARGEST = range(7)  # tests/devices/handled_driver.c
 SPACE, CTRL_C, CTRL_Z = b" ", b"\x03", b"\x1a"
 REPEATS_S = 0.03  # repeat interval of a held key
 ONE_FIFTH_N = 0.2 * 8.0
@@ -200,14 +200,6 @@ class Commission(Terminal):
         os.write(self.terminal, SPACE * 30)  # wait in the terminal while the device is being enabled
         self.until("the key was let go")
         self.assertEqual(self.shared(LARGEST), 0.0, ALWAYS)
-        self.expect_let_go()
-
-    def test_frozen_samples_during_a_motion_end_it(self):
-        self.begin_gravity()
-        self.until(lambda: abs(self.shared(EFFORT)) > 0.01, press=SPACE)
-        self.set(FROZEN, 1.0)
-        self.until("samples stand still", press=SPACE)
-        self.until(lambda: self.shared(ENABLED) == 0.0)
         self.expect_let_go()
 
     def test_nobody_attached_is_confirmed_only_by_an_answer_to_its_question(self):

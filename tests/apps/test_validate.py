@@ -41,9 +41,7 @@ class Passports(AppTest):
     def test_mistakes_in_a_passport_are_named(self):
         mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
         other = self.write("other.toml", mine.read_text() + "# other\n")
-        for text, files, says in ((passport_of(mine).split("[seal]")[0], (), "truncated"),
-                                  (passport_of(mine) + "#\n", (), "changed after it was written"),
-                                  (passport_of(mine, mass=(-1, 1)), (), "mass_kg"),
+        for text, files, says in ((passport_of(mine) + "#\n", (), "changed after it was written"),
                                   (passport_of(other), (mine,), "was changed since"),
                                   (passport_of(mine, day="2020-01-01"), (mine,), "has expired")):
             with self.subTest(says=says):

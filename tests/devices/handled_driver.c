@@ -1,7 +1,7 @@
 /* A driver for tests: one rail that a person holds while it is disabled. Its settings name a file
- * of eight doubles shared with the test. Written by the test: 0: where the person holds it [m], 1:
- * emergency stop pressed, 2: how long WH_ENABLE takes [s], 3: whether samples are frozen. Written
- * by the driver: 4: enabled, 5: effort [N], 6: position [m], 7: largest effort so far [N]. */
+ * of seven doubles shared with the test. Written by the test: 0: where the person holds it [m], 1:
+ * emergency stop pressed, 2: how long WH_ENABLE takes [s]. Written by the driver: 3: enabled, 4:
+ * effort [N], 5: position [m], 6: largest effort so far [N]. */
 #define _POSIX_C_SOURCE 200809L
 #include "test_driver.h"
 
@@ -14,7 +14,7 @@
 #include <unistd.h>
 #include <wholehand/device.h>
 
-enum { HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST, SHARED };
+enum { HAND, STOP, ENABLE_TAKES, ENABLED, EFFORT, POSITION, LARGEST, SHARED };
 
 struct wh_device {
   volatile double* shared;
@@ -98,11 +98,8 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   sample->status = WH_HOMED;
   if (device->shared[ENABLED] != 0.0) sample->status |= WH_ENABLED;
   if (device->silenced) sample->status |= WH_SILENCED;
-  if (device->shared[FROZEN] == 0.0) {
-    ++device->sequence;
-    device->shared[POSITION] = device->position;
-  }
-  sample->sequence = device->sequence;
+  device->shared[POSITION] = device->position;
+  sample->sequence = ++device->sequence;
   sample->monotonic_ns = device->taken_ns;
   sample->valid = 1;
   sample->vendor_code = 0;
