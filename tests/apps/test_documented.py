@@ -101,6 +101,7 @@ class Pages(AppTest):
         path = []
         while words and re.search(rf"(?m)^  {re.escape(words[0])} ", help_of(program, *path).partition("Subcommands:")[2]):
             path.append(words.pop(0))
+        self.assertTrue(path or not re.match("[a-z]", " ".join(words)), f"{program} has no such subcommand: {words}")
         return set(re.findall(r"--[a-z][a-z-]*", help_of(program, *path)))
 
     def test_every_option_exists(self):
@@ -112,7 +113,7 @@ class Pages(AppTest):
             for code in lines + re.findall(r"`([^`\n]+)`", FENCED.sub("", text)):
                 for program, said in re.findall(r"(?:^|[ /\"])(wholehand(?:-clinic)?)((?: [^#|&]*)?)(?=$|[#|&\"])", code):
                     options = re.findall(r"(?<!\S)\[?(--[a-z][a-z-]*)", said)
-                    if options:
+                    if said.strip():
                         known = self.options_of(program, said.split())
                         self.assertLessEqual(set(options), known, f"{page}: {code}")
                         seen += len(options)

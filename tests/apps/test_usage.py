@@ -5,9 +5,12 @@ import shutil
 
 from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, main, ordinary_user
 
+
 class Help(AppTest):
     def test_help_of_every_subcommand_runs_nothing(self):
         """test_documented.py tests that the help has what the documents use."""
+        code = "".join(path.read_text() for path in (SOURCE / "apps").rglob("*.cpp"))
+        self.assertEqual(re.findall(r'"([^"]*)"[^"]*->group\(""\)', code), ["--answer"], "hidden from the help")
         for command in (commands := [()]):
             with self.subTest(command):
                 said = self.expect(self.run_app(*command, "--help"), DONE, "Options:\n", "--help").out
