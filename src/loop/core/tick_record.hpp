@@ -59,7 +59,7 @@ struct ExerciseRecord {
   AxisPosition wall;     ///< θ_wall [m or rad]; valid where wall_active is set
   std::int32_t value_count = 0;
   std::int32_t event_count = 0;
-  std::array<double, kMaxExerciseValues> values{};
+  std::array<double, kMaxExerciseValues> values{};  ///< NaN: not known yet
   std::array<ExerciseEvent, kMaxExerciseEvents> events{};
 };
 

@@ -1,5 +1,6 @@
 #include "loop/psychometrics/threshold.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -121,14 +122,32 @@ double climb(Observer& o, std::span<const Comparison> answers, Compared what) {
   return best;
 }
 
-/// Largest posterior at ln σ = u. It is climbed to from the bias of `at` and from three others,
+/// The bias with the largest posterior among those halfway between the differences: with a small σ
+/// the posterior has a step at each difference, and a top between any two of them.
+double bestStep(Observer o, std::span<const Comparison> answers, Compared what) {
+  std::vector<double> steps{-kMostBias, kMostBias};
+  for (const Comparison& answer : answers) steps.push_back(-differenceOf(answer, what));
+  std::sort(steps.begin(), steps.end());
+  double best = -std::numeric_limits<double>::infinity(), bias = 0.0;
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    if (steps[i] == steps[i - 1]) continue;
+    o.bias = 0.5 * (steps[i] + steps[i - 1]);
+    const double value = likelihood(o, answers, what) + priorOf(o);
+    if (value > best) best = value, bias = o.bias;
+  }
+  return bias;
+}
+
+/// Largest posterior at ln σ = u. It is climbed to from the bias of `at` and from four others,
 /// since it may have several tops; and from half the most lapses: from none a rise is slow where an
 /// answer is very improbable.
 double profile(double u, std::span<const Comparison> answers, Compared what, Observer& at) {
   double best = -std::numeric_limits<double>::infinity();
   const double before = at.bias;
-  for (const double bias : {before, 0.0, -0.4, 0.4}) {
-    Observer o{std::exp(u), bias, 0.5 * kMostLapse};
+  const Observer start{std::exp(u), 0.0, 0.5 * kMostLapse};
+  for (const double bias : {before, bestStep(start, answers, what), 0.0, -0.4, 0.4}) {
+    Observer o = start;
+    o.bias = bias;
     const double value = climb(o, answers, what);
     if (value > best) best = value, at = o;
   }

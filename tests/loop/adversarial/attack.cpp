@@ -14,7 +14,8 @@ constexpr int kLookEvery =
     5;  // ticks between two checks of the bones: 7 mm at 1.5 m/s, less than a bone's depth
 
 /// Names the fields of a record that are not finite; empty: none. An infinite distance means that
-/// there is no body, and a closure of NaN means that nothing is touched; both are allowed.
+/// there is no body, a closure of NaN that nothing is touched, and an exercise's value of NaN that
+/// it is not known yet; these are allowed.
 std::string notFinite(const TickRecord& r) {
   std::string out;
   const auto check = [&out](const std::string& name, bool good) {
@@ -22,7 +23,10 @@ std::string notFinite(const TickRecord& r) {
   };
   visitComputed(r, [&](const std::string& name, const double* numbers, int count) {
     if (name == "closure" || name.ends_with("distance_m")) return;
-    check(name, std::all_of(numbers, numbers + count, [](double x) { return std::isfinite(x); }));
+    const bool may_be_unknown = name == "exercise_values";
+    check(name, std::all_of(numbers, numbers + count, [&](double x) {
+            return std::isfinite(x) || (may_be_unknown && std::isnan(x));
+          }));
   });
   check("intention", allFinite(r.intention));
   check("patient_effort", allFinite(r.patient_effort));
