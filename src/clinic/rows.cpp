@@ -73,10 +73,11 @@ Json rowJson(const Statement& row, int from, std::initializer_list<const char*> 
   Json out = Json::object();
   for (int column = from; column < row.columns(); ++column) {
     Json& value = out[row.name(column)];
-    if (row.isInteger(column))
+    if (row.isInteger(column)) {
       value = row.integer(column);
-    else if (!row.isNull(column))
+    } else if (!row.isNull(column)) {
       value = row.text(column);
+    }
   }
   for (const char* name : parsed) out[name] = Json::parse(out[name].get<std::string>());
   return out;

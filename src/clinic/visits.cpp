@@ -74,7 +74,7 @@ std::string Visits::writeLimits(const VisitRow& visit) {
   const Json hand = Json::parse(row.text(0)).value(visit.side, Json::object());
   const Json limits = hand.value("limits", Json::array());
   if (limits.empty()) return {};
-  const std::string name = fmt::format("visit-{}-limits.toml", visit.id);
+  std::string name = fmt::format("visit-{}-limits.toml", visit.id);
   const std::string path = records_.options().folder + "/hands/" + name;
   const std::string text = prescriptionText(limits, visit.id, visit.side);
   auto written = prepareFiles({path});
