@@ -61,16 +61,14 @@ Json readLimits(const Json& limits, const std::string& field) {
   return out;
 }
 
-std::string prescriptionText(const Json& limits, std::int64_t visit, const std::string& side) {
-  std::string text = fmt::format(
-      "kind = \"prescription\"\nversion = 1\nname = \"visit-{}\"\nside = \"{}\"\n", visit, side);
+std::vector<LimitText> limitTexts(const Json& limits) {
+  std::vector<LimitText> out;
   for (const Json& limit : limits) {
-    const char* key = limit.contains("within_m") ? "within_m" : "within_rad";
-    text += fmt::format("\n[[limits]]\naxis = \"{}\"\n{} = [{}, {}]\n",
-                        limit["axis"].get<std::string>(), key, limit[key][0].get<double>(),
-                        limit[key][1].get<double>());
+    const bool along = limit.contains("within_m");
+    const Json& range = limit[along ? "within_m" : "within_rad"];
+    out.push_back({limit["axis"], along, range[0], range[1]});
   }
-  return text;
+  return out;
 }
 
 }  // namespace wholehand::clinic

@@ -1,9 +1,10 @@
 #pragma once
 
 #include "clinic/request.hpp"
+#include "files/patient/prescription_file.hpp"
 
-#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace wholehand::clinic {
 
@@ -13,9 +14,7 @@ namespace wholehand::clinic {
 /// @param field of the request
 [[nodiscard]] Json readLimits(const Json& limits, const std::string& field);
 
-/// Text of the prescription with these limits (docs/prescription.md). It names the visit, never the
-/// person.
-[[nodiscard]] std::string prescriptionText(const Json& limits, std::int64_t visit,
-                                           const std::string& side);
+/// The same for the file of a prescription.
+[[nodiscard]] std::vector<LimitText> limitTexts(const Json& limits);
 
 }  // namespace wholehand::clinic

@@ -16,8 +16,11 @@ namespace wholehand::clinic {
 namespace {
 
 /// A shorter difference between station and database means that an order is still on its way.
-constexpr std::string_view kOwnMovement = "own-range";
 constexpr std::int64_t kApart_us = 10 * kSecond_us;
+
+std::string limitsFileOf(std::int64_t visit) {
+  return fmt::format("visit-{}-limits.toml", visit);
+}
 
 std::string sideOf(const Json& body) {
   const Json side = body.value("side", Json());
@@ -60,8 +63,7 @@ VisitOrder Visits::orderOf(const VisitRow& visit, std::int64_t item) {
       order.parameters[name] = value;
   }
   for (const auto& [name, value] : now.parameters) order.parameters[name] = value;
-  // Own movement is measured without any effort of ours.
-  if (now.exercise != kOwnMovement) order.prescription_file = writeLimits(visit);
+  order.prescription_file = writeLimits(visit);
   return order;
 }
 
@@ -74,9 +76,10 @@ std::string Visits::writeLimits(const VisitRow& visit) {
   const Json hand = Json::parse(row.text(0)).value(visit.side, Json::object());
   const Json limits = hand.value("limits", Json::array());
   if (limits.empty()) return {};
-  std::string name = fmt::format("visit-{}-limits.toml", visit.id);
+  std::string name = limitsFileOf(visit.id);
   const std::string path = records_.options().folder + "/hands/" + name;
-  const std::string text = prescriptionText(limits, visit.id, visit.side);
+  const std::string text =
+      prescriptionText(fmt::format("visit-{}", visit.id), visit.side, limitTexts(limits));
   auto written = prepareFiles({path});
   if (written) written = writeText(path, text);
   if (!written) throw RequestRefusal{503, "database", format(written.errors()), "hands"};
@@ -301,7 +304,10 @@ Json Visits::start(Call& call, std::optional<std::int64_t> patient, const std::s
     records_.log(call.session.account, "visit refused", patient.value_or(0), visit.id,
                  refused.code);
     transaction.commit();
-    if (!silent && !visit.hand_file.empty()) removeHandFile(visit.hand_file);
+    if (!silent) {
+      if (!visit.hand_file.empty()) removeHandFile(visit.hand_file);
+      removeHandFile(limitsFileOf(visit.id));
+    }
     throw;
   }
   records_.begin(call);

@@ -89,11 +89,13 @@ LimitsFound limitsFrom(const OwnMovement& own) {
     const auto shown = [&](double value) {
       return along ? fmt::format("{:.1f} cm", 100.0 * value) : fmt::format("{:.0f}°", value / kDeg);
     };
-    Prescription::Limit limit{a, axis.lower, axis.upper};
+    const double step = along ? 1e-4 : 1e-3;  // of the written numbers
+    LimitText limit{axis.name, along, axis.lower, axis.upper};
     bool known = false;
     for (const OwnMovementEnd& end : own.ends) {
       if (end.axis != a) continue;
-      (end.upper ? limit.upper : limit.lower) = std::clamp(end.value, axis.lower, axis.upper);
+      (end.upper ? limit.upper : limit.lower) =
+          std::clamp(step * std::round(end.value / step), axis.lower, axis.upper);
       known = true;
     }
     if (!known) continue;

@@ -1,8 +1,9 @@
 #pragma once
 
+#include "files/patient/prescription_file.hpp"
 #include "loop/core/expected.hpp"
 #include "loop/model/device_model.hpp"
-#include "loop/model/prescription.hpp"
+#include "loop/model/hand_model.hpp"
 
 #include <optional>
 #include <string>
@@ -30,7 +31,7 @@ struct OwnMovement {
 
 /// Limits at the ends of own movement, and what was left out: one sentence each.
 struct LimitsFound {
-  std::vector<Prescription::Limit> limits;
+  std::vector<LimitText> limits;
   std::vector<std::string> notices;
 };
 

@@ -125,6 +125,10 @@ Expected<Models> loadModels(const ModelFiles& files) {
     errors = refuseOtherSide(*models.prescription, models.hand);
   }
   if (!errors.empty()) return errors;
+  // The file stays named for the next exercise.
+  if (models.exercise && models.exercise->description().measures_own_movement) {
+    models.prescription.reset();
+  }
   return models;
 }
 

@@ -44,6 +44,8 @@ class Results(AppTest):
         self.expect(self.run_app("validate", "limits.toml"), DONE, "ok")
         self.expect(self.run_app("run", "--exercise", "squeeze-to-level", "--prescription", "limits.toml", "--simulated-clock",
                                  "--duration", 1), DONE, "allowed  P-014: ")
+        self.expect(self.run_app("run", "--exercise", "own-range", "--prescription", "limits.toml", "--simulated-clock",
+                                 "--duration", 1), DONE, "measured without the limits of limits.toml")
         self.expect(self.run_app("prescribe", "own.h5", "--name", "Anna Keller"), BAD_INPUT, "not a person's name")
         self.expect(self.run_app("run", "--simulated-clock", "--duration", 1, "--record", "bar.h5"), DONE)
         self.expect(self.run_app("prescribe", "bar.h5"), BAD_INPUT, "has no own movement", "--exercise own-range")

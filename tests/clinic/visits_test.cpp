@@ -84,8 +84,7 @@ TEST(Visits, BeginOfAVisit_SendsThePersonsLimitsHandAndItem) {
   EXPECT_EQ(b.station.orders.at(1).parameters.at("effort_limit_hand_tip_n"), 3.0);
 }
 
-/// Limits belong to a hand of the person: they go to the station with each item, except for the one
-/// that measures own movement.
+/// Limits belong to a hand of the person and go to the station with each item.
 TEST(Visits, LimitsOfTheHand_GoToTheStationAsAPrescription) {
   Bench b;
   Json body = patientOf("P-001");
@@ -93,10 +92,15 @@ TEST(Visits, LimitsOfTheHand_GoToTheStationAsAPrescription) {
                                       {{"axis", "finger_flexion"}, {"within_rad", {0.3, 2.5}}}};
   const std::int64_t id = b.post("/api/patients", body)["id"];
   EXPECT_EQ(b.get(fmt::format("/api/patients/{}", id))["hands"], body["hands"]);
-  Json plan = planOf(2);
-  plan[1]["exercise"] = "own-range";
-  const Json visit =
-      b.post(fmt::format("/api/patients/{}/visits", id), {{"side", "right"}, {"plan", plan}});
+  const std::string path_of_visits = fmt::format("/api/patients/{}/visits", id);
+  const Json begun = {{"side", "right"}, {"plan", planOf(2)}};
+  b.station.reply = {StationReply::Status::kRefused, "is armed; stop first"};
+  (void)b.post(path_of_visits, begun);
+  EXPECT_TRUE(std::filesystem::is_empty(b.options.folder + "/hands"))
+      << "a visit that did not begin leaves no file";
+  b.station.reply = {StationReply::Status::kAccepted, ""};
+  b.station.orders.clear();
+  b.post(path_of_visits, begun);
   ASSERT_EQ(b.status, 200);
   const VisitOrder order = b.station.orders.at(0);
   EXPECT_EQ(order.prescription_file, fmt::format("visit-{}-limits.toml", order.visit));
@@ -110,7 +114,7 @@ TEST(Visits, LimitsOfTheHand_GoToTheStationAsAPrescription) {
   EXPECT_EQ(read->side, Side::kRight);
   EXPECT_EQ(textOf(path).find("Keller"), std::string::npos) << "a file names no person";
   b.post(fmt::format("/api/visits/{}/item", order.visit), {{"item", 1}});
-  EXPECT_EQ(b.station.orders.at(1).prescription_file, "");
+  EXPECT_EQ(b.station.orders.at(1).prescription_file, order.prescription_file);
 }
 
 TEST(Visits, FaultyLimits_AreRefusedAtTheirField) {

@@ -364,8 +364,13 @@ TEST_F(Visits, PrescriptionOfTheVisit_HoldsFromOpeningToClosing) {
   visit.prescription_file = "";
   ASSERT_TRUE(open(visit).accepted) << "the therapist took them away";
   EXPECT_EQ(recordedSchema(), kRecordingSchema);
+  // Own movement is measured without them; another exercise in the same visit has them again.
   visit.prescription_file = "visit-9-limits.toml";
+  const std::string trained = std::exchange(visit.exercise, "own-range");
   ASSERT_TRUE(open(visit).accepted);
+  EXPECT_EQ(recordedSchema(), kRecordingSchema);
+  ASSERT_TRUE(ask(orders::LoadExercise{.exercise = trained}).accepted);
+  EXPECT_EQ(recordedSchema(), kPrescribedSchema);
   ASSERT_TRUE(ask(orders::CloseVisit{9}).accepted);
   EXPECT_EQ(recordedSchema(), kRecordingSchema);
 }

@@ -47,7 +47,7 @@ it('limits that cross, leave the device or are too narrow are named', () => {
   expect(rangesOf([{ axis: 'x', within_m: [-0.01, 0.02] }])).toEqual([['x', { lower: -0.01, upper: 0.02 }]]);
 });
 
-let fake: FakeClinic, screen: LimitsScreen, went: unknown;
+let fake: FakeClinic, context: ClinicContext, screen: LimitsScreen, went: unknown;
 const find = <T extends HTMLElement>(test: string): T => screen.element.querySelector<T>(`[data-testid="${test}"]`)!;
 
 beforeEach(async () => {
@@ -61,7 +61,7 @@ beforeEach(async () => {
   await clinic.signedIn(fake.signIn(1));
   await clinic.look(fake.fetch);
   const axes = [X, FINGERS].map(({ name, turns, lower, upper }) => ({ name, unit: turns ? 'rad' : 'm', lower, upper }));
-  const context = { clinic, model: { scene: { axes } }, go: (route: unknown) => { went = route; }, showMessage: () => undefined } as unknown as ClinicContext;
+  context = { clinic, model: { scene: { axes } }, go: (route: unknown) => { went = route; }, showMessage: () => undefined } as unknown as ClinicContext;
   screen = new LimitsScreen(context, row.id);
   document.body.replaceChildren(screen.element);
   await vi.waitFor(() => expect(find('take-all')).not.toBeNull());
@@ -83,6 +83,18 @@ it('own movement is taken, narrowed by hand, and saved with the hand', async () 
   expect(limit.within_m![0]).toBeCloseTo(-0.06);
   expect(limit.within_m![1]).toBeCloseTo(0.035);
   expect(fake.patients[0].hands.right!.length_m).toBe(0.18);
+});
+
+it('what was typed for one hand is still there after a look at the other', async () => {
+  fake.patients[0] = { ...fake.patients[0], side: 'both', hands: { right: { length_m: 0.18, breadth_m: 0.08 }, left: { length_m: 0.18, breadth_m: 0.08 } } };
+  screen = new LimitsScreen(context, fake.patients[0].id);
+  document.body.replaceChildren(screen.element);
+  await vi.waitFor(() => expect(find('take-all')).not.toBeNull());
+  find('own-x').click();
+  screen.element.querySelector<HTMLElement>('[data-key=left]')!.click();
+  expect(find<HTMLInputElement>('limit-x-upper').value).toBe('');
+  screen.element.querySelector<HTMLElement>('[data-key=right]')!.click();
+  expect(find<HTMLInputElement>('limit-x-upper').value).toBe('5.0');
 });
 
 it('a limit beyond the device is not saved and says the device’s range', () => {

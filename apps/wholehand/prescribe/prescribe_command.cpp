@@ -15,11 +15,8 @@ int prescribeCommand(const PrescribeOptions& options) {
   const LimitsFound found = limitsFrom(*own);
   for (const std::string& notice : found.notices)
     std::fprintf(stderr, "note: %s\n", notice.c_str());
-  Prescription prescription;
-  prescription.name = options.name;
-  prescription.side = own->side;
-  prescription.limits = found.limits;
-  const std::string text = prescriptionText(prescription, own->device);
+  const std::string text =
+      prescriptionText(options.name, own->side == Side::kLeft ? "left" : "right", found.limits);
   if (options.output.empty()) {
     std::printf("%s", text.c_str());
     return kExitDone;

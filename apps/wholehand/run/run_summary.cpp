@@ -114,6 +114,10 @@ void printOpening(const Models& models, bool real_device) {
   constexpr int kBelowTheScene = 11;
   printNotices(models.scene.notices, kBelowTheScene);
   if (models.prescription) printPrescription(models);
+  if (!models.prescription && !models.files.prescription.empty()) {
+    std::printf("  allowed  own movement is measured without the limits of %s\n",
+                printable(models.files.prescription).c_str());
+  }
 }
 
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,

@@ -115,6 +115,7 @@ class OwnRange final : public Exercise {
     description_.event_names = {"held",           "no_movement", "jerk",         "drift",
                                 "direction_done", "not_steady",  "all_measured", "restarted"};
     description_.resume_value = kPlace;
+    description_.measures_own_movement = true;
     description_.json = R"({"kind":"own_range"})";
     OwnRange::reset();
   }

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 namespace wholehand {
@@ -106,13 +105,6 @@ Prescription::Difficulty readDifficulty(TomlTable table) {
   return out;
 }
 
-/// A number with its decimals, moved into the range where it was rounded out of it.
-std::string rounded(double value, int decimals, const DeviceAxis& axis) {
-  const std::string out = fmt::format("{:.{}f}", value, decimals);
-  const double read = std::strtod(out.c_str(), nullptr);
-  return axis.lower <= read && read <= axis.upper ? out : fmt::format("{}", value);
-}
-
 }  // namespace
 
 Expected<Prescription> loadPrescriptionFile(const std::string& path, const DeviceModel& device) {
@@ -134,25 +126,13 @@ Expected<Prescription> loadPrescriptionFile(const std::string& path, const Devic
       });
 }
 
-std::string prescriptionText(const Prescription& prescription, const DeviceModel& device) {
-  std::string out =
-      fmt::format("kind = \"prescription\"\nversion = 1\nname = \"{}\"\nside = \"{}\"\n",
-                  prescription.name, nameOf(prescription.side));
-  for (const Prescription::Limit& limit : prescription.limits) {
-    const DeviceAxis& axis = device.axes[limit.axis];
-    const bool along = axis.kind == AxisKind::kTranslation;
-    const int decimals = along ? 4 : 3;
-    out += fmt::format("\n[[limits]]\naxis = \"{}\"\n{} = [{}, {}]\n", axis.name,
-                       along ? "within_m" : "within_rad", rounded(limit.lower, decimals, axis),
-                       rounded(limit.upper, decimals, axis));
-  }
-  if (prescription.corridor) {
-    out += fmt::format("\n[corridor]\nradius_m = {}\nstiffness_n_m = {}\n",
-                       prescription.corridor->radius_m, prescription.corridor->stiffness_n_m);
-  }
-  if (prescription.difficulty) {
-    const Prescription::Difficulty& d = *prescription.difficulty;
-    out += fmt::format("\n[difficulty]\naim = {}\nbounds = [{}, {}]\n", d.aim, d.lower, d.upper);
+std::string prescriptionText(const std::string& name, const std::string& side,
+                             const std::vector<LimitText>& limits) {
+  std::string out = fmt::format(
+      "kind = \"prescription\"\nversion = 1\nname = \"{}\"\nside = \"{}\"\n", name, side);
+  for (const LimitText& limit : limits) {
+    out += fmt::format("\n[[limits]]\naxis = \"{}\"\n{} = [{}, {}]\n", limit.axis,
+                       limit.along ? "within_m" : "within_rad", limit.lower, limit.upper);
   }
   return out;
 }

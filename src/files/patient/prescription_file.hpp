@@ -6,6 +6,7 @@
 #include "loop/model/prescription.hpp"
 
 #include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -14,10 +15,16 @@ namespace wholehand {
 [[nodiscard]] Expected<Prescription> loadPrescriptionFile(const std::string& path,
                                                           const DeviceModel& device);
 
-/// Text of a prescription's file. Numbers are rounded to a tenth of a millimetre and a milliradian,
-/// and stay within the device's range.
-[[nodiscard]] std::string prescriptionText(const Prescription& prescription,
-                                           const DeviceModel& device);
+/// A limit as its file has it.
+struct LimitText {
+  std::string axis;
+  bool along = true;  ///< within_m, not within_rad
+  double lower = 0.0, upper = 0.0;
+};
+/// Text of a prescription's file with these limits.
+/// @param name a code, never a person's name @param side "right" or "left"
+[[nodiscard]] std::string prescriptionText(const std::string& name, const std::string& side,
+                                           const std::vector<LimitText>& limits);
 
 /// One fault when the prescription is for the other hand; else none.
 [[nodiscard]] Diagnostics refuseOtherSide(const Prescription& prescription, const HandModel& hand);

@@ -30,6 +30,8 @@ struct ExerciseDescription {
   /// Index into value_names of the value that tells the place in the level. A session resumes there
   /// after a rest: it sends this value with kBeginAt. -1: every session begins at the start.
   int resume_value = -1;
+  /// It measures the person's own movement: no prescription acts in it.
+  bool measures_own_movement = false;
   std::string json;  ///< data for its front end: liquids, recipe ...
 };
 

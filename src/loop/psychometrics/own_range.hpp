@@ -46,7 +46,6 @@ class RangeMeter {
   /// Time since the outermost median last moved outward by more than a sixteenth of the allowed
   /// spread, after a way that is a try; 0 before. A person who gets no further has finished.
   [[nodiscard]] double sinceAdvance_s() const noexcept { return kSample_s * since_advance_; }
-  [[nodiscard]] double time_s() const noexcept { return kSample_s * samples_; }
 
  private:
   struct Window {

@@ -14,8 +14,8 @@ import { dayOf, sideWords } from './words';
 /** The unit in which an axis is shown, and its size. */
 const shownIn = ({ turns }: LimitAxis): { readonly unit: string; readonly per: number; readonly decimals: number } => (turns ? { unit: '°', per: Math.PI / 180, decimals: 0 } : { unit: 'cm', per: 0.01, decimals: 1 });
 
-/** Limits that are not saved yet. */
-interface Typed { readonly side: OneSide; readonly ranges: readonly (readonly [axis: string, range: Range])[] }
+/** Limits of each hand that are not saved yet. */
+type Typed = Partial<Record<OneSide, readonly (readonly [axis: string, range: Range])[]>>;
 
 /** The limits of a person's hand, filled in from own movement: narrowed freely, widened up to the device's range. */
 export class LimitsScreen implements Screen {
@@ -51,17 +51,18 @@ export class LimitsScreen implements Screen {
       const patient = await this.context.clinic.read<Patient>(`/api/patients/${this.id}`);
       if (this.closed) return;
       this.patient = patient;
-      // What was typed is kept over a reload and hidden names.
-      const kept = this.context.clinic.drafts.get<Typed>('limits', this.id);
-      this.choose(kept?.side ?? (patient.side === 'both' ? 'right' : patient.side), kept);
+      this.choose(patient.side === 'both' ? 'right' : patient.side);
     } catch (problem) {
       this.message.showProblem(problem);
     }
   }
 
-  private choose(side: OneSide, kept?: Typed): void {
+  /** What was typed is kept over a reload, hidden names and a look at the other hand. */
+  private get typed(): Typed { return this.context.clinic.drafts.get<Typed>('limits', this.id) ?? {}; }
+
+  private choose(side: OneSide): void {
     this.side = side;
-    this.ranges = new Map(kept?.ranges ?? rangesOf(this.patient!.hands[side]?.limits));
+    this.ranges = new Map(this.typed[side] ?? rangesOf(this.patient!.hands[side]?.limits));
     this.build();
   }
 
@@ -88,7 +89,7 @@ export class LimitsScreen implements Screen {
 
   private change(act: () => void): void {
     act();
-    this.context.clinic.drafts.set('limits', this.id, { side: this.side, ranges: [...this.ranges] } satisfies Typed);
+    this.context.clinic.drafts.set('limits', this.id, { ...this.typed, [this.side]: [...this.ranges] });
     this.message.show('');
     const focused = document.activeElement?.getAttribute('data-testid');
     this.build();
@@ -130,7 +131,9 @@ export class LimitsScreen implements Screen {
     const { id, version, name, code, born, number, side, hands, preset, parameters, warnings, plan } = patient;
     try {
       await clinic.api.send('PUT', `/api/patients/${id}`, { name, code, born, number, side, preset, parameters, warnings, plan, version, hands: { ...hands, [this.side]: { ...hand, limits: limitsFrom(axes, this.ranges) } } });
-      clinic.drafts.drop('limits', id);
+      const { [this.side]: _saved, ...other } = this.typed;
+      if (Object.keys(other).length > 0) clinic.drafts.set('limits', id, other);
+      else clinic.drafts.drop('limits', id);
       this.context.showMessage(t.saved);
       this.context.go({ at: 'patient', patient: id });
     } catch (problem) {
